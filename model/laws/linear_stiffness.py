@@ -1,0 +1,13 @@
+"""The linear spring of Eq. 17."""
+
+from ..law import Law, LawParameter
+
+LAW = Law(
+    name="linear-stiffness",
+    path="restoring",
+    parameters=(LawParameter("omega0", "rad/s", "undamped angular frequency of the linear part", lower=0.0),),
+    force=lambda motion, p: p["omega0"] ** 2 * motion.x,
+    equation="omega0² x",
+    sentence="A spring whose force grows in proportion to the displacement.",
+    source="Feldman, Bucher, Rotberg, Eqs. 2 and 17",
+)

@@ -1,0 +1,182 @@
+"""What an oscillator is: Eq. 17 with its numbers, further terms, and where they came from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ..errors import BadInput
+from . import units
+from .law import Law
+from .laws import BASE, find
+from .parameter import Parameter
+
+MASS_UNIT = "Q.s2/X"
+QUANTITIES = ("displacement", "velocity", "acceleration")
+
+
+@dataclass(frozen=True)
+class Response:
+    """What the recordings show of the motion, and in which unit."""
+
+    quantity: str = "displacement"
+    unit: str = "m"
+
+    @property
+    def displacement_unit(self) -> str:
+        """Unit of the displacement that belongs to the recorded quantity."""
+        order = QUANTITIES.index(self.quantity)
+        return units.compose(f"X.s{order}" if order else "X", self.unit)
+
+
+@dataclass(frozen=True)
+class Range:
+    """What the recordings covered, from ``min`` to ``max``."""
+
+    min: float
+    max: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Term:
+    """One further effect beside Eq. 17."""
+
+    effect: str
+    parameters: Mapping[str, Parameter]
+
+    @property
+    def law(self) -> Law:
+        """The law of that name in the library."""
+        return find(self.effect)
+
+
+@dataclass(frozen=True)
+class Provenance:
+    """Where the numbers come from.
+
+    Attributes:
+        recordings: one mapping a recording with ``file``, ``sha256``, ``kind``.
+        method: for example ``maximum-likelihood``.
+        software: name and version.
+        parameters: names in the order of the covariance's rows.
+        covariance: rows of the parameters' covariance, in the parameters' units.
+        log_likelihood: at the maximum.
+    """
+
+    recordings: tuple[Mapping[str, Any], ...] = ()
+    method: str = ""
+    software: str = ""
+    parameters: tuple[str, ...] = ()
+    covariance: tuple[tuple[float, ...], ...] | None = None
+    log_likelihood: float | None = None
+
+
+@dataclass(frozen=True)
+class Oscillator:
+    """A single oscillator: the Eq. 17 family and further terms.
+
+    ``mass (x'' + viscous x' + dry sgn x' + omega0² x + cubic x³ + preload sgn x + terms) = F``
+
+    All forces are per unit mass. ``mass`` is None where only free decays were recorded; the input is then
+    a force per unit mass. Source: Feldman, Bucher, Rotberg, Eq. 17, in SI units (cubic in 1/(m² s²)).
+    """
+
+    mass: Parameter | None
+    omega0: Parameter
+    cubic: Parameter
+    preload: Parameter
+    viscous: Parameter
+    dry: Parameter
+    name: str = "oscillator"
+    terms: tuple[Term, ...] = ()
+    response: Response = Response()
+    force_unit: str = "N"
+    amplitude: Range | None = None
+    frequency: Range | None = None
+    identified: Provenance = field(default_factory=Provenance)
+
+    @classmethod
+    def from_values(
+        cls,
+        values: Mapping[str, float],
+        *,
+        name: str = "oscillator",
+        response: Response | None = None,
+        force_unit: str = "N",
+        effects: tuple[str, ...] = (),
+    ) -> Oscillator:
+        """An oscillator from plain numbers, units filled in; a missing ``mass`` means None.
+
+        Args:
+            values: by the names of ``parameters()``; those of further effects as ``effect.parameter``.
+            name: the rig's name.
+            response: what the recordings show.
+            force_unit: unit of the excitation.
+            effects: names of further effects.
+        """
+        response = response or Response()
+        given = dict(values)
+        unit = response.displacement_unit
+
+        def take(key: str, template: str) -> Parameter:
+            if key not in given:
+                raise BadInput(f"parameter {key!r} is missing; give a value for it")
+            return Parameter(float(given.pop(key)), None, units.compose(template, unit, force_unit))
+
+        mass = take("mass", MASS_UNIT) if given.get("mass") is not None else None
+        given.pop("mass", None)
+        base = {p.name: take(p.name, p.unit) for law in BASE for p in law.parameters}
+        terms = tuple(
+            Term(effect, {p.name: take(f"{effect}.{p.name}", p.unit) for p in find(effect).parameters})
+            for effect in effects
+        )
+        if given:
+            raise BadInput(f"unknown parameter {sorted(given)[0]!r}; known are mass, {', '.join(base)}")
+        return cls(mass=mass, **base, name=name, terms=terms, response=response, force_unit=force_unit)
+
+    def parameters(self) -> dict[str, Parameter]:
+        """Every parameter by its name, in the order used everywhere: mass (unless None), Eq. 17, the terms."""
+        found: dict[str, Parameter] = {} if self.mass is None else {"mass": self.mass}
+        for law in BASE:
+            for p in law.parameters:
+                found[p.name] = getattr(self, p.name)
+        for term in self.terms:
+            for name, parameter in term.parameters.items():
+                found[f"{term.effect}.{name}"] = parameter
+        return found
+
+    def values(self) -> dict[str, float]:
+        """The parameters' plain values."""
+        return {name: parameter.value for name, parameter in self.parameters().items()}
+
+    def with_parameters(self, changed: Mapping[str, Parameter]) -> Oscillator:
+        """The same oscillator with some parameters replaced, by the names of ``parameters()``."""
+        plain = {name: parameter for name, parameter in changed.items() if "." not in name}
+        terms = tuple(
+            replace(
+                term,
+                parameters={
+                    name: changed.get(f"{term.effect}.{name}", parameter) for name, parameter in term.parameters.items()
+                },
+            )
+            for term in self.terms
+        )
+        return replace(self, terms=terms, **plain)
+
+    def descriptions(self) -> dict[str, str]:
+        """What each parameter is, in words."""
+        found = {} if self.mass is None else {"mass": "moving mass"}
+        for law in BASE:
+            found.update({p.name: p.description for p in law.parameters})
+        for term in self.terms:
+            found.update({f"{term.effect}.{p.name}": p.description for p in term.law.parameters})
+        return found
+
+    def equation(self) -> str:
+        """The equation of motion as text, for reports."""
+        inner = ["x''"] + [law.equation for law in BASE] + [term.law.equation for term in self.terms]
+        order = [0, 4, 5, 1, 2, 3, *range(6, len(inner))]  # the order of Eq. 17: damping first
+        bracket = " + ".join(inner[i] for i in order)
+        return f"{bracket} = f(t)" if self.mass is None else f"mass [{bracket}] = F(t)"
