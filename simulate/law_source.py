@@ -1,0 +1,86 @@
+"""The laws of one oscillator as C: what ``templates/engine.c`` integrates."""
+
+from __future__ import annotations
+
+import tempfile
+from pathlib import Path
+
+from ..model.equations import Equations
+
+_HEADER = """\
+/* Generated: the equation of motion of one oscillator. */
+#define CASADI_SYMBOL_EXPORT static
+#ifdef __GNUC__
+#pragma GCC diagnostic ignored "-Wunused-function"
+#endif
+"""
+
+_FOOTER = """
+#undef CASADI_SYMBOL_EXPORT
+#define DP_NZ {nz}
+#define DP_NP {np}
+#define DP_NS {ns}
+#define DP_NY {ny}
+#define DP_SURFACES_USE_FORCE {uses_force}
+static const int dp_kind[DP_NS + 1] = {{{kinds}}};
+
+static void dp_field(const double *z, double t, double u, const double *p, const double *s, double *f) {{
+    const double *arg[5];
+    double *res[1];
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
+    res[0] = f;
+    dp_law_field(arg, res, 0, 0, 0);
+}}
+
+static void dp_surface(const double *z, double t, double u, double u_rate, const double *p, const double *s, double *f,
+                       double *g, double *g_rate) {{
+    const double *arg[6];
+    double *res[3];
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = &u_rate, arg[4] = p, arg[5] = s;
+    res[0] = f, res[1] = g, res[2] = g_rate;
+    dp_law_surface(arg, res, 0, 0, 0);
+}}
+
+static void dp_output(const double *z, double t, double u, const double *p, const double *s, double *y) {{
+    const double *arg[5];
+    double *res[1];
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
+    res[0] = y;
+    dp_law_output(arg, res, 0, 0, 0);
+}}
+"""
+
+
+def law_source(eq: Equations) -> str:
+    """C text that defines the sizes, the kinds of the surfaces and the functions that the engine calls.
+
+    No text of a model file reaches it: names stay outside, parameters are an argument.
+    """
+    import casadi as ca
+
+    state = [eq.z, eq.t, eq.u, eq.p, eq.s]
+    rates = [eq.z, eq.t, eq.u, eq.u_rate, eq.p, eq.s]
+    generator = ca.CodeGenerator("law.c", {"casadi_int": "int", "with_header": False})
+    for name, inputs, outputs in (
+        ("dp_law_field", state, [eq.zdot]),
+        ("dp_law_surface", rates, [eq.zdot, eq.surfaces, eq.surface_rates]),
+        ("dp_law_output", state, [eq.y]),
+    ):
+        # dense: a structural zero would otherwise be left out of the result array
+        generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
+    with tempfile.TemporaryDirectory() as folder:
+        generator.generate(folder + "/")
+        body = (Path(folder) / "law.c").read_text(encoding="utf-8")
+    uses_force = bool(eq.kinds) and bool(ca.depends_on(eq.surfaces, eq.u))
+    return (
+        _HEADER
+        + body
+        + _FOOTER.format(
+            nz=eq.z.numel(),
+            np=eq.p.numel(),
+            ns=len(eq.kinds),
+            ny=eq.y.numel(),
+            uses_force=int(uses_force),
+            kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
+        )
+    )
