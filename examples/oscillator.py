@@ -28,8 +28,10 @@ class Slider:
     """The mass on its springs and friction, whose sgn terms switch; `push` is an external force per unit mass, m/s²."""
 
     def __init__(self, law: Mapping[str, float], dt: float) -> None:
-        self.stiffness = law["omega0"] ** 2
-        self.cubic, self.preload, self.viscous, self.dry = (law[k] for k in ("cubic", "preload", "viscous", "dry"))
+        self.stiffness = float(law["omega0"]) ** 2
+        self.cubic, self.preload, self.viscous, self.dry = (
+            float(law[k]) for k in ("cubic", "preload", "viscous", "dry")
+        )
         if self.preload < 0 or self.dry < 0:
             raise ValueError("preload and dry must not be negative: the motion at x = 0 or x' = 0 would not be unique")
         self.smallest = 1e-8 * (self.preload + self.dry) * dt**2  # m, see `cross`
@@ -107,7 +109,7 @@ class Oscillator:
     """Equation 17 as a system of `taylor`: one body, driven by the force."""
 
     def __init__(self, parameters: Mapping[str, float], dt: float) -> None:
-        self.mass = parameters["mass"]
+        self.mass = float(parameters["mass"])
         self.slider = Slider(parameters, dt)
 
     def start(self, state: Sequence[float], force: float) -> Mode:

@@ -1,4 +1,4 @@
-"""The stand of the paper, simulated and recorded like its Figs. 3 and 6; run as a module it makes the recordings again.
+"""The two stands, simulated and recorded like the paper's Figs. 3 and 6; run as a module it makes the recordings again.
 
 Each recording starts from rest. The simulation is driven by the true force; the recorded force has noise added, as has
 the displacement of the position sensor (LVDT).
@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
+from .actuator_backlash import integrate_with_backlash
 from .force import chirp, multisine
 from .oscillator import integrate_pieces
-from .truth import TRUTH
+from .truth import ACTUATOR, TRUTH
 
 FS = 1000.0  # Hz
 DT = 1.0 / FS
@@ -47,7 +48,16 @@ def paper_stand(pieces: np.ndarray) -> np.ndarray:
     return integrate_pieces(TRUTH, pieces[:-1], DT)[0]
 
 
-STANDS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], int]] = {"paper-stand": (paper_stand, 100)}
+def paper_stand_backlash(pieces: np.ndarray) -> np.ndarray:
+    """Give the displacement of the main mass, (n,) m, of the stand with actuator backlash, from rest."""
+    return integrate_with_backlash(TRUTH, ACTUATOR, pieces[:-1], DT)[:, 0]
+
+
+# Each stand with the first of its seeds.
+STANDS: dict[str, tuple[Callable[[np.ndarray], np.ndarray], int]] = {
+    "paper-stand": (paper_stand, 100),
+    "paper-stand-backlash": (paper_stand_backlash, 200),
+}
 
 
 def record(stand: str, kind: str) -> np.ndarray:

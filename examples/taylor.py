@@ -48,7 +48,8 @@ def trajectory(system: System, pieces: np.ndarray, dt: float, state: Sequence[fl
     """Integrate over consecutive steps of `dt` seconds.
 
     `pieces` (steps, terms) holds the force of each step as a polynomial in s. Returns the states at the
-    ends of the steps, (steps + 1, 2 bodies): positions in m, velocities in m/s. Raises ArithmeticError when events do not end.
+    ends of the steps, (steps + 1, 2 bodies): positions in m, velocities in m/s.
+    Raises ArithmeticError when the events of a step do not end.
     """
     steps = np.asarray(pieces, dtype=float).tolist()
     mode = system.start(state, steps[0][0] if steps else 0.0)

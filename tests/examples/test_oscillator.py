@@ -108,8 +108,8 @@ def test_reference_rig_agrees_with_scipy_between_events():
     force = 0.3 * np.sin(2 * np.pi * 11.0 * t)
     x, v = integrate(TRUTH, force, dt, 2e-3, 0.0)
     expected = _with_scipy(TRUTH, force, dt, 2e-3)
-    assert np.abs(x - expected[:, 0]).max() < 1e-10 * np.abs(x).max()
-    assert np.abs(v - expected[:, 1]).max() < 1e-10 * np.abs(v).max()
+    assert np.abs(x - expected[:, 0]).max() < 1e-12 * np.abs(x).max()
+    assert np.abs(v - expected[:, 1]).max() < 1e-12 * np.abs(v).max()
 
 
 def _with_scipy(law, force, dt, x0):
