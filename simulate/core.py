@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import BadInput
 from ..model.equations import equations
 from .compiler import shared_library
+from .force import Force, straight_lines
 from .law_source import law_source
 
 if TYPE_CHECKING:
@@ -61,12 +62,11 @@ class Core:
         self,
         values: np.ndarray,
         initial: np.ndarray,
-        force: np.ndarray | None,
+        force: Force | np.ndarray | None,
         n: int,
         dt: float,
         max_step: float,
         *,
-        fine: int = 1,
         start: float = 0.0,
         states: bool = False,
     ) -> np.ndarray:
@@ -75,12 +75,11 @@ class Core:
         Args:
             values: parameters in the order of ``parameter_names``.
             initial: (2,) displacement and velocity at the first sample.
-            force: ((n - 1) * fine + 1,) force at ``fine`` points a sample interval, straight lines between them;
-                None for free motion.
+            force: the force between the samples (see ``force.Force``), or (n,) values joined by straight lines
+                (first-order hold, as an FMU takes it); None for free motion.
             n: number of samples.
             dt: sample interval, s.
             max_step: longest internal step, s.
-            fine: force points per sample interval.
             start: time of the first sample, s.
             states: whether to return the states instead of the response.
 
@@ -90,19 +89,19 @@ class Core:
         """
         values = np.ascontiguousarray(values, float)
         initial = np.ascontiguousarray(initial, float)
-        if force is not None:
-            force = np.ascontiguousarray(force, float)
-            if force.size < (n - 1) * fine + 1:
-                raise BadInput(f"the force has {force.size} points where {(n - 1) * fine + 1} are needed")
+        if isinstance(force, np.ndarray):
+            force = straight_lines(force, dt)
+        if force is not None and force.pieces.shape[0] < (n - 1) * force.fine:
+            raise BadInput(f"the force covers {force.pieces.shape[0] // force.fine + 1} samples where {n} are needed")
         y = np.full(n, np.nan)
         z = np.full((n, self.states), np.nan) if states else None
         self._record(
             values.ctypes.data_as(_DOUBLES),
             initial.ctypes.data_as(_DOUBLES),
             start,
-            None if force is None else force.ctypes.data_as(_DOUBLES),
+            None if force is None else force.pieces.ctypes.data_as(_DOUBLES),
             n,
-            fine,
+            1 if force is None else force.fine,
             dt,
             max_step,
             y.ctypes.data_as(_DOUBLES),

@@ -8,18 +8,26 @@
 #define DP_REST 0.01         /* a flight shorter than this part of an internal step ends at rest on its surface */
 
 typedef struct {
-    double u0, rate;  /* force: u0 + rate * tau */
-    double t0;        /* time at tau = 0 */
+    double c[4]; /* force within the step: c0 + c1 tau + c2 tau^2 + c3 tau^3 */
+    double t0;   /* time at tau = 0 */
 } dp_line;
 
+static double dp_force(const dp_line *l, double tau) {
+    return l->c[0] + tau * (l->c[1] + tau * (l->c[2] + tau * l->c[3]));
+}
+
+static double dp_force_rate(const dp_line *l, double tau) {
+    return l->c[1] + tau * (2.0 * l->c[2] + tau * 3.0 * l->c[3]);
+}
+
 static void dp_field_at(const dp_engine *e, const dp_line *l, double tau, const double *z, double *f) {
-    dp_field(z, l->t0 + tau, l->u0 + l->rate * tau, e->p, e->s, f);
+    dp_field(z, l->t0 + tau, dp_force(l, tau), e->p, e->s, f);
     if (e->hold >= 0) f[0] = f[1] = 0.0;
 }
 
 static void dp_surfaces_at(const dp_engine *e, const dp_line *l, double tau, const double *z, double *f, double *g,
                            double *gd) {
-    dp_surface(z, l->t0 + tau, l->u0 + l->rate * tau, l->rate, e->p, e->s, f, g, gd);
+    dp_surface(z, l->t0 + tau, dp_force(l, tau), dp_force_rate(l, tau), e->p, e->s, f, g, gd);
     if (e->hold >= 0) f[0] = f[1] = 0.0;
 }
 
@@ -54,9 +62,9 @@ static void dp_step(const dp_engine *e, const dp_line *l, double tau, double h, 
 static double dp_capacity(const dp_engine *e, const dp_line *l, double tau, const double *z, int i, double *rest) {
     double s[DP_NS + 1], f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1], base, capacity = 0.0;
     int j, joined[DP_NS + 1];
-    const double t = l->t0 + tau, u = l->u0 + l->rate * tau;
+    const double t = l->t0 + tau, u = dp_force(l, tau);
     memcpy(s, e->s, sizeof s);
-    dp_surface(z, t, u, l->rate, e->p, s, f, g, gd);
+    dp_surface(z, t, u, dp_force_rate(l, tau), e->p, s, f, g, gd);
     for (j = 0; j < DP_NS; ++j) {
         joined[j] = j == i || (dp_kind[j] == DP_POSITION && g[j] == 0.0);
         if (joined[j]) s[j] = 0.0;
@@ -82,7 +90,7 @@ static void dp_stick_or_go(dp_engine *e, const dp_line *l, double tau, int i, do
     int j;
     e->z[1] = 0.0;
     capacity = dp_capacity(e, l, tau, e->z, i, &rest);
-    dp_surface(e->z, l->t0 + tau, l->u0 + l->rate * tau, l->rate, e->p, e->s, f, g, gd);
+    dp_surface(e->z, l->t0 + tau, dp_force(l, tau), dp_force_rate(l, tau), e->p, e->s, f, g, gd);
     e->hold = fabs(rest) <= capacity ? i : -1;
     for (j = 0; j < DP_NS; ++j) {
         if (j != i && !(dp_kind[j] == DP_POSITION && g[j] == 0.0)) continue;
@@ -101,7 +109,7 @@ static void dp_find_modes(dp_engine *e, const dp_line *l) {
     int i, stopped = -1;
     e->hold = -1;
     for (i = 0; i < DP_NS; ++i) e->s[i] = 0.0;
-    dp_surface(e->z, l->t0, l->u0, l->rate, e->p, e->s, f, g, gd);
+    dp_surface(e->z, l->t0, l->c[0], l->c[1], e->p, e->s, f, g, gd);
     for (i = 0; i < DP_NS; ++i) {
         if (g[i] != 0.0)
             e->s[i] = g[i] > 0.0 ? 1.0 : -1.0;
@@ -237,7 +245,7 @@ static void dp_release(dp_engine *e, const dp_line *l, double tau) {
     double rest, f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];
     int j;
     dp_capacity(e, l, tau, e->z, e->hold, &rest);
-    dp_surface(e->z, l->t0 + tau, l->u0 + l->rate * tau, l->rate, e->p, e->s, f, g, gd);
+    dp_surface(e->z, l->t0 + tau, dp_force(l, tau), dp_force_rate(l, tau), e->p, e->s, f, g, gd);
     for (j = 0; j < DP_NS; ++j)
         if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0)) e->s[j] = rest >= 0.0 ? 1.0 : -1.0;
     e->hold = -1;
@@ -313,24 +321,31 @@ void dp_start(dp_engine *e, const double *p, const double *z, double t, double m
     e->hold = -1;
 }
 
-int dp_advance(dp_engine *e, double u0, double u1, double dt) {
-    const dp_line line = {u0, dt > 0.0 ? (u1 - u0) / dt : 0.0, e->t};
+int dp_advance_along(dp_engine *e, const double *force, double dt) {
+    const dp_line line = {{force[0], force[1], force[2], force[3]}, e->t};
     const int steps = (int)ceil(dt / e->max_step - 1e-9);
     const double h = steps > 0 ? dt / steps : 0.0;
     int i, n, status = DP_OK;
     if (!e->modes_ready) dp_find_modes(e, &line);
-    if (e->node_u != u0 || (DP_SURFACES_USE_FORCE && e->node_rate != line.rate)) e->node_ready = 0;
+    if (e->node_u != force[0] || (DP_SURFACES_USE_FORCE && e->node_rate != force[1])) e->node_ready = 0;
     for (n = 0; n < steps && status == DP_OK; ++n) status = dp_substep(e, &line, n * h, h);
     e->t += dt;
-    e->node_u = u1;
-    e->node_rate = line.rate;
+    e->node_u = dp_force(&line, dt);
+    e->node_rate = dp_force_rate(&line, dt);
     for (i = 0; i < DP_NZ; ++i)
         if (!isfinite(e->z[i])) status = DP_NOT_FINITE;
     return status;
 }
 
+int dp_advance(dp_engine *e, double u0, double u1, double dt) {
+    const double line[4] = {u0, dt > 0.0 ? (u1 - u0) / dt : 0.0, 0.0, 0.0};
+    const int status = dp_advance_along(e, line, dt);
+    e->node_u = u1; /* without the rounding of the slope */
+    return status;
+}
+
 void dp_outputs(dp_engine *e, double u, double *y) {
-    const dp_line line = {u, 0.0, e->t};
+    const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
     double s[DP_NS + 1], rest, capacity;
     int j;
     if (!e->modes_ready) dp_find_modes(e, &line);

@@ -34,6 +34,8 @@ typedef struct {
 void dp_start(dp_engine *e, const double *p, const double *z, double t, double max_step);
 /* Integrates over dt while the force runs in a straight line from u0 to u1. Returns DP_OK or what went wrong. */
 int dp_advance(dp_engine *e, double u0, double u1, double dt);
+/* The same with the force as a cubic of the time since the step's start, force[0] + force[1] tau + ... (4 values). */
+int dp_advance_along(dp_engine *e, const double *force, double dt);
 /* Outputs at the present state under force u: response as recorded, displacement, velocity, acceleration. */
 void dp_outputs(dp_engine *e, double u, double *y);
 

@@ -6,22 +6,25 @@
 #define DP_EXPORT __attribute__((visibility("default")))
 #endif
 
-/* n samples dt apart; the force runs in straight lines between `fine` points per sample interval
- * (u: (n - 1) * fine + 1 values, or null for a free motion). Writes the response y (n) and, where not null, the
- * states z (n * DP_NZ, sample by sample). Returns the number of samples written; fewer than n: it failed there. */
-DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *u, long n, int fine, double dt,
+/* n samples dt apart; the force is a cubic in each of `fine` equal parts of a sample interval (force: 4 coefficients a
+ * part, (n - 1) * fine parts, or null for a free motion). Writes the response y (n) and, where not null, the states
+ * z (n * DP_NZ, sample by sample). Returns the number of samples written; fewer than n: it failed there. */
+DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long n, int fine, double dt,
                          double max_step, double *y, double *z) {
+    static const double none[4] = {0.0, 0.0, 0.0, 0.0};
     dp_engine e;
-    double out[DP_NY];
+    double out[DP_NY], u = force ? force[0] : 0.0;
     const double step = dt / fine;
-    long i, k = 0;
+    const double *piece = force ? force : none;
+    long i;
     int j;
     dp_start(&e, p, z0, t0, max_step);
     for (i = 0; i < n; ++i) {
-        if (i > 0)
-            for (j = 0; j < fine; ++j, ++k)
-                if (dp_advance(&e, u ? u[k] : 0.0, u ? u[k + 1] : 0.0, step) != DP_OK) return i;
-        dp_outputs(&e, u ? u[k] : 0.0, out);
+        for (j = 0; i > 0 && j < fine; ++j, piece += force ? 4 : 0) {
+            if (dp_advance_along(&e, piece, step) != DP_OK) return i;
+            u = e.node_u;
+        }
+        dp_outputs(&e, u, out);
         y[i] = out[0];
         if (z) memcpy(z + i * DP_NZ, e.z, sizeof e.z);
     }
@@ -31,7 +34,7 @@ DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const dou
 /* The right-hand side at the present signs, for tests that hold the renderings against one another. */
 DP_EXPORT void dp_rates(const double *p, const double *z, double t, double u, double *f) {
     dp_engine e;
-    const dp_line line = {u, 0.0, t};
+    const dp_line line = {{u, 0.0, 0.0, 0.0}, t};
     dp_start(&e, p, z, t, 1.0);
     dp_find_modes(&e, &line);
     dp_field_at(&e, &line, 0.0, z, f);

@@ -1,0 +1,71 @@
+"""The recorded force between its samples.
+
+A hold is the largest error of all: straight lines through 77 samples a cycle lose 0.055 % of the force, which
+is fifty standard errors of a mass. A recording is the band-limited image of a smooth force, so it is interpolated as
+one: up-sampled first where samples are few, then joined by a cubic spline, which the engine integrates exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+#: With at least this many samples a cycle a cubic spline errs by less than 1e-5 of the force.
+SAMPLES_A_CYCLE = 30.0
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force as cubics: ``pieces`` (m, 4), coefficients of 1, tau, tau², tau³, ``fine`` pieces a sample interval."""
+
+    pieces: np.ndarray
+    fine: int = 1
+
+
+def straight_lines(samples: np.ndarray, dt: float) -> Force:
+    """First-order hold of (n,) samples ``dt`` apart: what an FMU does with its input."""
+    pieces = np.zeros((max(samples.size - 1, 0), 4))
+    pieces[:, 0] = samples[:-1]
+    pieces[:, 1] = np.diff(samples) / dt
+    return Force(pieces)
+
+
+def smooth_force(samples: np.ndarray, dt: float, highest: float) -> Force:
+    """The force behind (n,) samples, as a band-limited signal.
+
+    Args:
+        samples: recorded force.
+        dt: sample interval, s.
+        highest: highest frequency that moves the rig noticeably, Hz; decides how finely to up-sample.
+    """
+    from scipy.interpolate import CubicSpline
+
+    fine = int(np.clip(np.ceil(SAMPLES_A_CYCLE * highest * dt), 1, 16))
+    points = upsample(samples, fine) if fine > 1 else samples
+    spline = CubicSpline(np.arange(points.size) * (dt / fine), points)
+    return Force(np.ascontiguousarray(spline.c[::-1].T), fine)
+
+
+def upsample(samples: np.ndarray, factor: int) -> np.ndarray:
+    """(n,) band-limited samples at ``factor`` times the rate: ((n - 1) * factor + 1,), the given ones among them.
+
+    The ends are continued by point reflection, so that no step appears there; the Fourier interpolation is then exact
+    for what lies below half the sampling frequency.
+    """
+    from scipy.signal import resample
+
+    n = samples.size
+    pad = min(n - 1, 512)
+    left = 2.0 * samples[0] - samples[pad:0:-1]
+    right = 2.0 * samples[-1] - samples[-2 : -pad - 2 : -1]
+    wide = np.concatenate([left, samples, right])
+    window = np.hanning(2 * pad)  # the two far ends meet at zero slope difference
+    trend = np.linspace(wide[0], wide[-1], wide.size)
+    flat = wide - trend
+    flat[:pad] *= window[:pad]
+    flat[-pad:] *= window[pad:]
+    fine = np.asarray(resample(flat, wide.size * factor))
+    fine = fine[pad * factor : (pad + n - 1) * factor + 1]
+    ramp = np.interp(np.arange(fine.size) / factor + pad, np.arange(wide.size), trend)
+    return fine + ramp
