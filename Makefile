@@ -1,0 +1,44 @@
+# Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
+
+.DEFAULT_GOAL := help
+.PHONY: help demo test check benchmark setup clean distclean
+
+# Folders that another workspace put on Python's path must not reach into .venv.
+unexport PYTHONPATH PYTHONHOME
+# The type checker is the version installed in .venv; it need not look for a newer one.
+export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
+
+# Further arguments for pytest, for example: make test ARGS="-k backbone"
+ARGS ?=
+
+help: ## list these commands
+	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1|\2/p' Makefile | awk -F'|' '{printf "%-16s %s\n", $$1, $$2}'
+
+demo: ## set up, then run the whole story on the built-in rig; results in demo/
+	@sh .ci/setup run
+	@.venv/bin/dashpot demo -o demo
+
+test: ## set up, then run the tests
+	@sh .ci/setup dev
+	@.venv/bin/pytest $(ARGS)
+
+check: ## set up, then check style, types and structure
+	@sh .ci/setup dev
+	@.venv/bin/ruff check
+	@.venv/bin/ruff format --check
+	@.venv/bin/pyright
+	@.venv/bin/pytest tests/test_structure.py
+
+benchmark: ## set up, then print accuracy and speed
+	@sh .ci/setup dev
+	@.venv/bin/python benchmarks/run.py
+
+setup: ## set up .venv for development, nothing else
+	@sh .ci/setup dev
+
+clean: ## remove what the commands made, but for .venv
+	@rm -rf build dist demo dashpot.egg-info .pytest_cache .ruff_cache
+	@find . -name .venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
+
+distclean: clean ## remove .venv as well
+	@rm -rf .venv
