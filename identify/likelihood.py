@@ -1,0 +1,223 @@
+"""Maximum likelihood on the simulated response, over all recordings jointly.
+
+Output error with the noise's own spectrum (Whittle 1953): Hilbert estimates are the start, this is the answer. It
+reaches the Cramér-Rao bound where regressions on differentiated data are biased by any noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from ..model import Oscillator
+from ..recording.recording import Recording
+from ..simulate.core import core_of, internal_step
+from .noise_spectrum import NoiseSpectrum, estimate
+from .output_error import Outcome, OutputError, State, pseudo_inverse
+from .segments import Segment, cut, first_motion
+
+#: A long record is first fitted over this many cycles, then over ever longer stretches: a phase error of more than
+#: half a cycle at its end would lead into a false minimum.
+_FIRST_CYCLES = 24.0
+_GROWTH = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentFit:
+    """How one segment came out.
+
+    Attributes:
+        segment: what was fitted.
+        initial: (2,) displacement and velocity at its first sample.
+        simulated: (n,) response.
+        nrmse: rms(simulated - measured) / std(measured).
+    """
+
+    segment: Segment
+    initial: np.ndarray
+    simulated: np.ndarray
+    nrmse: float
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The maximum of the likelihood.
+
+    Attributes:
+        oscillator: the model with identified values and standard errors.
+        names: free parameters in the covariance's order.
+        covariance: (k, k).
+        log_likelihood: at the maximum, with the noise spectra found.
+        segments: one per segment.
+        noise: noise spectrum of each segment.
+        iterations: steps of the search, all rounds together.
+        converged: whether the last round came to rest.
+        notes: what a user should know.
+    """
+
+    oscillator: Oscillator
+    names: tuple[str, ...]
+    covariance: np.ndarray
+    log_likelihood: float
+    segments: tuple[SegmentFit, ...]
+    noise: tuple[NoiseSpectrum, ...]
+    iterations: int
+    converged: bool
+    notes: tuple[str, ...]
+
+
+def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fit:
+    """Find the parameters of ``start``'s family that make the recordings most likely.
+
+    Args:
+        start: structure and start values; ``mass`` None where no recording has a force.
+        recordings: of one rig, all of the same quantity.
+
+    Raises:
+        BadInput: where nothing in the recordings can be simulated, or the simulation fails at the start values.
+    """
+    segments = cut(recordings, start.omega0.value)
+    if not segments:
+        raise BadInput(
+            "the recordings hold neither a free decay nor a stretch driven by a force that is long enough to fit; "
+            "record a decay of at least ten cycles or a sweep through the resonance"
+        )
+    names = tuple(start.parameters())
+    values = np.array(list(start.values().values()))
+    amplitude = _displacement_amplitude(segments, start)
+    scale = _typical_sizes(start, names, values, amplitude)
+    state_scale = np.array([amplitude, amplitude * start.omega0.value]) * 1e-2
+    step = internal_step(start, start.values(), amplitude)
+    core = core_of(start)
+    free = tuple(range(len(names)))
+
+    state = State(values, _initial_states(segments, start))
+    iterations = 0
+    stages = _growing(segments, start.omega0.value)
+    for n, stage in enumerate(stages):
+        problem = OutputError(core, stage, free, scale, state_scale, step)
+        if n == 0:
+            state = problem.settle(state)
+            if not all(np.all(np.isfinite(residual)) for residual in problem.residuals(state)):
+                raise BadInput(
+                    "the model does not simulate with its start values; check signs and units of force and response"
+                )
+        outcome = problem.search(state, tolerance=1.0)
+        state, iterations = outcome.state, iterations + outcome.iterations
+    noise: list[NoiseSpectrum] = []
+    for tolerance in (0.1, 1e-3):
+        noise = [estimate(residual) for residual in outcome.residuals]
+        outcome = problem.search(outcome.state, noise, tolerance=tolerance)
+        iterations += outcome.iterations
+    return _result(start, names, segments, problem, outcome, noise, iterations)
+
+
+def _result(
+    start: Oscillator,
+    names: tuple[str, ...],
+    segments: Sequence[Segment],
+    problem: OutputError,
+    outcome: Outcome,
+    noise: Sequence[NoiseSpectrum],
+    iterations: int,
+) -> Fit:
+    from dataclasses import replace
+
+    values = outcome.state.values
+    covariance, lost = _invert(outcome.information, problem.scale)
+    errors = np.sqrt(np.diag(covariance))
+    old = start.parameters()
+    identified = start.with_parameters(
+        {
+            name: replace(old[name], value=float(values[i]), std=float(errors[i]))
+            for i, name in enumerate(names)
+        }
+    )
+    fits = []
+    for i, segment in enumerate(segments):
+        residual = outcome.residuals[i]
+        spread = float(np.std(segment.response))
+        fits.append(
+            SegmentFit(
+                segment,
+                outcome.state.initial[i],
+                segment.response - residual,
+                float(np.sqrt(np.mean(residual**2))) / spread if spread > 0 else np.inf,
+            )
+        )
+    points = sum(segment.n for segment in segments)
+    log_likelihood = -outcome.cost - 0.5 * sum(s.log_determinant() for s in noise) - 0.5 * points * np.log(2 * np.pi)
+    notes = [f"{names[i]} is not identifiable from these recordings" for i in lost]
+    if not outcome.converged:
+        notes.append("the search for the maximum of the likelihood stopped at its limit of steps")
+    return Fit(
+        identified,
+        names,
+        covariance,
+        float(log_likelihood),
+        tuple(fits),
+        tuple(noise),
+        iterations,
+        outcome.converged,
+        tuple(notes),
+    )
+
+
+def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
+    """Covariance, and which parameters the information does not reach."""
+    size = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
+    lost = tuple(int(i) for i in np.flatnonzero(size * scale < 1e-6))
+    return pseudo_inverse(information), lost
+
+
+def _growing(segments: Sequence[Segment], omega0: float) -> list[tuple[Segment, ...]]:
+    """Ever longer beginnings of the free segments; forced ones are whole from the start (their memory is short)."""
+    from dataclasses import replace
+
+    stages = []
+    cycles = _FIRST_CYCLES
+    longest = max((s.n * s.dt * omega0 / (2 * np.pi) for s in segments if s.force is None), default=0.0)
+    while cycles < longest:
+        stage = []
+        for segment in segments:
+            n = int(cycles * 2 * np.pi / omega0 / segment.dt)
+            if segment.force is None and n < segment.n:
+                stage.append(replace(segment, stop=segment.start + n, response=segment.response[:n]))
+            else:
+                stage.append(segment)
+        stages.append(tuple(stage))
+        cycles *= _GROWTH
+    return [*stages, tuple(segments)]
+
+
+def _displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) -> float:
+    power = {"displacement": 0, "velocity": 1, "acceleration": 2}[oscillator.response.quantity]
+    peak = max(float(np.max(np.abs(segment.response - np.median(segment.response)))) for segment in segments)
+    return peak / oscillator.omega0.value**power
+
+
+def _typical_sizes(start: Oscillator, names: Sequence[str], values: np.ndarray, amplitude: float) -> np.ndarray:
+    """Sizes at which a parameter matters: one hundredth of the spring force at full amplitude."""
+    omega0 = start.omega0.value
+    length, rate = amplitude, amplitude * omega0
+    acceleration = 0.01 * omega0**2 * amplitude
+    sizes = {"mass": abs(values[0]), "omega0": 0.01 * omega0, "cubic": acceleration / length**3}
+    sizes |= {"preload": acceleration, "dry": acceleration, "viscous": acceleration / rate}
+    found = []
+    for i, name in enumerate(names):
+        found.append(sizes.get(name, max(abs(values[i]), 1e-12)))
+    return np.array(found)
+
+
+def _initial_states(segments: Sequence[Segment], start: Oscillator) -> np.ndarray:
+    """Displacement and velocity at each segment's first sample; zero where only a simulation can tell them."""
+    found = np.zeros((len(segments), 2))
+    if start.response.quantity != "displacement":
+        return found
+    for i, segment in enumerate(segments):
+        if not segment.rests:
+            found[i] = first_motion(segment.response, segment.dt, start.omega0.value)[0]
+    return found

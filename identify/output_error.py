@@ -1,0 +1,268 @@
+"""Output error: the simulated response of all segments, its derivatives, and the Levenberg-Marquardt search.
+
+Levenberg (1944), Marquardt (1963). The parameters are shared by all segments; each segment has an initial state of
+its own, which is eliminated from the normal equations (a bordered block-diagonal system), so that many decays cost
+no more than their own simulation.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..simulate.core import STEPS_PER_PERIOD, Core
+from .noise_spectrum import NoiseSpectrum, white
+from .segments import Segment
+
+#: Normal matrix and gradient of one segment: shared parameters, then its initial state.
+Block = tuple[np.ndarray, np.ndarray]
+#: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
+_STEP = 1e-5
+_MOST_ITERATIONS = 40
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A point of the search: shared parameters (k,) and one initial state per segment (s, 2)."""
+
+    values: np.ndarray
+    initial: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Where the search ended.
+
+    Attributes:
+        state: best point.
+        cost: negative log-likelihood, but for what does not depend on the parameters.
+        information: (k, k) information matrix of the free parameters, initial states eliminated.
+        residuals: measured minus simulated, one (n,) array a segment.
+        iterations: steps taken.
+        converged: whether the search came to rest rather than to its limit of steps.
+    """
+
+    state: State
+    cost: float
+    information: np.ndarray
+    residuals: tuple[np.ndarray, ...]
+    iterations: int
+    converged: bool
+
+
+class OutputError:
+    """Simulation of all segments with one core.
+
+    Args:
+        core: compiled equations.
+        segments: what to reproduce.
+        free: indices of the parameters to be found, in the core's order.
+        scale: (parameters,) typical sizes, for the finite differences of parameters near zero.
+        state_scale: (2,) typical displacement and velocity.
+        max_step: longest internal step of the simulation, s.
+    """
+
+    def __init__(
+        self,
+        core: Core,
+        segments: Sequence[Segment],
+        free: Sequence[int],
+        scale: np.ndarray,
+        state_scale: np.ndarray,
+        max_step: float,
+    ) -> None:
+        self.core = core
+        self.segments = tuple(segments)
+        self.free = tuple(free)
+        self.scale = scale
+        self.state_scale = state_scale
+        self.max_step = max_step
+        self._pool = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
+
+    def simulate(self, index: int, values: np.ndarray, initial: np.ndarray, n: int | None = None) -> np.ndarray:
+        """(n,) response of one segment."""
+        segment = self.segments[index]
+        return self.core.record(
+            values, initial, segment.force, n or segment.n, segment.dt, self.max_step, start=segment.time
+        )
+
+    def _parallel(self, jobs: Sequence[Callable[[], np.ndarray]]) -> list[np.ndarray]:
+        return list(self._pool.map(lambda job: job(), jobs))  # the core releases the interpreter lock
+
+    def residuals(self, state: State) -> tuple[np.ndarray, ...]:
+        """Measured minus simulated."""
+        jobs = [
+            (lambda i=i: self.segments[i].response - self.simulate(i, state.values, state.initial[i]))
+            for i in range(len(self.segments))
+        ]
+        return tuple(self._parallel(jobs))
+
+    def derivatives(self, state: State, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+        """(free + 2, n) derivatives of each segment's response: the free parameters, then its initial state."""
+        jobs = []
+        for i, segment in enumerate(self.segments):
+            base = segment.response - residuals[i]
+            for k in self.free:
+                step = _STEP * max(abs(state.values[k]), self.scale[k])
+                values = state.values.copy()
+                values[k] += step
+                jobs.append(
+                    lambda i=i, values=values, step=step, base=base: (
+                        (self.simulate(i, values, state.initial[i]) - base) / step
+                    )
+                )
+            for k in range(2):
+                if segment.rests:
+                    jobs.append(lambda n=segment.n: np.zeros(n))
+                    continue
+                step = _STEP * max(abs(state.initial[i, k]), self.state_scale[k])
+                initial = state.initial[i].copy()
+                initial[k] += step
+                jobs.append(
+                    lambda i=i, initial=initial, step=step, base=base: (
+                        (self.simulate(i, state.values, initial) - base) / step
+                    )
+                )
+        rows = iter(self._parallel(jobs))
+        return [np.stack([next(rows) for _ in range(len(self.free) + 2)]) for _ in self.segments]
+
+    def settle(self, state: State, cycles: float = 3.0) -> State:
+        """Better initial states from the first few cycles of each segment, the parameters as they are."""
+        rate = max(2 * np.pi / (self.max_step * STEPS_PER_PERIOD), np.finfo(float).tiny)
+        initial = state.initial.copy()
+        for i, segment in enumerate(self.segments):
+            if segment.rests:
+                continue
+            n = int(np.clip(cycles / rate / segment.dt * 2 * np.pi, 8, segment.n))
+            for _ in range(4):
+                base = self.simulate(i, state.values, initial[i], n)
+                rows = []
+                for k in range(2):
+                    moved = initial[i].copy()
+                    moved[k] += self.state_scale[k]
+                    rows.append((self.simulate(i, state.values, moved, n) - base) / self.state_scale[k])
+                jacobian = np.array(rows).T
+                residual = segment.response[:n] - base
+                if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
+                    break
+                trial = initial[i] + np.linalg.lstsq(jacobian * self.state_scale, residual)[0] * self.state_scale
+                after = segment.response[:n] - self.simulate(i, state.values, trial, n)
+                if not np.sum(after**2) < np.sum(residual**2):
+                    break
+                initial[i] = trial
+        return State(state.values, initial)
+
+    def search(
+        self, state: State, noise: Sequence[NoiseSpectrum] | None = None, *, tolerance: float = 1e-3
+    ) -> Outcome:
+        """Minimise the negative log-likelihood from ``state``.
+
+        Args:
+            state: where to start.
+            noise: one spectrum per segment; None takes each segment's noise for white, with the level that the residual
+                itself shows (the likelihood concentrated over the levels).
+            tolerance: the search is over when the next step promises a smaller gain of log-likelihood; a gain of
+                0.5 is a step of one standard error.
+        """
+        residuals = self.residuals(state)
+        cost = _cost(residuals, noise)
+        damping, converged, taken = 1e-4, False, 0
+        blocks = self._blocks(state, residuals, noise)
+        while taken < _MOST_ITERATIONS and not converged:
+            taken += 1
+            for _ in range(14):
+                shared, own = _solve(blocks, damping)
+                gain = 0.5 * _promise(blocks, shared, own)
+                if gain < tolerance:
+                    converged = True
+                    break
+                values = state.values.copy()
+                values[list(self.free)] += shared
+                trial = State(values, state.initial + own)
+                trial_residuals = self.residuals(trial)
+                trial_cost = _cost(trial_residuals, noise)
+                if trial_cost < cost:
+                    better = cost - trial_cost > 0.25 * gain
+                    damping = max(damping / 10.0, 1e-12) if better else damping * 2.0
+                    state, residuals, cost = trial, trial_residuals, trial_cost
+                    blocks = self._blocks(state, residuals, noise)
+                    break
+                damping *= 8.0
+            else:
+                converged = True  # no step in any direction helps: the maximum, to the precision of the derivatives
+        return Outcome(state, cost, _information(blocks), residuals, taken, converged)
+
+    def _blocks(
+        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
+    ) -> list[Block]:
+        derivatives = self.derivatives(state, residuals)
+
+        def block(i: int) -> Block:
+            spectrum = white(residuals[i]) if noise is None else noise[i]
+            whitened = spectrum.whiten(np.vstack([derivatives[i], residuals[i]]))
+            jacobian, residual = whitened[:-1], whitened[-1]
+            return jacobian @ jacobian.T, jacobian @ residual
+
+        return list(self._pool.map(block, range(len(self.segments))))
+
+
+def _cost(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None) -> float:
+    if not all(np.all(np.isfinite(residual)) for residual in residuals):
+        return np.inf
+    if noise is None:
+        return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
+    return sum(0.5 * float(np.sum(s.whiten(r) ** 2)) for r, s in zip(residuals, noise, strict=True))
+
+
+def _promise(blocks: Sequence[Block], shared: np.ndarray, own: np.ndarray) -> float:
+    """What the linearised model expects a step to gain, twice."""
+    total = 0.0
+    for (normal, gradient), initial in zip(blocks, own, strict=True):
+        step = np.concatenate([shared, initial])
+        total += float(2.0 * gradient @ step - step @ normal @ step)
+    return total
+
+
+def _solve(blocks: Sequence[Block], damping: float) -> tuple[np.ndarray, np.ndarray]:
+    """Step of the shared parameters (k,) and of the initial states (s, 2), damped in the scale of each unknown."""
+    k = blocks[0][0].shape[0] - 2
+    matrix, right = np.zeros((k, k)), np.zeros(k)
+    kept = []
+    for normal, gradient in blocks:
+        own = _damped(normal[k:, k:], damping)
+        inverse = pseudo_inverse(own)
+        border = normal[:k, k:]
+        matrix += normal[:k, :k] - border @ inverse @ border.T
+        right += gradient[:k] - border @ inverse @ gradient[k:]
+        kept.append((inverse, border, gradient[k:]))
+    whole = np.array([np.diag(normal)[:k] for normal, _ in blocks]).sum(axis=0)
+    shared = pseudo_inverse(matrix + damping * np.diag(whole)) @ right
+    own_steps = np.array([inverse @ (gradient - border.T @ shared) for inverse, border, gradient in kept])
+    return shared, own_steps
+
+
+def _damped(normal: np.ndarray, damping: float) -> np.ndarray:
+    return normal + damping * np.diag(np.diag(normal))
+
+
+def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
+    """Inverse of a symmetric information matrix in the scale of its own diagonal; directions without information: 0."""
+    diagonal = np.diag(matrix)
+    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    eigenvalues, vectors = np.linalg.eigh(matrix / np.outer(size, size))
+    kept = eigenvalues > 1e-14 * max(float(eigenvalues[-1]), np.finfo(float).tiny)
+    inverse = np.where(kept, 1.0 / np.where(kept, eigenvalues, 1.0), 0.0)
+    return (vectors * inverse) @ vectors.T / np.outer(size, size)
+
+
+def _information(blocks: Sequence[Block]) -> np.ndarray:
+    k = blocks[0][0].shape[0] - 2
+    total = np.zeros((k, k))
+    for normal, _ in blocks:
+        border = normal[:k, k:]
+        total += normal[:k, :k] - border @ pseudo_inverse(normal[k:, k:]) @ border.T
+    return total

@@ -1,0 +1,109 @@
+"""Recordings cut where the physics changes hands: free decays, and what the recorded force drives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..recording.recording import Recording
+from ..simulate.force import Force, smooth_force
+from .decays import find_decays
+from .hilbert import noise_level
+
+#: A stretch shorter than this many cycles says less than the two initial values it costs.
+_SHORTEST_CYCLES = 3.0
+#: Initial values within this many standard errors of zero are those of a mass at rest.
+_AT_REST = 4.0
+#: Force above this multiple of the natural frequency hardly moves the mass (1/9 of its static effect).
+_FORCE_BAND = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of one recording that is simulated in one go from an initial state of its own.
+
+    Attributes:
+        recording: index of the recording.
+        start, stop: samples of the recording, as a Python slice.
+        response: (n,) measured response.
+        force: what drives it, None for a free decay.
+        dt: sample interval, s.
+        time: time of the first sample, s.
+        rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
+            state has no derivative to find it by).
+    """
+
+    recording: int
+    start: int
+    stop: int
+    response: np.ndarray
+    force: Force | None
+    dt: float
+    time: float
+    rests: bool = False
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return self.stop - self.start
+
+
+def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
+    """Segments of all recordings.
+
+    A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
+    force contributes its decays alone. The rest of a recording with force is forced.
+
+    Args:
+        recordings: with or without force.
+        omega0: natural frequency, rad/s, to judge lengths and the force's interpolation.
+    """
+    found: list[Segment] = []
+    for index, recording in enumerate(recordings):
+        shortest = _SHORTEST_CYCLES * 2 * np.pi / omega0 * recording.fs
+        force = recording.force
+        decays = find_decays(recording)
+        ends = [(decay.start, decay.stop, False) for decay in decays]
+        if force is not None and np.any(force):
+            edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
+            ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        highest = _FORCE_BAND * omega0 / (2 * np.pi)
+        for start, stop, forced in sorted(ends):
+            if stop - start < shortest:
+                continue
+            driven = forced and force is not None and np.any(force[start:stop])
+            response = np.asarray(recording.response[start:stop], float)
+            found.append(
+                Segment(
+                    recording=index,
+                    start=start,
+                    stop=stop,
+                    response=response,
+                    force=smooth_force(np.asarray(force[start:stop], float), recording.dt, highest)
+                    if driven and force is not None
+                    else None,
+                    dt=recording.dt,
+                    time=recording.start + start * recording.dt,
+                    rests=forced and _rests(response, recording.dt, omega0, noise_level(response, recording.fs)),
+                )
+            )
+    return tuple(found)
+
+
+def first_motion(segment_response: np.ndarray, dt: float, omega0: float) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement and velocity (2,) at the first sample, by a parabola through the first seventh of a cycle.
+
+    The second array holds their standard deviations for a noise of one.
+    """
+    count = int(np.clip(0.15 * 2 * np.pi / omega0 / dt, 4, segment_response.size))
+    columns = np.vander(np.arange(count) * dt, 3, increasing=True)
+    inverse = np.linalg.pinv(columns)
+    return (inverse @ segment_response[:count])[:2], np.sqrt(np.sum(inverse[:2] ** 2, axis=1))
+
+
+def _rests(response: np.ndarray, dt: float, omega0: float, noise: float) -> bool:
+    """Whether neither displacement nor velocity at the first sample stands out of the noise."""
+    motion, spread = first_motion(response, dt, omega0)
+    return bool(np.all(np.abs(motion) < _AT_REST * noise * spread))
