@@ -24,10 +24,12 @@ test: ## set up, then run the tests
 
 check: ## set up, then check style, types and structure
 	@sh .ci/setup dev
-	@.venv/bin/ruff check
-	@.venv/bin/ruff format --check
-	@.venv/bin/pyright
-	@.venv/bin/pytest tests/test_structure.py
+	@status=0; \
+	.venv/bin/ruff check || status=1; \
+	.venv/bin/ruff format --check || status=1; \
+	.venv/bin/pyright || status=1; \
+	.venv/bin/pytest tests/test_structure.py || status=1; \
+	exit $$status
 
 benchmark: ## set up, then print accuracy and speed
 	@sh .ci/setup dev
