@@ -1,1 +1,19 @@
-"""identify"""
+"""Recordings to model: Hilbert transform, FREEVIB, FORCEVIB, maximum likelihood, uncertainty."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .identification import Identification, identify
+
+__all__ = ["Identification", "identify"]
+
+
+def __getattr__(name: str) -> Any:
+    """The face of the folder, loaded when first asked for (scipy and casadi are slow to import)."""
+    if name in __all__:
+        from . import identification
+
+        return getattr(identification, name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..simulate.core import STEPS_PER_PERIOD, Core
+from ..simulate.force import Force
 from .noise_spectrum import NoiseSpectrum, white
 from .segments import Segment
 
@@ -83,11 +84,24 @@ class OutputError:
         self.max_step = max_step
         self._pool = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
 
-    def simulate(self, index: int, values: np.ndarray, initial: np.ndarray, n: int | None = None) -> np.ndarray:
-        """(n,) response of one segment."""
+    def simulate(
+        self,
+        index: int,
+        values: np.ndarray,
+        initial: np.ndarray,
+        n: int | None = None,
+        force: Force | None = None,
+    ) -> np.ndarray:
+        """(n,) response of one segment, to its own force or to another."""
         segment = self.segments[index]
         return self.core.record(
-            values, initial, segment.force, n or segment.n, segment.dt, self.max_step, start=segment.time
+            values,
+            initial,
+            force or segment.force,
+            n or segment.n,
+            segment.dt,
+            self.max_step,
+            start=segment.time,
         )
 
     def _parallel(self, jobs: Sequence[Callable[[], np.ndarray]]) -> list[np.ndarray]:
@@ -103,30 +117,31 @@ class OutputError:
 
     def derivatives(self, state: State, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
         """(free + 2, n) derivatives of each segment's response: the free parameters, then its initial state."""
-        jobs = []
+        jobs: list[Callable[[], np.ndarray]] = []
+
+        def slope(i: int, k: int, base: np.ndarray) -> np.ndarray:
+            """Forward difference; backward where the model does not simulate beyond; zero where neither works."""
+            own = k - len(self.free)
+            here = state.initial[i, own] if own >= 0 else state.values[self.free[k]]
+            size = self.state_scale[own] if own >= 0 else self.scale[self.free[k]]
+            for step in (_STEP * max(abs(here), size), -_STEP * max(abs(here), size)):
+                values, initial = state.values.copy(), state.initial[i].copy()
+                if own >= 0:
+                    initial[own] += step
+                else:
+                    values[self.free[k]] += step
+                moved = (self.simulate(i, values, initial) - base) / step
+                if np.all(np.isfinite(moved)):
+                    return moved
+            return np.zeros_like(base)
+
         for i, segment in enumerate(self.segments):
             base = segment.response - residuals[i]
-            for k in self.free:
-                step = _STEP * max(abs(state.values[k]), self.scale[k])
-                values = state.values.copy()
-                values[k] += step
-                jobs.append(
-                    lambda i=i, values=values, step=step, base=base: (
-                        (self.simulate(i, values, state.initial[i]) - base) / step
-                    )
-                )
-            for k in range(2):
-                if segment.rests:
-                    jobs.append(lambda n=segment.n: np.zeros(n))
-                    continue
-                step = _STEP * max(abs(state.initial[i, k]), self.state_scale[k])
-                initial = state.initial[i].copy()
-                initial[k] += step
-                jobs.append(
-                    lambda i=i, initial=initial, step=step, base=base: (
-                        (self.simulate(i, state.values, initial) - base) / step
-                    )
-                )
+            for k in range(len(self.free) + 2):
+                if segment.rests and k >= len(self.free):
+                    jobs.append(lambda base=base: np.zeros_like(base))
+                else:
+                    jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
         rows = iter(self._parallel(jobs))
         return [np.stack([next(rows) for _ in range(len(self.free) + 2)]) for _ in self.segments]
 
@@ -195,6 +210,46 @@ class OutputError:
             else:
                 converged = True  # no step in any direction helps: the maximum, to the precision of the derivatives
         return Outcome(state, cost, _information(blocks), residuals, taken, converged)
+
+    def scatter(
+        self, state: State, noise: Sequence[NoiseSpectrum], force_noise: Sequence[float], draws: int, seed: int = 0
+    ) -> np.ndarray:
+        """(k, k) scatter of the score, force noise passed through the model as it is.
+
+        The spectrum takes that noise for stationary, which it is not: a rig answers differently at each amplitude of a
+        sweep. So the noise is drawn, simulated, and weighed as the fit weighs the residual.
+
+        Args:
+            state: the maximum of the likelihood.
+            noise: spectra that the fit weighed by.
+            force_noise: standard deviation of the force noise of each segment (0: none).
+            draws: how many times.
+            seed: of the random numbers.
+        """
+        residuals = self.residuals(state)
+        derivatives = self.derivatives(state, residuals)
+        k = len(self.free)
+        total = np.zeros((k, k))
+        for i, segment in enumerate(self.segments):
+            jacobian = noise[i].whiten(derivatives[i])
+            own = jacobian[k:] @ jacobian.T
+            projected = jacobian[:k] - own[:, :k].T @ pseudo_inverse(own[:, k:]) @ jacobian[k:]
+            if segment.force is None or force_noise[i] == 0.0:
+                total += projected @ projected.T
+                continue
+            sensor = noise[i].sensor_part(projected)
+            total += sensor @ sensor.T
+            weighed = noise[i].whiten(projected)
+            base = segment.response - residuals[i]
+            random = np.random.default_rng([seed, i])
+            noises = [segment.force.disturbed(force_noise[i], random, segment.dt) for _ in range(draws)]
+
+            def moved(force: Force, i: int = i, base: np.ndarray = base, weighed: np.ndarray = weighed) -> np.ndarray:
+                return weighed @ (self.simulate(i, state.values, state.initial[i], force=force) - base)
+
+            scores = np.array(self._parallel([lambda f=f, m=moved: m(f) for f in noises]))
+            total += scores.T @ scores / draws
+        return total
 
     def _blocks(
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None

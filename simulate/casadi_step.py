@@ -77,17 +77,16 @@ class _Stepper:
         free = ca.vertcat(*[s[i] * (1 - joined[i]) if i in self.positions else (0 if i in self.velocity else s[i])
                             for i in range(s.numel())])  # fmt: skip
         rest = self.raw_field(z, tau, line, p, free)[1]
-        capacity, driven = ca.SX(0), ca.SX(0)
+        capacity = ca.SX(0)
         for i in [*self.velocity, *self.positions]:
             one = ca.SX(free)
             one[i] = 1
             part = rest - self.raw_field(z, tau, line, p, one)[1]
             if i in self.velocity:
-                driven = part < 0
                 capacity += part
             else:
                 capacity += ca.if_else(g[i] == 0, ca.fmax(part, 0), 0)
-        return rest, ca.if_else(driven, -1, capacity)
+        return rest, capacity
 
     def modes(self, z, tau, line: _Line, p):  # noqa: ANN001, ANN202
         """Signs read off the state, and whether the motion is held."""
@@ -130,7 +129,8 @@ class _Stepper:
         second = ca.if_else(q != 0, d0 / ca.if_else(q != 0, q, 1), 2)
         dip = ca.if_else(ca.logic_and(first > 0, first < 1), first, 2)
         dip = ca.if_else(ca.logic_and(second > 0, second < dip), second, dip)
-        may = ca.logic_and(d0 < 0, ca.logic_or(d1 > 0, g1 < 0))
+        left_it = g0 == 0  # a negative slope is then rounding
+        may = ca.logic_and(ca.logic_and(d0 < 0, ca.logic_not(left_it)), ca.logic_or(d1 > 0, g1 < 0))
         dips = ca.logic_and(ca.logic_and(may, disc > 0), ca.logic_and(dip < 1, cubic(dip) < 0))
         top = ca.if_else(dips, dip, 1)
         lo, hi = ca.SX(0), top

@@ -22,6 +22,16 @@ class Force:
     pieces: np.ndarray
     fine: int = 1
 
+    def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
+        """The same force with white noise of that standard deviation on its samples, ``dt`` apart."""
+        count = self.pieces.shape[0] // self.fine
+        step = dt / self.fine
+        noise = np.repeat(std * random.standard_normal(count + 1), self.fine)[: self.pieces.shape[0] + 1]
+        pieces = self.pieces.copy()
+        pieces[:, 0] += noise[:-1]
+        pieces[:, 1] += np.diff(noise) / step if self.fine == 1 else 0.0
+        return Force(pieces, self.fine)
+
 
 def straight_lines(samples: np.ndarray, dt: float) -> Force:
     """First-order hold of (n,) samples ``dt`` apart: what an FMU does with its input."""

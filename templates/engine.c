@@ -78,8 +78,7 @@ static double dp_capacity(const dp_engine *e, const dp_line *l, double tau, cons
         dp_field(z, t, u, e->p, s, f);
         s[j] = 0.0;
         part = base - f[1];
-        if (j == i && part < 0.0) return -1.0;  /* friction that drives instead of holding */
-        if (part > 0.0) capacity += part;
+        if (j == i || part > 0.0) capacity += part; /* a negative friction (a fit may try one) takes from what holds */
     }
     return capacity;
 }
@@ -139,7 +138,9 @@ static double dp_first_crossing(double m, double g0, double d0, double g1, doubl
         *hi = 0.0;
         return 0.0;  /* already on the other side */
     }
-    if (d0 < 0.0 && (d1 > 0.0 || g1 < 0.0)) { /* a minimum inside may dip below zero: slope of the cubic is a parabola */
+    /* A minimum inside may dip below zero (the slope of the cubic is a parabola). Not where the motion has just left
+     * the surface: there a negative slope is rounding. */
+    if (g0 != 0.0 && d0 < 0.0 && (d1 > 0.0 || g1 < 0.0)) {
         const double a = 6.0 * (g0 - g1) + 3.0 * (d0 + d1), b = -6.0 * (g0 - g1) - 4.0 * d0 - 2.0 * d1;
         const double disc = b * b - 4.0 * a * d0;
         if (disc > 0.0) {

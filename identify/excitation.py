@@ -1,0 +1,49 @@
+"""What kind of excitation a recording holds, and which band it covers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..recording.recording import Recording
+from .decays import Decay
+
+_POWER_INSIDE = 0.99
+_WINDOWS = 24
+
+
+def band_of(recording: Recording) -> tuple[float, float] | None:
+    """Band that holds 99 % of the force's power, Hz; None without a force."""
+    force = recording.force
+    if force is None or not np.any(force):
+        return None
+    power = np.abs(np.fft.rfft(force - np.mean(force))) ** 2
+    share = np.cumsum(power) / np.sum(power)
+    frequency = np.fft.rfftfreq(force.size, recording.dt)
+    edge = 0.5 * (1 - _POWER_INSIDE)
+    return float(frequency[np.searchsorted(share, edge)]), float(frequency[np.searchsorted(share, 1 - edge)])
+
+
+def kind_of(recording: Recording, decays: Sequence[Decay]) -> str:
+    """``decay``, ``bursts``, ``sine``, ``sweep`` or ``broadband``, from the signals alone."""
+    force = recording.force
+    if force is None or not np.any(force):
+        return "decay"
+    if decays:
+        return "bursts"
+    size = max(recording.n // _WINDOWS, 16)
+    centres, narrow = [], 0
+    for start in range(0, recording.n - size + 1, size):
+        piece = np.asarray(force[start : start + size])
+        power = np.abs(np.fft.rfft((piece - piece.mean()) * np.hanning(size))) ** 2
+        if not np.any(power):
+            continue
+        frequency = np.fft.rfftfreq(size, recording.dt)
+        centre = float(np.sum(frequency * power) / np.sum(power))
+        width = float(np.sqrt(np.sum((frequency - centre) ** 2 * power) / np.sum(power)))
+        centres.append(centre)
+        narrow += width < 0.15 * centre
+    if not centres or narrow < 0.8 * len(centres):
+        return "broadband"
+    return "sweep" if max(centres) > 1.2 * min(centres) else "sine"

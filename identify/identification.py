@@ -1,0 +1,161 @@
+"""From recordings to a model: Hilbert transform for the start and the pictures, maximum likelihood for the answer."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .. import __version__
+from ..errors import BadInput
+from ..model import Oscillator, Provenance, Range, Response
+from ..model.oscillator import QUANTITIES
+from ..recording.recording import Recording
+from .excitation import band_of, kind_of
+from .likelihood import Fit, maximum_likelihood
+from .start import HilbertEstimate, hilbert_start
+
+#: Recordings of one rig whose response per force differ by more than this are not in the same units.
+_GAIN_RATIO = 300.0
+#: A model that leaves more than this part of the motion has not understood the recording.
+_POOR_NRMSE = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Identification:
+    """A model and how it was found.
+
+    Attributes:
+        oscillator: parameters with standard errors, validity and provenance.
+        hilbert: FREEVIB and FORCEVIB: curves and start values.
+        fit: maximum likelihood: covariance, simulated responses.
+        recordings: what was identified from.
+        notes: one sentence each on what a user should know.
+    """
+
+    oscillator: Oscillator
+    hilbert: HilbertEstimate
+    fit: Fit
+    recordings: tuple[Recording, ...]
+    notes: tuple[str, ...]
+
+
+def identify(
+    recordings: Sequence[Recording],
+    *,
+    name: str = "oscillator",
+    progress: Callable[[str], None] = lambda _: None,
+) -> Identification:
+    """Identify the Eq. 17 family from recordings of one rig, free or forced, in any mixture.
+
+    Args:
+        recordings: as read by ``dashpot.recording.read``.
+        name: the rig's name, for the model file.
+        progress: called with one line per step.
+
+    Raises:
+        BadInput: where the recordings do not belong together, or cannot carry a model.
+    """
+    _belong_together(recordings)
+    progress("Hilbert transform: decays, FREEVIB, FORCEVIB")
+    hilbert = hilbert_start(recordings)
+    first = recordings[0]
+    values = {
+        key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")
+    }
+    start = Oscillator.from_values(
+        values,
+        name=name,
+        response=Response(first.quantity, first.unit),
+        force_unit=next((r.force_unit for r in recordings if r.force is not None), "N"),
+    )
+    progress("maximum likelihood on the simulated response")
+    fit = maximum_likelihood(start, recordings)
+    return Identification(
+        oscillator=_with_provenance(fit, hilbert, recordings),
+        hilbert=hilbert,
+        fit=fit,
+        recordings=tuple(recordings),
+        notes=(*hilbert.notes, *fit.notes, *_remarks(fit, recordings)),
+    )
+
+
+def _belong_together(recordings: Sequence[Recording]) -> None:
+    if not recordings:
+        raise BadInput("no recording was given; name at least one file with a decay or a driven response")
+    first = recordings[0]
+    for other in recordings[1:]:
+        if (other.quantity, other.unit) != (first.quantity, first.unit):
+            raise BadInput(
+                f"{other.name} records {other.quantity} in {other.unit}, {first.name} {first.quantity} in {first.unit}; "
+                "identify from recordings of one quantity at a time"
+            )
+    forced = [r for r in recordings if r.force is not None and np.any(r.force)]
+    units = {r.force_unit for r in forced}
+    if len(units) > 1:
+        raise BadInput(f"the forces are in different units ({', '.join(sorted(units))}); give them in one unit")
+    gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in forced if r.force is not None}
+    if gains:
+        low, high = min(gains, key=lambda k: gains[k]), max(gains, key=lambda k: gains[k])
+        if gains[high] > _GAIN_RATIO * gains[low]:
+            raise BadInput(
+                f"{high} moves {gains[high] / gains[low]:.0f} times as far per unit of force as {low}; "
+                "one of them has another unit or is another rig: check the columns' units"
+            )
+
+
+def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Oscillator:
+    model = fit.oscillator
+    unit = model.response.displacement_unit
+    amplitudes = [curve.amplitude for curve in hilbert.curves if curve.amplitude.size]
+    floor = min((float(a.min()) for a in amplitudes), default=0.0)
+    order = QUANTITIES.index(model.response.quantity)
+    peaks = [float(np.max(np.abs(s.simulated))) for s in fit.segments]
+    peak = max(peaks) / model.omega0.value**order
+    bands = [band_of(r) for r in recordings]
+    frequencies = [f for band in bands if band for f in band]
+    if not frequencies:
+        frequencies = [float(f) / (2 * np.pi) for c in hilbert.curves for f in (c.omega0.min(), c.omega0.max())]
+    if not frequencies:
+        frequencies = [model.omega0.value / (2 * np.pi)]
+    return replace(
+        model,
+        amplitude=Range(min(floor, peak), peak, unit),
+        frequency=Range(min(frequencies), max(frequencies), "Hz"),
+        identified=Provenance(
+            recordings=tuple(
+                {"file": r.name, "sha256": r.sha256, "kind": kind_of(r, hilbert.decays[i])}
+                for i, r in enumerate(recordings)
+            ),
+            method="maximum-likelihood",
+            software=f"dashpot {__version__}",
+            parameters=fit.names,
+            covariance=tuple(tuple(float(c) for c in row) for row in fit.covariance),
+            log_likelihood=fit.log_likelihood,
+        ),
+    )
+
+
+def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
+    found = []
+    for name in ("viscous", "dry", "preload"):
+        parameter = getattr(fit.oscillator, name)
+        if parameter.std is not None and parameter.value < -3 * parameter.std:
+            found.append(f"{name} came out negative, a sign that the Eq. 17 family lacks something these recordings show")
+    for name, parameter in fit.oscillator.parameters().items():
+        if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
+            found.append(f"{name} is not distinguishable from zero in these recordings")
+    for segment in fit.segments:
+        if segment.nrmse > _POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
+            start = segment.segment.time
+            found.append(
+                f"{recordings[segment.segment.recording].name}, from {start:.3g} s: the model leaves "
+                f"{100 * segment.nrmse:.0f} % of the motion unexplained"
+            )
+    return found
+
+
+def _is_quiet(response: np.ndarray, fit: Fit) -> bool:
+    loudest = max(float(np.std(s.segment.response)) for s in fit.segments)
+    return float(np.std(response)) < 0.01 * loudest
