@@ -1,0 +1,144 @@
+"""FORCEVIB: absolute mass, backbone and damping curve of a forced record whose amplitude changes slowly (a sweep).
+
+Feldman 1994 (as used in Feldman, Bucher, Rotberg 2009, section 6.2): for the analytic signals of response and force
+
+    X'' + 2 h0(A) X' + omega0^2(A) X = F_a / m.
+
+Instead of guessing the mass from one pair of instants, 1/m and the two curves, each a sum of functions of the envelope,
+come out of one linear regression over the whole record; products with windows (`weakform`) stand for the derivatives.
+The functions: powers of A, and the part of a preload in the backbone, 4 preload / (pi A), and of dry friction in the
+damping, 4 dry / (pi V) with V the envelope of the velocity. Only the fundamental counts, because a harmonic of the
+response obeys another equation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from .hilbert import analytic_signal, noise_level
+from .regression import excited_band, resting
+from .weakform import Solution, solve, windows
+
+OVERLAP = 4
+CURVE_POINTS = 60
+
+
+@dataclass(frozen=True)
+class ForceVib:
+    """Mass and curves of one forced record; the curves have shape (n,), amplitudes ascending."""
+
+    mass: float
+    mass_std: float
+    amplitude: np.ndarray  # envelope, unit of the recording
+    omega0: np.ndarray  # backbone, rad/s
+    damping: np.ndarray  # h0(A) at omega0(A), 1/s; viscous / 2 of a linear system
+    omega0_std: np.ndarray  # rad/s
+    damping_std: np.ndarray  # 1/s
+    per_point: float  # independent values per point of the curves
+    misfit: float  # weighted mean square of the residual; 1 when noise explains it
+
+
+def forcevib(x: np.ndarray, force: np.ndarray, fs: float) -> ForceVib:
+    """FORCEVIB on displacement `x` (n,) and force `force` (n,), both sampled at `fs` Hz.
+
+    Raises BadInput when the force is constant, the record has fewer than ten cycles above its noise, or no positive
+    mass comes out (then force and response do not belong together, or their signs or units differ).
+    """
+    x, force = np.asarray(x, float), np.asarray(force, float)
+    if np.ptp(force) == 0:
+        raise BadInput("FORCEVIB needs a force; this record has none: treat it as a free decay.")
+    signal = analytic_signal(x, fs, undecay=0.0)
+    sigma = max(noise_level(x, fs), 1e-6 * float(np.std(x)))
+    f = float(np.median(np.abs(signal.omega[signal.amplitude > 0.3 * np.max(signal.amplitude)]))) / (2 * np.pi)
+    period = max(5, round(fs / max(f, fs / x.size)))
+    low, high = excited_band(force, fs)
+    length = min(8.0, x.size / period / 3) * period / fs
+    view = windows(x.size, fs, length, min(low, f) - 1 / length, min(max(high, f) + 1 / length, 0.45 * fs), OVERLAP)
+
+    level = float(np.quantile(signal.amplitude, 0.995))
+    amplitude = np.maximum(signal.amplitude, 1e-4 * level)
+    speed = np.abs(signal.growth + 1j * signal.omega) * amplitude
+    top_speed = float(np.quantile(speed, 0.995))
+    speed = np.maximum(speed, 1e-4 * top_speed)
+    velocity = np.gradient(x, 1 / fs, edge_order=2)
+    correction = _gradient_gain(view.omega, fs)  # what the central difference does to each bin
+
+    backbone = [view.project(b * x) for b in _backbone_basis(amplitude / level)]
+    damping = [view.project(d * velocity) / correction for d in _damping_basis(amplitude / level, speed / top_speed)]
+    columns = np.stack([view.project(force), *backbone, *damping], axis=-1)
+    acceleration = view.project(x, 2)
+
+    # the fundamental only, where it stands clear of the noise
+    mean_omega = view.mean(signal.omega * amplitude**2) / view.mean(amplitude**2)
+    noise = sigma * np.sqrt(view.energy / fs)
+    near = np.abs(view.omega - mean_omega[:, None]) < np.maximum(0.4 * np.abs(mean_omega[:, None]), view.width)
+    moving = view.mean((resting(x, sigma, period) | (amplitude < 5 * sigma)).astype(float)) < 0.02
+    clear = near & moving[:, None] & (np.abs(columns[..., 1]) > 5 * noise)
+    if np.count_nonzero(clear) < 5 * columns.shape[-1]:
+        raise BadInput(
+            "The forced record has too little motion above its noise for FORCEVIB; force it harder or longer."
+        )
+    omega = np.broadcast_to(view.omega, clear.shape)[clear]
+    force_noise = max(noise_level(force, fs), 1e-6 * float(np.std(force))) * np.sqrt(view.energy / fs)
+    target, columns = -acceleration[clear], columns[clear]
+    stiffness, viscous, inverse_mass = float(np.median(omega)) ** 2, 0.0, 0.0
+    result = Solution(np.zeros(columns.shape[1]), np.zeros((columns.shape[1],) * 2), 0.0)
+    for _ in range(4):
+        response = (stiffness - omega**2) ** 2 + (viscous * omega) ** 2 + (2 * omega * view.width) ** 2
+        std = np.sqrt(noise**2 * response + (inverse_mass * force_noise) ** 2)
+        result = solve(columns, target, std, 1.0 / OVERLAP)
+        inverse_mass = -float(result.value[0])
+        half = np.array([0.5])
+        stiffness = float((_backbone_basis(half).T @ result.value[1 : 1 + len(backbone)])[0])
+        viscous = float((_damping_basis(half, half).T @ result.value[1 + len(backbone) :])[0])
+    if not inverse_mass > 0:
+        raise BadInput("FORCEVIB finds no positive mass: check the signs and units of force and response.")
+
+    # the curves, where the windows that were used have been
+    seen = np.zeros(x.size, bool)
+    for start in view.starts[clear.any(axis=1)]:
+        seen[start + view.length // 4 : start + 3 * view.length // 4] = True
+    smallest, largest = (float(q) for q in np.quantile(amplitude[seen], (0.005, 0.995)))
+    grid = np.linspace(smallest, largest, CURVE_POINTS)
+    rows = _backbone_basis(grid / level).T
+    k = slice(1, 1 + len(backbone))
+    squared = rows @ result.value[k]
+    good = squared > 0
+    if not np.any(good):
+        raise BadInput("FORCEVIB finds no positive stiffness: check that force and response belong together.")
+    grid, rows, squared = grid[good], rows[good], squared[good]
+    omega0 = np.sqrt(squared)
+    squared_std = np.sqrt(np.einsum("ij,jk,ik->i", rows, result.covariance[k, k], rows))
+    d = slice(1 + len(backbone), None)
+    rows = _damping_basis(grid / level, omega0 * grid / top_speed).T
+    return ForceVib(
+        mass=1 / inverse_mass,
+        mass_std=float(np.sqrt(result.covariance[0, 0])) / inverse_mass**2,
+        amplitude=grid,
+        omega0=omega0,
+        damping=rows @ result.value[d] / 2,
+        omega0_std=squared_std / (2 * omega0),
+        damping_std=np.sqrt(np.einsum("ij,jk,ik->i", rows, result.covariance[d, d], rows)) / 2,
+        per_point=len(backbone) / grid.size,
+        misfit=result.residual,
+    )
+
+
+def _backbone_basis(a: np.ndarray) -> np.ndarray:
+    """Functions of the relative amplitude that omega0^2(A) is made of, shape (8, n): a cubic spline and 1/A."""
+    bends = [np.clip(a - knot, 0, None) ** 3 for knot in (0.2, 0.4, 0.6, 0.8)]
+    return np.stack([np.ones_like(a), 1 / a, a, a**2, *bends])
+
+
+def _damping_basis(a: np.ndarray, speed: np.ndarray) -> np.ndarray:
+    """Functions of relative amplitude and relative speed that 2 h0 is made of, shape (6, n)."""
+    bends = [np.clip(a - knot, 0, None) ** 2 for knot in (0.33, 0.67)]
+    return np.stack([np.ones_like(a), 1 / speed, a, a**2, *bends])
+
+
+def _gradient_gain(omega: np.ndarray, fs: float) -> np.ndarray:
+    """A central difference returns the derivative of exp(i omega t) times this."""
+    return np.sinc(omega / (np.pi * fs))

@@ -1,0 +1,279 @@
+"""Start values of Eq. 17 from recordings of any kind, by the Hilbert transform and its windowed form.
+
+Every decay gives a FREEVIB backbone and damping curve, every forced record FORCEVIB's mass and curves; the Eq. 17
+family is fitted to all curves together. One regression over all recordings (`regression`) gives the same parameters
+without the detour over an amplitude. Where it works its values are the start, because it loses nothing at the ends of
+a decay, where the cubic and the preload show themselves; otherwise the curve fits are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import BadInput
+from .curves import BackboneFit, DampingFit, fit_backbone, fit_damping
+from .decays import Decay, find_decays, force_is_silent
+from .displacement import displacement
+from .forcevib import forcevib
+from .freevib import freevib
+from .hilbert import dominant_frequency, noise_level
+from .regression import RegressionStart, Rows, Segment, regress_rows, segment_rows
+
+if TYPE_CHECKING:
+    from ..recording.recording import Recording
+
+
+@dataclass(frozen=True)
+class Curve:
+    """Backbone and damping curve from one decay (`freevib`) or forced record (`forcevib`); arrays of shape (n,)."""
+
+    recording: str
+    method: str  # "freevib" | "forcevib"
+    start: int  # the samples it comes from
+    stop: int
+    amplitude: np.ndarray
+    omega0: np.ndarray  # rad/s
+    damping: np.ndarray  # h0, 1/s
+    omega0_std: np.ndarray
+    damping_std: np.ndarray
+    per_point: float  # independent values per point
+    mass: float | None = None  # FORCEVIB's
+    mass_std: float = float("inf")
+
+
+@dataclass(frozen=True)
+class HilbertEstimate:
+    """Parameters of Eq. 17 (SI, per unit mass) with standard deviations, and what they come from.
+
+    A standard deviation of infinity means that nothing in the recordings says anything about the parameter.
+    """
+
+    mass: float | None  # kg; None when no record has a force
+    omega0: float  # rad/s
+    cubic: float  # 1/(m2 s2)
+    preload: float  # m/s2
+    viscous: float  # 1/s
+    dry: float  # m/s2
+    mass_std: float
+    omega0_std: float
+    cubic_std: float
+    preload_std: float
+    viscous_std: float
+    dry_std: float
+    source: str  # "regression" | "curves" | "spectrum"
+    curves: tuple[Curve, ...]
+    decays: tuple[tuple[Decay, ...], ...]  # of each recording
+    backbone: BackboneFit | None  # Eq. 6 family on all curves
+    damping: DampingFit | None  # Eq. 7 family on all curves
+    regression: RegressionStart | None
+    notes: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class _Motion:
+    recording: Recording
+    x: np.ndarray  # displacement
+    driven: bool  # by a force that was recorded
+
+
+def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
+    """Estimate Eq. 17 from `recordings` (displacement, velocity or acceleration, free or forced, in any mixture).
+
+    Whatever cannot be used is passed over with a note. Raises BadInput only when there is no recording, or none of them
+    oscillates.
+    """
+    if not recordings:
+        raise BadInput("No recording given; give at least one free decay or forced record.")
+    notes: list[str] = []
+    curves: list[Curve] = []
+    segments: list[Segment] = []
+    decays: list[tuple[Decay, ...]] = []
+    motions: list[_Motion] = []
+    for r in recordings:
+        found = find_decays(r)
+        decays.append(found)
+        try:
+            x = displacement(r)
+        except BadInput as problem:
+            notes.append(f"{r.name}: {problem}")
+            continue
+        moves = r.force is not None and bool(np.ptp(r.force) > 0)
+        driven = moves and not (found and force_is_silent(r))
+        motions.append(_Motion(r, x, driven))
+        if not driven and not found:
+            notes.append(f"{r.name}: no force and no free decay found in it; it was not used for the start values.")
+        for d in found:
+            curves += _freevib_curve(r, x, d, notes)
+        if driven:
+            assert r.force is not None
+            segments.append(Segment(x, np.asarray(r.force), r.fs))
+            # with much free ringing in it the force says little, and the decays have told their part
+            if sum(d.stop - d.start for d in found) < r.n / 2:
+                curves += _forcevib_curve(r, x, notes)
+        else:
+            segments += [Segment(x[d.start : d.stop], None, r.fs) for d in found]
+    if not motions:
+        raise BadInput("No recording oscillates; " + " ".join(notes))
+    backbone, damping = _fit_curves(curves, notes)
+    regression = _regression(segments, notes)
+    return _combine(motions, curves, tuple(decays), backbone, damping, regression, notes)
+
+
+def _freevib_curve(r: Recording, x: np.ndarray, d: Decay, notes: list[str]) -> list[Curve]:
+    try:
+        f = freevib(x[d.start : d.stop], r.fs)
+    except BadInput as problem:
+        notes.append(f"{r.name}, decay at {d.start / r.fs:.4g} s: {problem}")
+        return []
+    shape = (f.amplitude, f.omega0, f.damping, f.omega0_std, f.damping_std, f.per_point)
+    return [Curve(r.name, "freevib", d.start, d.stop, *shape)]
+
+
+def _forcevib_curve(r: Recording, x: np.ndarray, notes: list[str]) -> list[Curve]:
+    assert r.force is not None
+    try:
+        f = forcevib(x, r.force, r.fs)
+    except BadInput as problem:
+        notes.append(f"{r.name}: {problem}")
+        return []
+    shape = (f.amplitude, f.omega0, f.damping, f.omega0_std, f.damping_std, f.per_point)
+    return [Curve(r.name, "forcevib", 0, r.n, *shape, f.mass, f.mass_std)]
+
+
+def _fit_curves(curves: list[Curve], notes: list[str]) -> tuple[BackboneFit | None, DampingFit | None]:
+    """The Eq. 17 family on all curves together, every point weighed by what it says that its neighbours do not."""
+    if not curves:
+        return None, None
+    a, w, h = (np.concatenate([getattr(c, k) for c in curves]) for k in ("amplitude", "omega0", "damping"))
+    part = np.concatenate([np.full(c.amplitude.size, c.per_point) for c in curves])
+    w_weight = part / np.concatenate([c.omega0_std for c in curves]) ** 2
+    h_weight = part / np.concatenate([c.damping_std for c in curves]) ** 2
+    independent = float(np.sum(part))
+    try:
+        return fit_backbone(a, w, w_weight, independent), fit_damping(a, w, h, h_weight, independent)
+    except BadInput as problem:
+        notes.append(str(problem))
+        return None, None
+
+
+def _regression(segments: list[Segment], notes: list[str]) -> RegressionStart | None:
+    rows: list[Rows] = []
+    for s in segments:
+        try:
+            rows.append(segment_rows(s))
+        except BadInput as problem:
+            notes.append(f"A stretch of {s.x.size / s.fs:.4g} s was left out of the regression: {problem}")
+    try:
+        return regress_rows(rows) if rows else None
+    except BadInput as problem:
+        notes.append(str(problem))
+        return None
+
+
+def _combine(
+    motions: list[_Motion],
+    curves: list[Curve],
+    decays: tuple[tuple[Decay, ...], ...],
+    backbone: BackboneFit | None,
+    damping: DampingFit | None,
+    regression: RegressionStart | None,
+    notes: list[str],
+) -> HilbertEstimate:
+    inf = float("inf")
+    value: dict[str, float] = dict.fromkeys(("omega0", "cubic", "preload", "viscous", "dry"), 0.0)
+    std: dict[str, float] = dict.fromkeys(value, inf)
+    mass, mass_std = _curve_mass(curves)
+    if regression is not None:
+        source = "regression"
+        value = {k: float(getattr(regression, k)) for k in value}
+        std = {k: float(getattr(regression, k + "_std")) for k in value}
+        if regression.mass is not None and regression.mass_std < 0.5 * regression.mass:
+            mass, mass_std = regression.mass, regression.mass_std
+    elif backbone is not None and damping is not None:
+        source = "curves"
+        fits = {**vars(backbone), **vars(damping)}
+        value = {k: fits[k] for k in value}
+        std = {k: fits[k + "_std"] for k in value}
+    else:
+        source = "spectrum"
+        value["omega0"] = 2 * np.pi * float(np.median([dominant_frequency(m.x, m.recording.fs) for m in motions]))
+        value["viscous"] = 0.02 * value["omega0"]
+        notes.append("No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum.")
+    reach = max(float(np.quantile(np.abs(m.x - np.median(m.x)), 0.999)) for m in motions)
+    _make_safe(value, std, reach, backbone, damping, notes)
+    if mass is None and any(m.driven for m in motions):
+        mass = _static_mass(motions, value["omega0"])
+        notes.append(
+            "No mass came out of the forced records; "
+            + (
+                "the start is force over response in size."
+                if mass
+                else "the force does not reach the response in them."
+            )
+        )
+    if backbone is not None and abs(backbone.omega0 / value["omega0"] - 1) > 0.05:
+        notes.append(
+            f"Backbone curves ({backbone.omega0 / 2 / np.pi:.4g} Hz) and regression "
+            f"({value['omega0'] / 2 / np.pi:.4g} Hz) disagree: this may not be one oscillator of the Eq. 17 family."
+        )
+    return HilbertEstimate(
+        mass=mass,
+        mass_std=mass_std,
+        **value,
+        **{f"{k}_std": s for k, s in std.items()},
+        source=source,
+        curves=tuple(curves),
+        decays=decays,
+        backbone=backbone,
+        damping=damping,
+        regression=regression,
+        notes=tuple(notes),
+    )
+
+
+def _curve_mass(curves: list[Curve]) -> tuple[float | None, float]:
+    found = [(c.mass, c.mass_std) for c in curves if c.mass is not None and np.isfinite(c.mass_std)]
+    if not found:
+        return None, float("inf")
+    mass, std = np.array(found).T
+    weight = 1 / np.maximum(std, 1e-9 * mass) ** 2
+    return float(np.sum(weight * mass) / np.sum(weight)), float(1 / np.sqrt(np.sum(weight)))
+
+
+def _static_mass(motions: list[_Motion], omega0: float) -> float | None:
+    """Mass from the size of force and response, for want of better: rms(F) / (omega0^2 rms(x)), within its gain."""
+    ratios = [
+        float(np.std(np.asarray(m.recording.force)) / (omega0**2 * np.std(m.x)))
+        for m in motions
+        if m.driven and np.std(m.x) > 3 * noise_level(m.x, m.recording.fs)
+    ]
+    return float(np.median(ratios)) if ratios else None
+
+
+def _make_safe(
+    value: dict[str, float],
+    std: dict[str, float],
+    reach: float,
+    backbone: BackboneFit | None,
+    damping: DampingFit | None,
+    notes: list[str],
+) -> None:
+    """Keep the start simulable over the recorded amplitudes, and say what looks like another model family."""
+    for k in ("preload", "dry"):
+        if value[k] < -3 * std[k]:
+            notes.append(f"The start value of {k} is negative: the recordings hold something that Eq. 17 does not.")
+    if value["omega0"] ** 2 + value["cubic"] * reach**2 <= 0:
+        notes.append(
+            "The softening cubic would make the spring pull outward within the recorded amplitudes; start at 0."
+        )
+        value["cubic"] = 0.0
+        if backbone is not None:
+            value["omega0"] = float(backbone.omega0)
+    if not value["viscous"] > 0:
+        fallback = damping.viscous if damping is not None and damping.viscous > 0 else 1e-3 * value["omega0"]
+        notes.append(f"The viscous damping came out as {value['viscous']:.3g} 1/s; start at {fallback:.3g} 1/s.")
+        value["viscous"] = float(fallback)

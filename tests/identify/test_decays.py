@@ -1,0 +1,96 @@
+"""Free decays found by themselves."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot.identify.decays import find_decays
+from dashpot.recording.recording import Recording
+
+DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[3] / "shared" / "data"))
+
+
+def real(name):
+    path = DATA / name
+    if not path.exists():
+        pytest.skip(f"{name} is not here; set DASHPOT_DATA to the folder that has it")
+    table = np.genfromtxt(path, delimiter=",", skip_header=1)
+    return Recording(name, (len(table) - 1) / (table[-1, 0] - table[0, 0]), table[:, 1])
+
+
+@pytest.fixture(scope="module")
+def burst(rigs):
+    return rigs.case(rigs.reference, rigs.bursts(1.0, 13.0, 1.0, 3.0), 1000.0, 12.0)
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0, 10.0])
+@pytest.mark.parametrize("offset", [0.0, 0.05])
+def test_switch_off_is_found_in_the_force(burst, noise, offset):
+    case = burst.noisy(noise * 1e-6, noise * 1e-3, 3)
+    found = find_decays(Recording("burst", 1000.0, case.x, case.force + (offset if not noise else 0)))
+    assert [d.start // 1000 for d in found] == [1, 5, 9]
+    for d in found:
+        assert d.start % 1000 <= 2
+        # down to the noise, and not into the next burst
+        assert 1400 < d.stop - d.start < 2300
+
+
+@pytest.mark.parametrize("noise", [0.0, 1.0, 10.0])
+def test_the_corner_is_found_without_the_force(burst, noise):
+    case = burst.noisy(noise * 1e-6, 0, 3)
+    found = find_decays(Recording("burst", 1000.0, case.x))
+    assert [d.start // 1000 for d in found] == [1, 5, 9]
+    for d in found:
+        assert 0 <= d.start % 1000 < 160  # after the switch-off, within two cycles of it
+
+
+def test_driven_steady_state_is_left_out(rigs):
+    case = rigs.case(rigs.reference, rigs.bursts(0.5, 11.0, 6.0, 4.0), 1000.0, 9.9)
+    (found,) = find_decays(Recording("steady", 1000.0, case.noisy(1e-6, 0, 1).x))
+    assert 6000 <= found.start < 6200
+
+
+def test_a_zero_or_merely_noisy_force_column_is_a_free_decay(reference_decay):
+    x = reference_decay.noisy(1e-6, 0, 1).x
+    noise = 1e-3 * np.random.default_rng(5).standard_normal(x.size)
+    for force in (None, np.zeros_like(x), np.full_like(x, 0.2), noise):
+        (found,) = find_decays(Recording("ringdown", 1000.0, x, force))
+        assert found.start == 0
+        assert 1700 < found.stop < 2300
+
+
+def test_rest_before_a_release_is_left_out(reference_decay):
+    x = np.concatenate([np.zeros(2000), reference_decay.x])
+    (found,) = find_decays(Recording("rest", 1000.0, x + 1e-6 * np.random.default_rng(1).standard_normal(x.size)))
+    assert 2000 <= found.start < 2200
+
+
+def test_sweeps_and_multisines_hold_no_decay(rigs, reference_sweeps):
+    multisine = rigs.case(rigs.reference, rigs.multisine(0.5, 5, 20, 4, 2), 1000.0, 12.0)
+    for case in (*reference_sweeps, multisine):
+        case = case.noisy(1e-6, 1e-3, 4)
+        assert find_decays(Recording("forced", 1000.0, case.x, case.force)) == ()
+
+
+@pytest.mark.parametrize("x", [np.zeros(1000), np.arange(1000.0), np.array([0.0, 1.0]), np.sin(0.3 * np.arange(3000))])
+def test_nothing_to_find_is_no_error(x):
+    assert find_decays(Recording("odd", 1000.0, x)) == ()
+
+
+def test_ship_roll():
+    r = real("kvlcc2_roll_21338.csv.gz")
+    (found,) = find_decays(r)
+    largest = int(np.argmax(np.abs(r.response)))
+    assert largest - 100 < found.start < largest + 600
+    assert found.stop > 0.95 * r.n
+
+
+def test_beam_between_magnets_after_its_shaker():
+    r = real("frid_magmech_decay.csv.gz")
+    (found,) = find_decays(r)
+    driven = np.max(np.abs(r.response[:10000]))
+    before, after = (np.max(np.abs(r.response[i : i + 50])) for i in (found.start - 100, found.start + 50))
+    assert before > 0.9 * driven > after

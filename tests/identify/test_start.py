@@ -1,0 +1,154 @@
+"""Start values from all recordings together."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.identify.displacement import displacement
+from dashpot.identify.start import hilbert_start
+from dashpot.recording.recording import Recording
+
+DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[3] / "shared" / "data"))
+
+
+def record(case, name="record", noise=0.0, seed=0):
+    case = case.noisy(noise * 1e-6, noise * 1e-3, seed)
+    return Recording(name, case.fs, case.x, case.force)
+
+
+@pytest.fixture(scope="module")
+def burst(rigs):
+    return rigs.case(rigs.reference, rigs.bursts(1.0, 13.0, 1.0, 3.0), 1000.0, 8.0)
+
+
+def test_reference_rig(rigs, burst, reference_sweeps):
+    rig = rigs.reference
+    records = [record(c, f"r{i}", 1.0, i) for i, c in enumerate((burst, *reference_sweeps))]
+    found = hilbert_start(records)
+    tolerances = {"mass": 1e-4, "omega0": 1e-4, "viscous": 1e-3, "cubic": 0.01, "preload": 3e-3, "dry": 0.01}
+    for name, rel in tolerances.items():
+        assert getattr(found, name) == pytest.approx(getattr(rig, name), rel=rel), name
+    assert found.notes == ()
+    assert [c.method for c in found.curves] == ["freevib", "freevib", "forcevib", "forcevib"]
+    # the curve fits say the same without the regression
+    assert found.backbone.omega0 == pytest.approx(rig.omega0, rel=1e-4)
+    assert found.backbone.cubic == pytest.approx(rig.cubic, rel=0.02)
+    assert found.backbone.preload == pytest.approx(rig.preload, rel=0.01)
+    assert found.damping.viscous == pytest.approx(rig.viscous, rel=2e-3)
+    assert found.damping.dry == pytest.approx(rig.dry, rel=0.02)
+
+
+def test_without_any_force_the_mass_is_none(rigs, burst):
+    found = hilbert_start([Recording("b", 1000.0, burst.noisy(1e-6, 0, 2).x)])
+    assert found.mass is None
+    assert found.omega0 == pytest.approx(rigs.reference.omega0, rel=1e-3)
+    assert found.viscous == pytest.approx(rigs.reference.viscous, rel=0.01)
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+def test_other_response_quantities(rigs, reference_sweeps, reference_decay, quantity):
+    rig, records = rigs.reference, []
+    for case in (reference_sweeps[1], reference_decay):
+        drive = 0.0 if case.force is None else case.force / rig.mass
+        y = case.v
+        if quantity == "acceleration":
+            spring = rig.omega0**2 * case.x + rig.cubic * case.x**3 + rig.preload * np.sign(case.x)
+            y = drive - rig.viscous * case.v - rig.dry * np.sign(case.v) - spring
+        records.append(Recording(quantity, case.fs, y + 0.02 * np.std(y), case.force, quantity))
+    inner = slice(2000, -2000)
+    assert np.max(np.abs(displacement(records[0]) - reference_sweeps[1].x)[inner]) < 2e-3 * 9e-3
+    found = hilbert_start(records)
+    assert found.mass == pytest.approx(rig.mass, rel=0.005)
+    assert found.omega0 == pytest.approx(rig.omega0, rel=0.002)
+    assert found.viscous == pytest.approx(rig.viscous, rel=0.02)
+    assert found.cubic == pytest.approx(rig.cubic, rel=0.1)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_other_rigs_from_one_hertz_to_two_hundred(rigs, seed):
+    rng = np.random.default_rng(100 + seed)
+    f0, mass, size = 10 ** rng.uniform(0, 2.3), 10 ** rng.uniform(-2, 2), 10 ** rng.uniform(-4, -1)
+    w0, ratio, per_cycle = 2 * np.pi * f0, 10 ** rng.uniform(-2, -1), 10 ** rng.uniform(1, 2)
+    rig = rigs.Rig(
+        mass,
+        w0,
+        cubic=rng.uniform(-0.2, 0.5) * w0**2 / size**2,
+        preload=rng.uniform(0, 0.5) * ratio * w0**2 * size,
+        viscous=2 * ratio * w0,
+        dry=rng.uniform(0, 0.1) * ratio * w0**2 * size,
+    )
+    fs, level = per_cycle * f0, 2 * ratio * w0**2 * mass * size
+    kinds = {
+        "sweep": rigs.sweep(level, 1.6 * f0, 0.4 * f0, 150 / f0, 5 / f0),
+        "multisine": rigs.multisine(level, 0.4 * f0, 1.6 * f0, 40 / f0, seed),
+    }
+    kind = "sweep" if seed % 2 else "multisine"
+    case = rigs.case(rig, kinds[kind], fs, 150 / f0, substeps=int(np.ceil(100 / per_cycle)))
+    case = case.noisy(0.003 * np.std(case.x), 1e-3, seed)
+    found = hilbert_start([Recording(kind, fs, case.x, case.force)])
+    assert found.omega0 == pytest.approx(w0, rel=0.005)
+    assert found.mass == pytest.approx(mass, rel=0.01)
+    assert found.viscous + found.dry / (w0 * size) == pytest.approx(rig.viscous + rig.dry / (w0 * size), rel=0.05)
+
+
+def test_low_amplitude_leaves_the_cubic_at_zero(rigs):
+    case = rigs.case(rigs.reference, None, 1000.0, 2.0, x0=1e-3).noisy(1e-6, 0, 1)
+    found = hilbert_start([Recording("small", 1000.0, case.x)])
+    assert found.cubic == 0.0
+    assert found.cubic_std > 4.6e5
+    assert found.omega0 == pytest.approx(rigs.reference.omega0, rel=1e-3)
+
+
+t = np.arange(3000) / 1000.0
+ODD = {
+    "zeros": np.zeros(1000),
+    "two samples": np.array([0.0, 1.0]),
+    "noise": np.random.default_rng(0).standard_normal(3000),
+    "ramp": t,
+    "sine": np.sin(80 * t),
+    "growing": np.exp(t) * np.sin(80 * t),
+    "too coarse": np.exp(-t) * np.sin(2 * np.pi * 400 * t),
+    "short": np.sin(80 * t[:300]),
+}
+
+
+@pytest.mark.parametrize("force", [None, "zero", "constant", "unrelated"])
+@pytest.mark.parametrize("quantity", ["displacement", "acceleration"])
+@pytest.mark.parametrize("name", ODD)
+def test_odd_records_give_numbers_or_one_sentence(name, quantity, force):
+    x = ODD[name]
+    column = {"zero": np.zeros(x.size), "constant": np.ones(x.size), "unrelated": np.cos(0.07 * np.arange(x.size))}
+    records = [Recording(name, 1000.0, x, None if force is None else column[force], quantity)]
+    if name in ("zeros", "two samples"):
+        with pytest.raises(BadInput, match="oscillat"):
+            hilbert_start(records)
+        return
+    found = hilbert_start(records)
+    assert np.all(np.isfinite([found.omega0, found.cubic, found.preload, found.viscous, found.dry]))
+    assert found.omega0 > 0 < found.viscous
+    assert found.mass is None or found.mass > 0
+    if force in (None, "zero", "constant"):
+        assert found.mass is None
+
+
+def test_no_recording_is_refused():
+    with pytest.raises(BadInput):
+        hilbert_start([])
+
+
+def test_silverbox_multisines_and_arrow_agree():
+    path = DATA / "silverbox_snls80mv.csv.gz"
+    if not path.exists():
+        pytest.skip("silverbox_snls80mv.csv.gz is not here; set DASHPOT_DATA to the folder that has it")
+    table = np.genfromtxt(path, delimiter=",", skip_header=1)
+    a, b = (
+        hilbert_start([Recording("silverbox", 1e7 / 2**14, table[i:j, 1], table[i:j, 0], unit="V", force_unit="V")])
+        for i, j in ((40650, 57000), (20000, 36000))
+    )
+    assert a.omega0 == pytest.approx(b.omega0, rel=2e-3)
+    assert a.mass == pytest.approx(b.mass, rel=5e-3)
+    assert a.cubic == pytest.approx(b.cubic, rel=0.05)
