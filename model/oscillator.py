@@ -127,7 +127,7 @@ class Oscillator:
 
         mass = take("mass", MASS_UNIT) if given.get("mass") is not None else None
         given.pop("mass", None)
-        base = {p.name: take(p.name, p.unit) for law in BASE for p in law.parameters}
+        base: dict[str, Any] = {p.name: take(p.name, p.unit) for law in BASE for p in law.parameters}
         terms = tuple(
             Term(effect, {p.name: take(f"{effect}.{p.name}", p.unit) for p in find(effect).parameters})
             for effect in effects

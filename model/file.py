@@ -1,0 +1,205 @@
+"""The model file, ``dashpot-model/1``: an oscillator as YAML that a person can read and a program can trust.
+
+A model file is data. No tag and no alias of it is obeyed, every text of it is length-limited and printable, and every
+problem is reported at once with its line and path.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import BadInput
+from .laws import BASE
+from .oscillator import Oscillator, Provenance, Range, Response, Term
+from .parameter import Parameter
+
+if TYPE_CHECKING:
+    from .schema import ModelForm, ParameterForm, RangeForm
+
+_PLAIN = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9_./()+ -]*[A-Za-z0-9_./()+-])?")
+
+
+def load(path: str | os.PathLike[str]) -> Oscillator:
+    """Read a model file.
+
+    Raises:
+        BadInput: the file cannot be read, or is not a model file; the text has one line a problem, in the form
+            ``file: line N: $.path: what is wrong and what to do``.
+    """
+    where = os.fspath(path)
+    try:
+        text = Path(path).read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError:
+        raise BadInput(f"{where}: is not UTF-8 text, so not a model file; give the .yaml that identify wrote") from None
+    except (OSError, ValueError) as error:  # ValueError: a name with a null byte
+        raise BadInput(f"{where}: cannot be read ({_reason(error)}); check the path") from None
+    return loads(text, where)
+
+
+def loads(text: str, where: str = "model") -> Oscillator:
+    """The oscillator in the text of a model file; ``where`` names it in messages. Raises BadInput as ``load``."""
+    from .consistency import free_names
+    from .schema import checked
+    from .yaml_loader import read_yaml
+
+    document = read_yaml(text, where)
+    return _oscillator(checked(document), free_names(document.data))
+
+
+def dumps(oscillator: Oscillator) -> str:
+    """The oscillator as the text of a model file.
+
+    Values and covariance come back bit for bit, standard errors to four digits; characters that do not print
+    become U+FFFD.
+    """
+    o = oscillator
+    lines = ["# " + " ".join(o.equation().split()), "format: dashpot-model/1", f"name: {_text(o.name)}"]
+    base = ["mass", *(p.name for law in BASE for p in law.parameters)]
+    lines += _table({name: getattr(o, name) for name in base})
+    lines += ["terms:"] if o.terms else ["terms: []"]
+    for term in o.terms:
+        lines += [f"  - effect: {_text(term.effect)}", "    parameters:"]
+        lines += [f"      {line}" for line in _table(term.parameters)]
+    lines.append(f"response: {_flow({'quantity': o.response.quantity, 'unit': o.response.unit})}")
+    if o.force_unit != "N":
+        lines.append(f"excitation: {_flow({'unit': o.force_unit})}")
+    ranges = {name: found for name in ("amplitude", "frequency") if (found := getattr(o, name)) is not None}
+    if ranges:
+        lines.append("valid:   # what the recordings covered")
+        lines += [f"  {n}: {_flow({'min': r.min, 'max': r.max, 'unit': r.unit})}" for n, r in ranges.items()]
+    return "\n".join([*lines, *_identified(o.identified)]) + "\n"
+
+
+def save(oscillator: Oscillator, path: str | os.PathLike[str]) -> None:
+    """Write a model file: under a temporary name, then renamed, so that no half-written file is ever seen.
+
+    Raises:
+        BadInput: the place cannot be written to, or the oscillator holds what a model file cannot (a NaN, say).
+    """
+    target, text = Path(path), dumps(oscillator)
+    loads(text, str(target))  # a file that could not be read again is never written
+    temporary = target.with_name(f".{target.name[:100]}.{os.getpid()}.part")
+    try:
+        try:
+            with temporary.open("w", encoding="utf-8", newline="\n") as out:
+                out.write(text)
+            temporary.replace(target)
+        finally:
+            temporary.unlink(missing_ok=True)
+    except (OSError, ValueError) as error:
+        raise BadInput(f"{target}: cannot be written ({_reason(error)}); choose another place") from None
+
+
+def _reason(error: Exception) -> str:
+    return (error.strerror if isinstance(error, OSError) else None) or str(error)
+
+
+def _oscillator(form: ModelForm, free: list[str]) -> Oscillator:
+    identified = form.identified
+    covariance = identified.covariance
+    return Oscillator(
+        mass=None if form.mass is None else _parameter(form.mass),
+        omega0=_parameter(form.omega0),
+        cubic=_parameter(form.cubic),
+        preload=_parameter(form.preload),
+        viscous=_parameter(form.viscous),
+        dry=_parameter(form.dry),
+        name=form.name,
+        terms=tuple(Term(t.effect, {n: _parameter(p) for n, p in t.parameters.items()}) for t in form.terms),
+        response=Response(form.response.quantity, form.response.unit),
+        force_unit=form.excitation.unit,
+        amplitude=_range(form.valid.amplitude),
+        frequency=_range(form.valid.frequency),
+        identified=Provenance(
+            recordings=tuple(recording.model_dump(exclude_unset=True) for recording in identified.recordings),
+            method=identified.method,
+            software=identified.software,
+            parameters=tuple(identified.parameters or (free if covariance is not None else ())),
+            covariance=None if covariance is None else tuple(tuple(map(float, row)) for row in covariance),
+            log_likelihood=identified.log_likelihood,
+        ),
+    )
+
+
+def _parameter(form: ParameterForm) -> Parameter:
+    return Parameter(float(form.value), None if form.std is None else float(form.std), form.unit)
+
+
+def _range(form: RangeForm | None) -> Range | None:
+    return None if form is None else Range(float(form.min), float(form.max), form.unit)
+
+
+def _number(value: float) -> str:
+    """Shortest text that reads back as the same number, also for readers that want a dot before an exponent."""
+    text = repr(float(value))
+    if text in ("inf", "-inf", "nan"):
+        return text.replace("inf", ".inf").replace("nan", ".nan")
+    mantissa, e, exponent = text.partition("e")
+    return f"{mantissa}{'' if '.' in mantissa else '.0'}{e}{exponent}"
+
+
+def _text(value: str) -> str:
+    """Text as a YAML scalar: plain where no reader can take it for anything else, quoted otherwise."""
+    from .yaml_loader import is_text
+
+    clean = "".join(c if c.isprintable() else "\ufffd" for c in value)
+    if _PLAIN.fullmatch(clean) and is_text(clean):
+        return clean
+    return json.dumps(clean, ensure_ascii=False)  # YAML reads JSON's quoted text as JSON does
+
+
+def _scalar(value: Any) -> str:
+    if value is None:
+        return "null"
+    return _text(value) if isinstance(value, str) else _number(value)
+
+
+def _flow(entries: Mapping[str, Any]) -> str:
+    return "{" + ", ".join(f"{_text(key)}: {_scalar(value)}" for key, value in entries.items()) + "}"
+
+
+def _row(values: Iterable[Any]) -> str:
+    return "[" + ", ".join(map(_scalar, values)) + "]"
+
+
+def _table(parameters: Mapping[str, Parameter | None]) -> list[str]:
+    """One aligned line a parameter."""
+    cells = [
+        (
+            f"{name}:",
+            f"{_number(p.value)},",
+            f"{'null' if p.std is None else _number(float(f'{p.std:.4g}'))},",
+            _text(p.unit),
+        )
+        for name, p in parameters.items()
+        if p is not None
+    ]
+    width = [max(len(cell[i]) for cell in cells) for i in range(3)] if cells else [0, 0, 0]
+    width[0] = max([width[0], *(len(name) + 1 for name in parameters)])
+    lines = iter(
+        f"{name:<{width[0]}} {{value: {value:<{width[1]}} std: {std:<{width[2]}} unit: {unit}}}"
+        for name, value, std, unit in cells
+    )
+    null = "null   # only free decays were recorded"
+    return [f"{name + ':':<{width[0]}} {null}" if p is None else next(lines) for name, p in parameters.items()]
+
+
+def _identified(identified: Provenance) -> list[str]:
+    lines: list[str] = []
+    if identified.recordings:
+        lines += ["  recordings:", *(f"    - {_flow(recording)}" for recording in identified.recordings)]
+    lines += [
+        f"  {name}: {_text(getattr(identified, name))}" for name in ("method", "software") if getattr(identified, name)
+    ]
+    if identified.parameters:
+        lines.append(f"  parameters: {_row(identified.parameters)}")
+    if identified.covariance is not None:
+        lines += ["  covariance:", *(f"    - {_row(row)}" for row in identified.covariance)]
+    if identified.log_likelihood is not None:
+        lines.append(f"  log_likelihood: {_number(identified.log_likelihood)}")
+    return ["identified:", *lines] if lines else []

@@ -1,0 +1,61 @@
+"""The force of all laws together, per unit mass, evaluated in numbers along a prescribed motion."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import BadInput
+from .equations import SurfaceKind, equations, signed
+
+if TYPE_CHECKING:
+    from .oscillator import Oscillator
+
+
+class InnerForce:
+    """All laws of one oscillator with its values: what stands in the bracket of Eq. 17 beside the acceleration.
+
+    Laws that depend on time are taken at t = 0. Raises BadInput for laws with a memory (further states): their force
+    does not follow from displacement and velocity.
+    """
+
+    def __init__(self, oscillator: Oscillator) -> None:
+        import casadi as ca
+
+        eq = equations(oscillator)
+        if eq.z.numel() != 2:
+            raise BadInput(
+                f"the model has a force with a memory ({', '.join(eq.state_names[2:])}): no function of displacement "
+                "and velocity gives it; simulate the model instead"
+            )
+        values = oscillator.values()
+        known = ca.vertcat(eq.t, eq.u, eq.u_rate, eq.p)
+        given = ca.DM([0.0, 0.0, 0.0, *(values[name] for name in eq.parameter_names)])
+        force = ca.substitute(-eq.zdot[1], known, given)  # at u = 0 the acceleration is minus the inner force
+        surfaces = ca.substitute(signed(eq, eq.surfaces), known, given)
+        self._force = ca.Function("force", [eq.z, eq.s], [force])
+        self._surfaces = ca.Function("surfaces", [eq.z], [surfaces])
+        self._no_signs = ca.DM(0, 1)
+        self._on_velocity = np.array([kind == SurfaceKind.VELOCITY for kind in eq.kinds], dtype=bool)
+
+    def surfaces(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Switching functions (surfaces, m) at displacements and velocities (m,)."""
+        if not self._on_velocity.size:
+            return np.zeros((0, x.size))
+        return np.array(self._surfaces(np.stack([x, v])))
+
+    def __call__(self, x: np.ndarray, v: np.ndarray) -> np.ndarray:
+        """Force per unit mass at displacements and velocities of any one shape, in their unit per s²."""
+        z = np.stack([np.ravel(x), np.ravel(v)])
+        return self._evaluate(z, np.sign(self.surfaces(z[0], z[1]))).reshape(x.shape)
+
+    def static(self, x: np.ndarray) -> np.ndarray:
+        """Force at rest without friction: velocity zero, and every sign of the velocity zero too."""
+        z = np.stack([np.ravel(x), np.zeros(x.size)])
+        s = np.sign(self.surfaces(z[0], z[1]))
+        s[self._on_velocity] = 0.0
+        return self._evaluate(z, s).reshape(x.shape)
+
+    def _evaluate(self, z: np.ndarray, s: np.ndarray) -> np.ndarray:
+        return np.array(self._force(z, s)) if s.size else np.array(self._force(z, self._no_signs))

@@ -1,0 +1,182 @@
+"""The model file's form (pydantic), and every problem of a file found in one pass.
+
+Two passes share one list of problems. Pydantic checks the form: keys, types, finite numbers. ``consistency`` then
+checks what needs the physics: units that follow from the response's, effects and their parameters, the covariance.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, get_args
+
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic_core import ErrorDetails, PydanticCustomError
+
+from ..errors import BadInput
+from .consistency import Meaning, shown, suggestion
+from .yaml_loader import Document, Path
+
+FORMAT = "dashpot-model/1"
+
+
+def _printable(text: str) -> str:
+    if not text.isprintable():
+        raise PydanticCustomError("unprintable", "holds a line break or a control character; take it out")
+    return text
+
+
+_Words = Annotated[str, Field(max_length=200), AfterValidator(_printable)]
+_Name = Annotated[str, Field(min_length=1, max_length=255), AfterValidator(_printable)]
+_FilePath = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(_printable)]
+_Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
+_RecordedUnit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(_printable)]
+
+
+class _Form(BaseModel):
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
+
+
+class ParameterForm(_Form):
+    """One number with its standard error and unit."""
+
+    value: float
+    std: Annotated[float, Field(ge=0)] | None = None
+    unit: _Unit
+
+
+class PositiveForm(ParameterForm):
+    """A parameter that only makes sense above zero."""
+
+    value: Annotated[float, Field(gt=0)]
+
+
+class TermForm(_Form):
+    """A further effect."""
+
+    effect: _Name
+    parameters: dict[str, ParameterForm]
+
+
+class ResponseForm(_Form):
+    """What was recorded of the motion."""
+
+    quantity: Literal["displacement", "velocity", "acceleration"]
+    unit: _RecordedUnit
+
+
+class ExcitationForm(_Form):
+    """What drives the oscillator."""
+
+    unit: _RecordedUnit
+
+
+class RangeForm(_Form):
+    """What the recordings covered."""
+
+    min: Annotated[float, Field(ge=0)]
+    max: Annotated[float, Field(ge=0)]
+    unit: _Unit
+
+
+class ValidForm(_Form):
+    """Where the model may be believed."""
+
+    amplitude: RangeForm | None = None
+    frequency: RangeForm | None = None
+
+
+class RecordingForm(_Form):
+    """One recording that the numbers come from."""
+
+    file: _FilePath
+    sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
+    kind: _Words | None = None
+
+
+class IdentifiedForm(_Form):
+    """Where the numbers come from."""
+
+    recordings: list[RecordingForm] = []
+    method: _Words = ""
+    software: _Words = ""
+    parameters: list[str] = []
+    covariance: list[list[float]] | None = None
+    log_likelihood: float | None = None
+
+
+class ModelForm(_Form):
+    """A whole model file."""
+
+    format: Literal["dashpot-model/1"]
+    name: _Name
+    mass: PositiveForm | None
+    omega0: PositiveForm
+    cubic: ParameterForm
+    preload: ParameterForm
+    viscous: ParameterForm
+    dry: ParameterForm
+    terms: list[TermForm] = []
+    response: ResponseForm = ResponseForm(quantity="displacement", unit="m")
+    excitation: ExcitationForm = ExcitationForm(unit="N")
+    valid: ValidForm = ValidForm()
+    identified: IdentifiedForm = IdentifiedForm()
+
+
+def checked(document: Document) -> ModelForm:
+    """The document as a model file; raises BadInput with every problem, each with its line and path."""
+    raw = document.data
+    if not isinstance(raw, dict):
+        raise BadInput(f"{document.where}: holds no model; a model file starts with 'format: {FORMAT}'")
+    if raw.get("format") != FORMAT:
+        said = f"says format {shown(raw['format'])}" if "format" in raw else "has no 'format'"
+        raise BadInput(f"{document.where}: {said}; this version of dashpot reads 'format: {FORMAT}'")
+    form: ModelForm | None = None
+    meaning = Meaning(raw, document)
+    try:
+        form = ModelForm.model_validate(raw)
+    except ValidationError as errors:
+        for error in errors.errors(include_url=False):
+            path = tuple(step for step in error["loc"] if step != "[key]")
+            document.report(path, _sentence(error, path, meaning))
+    meaning.check()
+    if form is None or document.problems:
+        raise document.error()
+    return form
+
+
+def _sentence(error: ErrorDetails, path: Path, meaning: Meaning) -> str:
+    """Pydantic's finding in our words."""
+    kind, given, limits = error["type"], error["input"], error.get("ctx", {})
+    if kind == "missing":
+        return f"is missing; {meaning.example(path)}"
+    if kind == "extra_forbidden":
+        return f"unknown key; {suggestion(str(path[-1]), _keys(path[:-1]))}"
+    if kind in ("model_type", "dict_type"):
+        return f"must be a mapping, not {shown(given)}; {meaning.example(path)}"
+    sentences = {
+        "float_type": f"must be a plain number such as 4.6e5, not {shown(given)}",
+        "finite_number": "must be a finite number",
+        "greater_than": f"must be greater than {limits.get('gt', 0):g}, not {shown(given)}",
+        "greater_than_equal": f"must not be below {limits.get('ge', 0):g}, but is {shown(given)}",
+        "string_type": f"must be text, not {shown(given)}; put it in quotes",
+        "string_too_short": "is empty; write something there",
+        "string_too_long": f"is longer than {limits.get('max_length')} characters; shorten it",
+        "string_pattern_mismatch": "must be 64 hexadecimal digits in lower case, or null",
+        "list_type": f"must be a list, not {shown(given)}; write it as [..., ...]",
+        "literal_error": f"must be {limits.get('expected')}, not {shown(given)}",
+    }
+    return sentences.get(kind, error["msg"])
+
+
+def _keys(path: Path) -> list[str]:
+    """The keys that the mapping at ``path`` may have."""
+    form: type[BaseModel] = ModelForm
+    for step in path:
+        if isinstance(step, str) and step in form.model_fields:
+            form = _form_in(form.model_fields[step].annotation) or form
+    return list(form.model_fields)
+
+
+def _form_in(annotation: Any) -> type[BaseModel] | None:
+    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
+        return annotation
+    return next((found for inner in get_args(annotation) if (found := _form_in(inner))), None)

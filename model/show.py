@@ -1,0 +1,218 @@
+"""A model in words: what ``dashpot show`` prints, and the same as data for other programs."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .oscillator import Oscillator
+    from .parameter import Parameter
+
+STRONG = 0.9  # correlation above which two parameters are hard to tell apart
+_MEANING = {
+    "viscous": "damping that feeds the motion",
+    "dry": "friction that pushes the motion on",
+    "preload": "a spring that pushes off the middle position",
+}
+
+
+def describe(oscillator: Oscillator) -> str:
+    """The model as text: equation, parameters with error and percent, correlations, validity, origin, warnings."""
+    o = oscillator
+    parts = [f"{o.name}\n\n  {o.equation()}", "Parameters\n" + "\n".join(_table(o))]
+    for term in o.terms:
+        parts.append(f"{term.effect} ({term.law.path})\n  {term.law.sentence}")
+    strong = [f"  {one} and {other}: {value:+.3f}" for one, other, value in strong_correlations(o)]
+    if strong:
+        parts.append(
+            f"Correlations above {STRONG:g} (such a pair is known better together than each alone)\n"
+            + "\n".join(strong)
+        )
+    parts.append("Valid for (what the recordings covered)\n" + "\n".join(_validity(o)))
+    parts.append("Identified from\n" + "\n".join(_origin(o)))
+    noted = warnings(o)
+    if noted:
+        parts.append("Take note\n" + "\n".join(f"  - {sentence}" for sentence in noted))
+    return "\n\n".join(parts) + "\n"
+
+
+def as_json(oscillator: Oscillator) -> dict[str, Any]:
+    """The same as plain data for ``json.dumps``: numbers with their units, None where something is not known."""
+    o = oscillator
+    words = o.descriptions()
+    found = o.identified
+    return {
+        "format": "dashpot-show/1",
+        "name": o.name,
+        "equation": o.equation(),
+        "mass_known": o.mass is not None,
+        "parameters": {
+            name: {
+                "value": float(p.value),
+                "std": _finite(p.std),
+                "percent": percent(p),
+                "unit": p.unit,
+                "description": words[name],
+            }
+            for name, p in o.parameters().items()
+        },
+        "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in o.terms],
+        "response": {"quantity": o.response.quantity, "unit": o.response.unit},
+        "excitation": {"unit": o.force_unit},
+        "valid": {
+            name: None if r is None else {"min": float(r.min), "max": float(r.max), "unit": r.unit}
+            for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
+        },
+        "identified": {
+            "recordings": [dict(recording) for recording in found.recordings],
+            "method": found.method,
+            "software": found.software,
+            "parameters": list(found.parameters),
+            "covariance": None if found.covariance is None else [[float(c) for c in row] for row in found.covariance],
+            "log_likelihood": _finite(found.log_likelihood),
+        },
+        "correlations": [
+            {"parameters": [one, other], "correlation": value} for one, other, value in strong_correlations(o)
+        ],
+        "warnings": warnings(o),
+    }
+
+
+def _finite(value: float | None) -> float | None:
+    """JSON has no infinity and no NaN."""
+    return None if value is None or not math.isfinite(value) else float(value)
+
+
+def percent(parameter: Parameter) -> float | None:
+    """Standard error in percent of the value; None where it is missing or endless, or the value is zero."""
+    if parameter.std is None or parameter.value == 0 or not math.isfinite(parameter.std):
+        return None
+    return float(100 * parameter.std / abs(parameter.value))
+
+
+def strong_correlations(oscillator: Oscillator) -> list[tuple[str, str, float]]:
+    """Pairs of parameters whose estimates are correlated above 0.9 in size, strongest first."""
+    found = oscillator.identified
+    rows = found.covariance
+    if rows is None:
+        return []
+    names = found.parameters or tuple(oscillator.parameters())
+    pairs = []
+    for i in range(len(rows)):
+        for j in range(i):
+            scale = math.sqrt(max(rows[i][i], 0.0)) * math.sqrt(max(rows[j][j], 0.0))
+            if scale > 0 and abs(rows[i][j]) > STRONG * scale:
+                pairs.append((names[j], names[i], float(rows[i][j] / scale)))
+    return sorted(pairs, key=lambda pair: -abs(pair[2]))
+
+
+def warnings(oscillator: Oscillator) -> list[str]:
+    """What a user should know before using the numbers, one sentence each."""
+    o = oscillator
+    parameters = o.parameters()
+    noted = [sentence for name, p in parameters.items() if (sentence := _negative(o, name, p))]
+    for name, p in parameters.items():
+        if p.std and p.value > 0 and p.std > 0.5 * p.value:
+            share = percent(p)
+            known = "not known at all" if share is None else f"known to {share:.0f} % only"
+            noted.append(f"{name} is {known}: these recordings do not carry it; record where it matters, or fix it.")
+    if o.cubic.value < 0 and not o.terms:
+        noted.append(_softening(o))
+    if o.mass is None:
+        noted.append("The mass is not known (no force was recorded): the input is a force per unit mass.")
+    if all(p.std is None for p in parameters.values()):
+        noted.append("No parameter has a standard error: the numbers were given, not measured.")
+    return noted
+
+
+def _negative(o: Oscillator, name: str, p: Parameter) -> str | None:
+    """A sentence where a parameter is negative that nature wants positive."""
+    path = next((t.law.path for t in o.terms if name.startswith(f"{t.effect}.")), None)
+    meaning = _MEANING.get(name) or (_MEANING["viscous"] if path == "dissipation" else None)
+    if meaning is None or p.value >= 0:
+        return None
+    if p.std is not None and p.value > -2 * p.std:
+        return f"{name} is negative but within two standard errors of zero: these recordings do not tell it from none."
+    return (
+        f"{name} is negative, {meaning}: a sign that the model lacks something and this parameter makes up for it; "
+        "run dashpot diagnose."
+    )
+
+
+def _softening(o: Oscillator) -> str:
+    """Where a softening spring stops pulling back harder, and where it lets go: x² = omega0² / (3|c|) and / |c|."""
+    unit = o.response.displacement_unit
+    top = o.omega0.value / math.sqrt(3 * -o.cubic.value)
+    reach = "" if o.amplitude is None else f"; the recordings reach {o.amplitude.max:.3g} {o.amplitude.unit}"
+    return (
+        f"cubic is negative: the spring's force falls beyond {top:.3g} {unit} and no longer pulls back beyond "
+        f"{top * math.sqrt(3):.3g} {unit}{reach}. A simulation that goes there does not come back."
+    )
+
+
+def _table(o: Oscillator) -> list[str]:
+    words = o.descriptions()
+    cells = [
+        (name, value, f"± {error}" if error else "", _percent_text(p), p.unit, words[name] + _in_hertz(name, p))
+        for name, p in o.parameters().items()
+        for value, error in [value_and_error(p)]
+    ]
+    if o.mass is None:
+        cells.insert(0, ("mass", "unknown", "", "", "", "only free decays were recorded"))
+    width = [max(len(cell[i]) for cell in cells) for i in range(5)]
+    return [
+        "  " + "  ".join([*(f"{cell[i]:{'<' if i in (0, 2, 4) else '>'}{width[i]}}" for i in range(5)), cell[5]])
+        for cell in cells
+    ]
+
+
+def value_and_error(parameter: Parameter) -> tuple[str, str]:
+    """Value and error as text, both to the second digit of the error; the error is empty where there is none."""
+    value, std = float(parameter.value), parameter.std
+    if not std or not math.isfinite(std):
+        return f"{value:.6g}", "0" if std == 0 else "" if std is None else f"{std:g}"
+    last = math.floor(math.log10(std)) - 1  # place of the error's second digit
+    size = math.floor(math.log10(max(abs(value), std)))
+    if size - last > 14:  # an error below what a float can tell
+        return f"{value:.15g}", f"{std:.1e}"
+    if -4 <= size < 7 and last <= 0:
+        return f"{value:.{-last}f}", f"{std:.{-last}f}"
+    digits = max(size - last, 1)
+    return f"{value:.{digits}e}", f"{std:.1e}"
+
+
+def _percent_text(p: Parameter) -> str:
+    share = percent(p)
+    return "" if share is None else f"({share:.2g} %)" if share < 99.5 else f"({share:.0f} %)"
+
+
+def _in_hertz(name: str, p: Parameter) -> str:
+    return f", {p.value / (2 * math.pi):.6g} Hz" if name == "omega0" else ""
+
+
+def _validity(o: Oscillator) -> list[str]:
+    ranges = [
+        f"  {name:<10} {r.min:.4g} to {r.max:.4g} {r.unit}"
+        for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
+        if r is not None
+    ]
+    return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}"]
+
+
+def _origin(o: Oscillator) -> list[str]:
+    found = o.identified
+    lines = [f"  {_recording(recording)}" for recording in found.recordings] or ["  not stated"]
+    likelihood = None if found.log_likelihood is None else f"log likelihood {found.log_likelihood:.6g}"
+    how = [part for part in (found.method, found.software, likelihood) if part]
+    return [*lines, *([f"  by {', '.join(how)}"] if how else [])]
+
+
+def _recording(recording: Mapping[str, Any]) -> str:
+    kind, sha256 = recording.get("kind"), recording.get("sha256")
+    return (
+        f"{recording.get('file', '?')}"
+        + (f" ({kind})" if kind else "")
+        + (f", sha256 {sha256[:12]}…" if sha256 else "")
+    )
