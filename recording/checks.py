@@ -1,0 +1,196 @@
+"""What can be wrong with a recording, each found by one function that returns a list of problems."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from .clipping import clipping, measured
+from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation
+from .plausibility import implausible
+from .reach import lasting, reach
+from .recording import Recording
+
+FREE_CYCLES = 5  # a decay has to be seen to fall
+FORCED_CYCLES = 4  # the force says where each cycle comes from, so slightly fewer do
+SCANT_CYCLES = 10
+FORCE_IS_NOISE = "the force is unrelated noise and the response a free decay; the force is left out"
+LEAST_SAMPLES = 4  # a cycle; Hilbert envelopes and the third harmonic alias below
+SCANT_SAMPLES = 10
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing wrong: an "error" makes the recording useless, a "note" is worth knowing. `sentence` says it all."""
+
+    severity: Literal["error", "note"]
+    sentence: str
+
+
+def check(recording: Recording) -> list[Problem]:
+    """Return everything wrong with a recording, errors first; an empty list means that nothing was found.
+
+    A signal that holds no numbers or never moves is judged no further.
+    """
+    problems = not_a_number(recording) or constant(recording)
+    if not problems:
+        motion = oscillation(recording.response, recording.fs)
+        for judge in _JUDGES:
+            problems += judge(recording, motion)
+    return sorted(problems, key=lambda problem: problem.severity != "error")
+
+
+def not_a_number(recording: Recording) -> list[Problem]:
+    """Find NaN and infinity in the response and the force."""
+    problems = []
+    for signal, name, _ in _signals(recording):
+        bad = np.flatnonzero(~np.isfinite(signal))
+        if len(bad):
+            at = recording.start + bad[0] / recording.fs
+            problems.append(
+                _error(
+                    recording,
+                    f"the {name} has {len(bad)} value(s) that are not a number, the first at {at:.6g} s; "
+                    "cut that part out or record again",
+                )
+            )
+    return problems
+
+
+def constant(recording: Recording) -> list[Problem]:
+    """Find a response that never moves by more than rounding."""
+    response = recording.response
+    if np.ptp(response) > 1e-12 * np.max(np.abs(response)):
+        return []
+    sentence = f"the response is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another"
+    return [_error(recording, f"{sentence} column with --response")]
+
+
+def clipped(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find signals cut off at the end of the measuring range; a force cut off without any noise was commanded so."""
+    problems = []
+    for signal, name, unit in _signals(recording):
+        rails = clipping(signal)
+        if not rails:
+            continue
+        at = recording.start + min(rail.first for rail in rails) / recording.fs
+        levels = " and ".join(f"{rail.level:.4g} {unit}" for rail in rails)
+        what = (
+            f"the {name} is clipped: it stays exactly at {levels} on {sum(rail.visits for rail in rails)} peaks "
+            f"({sum(rail.samples for rail in rails)} samples), first at {at:.4g} s"
+        )
+        if name == "force" and not measured(signal):
+            problems.append(_note(recording, f"{what}; if it was measured and not commanded so, record again"))
+        else:
+            problems.append(_error(recording, f"{what}; record again with a larger measuring range or a lower level"))
+    return problems
+
+
+def undersampled(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find too few samples in a cycle of the dominant frequency."""
+    samples = recording.fs / motion.frequency
+    if samples >= SCANT_SAMPLES or is_white(recording.response):
+        return []  # the strongest line of mere noise is no oscillation
+    what = f"only {samples:.2g} samples a cycle at the dominant {motion.frequency:.4g} Hz"
+    if samples < LEAST_SAMPLES:
+        return [_error(recording, f"{what}; record again at {_round_up(20 * motion.frequency)} Hz or more")]
+    return [_note(recording, f"{what}; 20 or more would show harmonics, {_round_up(20 * motion.frequency)} Hz")]
+
+
+def too_few_cycles(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find a record in which the response swings only a few times beyond its noise."""
+    if any(problem.severity == "error" for problem in undersampled(recording, motion)):
+        return []  # the cycles are not in the samples: said already
+    need = FREE_CYCLES if _free(recording) else FORCED_CYCLES
+    what = f"only {motion.cycles:g} oscillation cycles stand out of the noise in {recording.duration:.4g} s"
+    if motion.cycles < need:
+        return [_error(recording, f"{what}, at least {need} are needed; record for longer or at a higher level")]
+    if motion.cycles < SCANT_CYCLES:
+        return [_note(recording, f"{what}; {SCANT_CYCLES} or more would give better estimates")]
+    return []
+
+
+def no_decay(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find a record without force whose amplitude nowhere falls, so that it is no free decay."""
+    if not _free(recording) or motion.cycles < FREE_CYCLES:
+        return []
+    if decays(recording.response, recording.fs, motion.frequency):
+        return []
+    how = "the force is zero throughout" if recording.force is not None else "there is no force column"
+    return [
+        _error(
+            recording,
+            f"no decay: {how}, yet the amplitude of the response nowhere falls steadily; "
+            "record a release and what follows, or give the force with --force",
+        )
+    ]
+
+
+def wrong_unit(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find a response too large or too small by orders of magnitude for its unit."""
+    found = implausible(recording.quantity, recording.unit, motion.amplitude, motion.frequency)
+    if found is None:
+        return []
+    advice = (
+        f"the unit is probably {found.probable}: pass --unit {found.probable} if so"
+        if found.probable
+        else "state the right unit with --unit"
+    )
+    sentence = f"the response of {found.reason}; {advice}"
+    return [_error(recording, sentence) if found.impossible else _note(recording, sentence)]
+
+
+def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find a force that varies and to which the response shows no relation in the force's own band."""
+    if recording.force is None or _free(recording) or not lasting(recording.force):
+        return []
+    found = reach(recording.force, recording.response)
+    if found is None or found.related:
+        return []
+    if is_white(recording.force) and is_one_decay(recording.response, recording.fs, motion.frequency):
+        return [_note(recording, FORCE_IS_NOISE)]
+    return [
+        _error(
+            recording,
+            "the force does not reach the response: in the force's own frequency band it explains no more than chance "
+            f"would (coherence {found.coherence:.2f}); check the columns, the cable and that both belong to one run, "
+            "or leave the force out with --force none if this is a free decay",
+        )
+    ]
+
+
+_JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
+    clipped,
+    undersampled,
+    too_few_cycles,
+    no_decay,
+    wrong_unit,
+    no_reach,
+)
+
+
+def _signals(recording: Recording) -> list[tuple[np.ndarray, str, str]]:
+    signals = [(recording.response, "response", recording.unit)]
+    if recording.force is not None:
+        signals.append((recording.force, "force", recording.force_unit))
+    return signals
+
+
+def _free(recording: Recording) -> bool:
+    return recording.force is None or bool(np.ptp(recording.force) == 0)
+
+
+def _round_up(rate: float) -> str:
+    step = 10.0 ** np.floor(np.log10(rate))
+    return f"{np.ceil(rate / step) * step:g}"
+
+
+def _error(recording: Recording, sentence: str) -> Problem:
+    return Problem("error", f"{recording.name}: {sentence}")
+
+
+def _note(recording: Recording, sentence: str) -> Problem:
+    return Problem("note", f"{recording.name}: {sentence}")

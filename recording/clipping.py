@@ -1,0 +1,80 @@
+"""Whether a signal was cut off at the end of its measuring range."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+SHORTEST = 3  # samples: two equal samples astride a smooth peak are common
+VISITS = 2  # one flat top may be the signal's own
+MARGIN = 16.0  # a smooth peak falls at most 8 steps of resolution within one run length; twice that
+MOST = 0.6  # of the samples: a signal that is mostly at its extremes switches between levels
+SENSOR_NOISE = 1e-5  # of the peak: no sensor is quieter, so below it the signal was computed or commanded
+
+
+@dataclass(frozen=True)
+class Clipping:
+    """The level at which a signal is cut, how often, how many samples of it, and the first one's index."""
+
+    level: float
+    visits: int
+    samples: int
+    first: int
+
+
+def clipping(signal: np.ndarray) -> list[Clipping]:
+    """Return the rails at which the signal (n,) is clipped: none, one or two.
+
+    A digitised smooth peak that stays on one level for L samples hides at most one step q, so by its parabola it has
+    fallen by no more than 8 q another L samples away on either side. A clipped one has fallen by much more. Counted are
+    runs at the very extreme only, so neither coarse resolution nor rest nor friction's dwell at varied levels counts.
+    """
+    step = _resolution(signal)
+    found: list[Clipping] = []
+    for sign in (1.0, -1.0):
+        starts, lengths = _runs_at_maximum(sign * signal)
+        if lengths.sum() > MOST * len(signal):
+            continue
+        cut = [(i, n) for i, n in zip(starts, lengths, strict=True) if _is_cut(sign * signal, int(i), int(n), step)]
+        if cut:
+            samples = int(sum(n for _, n in cut))
+            found.append(Clipping(float(signal[cut[0][0]]), len(cut), samples, int(cut[0][0])))
+    both = sum(rail.visits for rail in found) >= VISITS
+    at_rails = sum(rail.samples for rail in found) <= MOST * len(signal)
+    return found if both and at_rails else []
+
+
+def measured(signal: np.ndarray) -> bool:
+    """Whether the signal (n,) carries sensor noise, so that it was measured and not computed.
+
+    Differencing shrinks a smooth, well sampled signal each time and makes noise grow: the fifth differences of noise
+    exceed the fourth by sqrt(252/70).
+    """
+    peak = float(np.max(np.abs(signal)))
+    fourth, fifth = (float(np.median(np.abs(np.diff(signal, k)))) for k in (4, 5))
+    return fifth > fourth and fourth / np.sqrt(70) > SENSOR_NOISE * peak
+
+
+def _resolution(signal: np.ndarray) -> float:
+    """Return the step of the digitiser: the small gaps between the values that occur (their 5th percentile)."""
+    values = np.unique(signal)
+    gaps = np.diff(values)
+    gaps = gaps[gaps > 1e-9 * (values[-1] - values[0])]  # the same level, printed or converted differently
+    return float(np.percentile(gaps, 5)) if len(gaps) else 0.0
+
+
+def _runs_at_maximum(signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    at = signal >= signal.max() - 1e-9 * np.ptp(signal)
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], at.astype(np.int8), [0]))))
+    starts, lengths = edges[::2], edges[1::2] - edges[::2]
+    long = lengths >= SHORTEST
+    return starts[long], lengths[long]
+
+
+def _is_cut(signal: np.ndarray, start: int, length: int, step: float) -> bool:
+    before, after = start - length, start + 2 * length - 1
+    if before < 0 or after >= len(signal):
+        return False
+    drop = signal[start] - max(signal[before], signal[after])
+    return drop > MARGIN * step

@@ -1,0 +1,191 @@
+"""Which column is the time, the force, the response: from names such as time_s, force_N, x_mm, Displacement [mm]."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ..errors import BadInput
+from .table import Table
+from .units import Unit, find_unit
+
+_NAMES = {
+    "time": ("t", "time", "timestamp", "zeit", "sec", "seconds"),
+    "force": ("f", "force", "load", "excitation", "kraft", "torque", "u", "input"),
+    "displacement": (
+        "x", "y", "z", "displacement", "disp", "displ", "position", "pos", "deflection", "response", "output", "lvdt",
+        "phi", "theta", "angle", "roll", "pitch", "yaw", "strain", "stroke", "weg",
+    ),
+    "velocity": ("v", "vel", "velocity", "xdot", "xd", "speed", "ldv"),
+    "acceleration": ("a", "acc", "accel", "acceleration", "xddot", "xdd"),
+}  # fmt: skip
+_KIND = {name: kind for kind, names in _NAMES.items() for name in names}
+_RESPONSES = ("displacement", "velocity", "acceleration")
+_BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]$")
+_SLASH = re.compile(r"^(?P<name>.+?)\s+(?:/|in)\s+(?P<unit>\S+)$")
+
+
+@dataclass(frozen=True)
+class Column:
+    """One header cell taken apart: `kind` is time, force, displacement, velocity, acceleration, or "" if unclear."""
+
+    name: str
+    base: str
+    unit: Unit | None
+    unit_text: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class Choice:
+    """The columns of a record by their index in the table; None where there is no such column."""
+
+    time: int | None
+    force: int | None
+    response: int
+    notes: tuple[str, ...] = ()
+
+
+def parse_column(name: str, unit_text: str = "") -> Column:
+    """Take a header cell apart; `unit_text` is what a separate row of units says of it. Raises nothing."""
+    name = name.strip()
+    match = _BRACKETS.match(name) or _SLASH.match(name)
+    if unit_text:
+        base = name
+    elif match and match["unit"] != "t":  # x(t) is a function of time
+        base, unit_text = match["name"], match["unit"]
+    else:
+        base, unit_text = _split_suffix(name)
+    unit = find_unit(unit_text) if unit_text else None
+    return Column(name, base, unit, unit_text, _kind(base, unit))
+
+
+def choose_columns(
+    table: Table,
+    time: str | int | None = None,
+    force: str | int | None = None,
+    response: str | int | None = None,
+    quantity: str | None = None,
+) -> Choice:
+    """Return which columns to read: those named by the options, then those whose names tell.
+
+    An option is a column's name, the name without its unit, or its number from 1; "none" leaves it out. Raises
+    BadInput when a named column is absent or the names leave a choice that the user must make.
+    """
+    columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
+    given = {"time": time, "force": force, "response": response}
+    chosen: dict[str, int | None] = {
+        role: _find(table, columns, role, option) for role, option in given.items() if option is not None
+    }
+    _reject_doubles(table, chosen)
+    if not table.has_header and response is None:
+        if len(columns) > 1:
+            raise BadInput(
+                f"{table.where} has no header line to name its {len(columns)} columns; say which is which by number, "
+                + ("e.g. --time 1 --response 2" if len(columns) == 2 else "e.g. --time 1 --force 2 --response 3")
+            )
+        chosen.setdefault("response", 0)
+    free = [i for i in range(len(columns)) if i not in chosen.values()]
+    for role in ("time", "force"):
+        if role not in chosen:
+            chosen[role] = _only(table, columns, role, [i for i in free if columns[i].kind == role])
+    if chosen.get("response") is not None:
+        return Choice(chosen["time"], chosen["force"], int(chosen["response"] or 0))
+
+    free = [i for i in free if i not in chosen.values()]
+    wanted = (quantity,) if quantity in _RESPONSES else _RESPONSES
+    likely = [i for i in free if columns[i].kind in wanted] or [i for i in free if columns[i].kind in _RESPONSES]
+    # an option has said what the force is, or a name has: then a last column of no telling name is the response
+    unclear = [i for i in free if not columns[i].kind]
+    if not likely and len(unclear) == 1:
+        i = unclear[0]
+        note = f"{table.where}: column {table.label(i)} is taken as the response, being the only one left"
+        return Choice(chosen["time"], chosen["force"], i, (note,))
+    if not likely and not unclear:
+        raise BadInput(f"{table.where} has no column for the response among {_listed(table)}; name it with --response")
+    if len(likely) != 1:
+        options = "--response" if chosen["force"] is not None else "--force and --response"
+        names = ", ".join(table.label(i) for i in likely or unclear)
+        raise BadInput(
+            f"{table.where}: cannot tell which of the columns {names} is the response; "
+            f"name the columns with {options}" + ("" if chosen["time"] is not None else " (and --time or --fs)")
+        )
+    return Choice(chosen["time"], chosen["force"], likely[0])
+
+
+def _split_suffix(name: str) -> tuple[str, str]:
+    """Split velocity_m_s into velocity and m_s: the longest tail after _ or a blank that is a unit."""
+    for cut in re.finditer(r"[_ ]+", name):
+        base, tail = name[: cut.start()], name[cut.end() :]
+        unit = find_unit(tail)
+        # F_in and V_in are inputs, not inches: where the name says otherwise, the tail is a part of the name
+        if base and unit and (tail != "in" or _word(base) in _NAMES["displacement"]):
+            return base, tail
+    return name, ""
+
+
+def _word(base: str) -> str:
+    """Bring a name to the form of the table above: strain0 and Strain are strain, but V1 (volts) is not v."""
+    base = re.sub(r"[_ ]*\d+$", "", base.strip().removesuffix("(t)"))
+    if len(base) == 1 and base.isupper() and base not in "FTX":
+        return ""
+    return base.lower()
+
+
+def _kind(base: str, unit: Unit | None) -> str:
+    words = re.split(r"[_\s]+", base)
+    named = next((kind for word in (base, *words) if (kind := _KIND.get(_word(word)))), "")
+    if unit is None:
+        return named
+    if unit.quantity == "any":
+        return named
+    if unit.quantity in _RESPONSES and named == "force":
+        return ""
+    return unit.quantity
+
+
+def _find(table: Table, columns: Sequence[Column], role: str, option: str | int) -> int | None:
+    text = str(option).strip()
+    if text.lower() == "none" and role != "response":
+        return None
+    for same in (
+        lambda c: c.name == text,
+        lambda c: c.name.lower() == text.lower(),
+        lambda c: c.base.lower() == text.lower(),
+    ):
+        found = [i for i, column in enumerate(columns) if column.name and same(column)]
+        if len(found) == 1:
+            return found[0]
+        if found:
+            raise BadInput(f"{table.where}: --{role} {text} fits {len(found)} columns; give the number of the column")
+    if text.isdigit():
+        if 1 <= int(text) <= len(columns):
+            return int(text) - 1
+        raise BadInput(f"{table.where}: --{role} {text}, but the columns are numbered 1 to {len(columns)}")
+    if not table.has_header:
+        raise BadInput(f"{table.where} has no header line, so --{role} must be a number from 1 to {len(columns)}")
+    near = difflib.get_close_matches(text, table.names, n=1)
+    advice = f"did you mean '{near[0]}'?" if near else f"it has {_listed(table)}"
+    raise BadInput(f"{table.where} has no column '{text}' (--{role}); {advice}")
+
+
+def _only(table: Table, columns: Sequence[Column], role: str, found: list[int]) -> int | None:
+    if len(found) > 1:
+        names = ", ".join(table.label(i) for i in found)
+        raise BadInput(f"{table.where}: the columns {names} all look like the {role}; choose one with --{role}")
+    return found[0] if found else None
+
+
+def _reject_doubles(table: Table, chosen: dict[str, int | None]) -> None:
+    used: dict[int, str] = {}
+    for role, i in chosen.items():
+        if i is not None and i in used:
+            raise BadInput(f"{table.where}: --{used[i]} and --{role} name the same column {table.label(i)}; change one")
+        if i is not None:
+            used[i] = role
+
+
+def _listed(table: Table) -> str:
+    return ", ".join(table.label(i) for i in range(len(table.names)))

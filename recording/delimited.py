@@ -1,0 +1,164 @@
+"""Comma, semicolon, tab or blank separated text, plain or gzipped, as loggers and spreadsheets write it."""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import gzip
+import re
+import zlib
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from ..errors import BadInput
+from .table import Table
+from .units import find_unit
+
+_COMMENT = ("#", "%")
+_DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
+
+
+def read_delimited(where: str, content: bytes) -> Table:
+    """Return the table that the bytes of a text file hold; `where` names the file in messages.
+
+    Delimiter and decimal comma are found from the data; lines that begin with # or % are comments, of which the last
+    one above the data may hold the column names; a second header row may hold units. Raises BadInput for a file that
+    is empty, binary, a broken gzip, without numbers, or whose rows differ in length.
+    """
+    numbered = [(i, line) for i, line in enumerate(_text(where, content).splitlines(), start=1) if line.strip()]
+    lines = [(i, line) for i, line in numbered if not line.lstrip().startswith(_COMMENT)]
+    if not lines:
+        raise BadInput(f"{where} has no rows of numbers; it needs a header line and one row for each sample")
+    delimiter = _delimiter([line for _, line in lines[:20]])
+    decimal_comma = delimiter != "," and any("," in line for _, line in lines[1:20])
+    header, units = [], []
+    if not _numeric(_cells(lines[0][1], delimiter), decimal_comma):
+        header = _cells(lines.pop(0)[1], delimiter)
+        if lines and _is_unit_row(_cells(lines[0][1], delimiter)):
+            units = [cell.strip("[]() ") for cell in _cells(lines.pop(0)[1], delimiter)]
+    if not lines:
+        raise BadInput(f"{where} has a header and no rows of numbers below it; write one row for each sample")
+    trailing = delimiter is not None and all(line.rstrip(" ").endswith(delimiter) for _, line in lines[:20])
+    width = len(_cells(lines[0][1], delimiter)) - trailing
+    if not header:
+        header = _commented_header([line for i, line in numbered if i < lines[0][0]], delimiter, width)
+    header = header[:-1] if header and trailing and len(header) == width + 1 and not header[-1] else header
+    if header and len(header) != width:
+        raise BadInput(
+            f"{where}: the header names {len(header)} columns but line {lines[0][0]} has {width}; "
+            "give every column one name"
+        )
+    _reject_unequal_rows(where, lines, delimiter, width + trailing)
+    names = tuple(header) or ("",) * width
+    units = tuple([*units, *[""] * width][:width])
+
+    def numbers(indices: Sequence[int]) -> np.ndarray:
+        return _numbers(where, lines, delimiter, decimal_comma, names, indices)
+
+    return Table(where, names, units, numbers)
+
+
+def _text(where: str, content: bytes) -> str:
+    if content[:2] == b"\x1f\x8b":
+        try:
+            content = gzip.decompress(content)
+        except (EOFError, zlib.error, gzip.BadGzipFile):
+            raise BadInput(f"{where} is a gzip file that is cut short or damaged; copy it again") from None
+    elif content and where.lower().endswith(".gz"):
+        raise BadInput(f"{where} ends in .gz but is not a gzip file; rename it or compress it")
+    if not content.strip():
+        raise BadInput(f"{where} is empty; record or copy it again")
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return content.decode("utf-16", errors="replace")
+    if b"\0" in content:
+        raise BadInput(f"{where} is a binary file, not text; export it as CSV")
+    try:
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        text = content.decode("latin-1")  # older loggers write µ and ° so
+    head = text[:4096]
+    if sum(not (c.isprintable() or c.isspace()) for c in head) > 0.05 * len(head):
+        raise BadInput(f"{where} is a binary file, not text; export it as CSV")
+    return text
+
+
+def _delimiter(lines: list[str]) -> str | None:
+    """Return the delimiter, None for blanks, from the last lines given: the first ones may be headers."""
+    sample = lines[-1]
+    for delimiter in ("\t", ";"):
+        if delimiter in sample:
+            return delimiter
+    words = sample.split()
+    if len(words) > 1 and all(_DECIMAL_COMMA.fullmatch(word) or _is_number(word) for word in words):
+        return None
+    return "," if "," in sample or "," in lines[0] else None
+
+
+def _cells(line: str, delimiter: str | None) -> list[str]:
+    if delimiter is None:
+        return [word.strip('"') for word in re.sub(r"\s+(?=[\[(])", "", line).split()]  # "x [mm]" is one name
+    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
+
+
+def _numeric(cells: list[str], decimal_comma: bool) -> bool:
+    """Whether this is a row of data: a header has no number in it."""
+    return any(_is_number(cell.replace(",", ".") if decimal_comma else cell) for cell in cells)
+
+
+def _is_unit_row(cells: list[str]) -> bool:
+    words = [cell.strip("[]() ") for cell in cells]
+    return any(words) and all(not word or word == "-" or find_unit(word) is not None for word in words)
+
+
+def _commented_header(above: list[str], delimiter: str | None, width: int) -> list[str]:
+    """Return the names in the last comment above the data if it has as many words as there are columns."""
+    for line in reversed(above):
+        cells = _cells(line.strip().lstrip("".join(_COMMENT)).strip(), delimiter)
+        if len(cells) == width and not any(_is_number(cell) for cell in cells):
+            return cells
+        break
+    return []
+
+
+def _reject_unequal_rows(where: str, lines: list[tuple[int, str]], delimiter: str | None, width: int) -> None:
+    for number, line in lines:
+        found = line.count(delimiter) + 1 if delimiter else len(line.split())
+        if found != width and (found := len(_cells(line, delimiter))) != width:
+            raise BadInput(
+                f"{where}: line {number} has {found} column(s) where the lines before have {width}; "
+                "mend or remove that line"
+            )
+
+
+def _numbers(
+    where: str,
+    lines: list[tuple[int, str]],
+    delimiter: str | None,
+    decimal_comma: bool,
+    names: Sequence[str],
+    indices: Sequence[int],
+) -> np.ndarray:
+    def rows() -> Iterator[str]:
+        return (line.replace(",", ".") for _, line in lines) if decimal_comma else (line for _, line in lines)
+
+    try:
+        return np.loadtxt(rows(), delimiter=delimiter, usecols=list(indices), ndmin=2, comments=None, quotechar='"')
+    except ValueError:
+        pass  # numpy's message does not know our line numbers and names
+    for (number, _), row in zip(lines, rows(), strict=True):
+        cells = _cells(row, delimiter)
+        for i in indices:
+            if not _is_number(cells[i]):
+                label = f"column '{names[i]}'" if names[i] else f"column {i + 1}"
+                found = f"holds '{cells[i][:40]}', which is not a number" if cells[i] else "is empty"
+                raise BadInput(f"{where}: line {number}, {label} {found}; mend or remove that line")
+    raise BadInput(f"{where} cannot be read as columns of numbers; export it as plain CSV")

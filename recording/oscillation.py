@@ -1,0 +1,96 @@
+"""How a signal oscillates: its dominant frequency, amplitude, noise, cycles, and whether it decays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+NOISE_BAND = 0.8  # of Nyquist: above it a vibration record holds little but noise
+SMALLEST = 1e-3  # of the peak: -60 dB, below it no cycle is counted even without noise
+DECAY_WINDOWS = (5, 10, 20, 40)  # cycles
+LEAST_FALL = 0.10  # relative: a steady tone's amplitude stays within a few percent
+LUCK = 0.01  # chance of calling noise a decay, over all windows tried
+
+
+@dataclass(frozen=True)
+class Oscillation:
+    """Dominant frequency in Hz, amplitude (half the peak-to-peak range), noise (rms), number of cycles in sight."""
+
+    frequency: float
+    amplitude: float
+    noise: float
+    cycles: float
+
+
+def oscillation(signal: np.ndarray, fs: float) -> Oscillation:
+    """Describe a signal (n,) sampled at `fs` Hz. The noise is the upper fifth of the spectrum, taken as white."""
+    centred = signal - np.median(signal)
+    n = len(signal)
+    index = np.arange(n)
+    straight = centred - np.polyval(np.polyfit(index, centred, 1), index)
+    power = np.abs(np.fft.rfft(straight)) ** 2 / n
+    frequency = np.fft.rfftfreq(n, 1 / fs)
+    # the Hann window keeps a slow, strong oscillation from leaking into the band of the noise
+    tapered = np.abs(np.fft.rfft(straight * np.hanning(n))) ** 2 / (0.375 * n)
+    noise = float(np.sqrt(np.median(tapered[int(NOISE_BAND * len(tapered)) :]) / np.log(2)))
+    strongest = float(frequency[1 + int(np.argmax(power[1:]))])
+    threshold = max(4 * noise, SMALLEST * float(np.max(np.abs(centred))))
+    side = np.sign(centred[np.abs(centred) > threshold])
+    cycles = np.count_nonzero(side[1:] != side[:-1]) / 2
+    return Oscillation(strongest, float(np.ptp(signal)) / 2, noise, float(cycles))
+
+
+def is_white(signal: np.ndarray) -> bool:
+    """Whether the signal (n,) is uncorrelated noise.
+
+    Neighbouring samples must be uncorrelated (within 4 standard errors) and no spectral line may stand out beyond
+    chance (Fisher 1929: of m lines of white noise one exceeds g times the mean with probability m exp(-g)).
+    """
+    noise = signal - signal.mean()
+    power = np.abs(np.fft.rfft(noise)[1:]) ** 2
+    flat = power.max() < (np.log(len(power)) - np.log(1e-3)) * power.mean()
+    return bool(flat and abs(noise[1:] @ noise[:-1]) < 4 / np.sqrt(len(noise)) * (noise @ noise))
+
+
+def is_one_decay(signal: np.ndarray, fs: float, frequency: float) -> bool:
+    """Whether the signal (n,) is one release: it is loud at once, or after at most 3 cycles, and ends quiet.
+
+    Quiet is a fifth of the loudest cycle (rms), over the last tenth of the record.
+    """
+    rms = _cycle_rms(signal, fs, frequency)
+    loudest = int(np.argmax(rms))
+    quiet = 0.2 * rms[loudest]
+    sudden = loudest < 3 or rms[loudest - 3 : loudest].min() < quiet
+    return bool(sudden and np.median(rms[-max(len(rms) // 10, 1) :]) < quiet)
+
+
+def _cycle_rms(signal: np.ndarray, fs: float, frequency: float) -> np.ndarray:
+    block = min(max(round(fs / frequency), 3), len(signal))
+    blocks = len(signal) // block
+    return np.std(signal[: blocks * block].reshape(blocks, block), axis=1)
+
+
+def decays(signal: np.ndarray, fs: float, frequency: float) -> bool:
+    """Whether the amplitude falls steadily anywhere, over 5 cycles or more.
+
+    The logarithm of the rms of each cycle is fitted by straight lines over windows of several lengths; a decay is a
+    fall of at least 10 % whose slope white noise would not show by chance in any of the windows tried (Bonferroni).
+    """
+    from scipy.stats import t as student
+
+    rms = _cycle_rms(signal, fs, frequency)
+    blocks = len(rms)
+    level = np.log(np.maximum(rms, 1e-9 * rms.max()))
+    windows = [w for w in {*DECAY_WINDOWS, blocks} if 5 <= w <= blocks]
+    tried = sum(blocks - w + 1 for w in windows)
+    for width in windows:
+        view = np.lib.stride_tricks.sliding_window_view(level, width)
+        x = np.arange(width) - (width - 1) / 2
+        slope = view @ x / (x @ x)
+        residual = view - view.mean(axis=1, keepdims=True) - slope[:, None] * x
+        error = np.sqrt((residual**2).sum(axis=1) / (width - 2) / (x @ x)) + np.finfo(float).eps
+        chance = student.cdf(slope / error, width - 2) * tried
+        if np.any((chance < LUCK) & (slope * (width - 1) < np.log(1 - LEAST_FALL))):
+            return True
+    return False

@@ -1,0 +1,166 @@
+"""Reading a file into a Recording, with every doubt about it settled or said."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from ..errors import BadInput
+from .columns import Choice, choose_columns, parse_column
+from .delimited import read_delimited
+from .recording import QUANTITIES, Recording
+from .sampling import uniform_sampling
+from .table import Table
+from .units import Unit, parse_unit
+
+# A further format is one module with a function (where, content) -> Table, and its suffixes here.
+READERS: dict[str, Callable[[str, bytes], Table]] = dict.fromkeys((".csv", ".txt", ".tsv", ".dat"), read_delimited)
+
+
+def read(
+    path: str | Path,
+    *,
+    time: str | int | None = None,
+    force: str | int | None = None,
+    response: str | int | None = None,
+    quantity: str | None = None,
+    unit: str | None = None,
+    force_unit: str | None = None,
+    fs: float | None = None,
+    checked: bool = True,
+) -> Recording:
+    """Read one recording and convert it to SI.
+
+    `time`, `force`, `response` name a column or give its number from 1 ("none" leaves time or force out); `quantity` is
+    displacement, velocity or acceleration; `unit` and `force_unit` overrule the header; `fs` in Hz stands in for a
+    time column. With `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`.
+
+    Raises BadInput with one sentence for each thing that is wrong.
+    """
+    path = Path(path)
+    if quantity is not None and quantity not in QUANTITIES:
+        raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
+    content = _content(path)
+    table = _reader(path)(path.name, content)
+    choice = choose_columns(table, time, force, response, quantity)
+    recording = _recording(table, choice, quantity, unit, force_unit, fs, hashlib.sha256(content).hexdigest())
+    return _checked(recording) if checked else recording
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except FileNotFoundError:
+        raise BadInput(f"{path} does not exist; check the name and the folder") from None
+    except IsADirectoryError:
+        raise BadInput(f"{path} is a folder, not a recording; name a file in it") from None
+    except OSError as error:
+        raise BadInput(f"{path} cannot be read ({error.strerror or error}); check its permissions") from None
+
+
+def _reader(path: Path) -> Callable[[str, bytes], Table]:
+    suffixes = [suffix.lower() for suffix in path.suffixes]
+    if suffixes and suffixes[-1] == ".gz":
+        suffixes.pop()
+    suffix = suffixes[-1] if suffixes else ""
+    if suffix not in READERS:
+        raise BadInput(
+            f"{path.name}: files of the kind '{suffix}' cannot be read; supported are {', '.join(READERS)}, "
+            "each also with .gz"
+        )
+    return READERS[suffix]
+
+
+def _recording(
+    table: Table,
+    choice: Choice,
+    quantity: str | None,
+    unit_text: str | None,
+    force_unit_text: str | None,
+    fs: float | None,
+    sha256: str,
+) -> Recording:
+    notes = list(choice.notes)
+    unit = _unit(table, choice.response, unit_text, "--unit")
+    force_unit = None if choice.force is None else _unit(table, choice.force, force_unit_text, "--force-unit")
+    quantity = _quantity(table, choice.response, unit, quantity)
+    if unit is None:
+        unit = parse_unit({"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity], table.where)
+        notes.append(f"{table.where}: no unit is given for the response, {unit.si} is assumed; --unit states another")
+    if choice.force is not None and force_unit is None:
+        notes.append(f"{table.where}: no unit is given for the force, N is assumed; --force-unit states another")
+    if force_unit is not None and force_unit.quantity not in ("force", "any"):
+        raise BadInput(
+            f"{table.where}: the force column {table.label(choice.force or 0)} has the unit '{force_unit.text}', "
+            "which is none of a force; choose another column with --force, or state the unit with --force-unit"
+        )
+    indices = [i for i in (choice.response, choice.force, choice.time) if i is not None]
+    numbers = table.numbers(indices)
+    signals = numbers[:, : 1 if choice.force is None else 2]
+    stamps = None if choice.time is None else numbers[:, -1] * _time_factor(table, choice.time)
+    sampling = uniform_sampling(table.where, stamps, table.fs if fs is None else fs, signals)
+    columns = sampling.columns
+    return Recording(
+        name=table.where,
+        fs=sampling.fs,
+        response=columns[:, 0] * unit.factor,
+        force=None if choice.force is None else columns[:, 1] * (force_unit.factor if force_unit else 1.0),
+        quantity=quantity,
+        unit=unit.si,
+        force_unit=force_unit.si if force_unit else "N",
+        start=sampling.start,
+        sha256=sha256,
+        notes=(*notes, *sampling.notes),
+    )
+
+
+def _unit(table: Table, index: int, option: str | None, flag: str) -> Unit | None:
+    if option is not None:
+        return parse_unit(option, where=f"{table.where} ({flag})")
+    column = parse_column(table.names[index], table.units[index])
+    if column.unit_text:
+        return parse_unit(column.unit_text, where=f"{table.where}, column {table.label(index)}")
+    return None
+
+
+def _quantity(table: Table, index: int, unit: Unit | None, option: str | None) -> str:
+    """Return the quantity of the response: what the option says, else the unit, else the column's name."""
+    if unit is not None and unit.quantity not in (*QUANTITIES, "any"):
+        raise BadInput(
+            f"{table.where}: the response column {table.label(index)} has the unit '{unit.text}', which measures "
+            f"{unit.quantity}; choose another column with --response, or state the unit with --unit"
+        )
+    measured = unit.quantity if unit is not None and unit.quantity in QUANTITIES else None
+    if option and measured and option != measured:
+        raise BadInput(
+            f"{table.where}: --quantity {option} contradicts the unit '{unit.text if unit else ''}' of the response, "
+            f"which measures {measured}; state the unit with --unit"
+        )
+    kind = parse_column(table.names[index], table.units[index]).kind
+    return option or measured or (kind if kind in QUANTITIES else "displacement")
+
+
+def _time_factor(table: Table, index: int) -> float:
+    column = parse_column(table.names[index], table.units[index])
+    if not column.unit_text:
+        return 1.0
+    unit = parse_unit(column.unit_text, where=f"{table.where}, column {table.label(index)}")
+    if unit.quantity != "time":
+        raise BadInput(
+            f"{table.where}: the time column {table.label(index)} has the unit '{column.unit_text}'; choose with --time"
+        )
+    return unit.factor
+
+
+def _checked(recording: Recording) -> Recording:
+    from .checks import FORCE_IS_NOISE, check
+
+    problems = check(recording)
+    errors = [problem.sentence for problem in problems if problem.severity == "error"]
+    if errors:
+        raise BadInput("\n".join(errors))
+    notes = tuple(problem.sentence for problem in problems)
+    force = None if any(FORCE_IS_NOISE in note for note in notes) else recording.force
+    return replace(recording, force=force, notes=(*recording.notes, *notes))

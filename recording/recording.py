@@ -1,0 +1,149 @@
+"""One measured record: a response, the force that caused it if it was measured, and how it was sampled."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..errors import BadInput
+from .units import parse_unit
+
+QUANTITIES = ("displacement", "velocity", "acceleration")
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A uniformly sampled record of a vibrating thing, in SI units.
+
+    `response` and `force` are float64 of shape (n,) and read-only; `force` is None for a free decay. `unit` and
+    `force_unit` are SI, or as recorded where no SI factor exists (V, strain). `fs` is in Hz, `start` in s.
+    `sha256` is of the file as read; `notes` are the sentences that reading or checking had to say.
+
+    Raises BadInput when shapes, `fs`, `start` or `quantity` do not make a record.
+    """
+
+    name: str
+    fs: float
+    response: np.ndarray
+    force: np.ndarray | None = None
+    quantity: str = "displacement"
+    unit: str = "m"
+    force_unit: str = "N"
+    start: float = 0.0
+    sha256: str | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.fs) and self.fs > 0):
+            raise BadInput(f"{self.name}: the sampling rate is {self.fs} Hz; it must be a positive number")
+        if not math.isfinite(self.start):
+            raise BadInput(f"{self.name}: the first time stamp is {self.start} s; it must be a number")
+        if self.quantity not in QUANTITIES:
+            raise BadInput(f"{self.name}: quantity '{self.quantity}' is not known; use one of {', '.join(QUANTITIES)}")
+        response = _frozen(self.response, f"{self.name}: the response")
+        if len(response) < 2:
+            raise BadInput(f"{self.name}: the response has {len(response)} samples; a record needs at least 2")
+        object.__setattr__(self, "response", response)
+        if self.force is not None:
+            force = _frozen(self.force, f"{self.name}: the force")
+            if len(force) != len(response):
+                raise BadInput(
+                    f"{self.name}: the force has {len(force)} samples and the response {len(response)}; "
+                    "both must cover the same samples"
+                )
+            object.__setattr__(self, "force", force)
+        object.__setattr__(self, "notes", tuple(self.notes))
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return len(self.response)
+
+    @property
+    def dt(self) -> float:
+        """Sampling interval in s."""
+        return 1.0 / self.fs
+
+    @property
+    def time(self) -> np.ndarray:
+        """Time stamps (n,) in s, the first one at `start`."""
+        return self.start + np.arange(self.n) / self.fs
+
+    @property
+    def duration(self) -> float:
+        """Length in s: n samples last n intervals."""
+        return self.n / self.fs
+
+    def slice(self, i: int | None, j: int | None) -> Recording:
+        """Return the samples i to j as Python slices them; raises BadInput when fewer than 2 remain."""
+        first, last, _ = slice(i, j).indices(self.n)
+        force = None if self.force is None else self.force[first:last]
+        return replace(self, response=self.response[first:last], force=force, start=self.start + first / self.fs)
+
+    def to_sep5(self) -> list[dict[str, Any]]:
+        """Return the response, then the force if any, as SEP 5 time-series dictionaries (sdypy)."""
+        common = {"fs": self.fs, "time": self.time}
+        series = [
+            {**common, "data": self.response, "name": self.name, "quantity": self.quantity, "unit_str": self.unit}
+        ]
+        if self.force is not None:
+            force = {"data": self.force, "name": f"{self.name}:force", "quantity": "force", "unit_str": self.force_unit}
+            series.append({**common, **force})
+        return series
+
+
+def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = None) -> Recording:
+    """Make a Recording of one or two SEP 5 dictionaries: `data`, `fs` or `time`, and if given `name`, `unit_str`.
+
+    Values are converted to SI. Raises BadInput for a missing key, an unknown unit or an uneven `time`.
+    """
+    # sampling.py imports nothing of recording.py; it is imported here to keep the class free of file reading
+    from .sampling import uniform_sampling
+
+    name = str(response.get("name", "recording"))
+    if "data" not in response:
+        raise BadInput(f"{name}: the SEP 5 dictionary has no 'data'")
+    columns = [np.asarray(series["data"], dtype=float) for series in (response, force) if series is not None]
+    if any(column.shape != columns[0].shape or column.ndim != 1 for column in columns):
+        raise BadInput(f"{name}: the SEP 5 'data' of response and force must be vectors of the same length")
+    time, fs = response.get("time"), response.get("fs")
+    sampling = uniform_sampling(
+        name,
+        None if time is None else np.asarray(time, dtype=float),
+        None if fs is None else float(fs),
+        np.column_stack(columns),
+    )
+    unit = parse_unit(str(response.get("unit_str", "m")), where=name)
+    force_unit = parse_unit(str(force.get("unit_str", "N")) if force else "N", where=name)
+    for which, measured, allowed in (("response", unit, (*QUANTITIES, "any")), ("force", force_unit, ("force", "any"))):
+        if measured.quantity not in allowed:
+            raise BadInput(f"{name}: the {which} has the unit '{measured.text}', which measures {measured.quantity}")
+    quantity = str(response.get("quantity", "")).lower()
+    if quantity not in QUANTITIES:
+        quantity = unit.quantity if unit.quantity in QUANTITIES else "displacement"
+    return Recording(
+        name=name,
+        fs=sampling.fs,
+        response=sampling.columns[:, 0] * unit.factor,
+        force=None if force is None else sampling.columns[:, 1] * force_unit.factor,
+        quantity=quantity,
+        unit=unit.si,
+        force_unit=force_unit.si,
+        start=sampling.start,
+        notes=sampling.notes,
+    )
+
+
+def _frozen(values: np.ndarray, what: str) -> np.ndarray:
+    try:
+        copy = np.array(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise BadInput(f"{what} is not an array of numbers") from None
+    if copy.ndim != 1:
+        raise BadInput(f"{what} has shape {copy.shape}; it must be one column of samples")
+    copy.setflags(write=False)
+    return copy

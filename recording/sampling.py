@@ -1,0 +1,142 @@
+"""From time stamps to a uniform sampling rate: order, gaps, rounding and jitter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+
+SAME_RATE = 1e-3  # relative: two statements of one rate; rates are often quoted to four digits
+NEGLIGIBLE = 0.01  # intervals: time stamps this close to a uniform grid are that grid
+TOLERABLE = 0.25  # intervals, rms of the steps: beyond it a spline between the samples is a guess
+LONE = 0.01  # of the steps: rarer odd ones are lost samples, not a rate that the rounding cannot show
+GAP = 1.5  # medians: between one step and two
+
+
+@dataclass(frozen=True)
+class Sampling:
+    """Uniform sampling: `fs` in Hz, `start` in s, `columns` (n, k) on the uniform grid, and what was noticed."""
+
+    fs: float
+    start: float
+    columns: np.ndarray
+    notes: tuple[str, ...] = ()
+
+
+def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, columns: np.ndarray) -> Sampling:
+    """Return the columns on a uniform grid.
+
+    `time` (n,) in s and `fs` in Hz: at least one is needed, and both must agree. Moderate jitter is resampled with a
+    cubic spline (a note says so). Raises BadInput when time does not increase, has gaps or too much jitter.
+    """
+    if fs is not None and not (np.isfinite(fs) and fs > 0):
+        raise BadInput(f"{where}: the sampling rate (--fs) is {fs:g} Hz; it must be a positive number")
+    if len(columns) < 2:
+        raise BadInput(f"{where} has {len(columns)} row(s) of numbers; a record needs at least 2")
+    if time is None:
+        if fs is None:
+            raise BadInput(f"{where} has no time column; name it with --time, or give the sampling rate with --fs")
+        return Sampling(fs, 0.0, columns)
+
+    bad = np.flatnonzero(~np.isfinite(time))
+    if len(bad):
+        raise BadInput(
+            f"{where}: the time column has {len(bad)} value(s) that are not a number, the first in row {bad[0] + 1} "
+            "of the data; mend the time stamps, or leave the column out and give --fs"
+        )
+    if time[-1] <= time[0]:
+        raise BadInput(f"{where}: time does not increase, it runs from {time[0]:g} s to {time[-1]:g} s; check --time")
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    deviation = np.abs((time - time[0]) * rate - np.arange(len(time)))  # in intervals
+    rounding = _rounding(time)
+    notes: list[str] = []
+    if deviation.max() > NEGLIGIBLE and not _only_rounded(time, rounding):
+        _reject_disorder(where, time)
+        _reject_gaps(where, time)
+        columns = _resampled(where, time, rate, columns, notes)
+    else:
+        rate = _plain_rate(rate, rounding / (time[-1] - time[0]))
+        if deviation.max() > NEGLIGIBLE:
+            notes.append(f"{where}: the time stamps are rounded to {rounding:.1g} s; taken as uniform at {rate:g} Hz")
+    if fs is not None and abs(fs / rate - 1) > SAME_RATE:
+        raise BadInput(
+            f"{where}: --fs says {fs:g} Hz but the time column says {rate:.6g} Hz; leave --fs out, "
+            "or check the unit of the time column"
+        )
+    return Sampling(rate, float(time[0]), columns, tuple(notes))
+
+
+def _rounding(time: np.ndarray) -> float:
+    """Return the decimal step that every time stamp is a multiple of, in s (0 if finer than 1e-9)."""
+    for digits in range(10):
+        if np.allclose(time, np.round(time, digits), rtol=0, atol=1e-3 * 10.0**-digits):
+            return 10.0**-digits
+    return 0.0
+
+
+def _only_rounded(time: np.ndarray, rounding: float) -> bool:
+    """Whether stamps of a uniform clock, rounded to `rounding` s, look so: 800 Hz in ms has the steps 1, 1, 1, 2.
+
+    They stay within one rounding step of a straight line. So does a single lost sample, but that is a lone odd step.
+    """
+    index = np.arange(len(time))
+    residual = time - np.polyval(np.polyfit(index, time, 1), index)
+    step = np.diff(time)
+    odd = np.count_nonzero(np.abs(step - np.median(step)) > 0.5 * rounding)
+    return bool(np.ptp(residual) <= 1.05 * rounding and odd > LONE * len(step))
+
+
+def _plain_rate(rate: float, uncertainty: float) -> float:
+    """Return the shortest decimal within the relative `uncertainty` that rounded end stamps leave: 600, not 600.000005.
+
+    Records of one set-up then share one rate.
+    """
+    for digits in range(7):
+        plain = round(rate, digits)
+        if abs(plain / rate - 1) <= uncertainty:
+            return plain
+    return float(rate)
+
+
+def _reject_disorder(where: str, time: np.ndarray) -> None:
+    step = np.diff(time)
+    back = np.flatnonzero(step <= 0)
+    if len(back):
+        i = int(back[0])
+        raise BadInput(
+            f"{where}: time does not increase at {len(back)} place(s), first after {time[i]:g} s (row {i + 1} of the "
+            f"data, the next stamp is {time[i + 1]:g} s); sort the rows or remove the repeated ones"
+        )
+
+
+def _reject_gaps(where: str, time: np.ndarray) -> None:
+    step = np.diff(time)
+    median = float(np.median(step))
+    gaps = np.flatnonzero(step > GAP * median)
+    # lost samples only lengthen steps; jitter shortens about as many
+    if len(gaps) > 2 * np.count_nonzero(step < median / 2):
+        missing = np.maximum(np.rint(step[gaps] / median).astype(int) - 1, 1)
+        more = "" if len(gaps) == 1 else f", {missing.sum()} samples in {len(gaps)} gaps altogether"
+        raise BadInput(
+            f"{where}: gap in time after {time[gaps[0]]:g} s, {missing[0]} sample(s) are missing{more}; "
+            "cut the record there and give the parts as separate files"
+        )
+
+
+def _resampled(where: str, time: np.ndarray, rate: float, columns: np.ndarray, notes: list[str]) -> np.ndarray:
+    jitter = float(np.std(np.diff(time))) * rate
+    if jitter > TOLERABLE:
+        raise BadInput(
+            f"{where}: the time steps jitter by {100 * jitter:.0f} % (rms) of {1 / rate:.4g} s; "
+            "record again with a hardware clock, or resample the file yourself"
+        )
+    if not np.isfinite(columns).all():
+        return columns  # the check for numbers reports these; a spline would only spread them
+    from scipy.interpolate import CubicSpline
+
+    notes.append(
+        f"{where}: the time steps jitter by {100 * jitter:.1f} % (rms); resampled by cubic spline at {rate:.6g} Hz"
+    )
+    return CubicSpline(time, columns)(np.linspace(time[0], time[-1], len(time)))

@@ -1,0 +1,94 @@
+"""Text files as loggers and spreadsheets write them."""
+
+from __future__ import annotations
+
+import gzip
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.recording.delimited import read_delimited
+
+ROWS = np.array([[0.0, 1.5], [0.1, -2.5e-3], [0.2, 3.0]])
+
+
+@pytest.mark.parametrize(
+    ("text", "names", "units"),
+    [
+        ("t,x\n0,1.5\n0.1,-2.5e-3\n0.2,3\n", ("t", "x"), ("", "")),
+        ("t,x\r\n0,1.5\r\n0.1,-2.5e-3\r\n0.2,3\r\n", ("t", "x"), ("", "")),
+        ("\ufefft,x\n0,1.5\n0.1,-2.5e-3\n0.2,3", ("t", "x"), ("", "")),
+        ("t;x\n0;1,5\n0,1;-2,5e-3\n0,2;3\n", ("t", "x"), ("", "")),
+        ("t;x\n0;1.5\n0.1;-2.5e-3\n0.2;3\n", ("t", "x"), ("", "")),
+        ("t\tx\n0\t1,5\n0,1\t-2,5e-3\n0,2\t3,0\n", ("t", "x"), ("", "")),
+        ("t  x\n0  1.5\n 0.1 -2.5e-3\n0.2 3\n", ("t", "x"), ("", "")),
+        ("t x\n0,0 1,5\n0,1 -2,5e-3\n0,2 3\n", ("t", "x"), ("", "")),
+        ("t [s]  x [m]\n0 1.5\n0.1 -2.5e-3\n0.2 3\n", ("t[s]", "x[m]"), ("", "")),
+        ('"t [s]", "x, raw [m]"\n0, 1.5\n0.1, -2.5e-3\n0.2, 3\n', ("t [s]", "x, raw [m]"), ("", "")),
+        ("t,x\ns,mm\n0,1.5\n0.1,-2.5e-3\n0.2,3\n", ("t", "x"), ("s", "mm")),
+        ("t,x\n[s],[mm]\n0,1.5\n0.1,-2.5e-3\n0.2,3\n", ("t", "x"), ("s", "mm")),
+        ("# logger 7\n% rig\nt,x\n0,1.5\n\n# pause\n0.1,-2.5e-3\n0.2,3\n\n", ("t", "x"), ("", "")),
+        ("# t, x\n0,1.5\n0.1,-2.5e-3\n0.2,3\n", ("t", "x"), ("", "")),
+        ("# made on a Monday by me\n0,1.5\n0.1,-2.5e-3\n0.2,3\n", ("", ""), ("", "")),
+        ("0,1.5\n0.1,-2.5e-3\n0.2,3\n", ("", ""), ("", "")),
+        ("t,x,\n0,1.5,\n0.1,-2.5e-3,\n0.2,3,\n", ("t", "x"), ("", "")),
+    ],
+)
+def test_dialects(text, names, units):
+    for content in (text.encode(), gzip.compress(text.encode())):
+        table = read_delimited("rig.csv", content)
+        assert (table.names, table.units) == (names, units)
+        np.testing.assert_allclose(table.numbers([0, 1]), ROWS)
+        np.testing.assert_allclose(table.numbers([1]), ROWS[:, 1:])
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "latin-1"])
+def test_encodings(encoding):
+    table = read_delimited("rig.csv", "t [s],x [µm]\n0,1.5\n0.1,-2.5e-3\n0.2,3\n".encode(encoding))
+    assert table.names == ("t [s]", "x [µm]")
+    np.testing.assert_allclose(table.numbers([0, 1]), ROWS)
+
+
+def test_words_in_a_column_nobody_asks_for_do_no_harm():
+    table = read_delimited("rig.csv", b"t,label,x\n0,up,1.5\n0.1,down,-2.5e-3\n0.2,,3\n")
+    np.testing.assert_allclose(table.numbers([0, 2]), ROWS)
+
+
+def test_many_rows():
+    rows = np.random.default_rng(0).standard_normal((250_000, 3))
+    text = "t,F,x\n" + "\n".join(f"{a:.6e},{b:.6e},{c:.6e}" for a, b, c in rows)
+    np.testing.assert_allclose(read_delimited("rig.csv", text.encode()).numbers([0, 1, 2]), rows, rtol=1e-6)
+
+
+GOOD = gzip.compress(b"t,x\n" + b"0.123,4.567\n" * 1000)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        ("rig.csv", b"", "is empty"),
+        ("rig.csv.gz", b"", "is empty"),
+        ("rig.csv", b" \n\n", "is empty"),
+        ("rig.csv.gz", gzip.compress(b""), "is empty"),
+        ("rig.csv", b"# nothing\n", "no rows of numbers"),
+        ("rig.csv", b"t,x\n", "no rows of numbers below"),
+        ("rig.csv", b"t,x\ns,mm\n", "no rows of numbers below"),
+        ("rig.csv", bytes(range(256)), "binary"),
+        ("rig.csv", bytes(range(128, 160)) * 20, "binary"),
+        ("rig.csv.gz", GOOD[:-20], "cut short"),
+        ("rig.csv.gz", GOOD[:20] + b"\xff\xff" + GOOD[22:], "cut short or damaged"),
+        ("rig.csv.gz", b"t,x\n0,1\n", "not a gzip file"),
+        ("rig.csv", b"t,x\n0,1\n0.1,2,3\n", "line 3 has 3 column.*have 2"),
+        ("rig.csv", b"t,x\n# pause\n0,1\n0.1\n", "line 4 has 1 column"),
+        ("rig.csv", b"t x\n0 1\n0.1 2 3\n", "line 3 has 3 column"),
+        ("rig.csv", b"t,F,x\n0,1\n0.1,2\n", "header names 3 columns but line 2 has 2"),
+        ("rig.csv", b"t,x\n0,1\n0.1,OVERLOAD\n", "line 3, column 'x' holds 'OVERLOAD'"),
+        ("rig.csv", b"t,x\n0,1\n0.1,\n0.2,3\n", "line 3, column 'x' is empty"),
+        ("rig.csv", b"0,1\n0.1,abc\n", "line 2, column 2 holds 'abc'"),
+    ],
+)
+def test_what_is_no_table_is_refused(name, content, words):
+    with pytest.raises(BadInput, match=words) as caught:
+        read_delimited(name, content).numbers([0, 1])
+    assert "\n" not in str(caught.value)
+    assert str(caught.value).startswith(name)
