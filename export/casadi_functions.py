@@ -19,7 +19,7 @@ from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_step, with_defaults
 from ..simulate.core import internal_step
 from ..simulate.runge_kutta import dormand_prince
-from .write import replacing
+from ..writing import replacing
 
 if TYPE_CHECKING:
     from ..model import Oscillator

@@ -61,9 +61,7 @@ def identify(
     progress("Hilbert transform: decays, FREEVIB, FORCEVIB")
     hilbert = hilbert_start(recordings)
     first = recordings[0]
-    values = {
-        key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")
-    }
+    values = {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")}
     start = Oscillator.from_values(
         values,
         name=name,
@@ -142,7 +140,9 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
-            found.append(f"{name} came out negative, a sign that the Eq. 17 family lacks something these recordings show")
+            found.append(
+                f"{name} came out negative, a sign that the Eq. 17 family lacks something these recordings show"
+            )
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             found.append(f"{name} is not distinguishable from zero in these recordings")

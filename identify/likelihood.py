@@ -100,17 +100,15 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
 
     state = State(values, _initial_states(segments, start))
     iterations = 0
-    stages = _growing(segments, start.omega0.value)
-    for n, stage in enumerate(stages):
-        problem = OutputError(core, stage, free, scale, state_scale, step)
-        if n == 0:
-            state = problem.settle(state)
-            if not all(np.all(np.isfinite(residual)) for residual in problem.residuals(state)):
-                raise BadInput(
-                    "the model does not simulate with its start values; check signs and units of force and response"
-                )
-        outcome = problem.search(state, tolerance=1.0)
-        state, iterations = outcome.state, iterations + outcome.iterations
+    problem = OutputError(core, segments, free, scale, state_scale, step)
+    state = problem.settle(state)
+    if not all(np.all(np.isfinite(residual)) for residual in problem.residuals(state)):
+        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
+    for stage in _growing(segments, start.omega0.value):
+        early = OutputError(core, stage, free, scale, state_scale, step).search(state, tolerance=1.0)
+        state, iterations = early.state, iterations + early.iterations
+    outcome = problem.search(state, tolerance=1.0)
+    iterations += outcome.iterations
     force_noise = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
     noise: list[NoiseSpectrum] = []
     for tolerance in (0.1, 1e-3):
@@ -124,7 +122,9 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
     return _result(start, names, segments, problem, outcome, noise, scatter, iterations)
 
 
-def _noise(segment: Segment, residual: np.ndarray, names: Sequence[str], values: np.ndarray, quantity: str) -> NoiseSpectrum:
+def _noise(
+    segment: Segment, residual: np.ndarray, names: Sequence[str], values: np.ndarray, quantity: str
+) -> NoiseSpectrum:
     """Noise of one segment: a forced one passes the noise of its force on through the resonance."""
     if segment.force is None:
         return estimate(residual)
@@ -157,7 +157,7 @@ def _result(
     old = start.parameters()
     identified = start.with_parameters(
         {
-            name: replace(old[name], value=float(values[i]), std=float(errors[i]))
+            name: replace(old[name], value=float(values[i]), std=None if i in lost else float(errors[i]))
             for i, name in enumerate(names)
         }
     )
@@ -199,7 +199,7 @@ def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tup
 
 
 def _growing(segments: Sequence[Segment], omega0: float) -> list[tuple[Segment, ...]]:
-    """Ever longer beginnings of the free segments; forced ones are whole from the start (their memory is short)."""
+    """Ever longer beginnings of the free segments, short of the whole; forced ones are whole from the start (their memory is short)."""
     from dataclasses import replace
 
     stages = []
@@ -215,7 +215,7 @@ def _growing(segments: Sequence[Segment], omega0: float) -> list[tuple[Segment, 
                 stage.append(segment)
         stages.append(tuple(stage))
         cycles *= _GROWTH
-    return [*stages, tuple(segments)]
+    return stages
 
 
 def _displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) -> float:

@@ -34,7 +34,8 @@ class NoiseSpectrum:
     def _filter(self, signals: np.ndarray, gain: np.ndarray) -> np.ndarray:
         from scipy import fft
 
-        return np.asarray(fft.irfft(fft.rfft(signals, axis=-1) * gain, n=self.n, axis=-1))
+        spectrum = np.asarray(fft.rfft(signals, axis=-1))
+        return np.asarray(fft.irfft(spectrum * gain, n=self.n, axis=-1))
 
     def log_determinant(self) -> float:
         """Logarithm of the noise covariance's determinant."""
@@ -66,7 +67,7 @@ def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> Noise
     from scipy import fft, ndimage
 
     n = residual.size
-    periodogram = np.abs(fft.rfft(residual)) ** 2 / n
+    periodogram = np.abs(np.asarray(fft.rfft(residual))) ** 2 / n
     floor = max(float(np.mean(periodogram)) * 1e-9, np.finfo(float).tiny)
     shape, share = np.full(periodogram.size, max(float(np.mean(periodogram)), floor)), 0.0
     if resonance is not None:

@@ -171,9 +171,7 @@ class OutputError:
                 initial[i] = trial
         return State(state.values, initial)
 
-    def search(
-        self, state: State, noise: Sequence[NoiseSpectrum] | None = None, *, tolerance: float = 1e-3
-    ) -> Outcome:
+    def search(self, state: State, noise: Sequence[NoiseSpectrum] | None = None, *, tolerance: float = 1e-3) -> Outcome:
         """Minimise the negative log-likelihood from ``state``.
 
         Args:

@@ -17,7 +17,7 @@ _SHORTEST_CYCLES = 3.0
 #: Initial values within this many standard errors of zero are those of a mass at rest.
 _AT_REST = 4.0
 #: Force above this multiple of the natural frequency hardly moves the mass (1/9 of its static effect).
-_FORCE_BAND = 3.0
+FORCE_BAND = 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +69,7 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
         if force is not None and np.any(force):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-        highest = _FORCE_BAND * omega0 / (2 * np.pi)
+        highest = FORCE_BAND * omega0 / (2 * np.pi)
         for start, stop, forced in sorted(ends):
             if stop - start < shortest:
                 continue
@@ -86,7 +86,8 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
                     else None,
                     dt=recording.dt,
                     time=recording.start + start * recording.dt,
-                    rests=forced and _rests(response, recording.dt, omega0, noise_level(response, recording.fs)),
+                    rests=forced
+                    and starts_at_rest(response, recording.dt, omega0, noise_level(response, recording.fs)),
                 )
             )
     return tuple(found)
@@ -103,7 +104,7 @@ def first_motion(segment_response: np.ndarray, dt: float, omega0: float) -> tupl
     return (inverse @ segment_response[:count])[:2], np.sqrt(np.sum(inverse[:2] ** 2, axis=1))
 
 
-def _rests(response: np.ndarray, dt: float, omega0: float, noise: float) -> bool:
+def starts_at_rest(response: np.ndarray, dt: float, omega0: float, noise: float) -> bool:
     """Whether neither displacement nor velocity at the first sample stands out of the noise."""
     motion, spread = first_motion(response, dt, omega0)
     return bool(np.all(np.abs(motion) < _AT_REST * noise * spread))

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
+from ..writing import replacing
 from .laws import BASE
 from .oscillator import Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter
@@ -83,16 +84,8 @@ def save(oscillator: Oscillator, path: str | os.PathLike[str]) -> None:
     """
     target, text = Path(path), dumps(oscillator)
     loads(text, str(target))  # a file that could not be read again is never written
-    temporary = target.with_name(f".{target.name[:100]}.{os.getpid()}.part")
-    try:
-        try:
-            with temporary.open("w", encoding="utf-8", newline="\n") as out:
-                out.write(text)
-            temporary.replace(target)
-        finally:
-            temporary.unlink(missing_ok=True)
-    except (OSError, ValueError) as error:
-        raise BadInput(f"{target}: cannot be written ({_reason(error)}); choose another place") from None
+    with replacing(target) as temporary:
+        temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 def _reason(error: Exception) -> str:

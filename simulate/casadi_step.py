@@ -54,22 +54,22 @@ class _Stepper:
         self.velocity = [i for i, kind in enumerate(eq.kinds) if kind is SurfaceKind.VELOCITY]
         self.positions = [i for i, kind in enumerate(eq.kinds) if kind is SurfaceKind.POSITION]
 
-    def surfaces(self, z, tau, line: _Line, p, s):  # noqa: ANN001, ANN202
+    def surfaces(self, z, tau, line: _Line, p, s):
         return self._surface(z, line.time + tau, line.at(tau), line.rate, p, s)
 
-    def raw_field(self, z, tau, line: _Line, p, s):  # noqa: ANN001, ANN202
+    def raw_field(self, z, tau, line: _Line, p, s):
         return self._field(z, line.time + tau, line.at(tau), p, s)
 
-    def field(self, z, tau, line: _Line, p, s, held):  # noqa: ANN001, ANN202
+    def field(self, z, tau, line: _Line, p, s, held):
         """Right-hand side; displacement and velocity stand still while the motion is held."""
         f = self.raw_field(z, tau, line, p, s)
         still = self.ca.vertcat(0, 0, *([1] * (z.numel() - 2)))
         return self.ca.if_else(held, f * still, f)
 
-    def flow(self, z, tau, h, line: _Line, p, s, held):  # noqa: ANN001, ANN202
+    def flow(self, z, tau, h, line: _Line, p, s, held):
         return dormand_prince(lambda state, at: self.field(state, at, line, p, s, held), z, tau, h)
 
-    def balance(self, z, tau, line: _Line, p, s):  # noqa: ANN001, ANN202
+    def balance(self, z, tau, line: _Line, p, s):
         """Acceleration without what can hold the motion, and how much can (negative: nothing)."""
         ca = self.ca
         g, _ = self.surfaces(z, tau, line, p, s)
@@ -88,7 +88,7 @@ class _Stepper:
                 capacity += ca.if_else(g[i] == 0, ca.fmax(part, 0), 0)
         return rest, capacity
 
-    def modes(self, z, tau, line: _Line, p):  # noqa: ANN001, ANN202
+    def modes(self, z, tau, line: _Line, p):
         """Signs read off the state, and whether the motion is held."""
         ca = self.ca
         count = len(self.eq.kinds)
@@ -113,12 +113,12 @@ class _Stepper:
             s[i] = ca.if_else(ca.logic_and(stopped, g[i] == 0), way, s[i])
         return s, held
 
-    def crossing(self, m, g0, d0, g1, d1):  # noqa: ANN001, ANN202
+    def crossing(self, m, g0, d0, g1, d1):
         """Part of the step at which a surface value first changes sides, and a point beyond; 2 where it does not."""
         ca = self.ca
         g0, d0, g1, d1 = m * g0, m * d0, m * g1, m * d1
 
-        def cubic(x):  # noqa: ANN001, ANN202
+        def cubic(x):
             y = 1 - x
             return g0 * (1 + 2 * x) * y * y + d0 * x * y * y + g1 * x * x * (3 - 2 * x) - d1 * x * x * y
 
@@ -141,7 +141,7 @@ class _Stepper:
         found = ca.logic_and(m != 0, ca.logic_or(dips, g1 < 0))
         return ca.if_else(found, 0.5 * (lo + hi), 2), top
 
-    def attempt(self, z, tau, left, line: _Line, p):  # noqa: ANN001, ANN202
+    def attempt(self, z, tau, left, line: _Line, p):
         """The whole rest of an internal step at once: state at its end, and whether an event lies in it."""
         ca = self.ca
         s, held = self.modes(z, tau, line, p)
@@ -150,7 +150,7 @@ class _Stepper:
         rest, capacity = self.balance(end, tau + left, line, p, s) if self.velocity else (ca.SX(0), ca.SX(0))
         return end, ca.if_else(held, ca.fabs(rest) > capacity, best < 2)
 
-    def _first(self, z, tau, left, line: _Line, p, s, held, end):  # noqa: ANN001, ANN202
+    def _first(self, z, tau, left, line: _Line, p, s, held, end):
         """The first crossing between z and end: place (2: none), a point beyond it, and which surface (0 or 1 each)."""
         ca = self.ca
         best, top, chosen = ca.SX(2), ca.SX(1), ca.SX(-1)
@@ -163,7 +163,7 @@ class _Stepper:
             chosen = ca.if_else(first, i, chosen)
         return best, top, ca.vertcat(*[chosen == i for i in range(s.numel())])
 
-    def to_event(self, z, tau, left, h, line: _Line, p):  # noqa: ANN001, ANN202
+    def to_event(self, z, tau, left, h, line: _Line, p):
         """From (z, tau) to the event that ``attempt`` saw: the state there and the part of ``left`` that was used."""
         ca = self.ca
         s, held = self.modes(z, tau, line, p)
@@ -187,7 +187,7 @@ class _Stepper:
         gone, where = self._break_away(z, tau, left, line, p, s, held)
         return ca.if_else(held, gone, state), ca.if_else(held, where, x)
 
-    def _land(self, z, tau, h, line: _Line, p, s, pick):  # noqa: ANN001, ANN202
+    def _land(self, z, tau, h, line: _Line, p, s, pick):
         """The state put on the surface that it reached; at rest where endlessly many flights would follow (Zeno)."""
         ca = self.ca
         x, v = z[0], z[1]
@@ -208,11 +208,11 @@ class _Stepper:
         ends = ca.logic_and(ca.logic_and(on_position, short), ca.fabs(rest) <= capacity)
         return ca.if_else(ends, stopped, landed)
 
-    def _break_away(self, z, tau, left, line: _Line, p, s, held):  # noqa: ANN001, ANN202
+    def _break_away(self, z, tau, left, line: _Line, p, s, held):
         """Where within ``left`` the forces begin to exceed what holds the motion, and the state there."""
         ca = self.ca
 
-        def excess(x):  # noqa: ANN001, ANN202
+        def excess(x):
             state = self.flow(z, tau, x * left, line, p, s, held)
             rest, capacity = self.balance(state, tau + x * left, line, p, s)
             return ca.fabs(rest) - capacity

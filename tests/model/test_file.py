@@ -171,9 +171,10 @@ def test_saving_replaces_the_file_and_leaves_nothing_beside_it(tmp_path):
     assert list(tmp_path.iterdir()) == [target]
 
 
-@pytest.mark.parametrize("place", ["missing/model.yaml", "folder", "nul\0l.yaml"])
+@pytest.mark.parametrize("place", ["folder", "folder/file/model.yaml", "nul\0l.yaml"])
 def test_a_place_that_cannot_be_written_is_said(place, tmp_path):
     (tmp_path / "folder").mkdir()
+    (tmp_path / "folder/file").touch()
     with pytest.raises(BadInput, match="cannot be written"):
         save(Oscillator.from_values(RIG), tmp_path / place)
     assert [path.name for path in tmp_path.iterdir()] == ["folder"]

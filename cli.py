@@ -1,0 +1,214 @@
+"""The command line: recordings in, model, FMU, CasADi functions and reports out."""
+
+from __future__ import annotations
+
+import functools
+import json
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from . import __version__
+from .errors import BadInput, DashpotError
+
+if TYPE_CHECKING:
+    from .recording import Recording
+
+_RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
+    click.option("--time", metavar="COLUMN", help="Column of the time, by name or number."),
+    click.option("--force", metavar="COLUMN", help="Column of the force."),
+    click.option("--response", metavar="COLUMN", help="Column of the response."),
+    click.option("--quantity", type=click.Choice(["displacement", "velocity", "acceleration"]), help="What it shows."),
+    click.option("--unit", metavar="UNIT", help="Unit of the response, for example mm."),
+    click.option("--force-unit", metavar="UNIT", help="Unit of the force, for example kN."),
+    click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
+)
+
+
+def _with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that say how a recording is to be read."""
+    return functools.reduce(lambda wrapped, option: option(wrapped), reversed(_RECORDING_OPTIONS), command)
+
+
+def _read(files: tuple[Path, ...], options: dict[str, Any]) -> list[Recording]:
+    from .recording import read
+
+    recordings = [read(file, **options) for file in files]
+    for recording in recordings:
+        for note in recording.notes:
+            _say(f"note: {note}")
+    return recordings
+
+
+def _say(line: str) -> None:
+    """Progress and remarks go to stderr, so that what a program reads from stdout stays clean."""
+    click.echo(line, err=True)
+
+
+def _print_json(value: Any) -> None:
+    click.echo(json.dumps(value, indent=2, ensure_ascii=False))
+
+
+_FILE = click.Path(path_type=Path)
+
+
+@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(__version__, prog_name="dashpot")
+def cli() -> None:
+    """Recordings of a vibrating thing in; a model you can believe, an FMU and CasADi functions you can use, out."""
+
+
+@cli.command()
+@click.option("-o", "--output", type=_FILE, default=Path("demo"), show_default=True, help="Folder for the files.")
+def demo(output: Path) -> None:
+    """The whole story on the built-in rig, in under two minutes."""
+    from .demo import run
+
+    if not run(output, click.echo):
+        sys.exit(1)
+
+
+@cli.command()
+@click.argument("recordings", nargs=-1, required=True, type=_FILE)
+@click.option("-o", "--output", type=_FILE, required=True, help="Model file to write (YAML).")
+@click.option("--name", help="Name of the rig; default: the output's name.")
+@click.option("--report", type=_FILE, help="HTML page to write beside it.")
+@click.option("--json", "as_json", is_flag=True, help="Print the model as JSON too.")
+@_with_recordings
+def identify(
+    recordings: tuple[Path, ...], output: Path, name: str | None, report: Path | None, as_json: bool, **options: Any
+) -> None:
+    """Identify a model from recordings: decays, bursts, sweeps, multisines, in any mixture."""
+    from .identify import identify as find
+    from .model.file import save
+    from .model.show import as_json as model_json
+    from .model.show import describe
+    from .writing import replacing, writable
+
+    writable(output)
+    if report is not None:
+        writable(report)
+    found = find(_read(recordings, options), name=name or output.stem, progress=_say)
+    for note in found.notes:
+        _say(f"note: {note}")
+    if report is not None:
+        from .report.page import identification_page
+
+        page = identification_page(found, files=(output.name,))
+        with replacing(report) as temporary:
+            temporary.write_text(page, encoding="utf-8")
+    save(found.oscillator, output)
+    if as_json:
+        _print_json(model_json(found.oscillator))
+    else:
+        click.echo(describe(found.oscillator))
+    _say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
+
+
+@cli.command()
+@click.argument("model", type=_FILE)
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+def show(model: Path, as_json: bool) -> None:
+    """Parameters with their errors, equation and validity."""
+    from .model.file import load
+    from .model.show import as_json as model_json
+    from .model.show import describe
+
+    oscillator = load(model)
+    if as_json:
+        _print_json(model_json(oscillator))
+    else:
+        click.echo(describe(oscillator))
+
+
+@cli.command()
+@click.argument("model", type=_FILE)
+@click.argument("recording", type=_FILE)
+@click.option("-o", "--output", type=_FILE, required=True, help="CSV file to write (.csv or .csv.gz).")
+@_with_recordings
+def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
+    """Response of a model to the force of a recording, event-exact."""
+    from .identify.replay import replay
+    from .model.file import load
+    from .recording.csv_output import write_response
+    from .writing import writable
+
+    oscillator = load(model)
+    writable(output)
+    (measured,) = _read((recording,), options)
+    if (measured.quantity, measured.unit) != (oscillator.response.quantity, oscillator.response.unit):
+        raise BadInput(
+            f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of {oscillator.response.quantity} in "
+            f"{oscillator.response.unit}; say what the column is with --quantity and --unit"
+        )
+    write_response(output, measured, replay(oscillator, measured))
+    _say(f"written: {output}")
+
+
+@cli.command()
+@click.argument("model", type=_FILE)
+@click.argument("outputs", nargs=-1, required=True, type=_FILE)
+@click.option(
+    "--backend", type=click.Choice(["native", "python"]), default="native", show_default=True, help="Of an FMU."
+)
+@click.option(
+    "--step", type=float, default=1e-3, show_default=True, metavar="S", help="Sample time of the CasADi step."
+)
+def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) -> None:
+    """Write the model as an FMU (.fmu) or as CasADi functions (.casadi)."""
+    from .export import export as write
+    from .model.file import load
+    from .writing import writable
+
+    oscillator = load(model)
+    if not (step > 0 and step < float("inf")):
+        raise BadInput(f"--step {step}: the sample time must be a positive number of seconds")
+    for output in outputs:
+        writable(output)
+    for output in outputs:
+        for path in write(oscillator, output, backend=backend, step=step):
+            _say(f"written: {path}")
+
+
+@cli.command()
+@click.argument("fmu", type=_FILE)
+@click.argument("recordings", nargs=-1, required=True, type=_FILE)
+@click.option("--json", "json_file", type=_FILE, metavar="OUT.json", help="File for the result.")
+@_with_recordings
+def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **options: Any) -> None:
+    """Run an FMU under FMPy with recorded forces and compare response and backbone; exit code 1 where they differ."""
+    from .export.verify import verify as check
+    from .writing import replacing, writable
+
+    if json_file is not None:
+        writable(json_file)
+    result = check(fmu, _read(recordings, options), progress=_say)
+    if json_file is not None:
+        with replacing(json_file) as temporary:
+            temporary.write_text(json.dumps(result.as_json(), indent=2) + "\n", encoding="utf-8")
+    click.echo(result.sentence())
+    if not result.passed:
+        sys.exit(1)
+
+
+def main() -> None:
+    """Entry point: expected errors become one line on stderr and exit code 2."""
+    try:
+        cli(standalone_mode=False)
+    except click.exceptions.Abort:
+        sys.exit(130)
+    except click.ClickException as problem:
+        problem.show()
+        sys.exit(problem.exit_code)
+    except DashpotError as problem:
+        _say(f"dashpot: {problem}")
+        sys.exit(2)
+    except BrokenPipeError:
+        sys.exit(0)
+
+
+if __name__ == "__main__":
+    main()

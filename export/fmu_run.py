@@ -1,0 +1,152 @@
+"""An FMU held open under FMPy and run over recordings, one call a sample."""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import numpy as np
+
+from ..errors import BadInput
+from ..simulate.force import Force
+
+#: Straight lines per sample for an FMU that takes no higher derivatives of its input: their error falls with the square.
+_LINES = 8
+
+
+class FmuRun:
+    """A co-simulation FMU (FMI 2.0) with input ``F``, unpacked once and instantiated once.
+
+    Raises:
+        BadInput: where the file is not such an FMU or cannot be loaded on this machine.
+    """
+
+    def __init__(self, fmu: Path) -> None:
+        import fmpy
+        from fmpy.fmi2 import FMU2Slave
+
+        self.path = fmu
+        if not fmu.is_file():
+            raise BadInput(f"{fmu}: there is no such file; name an FMU, for example one made by dashpot export")
+        try:
+            description = fmpy.read_model_description(str(fmu))
+        except Exception as problem:  # FMPy raises whatever its XML reader raises
+            raise BadInput(f"{fmu}: not a readable FMU ({problem}); export it again") from problem
+        if description.fmiVersion != "2.0" or description.coSimulation is None:
+            raise BadInput(f"{fmu}: verify runs FMI 2.0 co-simulation FMUs; this one is FMI {description.fmiVersion}")
+        variables = {variable.name: variable for variable in description.modelVariables}
+        outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
+        if "F" not in variables or not outputs:
+            raise BadInput(
+                f"{fmu}: the FMU needs an input named F and an output; found {', '.join(list(variables)[:8])}"
+            )
+        self.variables = variables
+        self._output = outputs[0].valueReference
+        self._force = variables["F"].valueReference
+        self._slope = variables["F_rate"].valueReference if "F_rate" in variables else None
+        self._cubic = "dashpot" in (description.generationTool or "") and bool(
+            description.coSimulation.canInterpolateInputs
+        )
+        self._lines = bool(description.coSimulation.canInterpolateInputs)
+        self._folder = fmpy.extract(str(fmu))
+        try:
+            self._fmu: Any = FMU2Slave(
+                guid=description.guid,
+                unzipDirectory=self._folder,
+                modelIdentifier=description.coSimulation.modelIdentifier,
+                instanceName="verify",
+            )
+            self._fmu.instantiate()
+        except Exception as problem:
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise BadInput(f"{fmu}: it does not load on this machine ({problem}); export it here again") from problem
+        self._fresh = True
+
+    def __enter__(self) -> FmuRun:
+        """The run itself."""
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Ends the FMU and removes what was unpacked."""
+        self._fmu.freeInstance()
+        shutil.rmtree(self._folder, ignore_errors=True)
+
+    def record(self, force: Force | None, n: int, dt: float, initial: np.ndarray | None = None) -> np.ndarray:
+        """(n,) first output at samples ``dt`` apart, from displacement and velocity ``initial`` (2,), at rest if None."""
+        fmu = self._fmu
+        if not self._fresh:
+            fmu.reset()
+        self._fresh = False
+        fmu.setupExperiment(startTime=0.0)
+        fmu.enterInitializationMode()
+        if initial is not None and np.any(initial):
+            if "x0" not in self.variables or "v0" not in self.variables:
+                raise BadInput(
+                    f"{self.path}: the recording does not start at rest, and the FMU has no x0 and v0 to set"
+                )
+            references = [self.variables[name].valueReference for name in ("x0", "v0")]
+            fmu.setReal(references, [float(value) for value in initial])
+        start = float(force.pieces[0, 0]) if force is not None else 0.0
+        fmu.setReal([self._force], [start])
+        fmu.exitInitializationMode()
+        out = np.empty(n)
+        out[0] = fmu.getReal([self._output])[0]
+        try:
+            self._steps(force, n, dt, out)
+        except Exception as problem:
+            raise BadInput(f"{self.path}: the FMU stopped ({problem}); check the units of the force") from problem
+        finally:
+            fmu.terminate()
+        return out
+
+    def _steps(self, force: Force | None, n: int, dt: float, out: np.ndarray) -> None:
+        fmu = self._fmu
+        pieces, step = self._points(force, n, dt)
+        per_sample = 1 if pieces is None else round(dt / step)
+        component, do_step = fmu.component, fmu.fmi2DoStep
+        value = (ctypes.c_double * 1)()
+        here, there = (ctypes.c_uint * 1)(self._force), (ctypes.c_uint * 1)(self._output)
+        orders = 3 if self._cubic else 1
+        references = (ctypes.c_uint * orders)(*[self._force] * orders)
+        order = (ctypes.c_int * orders)(*range(1, orders + 1))
+        slopes = (ctypes.c_double * orders)()
+        factorial = np.array([1.0, 2.0, 6.0])[:orders]
+        rows = (
+            None if pieces is None else np.column_stack([pieces[:, 0], pieces[:, 1 : 1 + orders] * factorial]).tolist()
+        )
+        k = 0
+        for i in range(1, n):
+            for _ in range(per_sample):
+                if rows is not None:
+                    row = rows[k]
+                    value[0] = row[0]
+                    fmu.fmi2SetReal(component, here, 1, value)
+                    if self._lines:
+                        slopes[:] = row[1:]
+                        fmu.fmi2SetRealInputDerivatives(component, references, orders, order, slopes)
+                    elif self._slope is not None:
+                        fmu.setReal([self._slope], [row[1]])
+                do_step(component, k * step, step, 1)
+                k += 1
+            fmu.fmi2GetReal(component, there, 1, value)
+            out[i] = value[0]
+
+    def _points(self, force: Force | None, n: int, dt: float) -> tuple[np.ndarray | None, float]:
+        """Cubics per communication step, or straight lines fine enough to stand for them."""
+        if force is None:
+            return None, dt
+        pieces = force.pieces[: (n - 1) * force.fine]
+        step = dt / force.fine
+        if self._cubic:
+            return pieces, step
+        tau = np.arange(_LINES + 1) * (step / _LINES)
+        points = pieces @ np.vander(tau, 4, increasing=True).T
+        lines = np.zeros((pieces.shape[0] * _LINES, 4))
+        lines[:, 0] = points[:, :-1].ravel()
+        lines[:, 1] = np.diff(points, axis=1).ravel() / (step / _LINES)
+        return lines, step / _LINES

@@ -1,0 +1,33 @@
+"""A simulated response beside the measured one, as CSV."""
+
+from __future__ import annotations
+
+import gzip
+from pathlib import Path
+
+import numpy as np
+
+from ..writing import replacing
+from .recording import Recording
+
+
+def write_response(path: Path, recording: Recording, simulated: np.ndarray) -> None:
+    """Write time, force, measured and simulated response, units in the header; gzipped where the name ends in .gz.
+
+    Args:
+        path: file to write, whole or not at all.
+        recording: what was measured, (n,).
+        simulated: (n,), in the unit of the recording's response.
+    """
+    unit = recording.unit.replace("/", "_")
+    columns = {"time_s": recording.time}
+    if recording.force is not None:
+        columns[f"force_{recording.force_unit}"] = recording.force
+    columns[f"{recording.quantity}_{unit}"] = recording.response
+    columns[f"simulated_{recording.quantity}_{unit}"] = simulated
+    with replacing(path) as temporary:
+        opener = gzip.open if path.suffix == ".gz" else open
+        with opener(temporary, "wt", encoding="utf-8") as file:
+            np.savetxt(
+                file, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments=""
+            )
