@@ -1,0 +1,111 @@
+"""The Python back-end: an FMU that PythonFMU builds, its description completed so that validators find no problem.
+
+It needs no compiler here, but Python with casadi where it runs. The equations are the serialised event-exact step;
+no text of a model becomes program text.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import sys
+import tempfile
+import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..model import units
+from ..model.equations import equations
+from ..model.law import Expression
+from ..simulate.casadi_step import exact_field, exact_step
+from ..simulate.core import template
+from .description import Description, Variable, describe_fmu, model_description
+from .fmu import documentation, guid_of
+
+if TYPE_CHECKING:
+    from ..model import Oscillator
+
+_HOLD = (
+    "This FMU needs Python with the package casadi on the machine where it runs. "
+    "The input F is held over a communication step; set the input F_rate, its slope, before each step and it runs in a "
+    "straight line instead, which is far more exact. "
+    "Events (sticking, break-away, sign changes) are located, so results do not depend on the communication step."
+)
+
+
+def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
+    """Contents of the FMU by their names in the archive.
+
+    Raises:
+        BadInput: where a value of the model is not finite.
+    """
+    import pythonfmu
+
+    description = _with_slope(describe_fmu(oscillator))
+    longest = description.variables[description.reference("max_step")].start or 0.0
+    text = template("slave.py.txt")
+    # Python keeps modules by name: slaves of different versions in one process must not share one.
+    module = f"dashpot_slave_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        script = folder / f"{module}.py"
+        script.write_text(text, encoding="utf-8")
+        resources = [folder / "step.casadi", folder / "output.casadi", folder / "model.json"]
+        exact_step(oscillator, longest, longest).save(str(resources[0]))
+        output_function(oscillator).save(str(resources[1]))
+        resources[2].write_text(_model_json(description), encoding="utf-8")
+        built = folder / "built.fmu"
+        with _imports_undone(module):
+            pythonfmu.FmuBuilder.build_FMU(script, built, project_files=resources)
+        with zipfile.ZipFile(built) as archive:
+            entries = {info.filename: archive.read(info) for info in archive.infolist() if not info.is_dir()}
+    entries.pop("modelDescription.xml")
+    # the GUID stands for everything that computes, in an order that does not depend on the file system
+    parts = [model_description(description, "", python=True)]
+    parts += [f"{name} {hashlib.sha256(entries[name]).hexdigest()}" for name in sorted(entries)]
+    tool = f"PythonFMU {pythonfmu.__version__}"
+    entries["modelDescription.xml"] = model_description(description, guid_of(parts), tool=tool, python=True).encode()
+    entries["documentation/index.html"] = documentation(oscillator, description, _HOLD).encode()
+    return entries
+
+
+def output_function(oscillator: Oscillator) -> Expression:
+    """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration; zero while it sticks."""
+    import casadi as ca
+
+    eq = equations(oscillator)
+    acceleration = exact_field(eq, eq.z, eq.u, eq.p)[1]
+    recorded = {"displacement": eq.z[0], "velocity": eq.z[1], "acceleration": acceleration}
+    y = ca.vertcat(recorded[oscillator.response.quantity], eq.z[0], eq.z[1], acceleration)
+    return ca.Function("output", [eq.z, eq.u, eq.p, eq.t], [y], ["z", "u", "p", "t"], ["y"])
+
+
+def _with_slope(description: Description) -> Description:
+    """PythonFMU cannot take input derivatives, so the slope of the force is an input of its own, behind all others."""
+    unit = units.compose("X/s", description.variables[description.reference("F")].unit)
+    slope = Variable("F_rate", "slope", 0, unit, "slope of F over the coming steps", 0.0)
+    return replace(description, variables=(*description.variables, slope))
+
+
+def _model_json(description: Description) -> str:
+    keys = ("name", "role", "index", "start")
+    variables = [
+        {key: asdict(v)[key] for key in keys}
+        | {"causality": v.causality, "variability": v.variability, "initial": v.initial}
+        for v in description.variables
+    ]
+    return json.dumps({"identifier": description.identifier, "variables": variables}, indent=1) + "\n"
+
+
+@contextmanager
+def _imports_undone(module: str) -> Iterator[None]:
+    """PythonFMU imports the slave to look at it; afterwards this process is as it was."""
+    path = list(sys.path)
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        sys.modules.pop(module, None)
