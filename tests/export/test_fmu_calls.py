@@ -50,6 +50,13 @@ def test_a_kept_state_replays_bit_for_bit(instances, backend):
     if backend == "native":
         assert fmu.fmu.serializeFMUstate(fmu.fmu.getFMUstate()) != serialised
 
+    # another instance that went the same way has the same bytes
+    twin = instances("base", backend).start(x0=2e-3)
+    walk(twin, 0, n)
+    kept = twin.fmu.getFMUstate()
+    assert twin.fmu.serializeFMUstate(kept) == serialised
+    twin.fmu.freeFMUstate(kept)
+
     # into another instance, as after a restart of the simulator
     other = instances("base", backend).start()
     back = other.fmu.deSerializeFMUstate(serialised)
