@@ -25,7 +25,9 @@ def writable(target: Path) -> None:
 
 @contextmanager
 def replacing(target: Path) -> Iterator[Path]:
-    """A temporary path beside ``target`` (its folders are made) that takes its name when the block ends well, and goes when it does not.
+    """A temporary path beside ``target`` that takes its name when the block ends well, and goes when it does not.
+
+    Folders that are missing are made.
 
     Raises:
         BadInput: where the folder cannot be written.

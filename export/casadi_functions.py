@@ -50,7 +50,7 @@ def functions(oscillator: Oscillator, dt: float = 1e-3) -> dict[str, Expression]
         dt: sample time of the discrete steps, s.
 
     Returns:
-        ``{"casadi": f(x, u, p) -> xdot, "step.casadi": step(x, u, p) -> x_next, "smooth.casadi", "smooth.step.casadi"}``.
+        ``casadi``: f(x, u, p) -> xdot; ``step.casadi``: step(x, u, p) -> x_next; both again under ``smooth.``.
         ``x`` is displacement and velocity; ``u`` the force (for a step also two values, at its start and its end, with
         a straight line between them); elements of ``p`` left at their default, inf, take the identified values.
     """

@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import BadInput
 from ..simulate.force import Force
 
-#: Straight lines per sample for an FMU that takes no higher derivatives of its input: their error falls with the square.
+#: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
 _LINES = 8
 
 
@@ -77,7 +77,7 @@ class FmuRun:
         shutil.rmtree(self._folder, ignore_errors=True)
 
     def record(self, force: Force | None, n: int, dt: float, initial: np.ndarray | None = None) -> np.ndarray:
-        """(n,) first output at samples ``dt`` apart, from displacement and velocity ``initial`` (2,), at rest if None."""
+        """(n,) first output at samples ``dt`` apart, from displacement and velocity ``initial`` (2,); None: at rest."""
         fmu = self._fmu
         if not self._fresh:
             fmu.reset()

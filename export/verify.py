@@ -86,8 +86,8 @@ class Verification:
         bad = [check for check in self.recordings if not check.passed]
         worst = max(bad, key=lambda check: check.nrmse / check.noise_floor if check.noise_floor > 0 else np.inf)
         return (
-            f"{self.fmu} does not reproduce {', '.join(check.file for check in bad)}: the worst, {worst.file}, has an NRMSE "
-            f"of {worst.nrmse:.3g} where its noise alone makes {worst.noise_floor:.3g}"
+            f"{self.fmu} does not reproduce {', '.join(check.file for check in bad)}: the worst, {worst.file}, has an "
+            f"NRMSE of {worst.nrmse:.3g} where its noise alone makes {worst.noise_floor:.3g}"
         )
 
     def as_json(self) -> dict[str, Any]:

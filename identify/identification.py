@@ -86,8 +86,8 @@ def _belong_together(recordings: Sequence[Recording]) -> None:
     for other in recordings[1:]:
         if (other.quantity, other.unit) != (first.quantity, first.unit):
             raise BadInput(
-                f"{other.name} records {other.quantity} in {other.unit}, {first.name} {first.quantity} in {first.unit}; "
-                "identify from recordings of one quantity at a time"
+                f"{other.name} records {other.quantity} in {other.unit}, "
+                f"{first.name} {first.quantity} in {first.unit}; identify from recordings of one quantity at a time"
             )
     forced = [r for r in recordings if r.force is not None and np.any(r.force)]
     units = {r.force_unit for r in forced}

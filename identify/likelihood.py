@@ -199,7 +199,7 @@ def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tup
 
 
 def _growing(segments: Sequence[Segment], omega0: float) -> list[tuple[Segment, ...]]:
-    """Ever longer beginnings of the free segments, short of the whole; forced ones are whole from the start (their memory is short)."""
+    """Ever longer beginnings of the free segments, short of the whole; forced ones are whole, their memory is short."""
     from dataclasses import replace
 
     stages = []

@@ -1,8 +1,8 @@
 """The spectrum of what a fit leaves over, and whitening by it.
 
 Sensor noise is white; force noise reaches the response through the resonance and is not. Least squares that
-takes it for white is too sure of itself by the ratio of the two at resonance. Weighing every frequency by the residual's own
-spectrum makes it a maximum-likelihood fit again (Whittle 1953).
+takes it for white is too sure of itself by the ratio of the two at resonance. Weighing every frequency by the
+residual's own spectrum makes it a maximum-likelihood fit again (Whittle 1953).
 """
 
 from __future__ import annotations
