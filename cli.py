@@ -142,7 +142,8 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     if (measured.quantity, measured.unit) != (oscillator.response.quantity, oscillator.response.unit):
         raise BadInput(
             f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "
-            f"{oscillator.response.quantity} in {oscillator.response.unit}; say what the column is with --quantity and --unit"
+            f"{oscillator.response.quantity} in {oscillator.response.unit}; "
+            "say what the column is with --quantity and --unit"
         )
     write_response(output, measured, replay(oscillator, measured))
     _say(f"written: {output}")

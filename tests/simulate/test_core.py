@@ -1,0 +1,108 @@
+"""The compiled engine against an integrator that shares no code with it (Taylor series, dashpot.examples)."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.examples.oscillator import integrate
+from dashpot.examples.truth import TRUTH
+from dashpot.model import Oscillator
+from dashpot.simulate.core import core_of, internal_step
+
+DT = 1e-3
+
+
+def simulated(values, force, dt, initial=(0.0, 0.0), step=None):
+    model = Oscillator.from_values(values)
+    core = core_of(model)
+    p = np.array(list(model.values().values()))
+    step = step or internal_step(model, model.values(), 9e-3)
+    return core.record(p, np.array(initial), np.asarray(force, float), len(force), dt, step, states=True)
+
+
+def sweep(amplitude, seconds=60.0, dt=DT):
+    t = np.arange(round(seconds / dt)) * dt
+    return amplitude * np.sin(2 * np.pi * (5.0 * t + 7.5 * t**2 / seconds))
+
+
+@pytest.mark.parametrize("amplitude", [1.0, 0.1, 0.03])
+def test_sweeps_agree_with_the_independent_integration(amplitude):
+    force = sweep(amplitude)
+    x, v = integrate(TRUTH, force, DT)
+    z = simulated(TRUTH, force, DT)
+    assert np.max(np.abs(z[:, 0] - x)) < 1e-6 * np.max(np.abs(x))
+    assert np.max(np.abs(z[:, 1] - v)) < 1e-6 * np.max(np.abs(v))
+
+
+def test_the_result_does_not_depend_on_the_communication_step():
+    coarse = sweep(1.0, 20.0, 1e-2)  # straight lines over 10 ms
+    fine = np.interp(np.arange(19_991) * DT, np.arange(coarse.size) * 1e-2, coarse)
+    a = simulated(TRUTH, coarse, 1e-2)[:, 0]
+    b = simulated(TRUTH, fine, DT)[::10, 0]
+    assert np.max(np.abs(a - b)) < 1e-6 * np.max(np.abs(a))
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_random_rigs_with_noisy_forces(seed):
+    random = np.random.default_rng(seed)
+    omega0, scale = 80.0, 80.0**2 * 1e-3
+    values = {
+        "mass": random.uniform(0.1, 10),
+        "omega0": omega0,
+        "cubic": random.uniform(0, 1) * omega0**2 / 1e-6,
+        "preload": scale * random.choice([0.0, 10 ** random.uniform(-3, -0.5)]),
+        "viscous": omega0 * 10 ** random.uniform(-2, -0.5),
+        "dry": scale * 10 ** random.uniform(-3, -0.5),
+    }
+    t = np.arange(1500) * DT
+    force = np.sin(random.uniform(0.2, 2) * omega0 * t) + 0.1 * random.standard_normal(t.size)
+    force *= 3 * values["mass"] * (values["preload"] + values["dry"] + 1e-2 * scale)
+    force[1000:] = 0.0
+    x, _ = integrate(values, force, DT)
+    z = simulated(values, force, DT)
+    assert np.max(np.abs(z[:, 0] - x)) < 1e-6 * np.max(np.abs(x))
+
+
+def test_a_decay_comes_to_rest_at_the_seat_of_the_preload():
+    z = simulated(TRUTH, np.zeros(6000), DT, (9e-3, 0.0))
+    x, _ = integrate(TRUTH, np.zeros(6000), DT, 9e-3)
+    assert np.max(np.abs(z[:, 0] - x)) < 1e-7 * 9e-3
+    assert z[-1, 0] == 0.0
+    assert z[-1, 1] == 0.0
+
+
+def test_dry_friction_holds_and_lets_go_at_its_size():
+    values = TRUTH | {"preload": 0.0, "cubic": 0.0}
+    limit = values["mass"] * values["dry"]
+    force = np.linspace(0.0, 2 * limit, 201)  # reaches the limit at sample 100
+    z = simulated(values, force, DT)
+    assert np.all(z[:101] == 0.0)
+    assert np.all(z[102:, 0] > 0.0)
+
+
+def test_friction_takes_the_textbook_amount_each_half_cycle():
+    values = TRUTH | {"preload": 0.0, "cubic": 0.0, "viscous": 0.0, "omega0": 2 * np.pi}
+    z = simulated(values, np.zeros(4001), DT, (0.01, 0.0), step=1e-3)
+    loss = 2 * values["dry"] / (2 * np.pi) ** 2
+    for half in range(1, 8):
+        assert abs(z[500 * half, 0]) == pytest.approx(0.01 - loss * half, abs=1e-11)
+
+
+def test_a_motion_without_bounds_ends_in_nan_and_not_in_a_crash():
+    values = TRUTH | {"cubic": -4.6e8}  # a spring that gives way
+    z = simulated(values, np.zeros(2000), DT, (1e-2, 0.0))
+    assert np.all(np.isfinite(z[:10]))
+    assert np.isnan(z[-1]).all()
+
+
+def test_negative_friction_which_a_fit_may_try_still_simulates():
+    values = TRUTH | {"dry": -0.01}
+    assert np.all(np.isfinite(simulated(values, sweep(1.0, 10.0), DT)))
+
+
+def test_events_that_only_dip_through_a_surface_are_found():
+    values = TRUTH | {"cubic": 0.0, "viscous": 0.5}
+    force = sweep(0.3, 5.0)
+    coarse = simulated(values, force, DT, step=5e-3)[:, 0]
+    x, _ = integrate(values, force, DT)
+    assert np.max(np.abs(coarse - x)) < 1e-6 * np.max(np.abs(x))

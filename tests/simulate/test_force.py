@@ -1,0 +1,45 @@
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.simulate.force import smooth_force, straight_lines, upsample
+
+
+def values(force, dt, points=5):
+    step = dt / force.fine
+    tau = np.arange(points) * step / points
+    return (force.pieces @ np.vander(tau, 4, increasing=True).T).ravel(), step / points
+
+
+def test_straight_lines_pass_through_the_samples():
+    samples = np.array([0.0, 1.0, -1.0, 3.0])
+    force = straight_lines(samples, 0.5)
+    ends = force.pieces @ np.vander([0.5], 4, increasing=True).T
+    assert force.pieces[:, 0] == pytest.approx(samples[:-1])
+    assert ends.ravel() == pytest.approx(samples[1:])
+
+
+@pytest.mark.parametrize(("per_cycle", "limit"), [(77, 1e-6), (30, 2e-5), (9, 1e-3)])
+def test_a_sine_is_restored_between_its_samples(per_cycle, limit):
+    dt, n = 1e-3, 3000
+    frequency = 1 / (per_cycle * dt)
+    force = smooth_force(np.sin(2 * np.pi * frequency * np.arange(n) * dt), dt, frequency)
+    found, spacing = values(force, dt)
+    inner = slice(found.size // 4, -found.size // 4)
+    error = found - np.sin(2 * np.pi * frequency * np.arange(found.size) * spacing)
+    assert np.max(np.abs(error[inner])) < limit
+
+
+def test_up_sampling_keeps_the_samples_and_their_number():
+    samples = np.random.default_rng(0).standard_normal(400)
+    fine = upsample(samples, 4)
+    assert fine.size == 399 * 4 + 1
+    assert fine[::4][50:-50] == pytest.approx(samples[50:-50], abs=1e-9)
+
+
+def test_disturbing_a_force_moves_its_samples_by_the_stated_noise():
+    force = straight_lines(np.zeros(20_000), 1e-3)
+    noisy = force.disturbed(0.3, np.random.default_rng(1), 1e-3)
+    assert np.std(noisy.pieces[:, 0]) == pytest.approx(0.3, rel=0.03)
+    ends = noisy.pieces[:-1, 0] + noisy.pieces[:-1, 1] * 1e-3
+    assert ends == pytest.approx(noisy.pieces[1:, 0], abs=1e-12)
