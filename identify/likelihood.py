@@ -84,6 +84,8 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
         BadInput: where nothing in the recordings can be simulated, or the simulation fails at the start values.
     """
     segments = cut(recordings, start.omega0.value)
+    if start.mass is None:  # nothing says how far a newton goes: the driven stretches cannot be simulated
+        segments = tuple(segment for segment in segments if segment.force is None)
     if not segments:
         raise BadInput(
             "the recordings hold neither a free decay nor a stretch driven by a force that is long enough to fit; "

@@ -75,6 +75,8 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
                 continue
             driven = forced and force is not None and np.any(force[start:stop])
             response = np.asarray(recording.response[start:stop], float)
+            if not np.std(response) > 0:
+                continue
             found.append(
                 Segment(
                     recording=index,

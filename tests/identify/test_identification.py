@@ -1,0 +1,182 @@
+"""The main job: the built-in rig from its recordings alone, and what identification does with other kinds of input."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.examples import recordings
+from dashpot.examples.truth import TRUTH
+from dashpot.identify import identify
+from dashpot.model import Oscillator
+from dashpot.model.file import dumps, loads
+from dashpot.recording import Recording, read
+from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.force import smooth_force
+
+#: Percent, from the project's promise.
+WITHIN = {"mass": 0.5, "omega0": 0.5, "viscous": 0.5, "cubic": 3.0, "preload": 5.0, "dry": 5.0}
+
+
+@pytest.fixture(scope="module")
+def found():
+    files = recordings()
+    return identify([read(files[kind]) for kind in ("bursts", "sweep_low", "sweep_high")], name="paper-stand")
+
+
+@pytest.mark.parametrize("name", WITHIN)
+def test_each_parameter_is_found_and_its_error_is_honest(found, name):
+    parameter = found.oscillator.parameters()[name]
+    assert abs(parameter.value / TRUTH[name] - 1) < WITHIN[name] / 100
+    assert abs(parameter.value - TRUTH[name]) < 3 * parameter.std
+
+
+def test_what_is_left_over_is_the_noise(found):
+    for fit in found.fit.segments:
+        rms = fit.nrmse * np.std(fit.segment.response)
+        assert 0.9e-6 < rms < 1.25e-6  # 1 µm of the sensor, and the force's noise through the resonance
+
+
+def test_the_four_decays_are_found_by_themselves(found):
+    starts = [decay.start for decay in found.hilbert.decays[0]]
+    assert len(starts) == 4
+    assert starts == pytest.approx([1500, 6500, 11500, 16500], abs=3)
+
+
+def test_every_method_has_left_its_curve(found):
+    methods = [(curve.recording, curve.method) for curve in found.hilbert.curves]
+    assert methods.count(("bursts.csv.gz", "freevib")) == 4
+    assert ("sweep_low.csv.gz", "forcevib") in methods
+    assert ("sweep_high.csv.gz", "forcevib") in methods
+
+
+def test_the_model_file_holds_the_result(found):
+    again = loads(dumps(found.oscillator))
+    assert again.values() == found.oscillator.values()
+    assert [r["kind"] for r in again.identified.recordings] == ["bursts", "sweep", "sweep"]
+    errors = np.sqrt(np.diag(np.array(again.identified.covariance)))
+    assert errors == pytest.approx([p.std for p in again.parameters().values()], rel=1e-3)
+    assert again.amplitude.max == pytest.approx(9.1e-3, rel=0.02)
+    assert again.frequency.min == pytest.approx(5, abs=0.3)
+    assert again.frequency.max == pytest.approx(20, abs=0.3)
+
+
+# Other kinds of input, simulated short --------------------------------------------------------------------------------
+
+
+def record(kind, quantity="displacement", seed=0, noise=1e-4, values=TRUTH, seconds=12.0, fs=1000.0):
+    """A recording of a rig: a sweep through the resonance or a decay from 8 mm, with a little white noise."""
+    random = np.random.default_rng(seed)
+    n = round(seconds * fs)
+    t = np.arange(n) / fs
+    natural = values["omega0"] / 2 / np.pi
+    level = values["mass"] / TRUTH["mass"]
+    force = level * np.sin(2 * np.pi * natural * (0.5 * t + 0.5 * t**2 / seconds)) if kind == "sweep" else None
+    model = Oscillator.from_values(values)
+    core = core_of(model)
+    p = np.array(list(model.values().values()))
+    initial = np.zeros(2) if force is not None else np.array([8e-3, 0.0])
+    step = internal_step(model, values, 9e-3)
+    driven = None if force is None else smooth_force(force, 1 / fs, natural)  # a true force has no corners
+    z = core.record(p, initial, driven, n, 1 / fs, step, states=True)
+    inner = (
+        values["omega0"] ** 2 * z[:, 0]
+        + values["cubic"] * z[:, 0] ** 3
+        + values["preload"] * np.sign(z[:, 0])
+        + values["viscous"] * z[:, 1]
+        + values["dry"] * np.sign(z[:, 1])
+    )
+    acceleration = (0.0 if force is None else force / values["mass"]) - inner
+    x = {"displacement": z[:, 0], "velocity": z[:, 1], "acceleration": acceleration}[quantity]
+    unit = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity]
+    y = x + noise * np.std(x) * random.standard_normal(n)
+    return Recording(name=f"{kind}-{seed}", fs=fs, response=y, force=force, quantity=quantity, unit=unit)
+
+
+def test_free_decays_alone_give_everything_but_the_mass():
+    result = identify([record("decay", seed=seed, seconds=4.0) for seed in range(3)])
+    assert result.oscillator.mass is None
+    for name in ("omega0", "viscous", "preload", "dry", "cubic"):
+        parameter = result.oscillator.parameters()[name]
+        assert abs(parameter.value / TRUTH[name] - 1) < WITHIN[name] / 100, name
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+def test_velocity_and_acceleration_serve_as_well(quantity):
+    result = identify([record("sweep", quantity), record("decay", quantity, seconds=4.0)])
+    for name in ("mass", "omega0", "viscous"):
+        parameter = result.oscillator.parameters()[name]
+        assert abs(parameter.value / TRUTH[name] - 1) < WITHIN[name] / 100, name
+    assert result.oscillator.preload.unit == "m/s2"
+
+
+def test_few_samples_a_cycle_are_enough_because_the_force_is_not_held():
+    values = TRUTH | {"preload": 0.0, "dry": 0.0}
+    fine = record("sweep", seconds=30.0, values=values, noise=0.0)
+    random = np.random.default_rng(5)
+    coarse = Recording(
+        name="coarse",
+        fs=125.0,  # ten samples a cycle
+        response=fine.response[::8] + 1e-6 * random.standard_normal(fine.response[::8].size),
+        force=fine.force[::8],
+    )
+    parameters = identify([coarse]).oscillator.parameters()
+    assert parameters["mass"].value == pytest.approx(TRUTH["mass"], rel=2e-3)
+    assert parameters["viscous"].value == pytest.approx(TRUTH["viscous"], rel=5e-3)
+
+
+@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e2])
+def test_rigs_of_other_sizes_and_frequencies(scale):
+    values = {
+        "mass": 3.0 * scale,
+        "omega0": 2 * np.pi * 45.0,
+        "cubic": 2e6,
+        "preload": 0.5,
+        "viscous": 12.0,
+        "dry": 0.3,
+    }
+    recordings = [record("sweep", values=values, fs=3000.0), record("decay", values=values, fs=3000.0, seconds=2.0)]
+    found = identify(recordings).oscillator.parameters()
+    for name in ("mass", "omega0", "viscous"):
+        assert found[name].value == pytest.approx(values[name], rel=5e-3), name
+
+
+def test_standard_errors_hold_over_many_noises():
+    scores = []
+    for seed in range(8):
+        sweep, decay = record("sweep", seed=seed, noise=2e-3), record("decay", seed=seed + 50, noise=2e-3, seconds=4.0)
+        force = sweep.force + 1e-3 * np.random.default_rng(seed).standard_normal(sweep.n)
+        noisy = Recording(name="sweep", fs=sweep.fs, response=sweep.response, force=force)
+        parameters = identify([noisy, decay]).oscillator.parameters()
+        scores.append([(p.value - TRUTH[name]) / p.std for name, p in parameters.items()])
+    spread = np.sqrt(np.mean(np.square(scores), axis=0))
+    assert np.all(spread < 1.9)  # chi-square with 8 degrees: 1.9 is exceeded once in ten thousand
+    assert np.all(spread > 0.3)
+
+
+# What does not belong together ----------------------------------------------------------------------------------------
+
+
+def test_recordings_of_different_quantities_are_refused():
+    with pytest.raises(BadInput, match="one quantity at a time"):
+        identify([record("decay"), record("decay", "velocity", seed=1)])
+
+
+def test_a_recording_in_another_unit_is_noticed():
+    one = record("sweep")
+    other = Recording(name="millimetres", fs=one.fs, response=one.response * 1e3, force=one.force)
+    with pytest.raises(BadInput, match="millimetres moves 1000 times"):
+        identify([one, other])
+
+
+def test_nothing_given_is_said():
+    with pytest.raises(BadInput, match="no recording"):
+        identify([])
+
+
+def test_a_force_that_never_moves_the_mass_leaves_the_mass_open():
+    decay = record("decay", seconds=4.0)
+    quiet = 1e-4 * np.sin(2 * np.pi * 12 * np.arange(8000) * 1e-3)
+    response = 1e-7 * np.random.default_rng(0).standard_normal(8000)
+    stuck = Recording(name="stuck", fs=1000.0, response=response, force=quiet)
+    assert identify([decay, stuck]).oscillator.mass is None
