@@ -1,0 +1,99 @@
+"""How far the measured backbones lie from the model's: what Fig. 4 shows as one line, taken apart."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..model.describing import equivalent_stiffness
+from .backbone_figure import model_backbone
+from .display import scale_of, tick_text
+from .style import EXACT, FORCED, FREE, MODEL, drawing, legend_below, svg
+
+if TYPE_CHECKING:
+    from ..export.verify import Verification
+    from ..identify.identification import Identification
+    from ..model import Oscillator
+
+_TWO_PI = 2 * np.pi
+_POINTS = 200
+#: The view takes in this part of the distances, those of the upper decade of amplitudes.
+_SEEN = 0.98
+
+
+def distance_figure(identification: Identification, verification: Verification | None = None) -> str:
+    """SVG of measured minus modelled natural frequency over amplitude, Hz.
+
+    The zero line is the model's mean natural frequency (its describing function), which is what FREEVIB and FORCEVIB
+    measure; the exact backbone is drawn against it. Raises BadInput for a law with a memory.
+    """
+    model = identification.oscillator
+    curves = identification.hilbert.curves
+    top = max((float(c.amplitude.max()) for c in curves), default=0.0)
+    scale = scale_of(model.response.displacement_unit, top)
+    drawn: list[tuple[np.ndarray, np.ndarray]] = []
+    with drawing(height=3.0) as figure:
+        axes = figure.subplots()
+        styles = {
+            "freevib": {"color": FREE, "linestyle": "-.", "label": "decays, FREEVIB"},
+            "forcevib": {"color": FORCED, "linestyle": ":", "linewidth": 2.0, "label": "forced records, FORCEVIB"},
+        }
+        for curve in curves:
+            drawn.append(_thin(curve.amplitude, curve.omega0 / _TWO_PI - mean_frequency(model, curve.amplitude)))
+            axes.plot(drawn[-1][0] * scale.factor, drawn[-1][1], **styles[curve.method])
+        pairs = [p for c in verification.recordings for p in c.backbones] if verification else []
+        for _, own in pairs:
+            a, distance = _thin(own.amplitude, own.frequency - mean_frequency(model, own.amplitude), 16)
+            look: dict[str, Any] = {"marker": "o" if own.method == "FORCEVIB" else "s", "linestyle": "none"}
+            label = f"FMU's output, {own.method}"
+            axes.plot(
+                a * scale.factor, distance, markersize=3.6, color=MODEL, markerfacecolor="white", label=label, **look
+            )
+        low = min((float(c.amplitude.min()) for c in curves), default=top / 100)
+        a, omega = model_backbone(model, np.geomspace(low, top, 120))
+        axes.plot(
+            a * scale.factor,
+            omega / _TWO_PI - mean_frequency(model, a),
+            color=EXACT,
+            linewidth=0.9,
+            label="model, exact backbone",
+        )
+        axes.set_ylim(*_view(drawn, top))
+        axes.set_xscale("log")
+        axes.xaxis.set_major_formatter(tick_text)
+        axes.set_xlabel(scale.label("Amplitude"))
+        axes.set_ylabel("Frequency − model's [Hz]")
+        found = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        legend_below(figure, list(found.values()), list(found), columns=3)
+        title = f"Measured natural frequency minus the model's, in Hz, over amplitude in {scale.unit}"
+        return svg(figure, "distance", title)
+
+
+def mean_frequency(model: Oscillator, amplitude: np.ndarray) -> np.ndarray:
+    """The model's mean natural frequency, Hz, (n,): root of its equivalent stiffness; NaN where that is negative."""
+    if not amplitude.size:
+        return np.empty(0)
+    order = np.argsort(amplitude)
+    # a smooth function of the amplitude: a hundred points of it are plenty for thousands of measured ones
+    grid = np.geomspace(amplitude[order[0]], amplitude[order[-1]], 100) if amplitude.size > 100 else amplitude[order]
+    stiffness = equivalent_stiffness(model, grid, model.omega0.value)
+    frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan)) / _TWO_PI
+    return np.interp(np.log(amplitude), np.log(grid), frequency)
+
+
+def _thin(amplitude: np.ndarray, distance: np.ndarray, points: int = _POINTS) -> tuple[np.ndarray, np.ndarray]:
+    """At most so many points, evenly over the logarithm of the amplitude."""
+    order = np.argsort(amplitude)
+    if amplitude.size > points:
+        a = np.log(amplitude[order])
+        order = order[np.unique(np.searchsorted(a, np.linspace(a[0], a[-1], points)).clip(0, a.size - 1))]
+    return amplitude[order], distance[order]
+
+
+def _view(drawn: list[tuple[np.ndarray, np.ndarray]], top: float) -> tuple[float, float]:
+    """Limits, Hz: small amplitudes are noise, and noise must not set the view."""
+    pieces = [distance[(a > 0.1 * top) & np.isfinite(distance)] for a, distance in drawn]
+    values = np.concatenate([*pieces, np.zeros(1)])
+    reach = 2.5 * max(float(np.quantile(np.abs(values), _SEEN)), 1e-6)
+    return -reach, reach

@@ -1,0 +1,121 @@
+"""What a page is made of: sections of text, tables, pictures and code. The template knows these and nothing else.
+
+Everything is plain text and is escaped where it is put into the page, but for the SVG of a picture.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+from typing import Any, ClassVar
+
+from ..export.render import plain_text
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; ``tone`` is ``good``, ``bad``, ``note``, ``equation`` or plain."""
+
+    kind: ClassVar[str] = "text"
+    text: str
+    tone: str = ""
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell; ``tone`` is ``good``, ``bad``, ``quiet``, ``code``, ``level0`` to ``level4`` (shades) or plain."""
+
+    text: str
+    tone: str = ""
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table.
+
+    Attributes:
+        head: of the columns.
+        rows: cells, as text where they need no tone; the first of each row is its name.
+        numeric: columns that are set flush right.
+        caption: what it shows.
+    """
+
+    kind: ClassVar[str] = "table"
+    head: tuple[str, ...]
+    rows: tuple[tuple[str | Cell, ...], ...]
+    numeric: tuple[int, ...] = ()
+    caption: str = ""
+
+    def cells(self) -> list[list[Cell]]:
+        """Rows with every cell as a Cell."""
+        return [[cell if isinstance(cell, Cell) else Cell(cell) for cell in row] for row in self.rows]
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A picture: SVG as made by ``style.svg``, and the sentences below it."""
+
+    kind: ClassVar[str] = "figure"
+    svg: str
+    caption: str
+
+
+@dataclass(frozen=True)
+class Items:
+    """A list of sentences."""
+
+    kind: ClassVar[str] = "items"
+    items: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Code:
+    """Lines of a program, with a sentence ahead."""
+
+    kind: ClassVar[str] = "code"
+    lead: str
+    text: str
+
+
+Block = Text | Table | Figure | Items | Code
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading and what stands below it."""
+
+    title: str
+    blocks: tuple[Block, ...]
+
+
+def page(title: str, sections: Sequence[Section], *, lead: Sequence[Block] = (), footer: str = "") -> str:
+    """The whole page as HTML in one piece: no script, nothing loaded from anywhere.
+
+    Args:
+        title: heading.
+        sections: in order; empty ones are left out.
+        lead: blocks ahead of the first section.
+        footer: last line.
+    """
+    shown = [section for section in sections if section.blocks]
+    return _template().render(title=plain_text(title), sections=shown, lead=list(lead), footer=footer)
+
+
+@cache
+def _template() -> Any:
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    environment.finalize = lambda value: plain_lines(value) if type(value) is str else value
+    return environment.from_string(
+        resources.files("dashpot.templates").joinpath("report.html.j2").read_text(encoding="utf-8")
+    )
+
+
+def plain_lines(text: str) -> str:
+    """``text`` line by line without characters that a page cannot hold."""
+    return "\n".join(
+        line[: len(line) - len(line.lstrip(" "))] + plain_text(line.strip(" ")) for line in text.split("\n")
+    )

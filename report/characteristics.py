@@ -1,0 +1,199 @@
+"""Static force characteristics and damping curve, like Figs. 5 and 7 of the paper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..model import units
+from ..model.describing import equivalent_damping, equivalent_stiffness
+from ..model.inner_force import InnerForce
+from .display import Scale, scale_of, tick_text
+from .static_force import Characteristic, static_force
+from .style import FORCED, FREE, MODEL, drawing, legend_below, svg
+
+if TYPE_CHECKING:
+    from ..identify.identification import Identification
+    from ..identify.start import Curve
+    from ..model import Oscillator
+
+_MARKS = {"freevib": (FREE, "s", "from FREEVIB"), "forcevib": (FORCED, "o", "from FORCEVIB")}
+#: A measured damping whose standard error exceeds this part of it says nothing in a picture.
+_UNSURE = 0.3
+
+
+def stiffness_figure(identification: Identification) -> str:
+    """SVG of the restoring force per unit mass over displacement (Fig. 5), whole and without its linear part.
+
+    Points: the measured backbones, describing function inverted. Raises BadInput for a law with a memory.
+    """
+    model = identification.oscillator
+    unit = model.response.displacement_unit
+    top = _reach(identification)
+    points = {
+        method: static_force(*_joined(identification, method, lambda c: c.omega0**2 * c.amplitude)) for method in _MARKS
+    }
+    grid = _through_zero(top)
+    force = InnerForce(model).static(grid)
+    linear = model.omega0.value**2
+    across = scale_of(unit, top)
+    per_mass = units.compose("X/s2", unit)
+    with drawing(height=3.7) as figure:
+        whole, bent = figure.subplots(1, 2)
+        for axes, slope, title in (
+            (whole, 0.0, "Restoring force"),
+            (bent, linear, "… without its linear part ω₀² x"),
+        ):
+            _characteristic(axes, grid, force - slope * grid, points, slope, across, per_mass)
+            axes.set_xlabel(across.label("Displacement"))
+            axes.set_title(title)
+        legend_below(figure, *whole.get_legend_handles_labels(), columns=3)
+        return svg(figure, "stiffness", f"Restoring force per unit mass over displacement in {across.unit}")
+
+
+def friction_figure(identification: Identification) -> str:
+    """SVG of the damping curve h(A) and of the friction force per unit mass over velocity (Fig. 7).
+
+    Raises BadInput for a law with a memory.
+    """
+    model = identification.oscillator
+    unit = model.response.displacement_unit
+    top = _reach(identification)
+    across = scale_of(unit, top)
+    speed = top * model.omega0.value
+    along = scale_of(units.compose("X/s", unit), speed)
+    grid = _through_zero(speed)
+    inner = InnerForce(model)
+    force = inner(np.zeros_like(grid), grid) - inner.static(np.zeros_like(grid))
+    points = {
+        method: static_force(
+            *_joined(identification, method, lambda c: 2 * c.damping * c.amplitude * c.omega0, by_speed=True)
+        )
+        for method in _MARKS
+    }
+    with drawing(height=3.5) as figure:
+        curve, whole, bent = figure.subplots(1, 3)
+        _damping_curve(curve, identification, top)
+        for axes, slope, title in (
+            (whole, 0.0, "Friction force"),
+            (bent, model.viscous.value, "… without viscous part"),
+        ):
+            _characteristic(axes, grid, force - slope * grid, points, slope, along, units.compose("X/s2", unit))
+            axes.set_xlabel(along.label("Velocity"))
+            axes.set_title(title)
+        legend_below(figure, *curve.get_legend_handles_labels(), columns=3)
+        title = f"Damping in 1/s over amplitude in {across.unit}, and friction force over velocity in {along.unit}"
+        return svg(figure, "friction", title)
+
+
+def _characteristic(
+    axes: Any,
+    grid: np.ndarray,
+    line: np.ndarray,
+    points: dict[str, Characteristic],
+    slope: float,
+    across: Scale,
+    unit: str,
+) -> None:
+    """The model's force as a line, the measured points on it; the model sets the view, as far points may scatter."""
+    up = scale_of(unit, line)
+    axes.plot(grid * across.factor, line * up.factor, color=MODEL, label="model", linewidth=1.6)
+    for method, one in points.items():
+        _draw(axes, one, slope, method, across.factor, up.factor)
+    axes.set_ylabel(up.label("Force per unit mass"))
+    reach = 1.4 * float(np.max(np.abs(line))) * up.factor
+    if reach > 0:
+        axes.set_ylim(-reach, reach)
+
+
+def _damping_curve(axes: Any, identification: Identification, top: float) -> None:
+    model = identification.oscillator
+    across = scale_of(model.response.displacement_unit, top)
+    low = min((float(c.amplitude.min()) for c in identification.hilbert.curves), default=top / 100)
+    a = np.geomspace(min(low, top / 3), top, 160)
+    h = damping(model, a)
+    for method in _MARKS:
+        _draw_damping(axes, identification, method, across.factor)
+    axes.plot(a * across.factor, h, color=MODEL, linewidth=1.6, label="model", zorder=4)
+    axes.set_xscale("log")
+    axes.xaxis.set_major_formatter(tick_text)
+    axes.set_xlabel(across.label("Amplitude"))
+    axes.set_ylabel("Damping h [1/s]")
+    axes.set_title("Damping curve")
+    _around(axes, h)
+
+
+def damping(model: Oscillator, amplitude: np.ndarray) -> np.ndarray:
+    """The model's h (n,), 1/s, at its natural frequency of each amplitude (n,): half the equivalent viscous damping."""
+    stiffness = equivalent_stiffness(model, amplitude, model.omega0.value)
+    omega = np.sqrt(np.where(stiffness > 0, stiffness, model.omega0.value**2))
+    return equivalent_damping(model, amplitude, omega) / 2
+
+
+def _reach(identification: Identification) -> float:
+    model = identification.oscillator
+    tops = [float(c.amplitude.max()) for c in identification.hilbert.curves if c.amplitude.size]
+    if model.amplitude is not None:
+        tops.append(model.amplitude.max)
+    return max(tops, default=1.0) or 1.0
+
+
+def _through_zero(top: float) -> np.ndarray:
+    """A grid that shows a step at zero as a step."""
+    half = np.append(1e-9, np.linspace(0, 1, 101)[1:]) * top
+    return np.concatenate([-half[::-1], [0.0], half])
+
+
+def _joined(
+    identification: Identification, method: str, fundamental: Any, *, by_speed: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """Amplitude (of displacement, or of velocity) and fundamental of all curves of one method."""
+    curves = [c for c in identification.hilbert.curves if c.method == method]
+    if not curves:
+        return np.empty(0), np.empty(0)
+    at = [c.amplitude * c.omega0 if by_speed else c.amplitude for c in curves]
+    force = [fundamental(c) for c in curves]
+    if by_speed:
+        force = [np.where(_sure(c), f, np.nan) for c, f in zip(curves, force, strict=True)]
+    return np.concatenate(at), np.concatenate(force)
+
+
+def _sure(curve: Curve) -> np.ndarray:
+    return curve.damping_std < _UNSURE * np.abs(curve.damping)
+
+
+def _draw(axes: Any, one: Characteristic, slope: float, method: str, across: float, up: float) -> None:
+    color, marker, label = _MARKS[method]
+    if not one.at.size:
+        return
+    y = (one.force - slope * one.at) * up
+    axes.plot(
+        np.concatenate([-one.at[::-1], one.at]) * across,
+        np.concatenate([-y[::-1], y]),
+        linestyle="none",
+        marker=marker,
+        markersize=3.6,
+        markerfacecolor="white",
+        markeredgecolor=color,
+        markeredgewidth=0.9,
+        label=label,
+    )
+
+
+def _draw_damping(axes: Any, identification: Identification, method: str, across: float) -> None:
+    color, _, label = _MARKS[method]
+    line = {"freevib": "-.", "forcevib": ":"}[method]
+    for curve in (c for c in identification.hilbert.curves if c.method == method):
+        step = max(1, curve.amplitude.size // 200)
+        order = np.argsort(curve.amplitude)[::step]
+        h = np.where(_sure(curve), curve.damping, np.nan)[order]
+        axes.plot(curve.amplitude[order] * across, h, linestyle=line, color=color, linewidth=1.8, label=label)
+        label = "_nolegend_"
+
+
+def _around(axes: Any, h: np.ndarray) -> None:
+    """The view that the model's curve asks for, zero in it where the damping is positive."""
+    low, high = float(np.min(h)), float(np.max(h))
+    margin = 0.25 * max(high - low, 0.2 * abs(high))
+    axes.set_ylim(min(0.0, low - margin) if low < 0 else 0.0, high + margin)

@@ -1,0 +1,103 @@
+"""Measured and simulated response of one recording side by side, whether the FMU or the fit made the latter."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..identify.hilbert import noise_level
+
+if TYPE_CHECKING:
+    from ..export.verify import Verification
+    from ..identify.identification import Identification
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """One recording.
+
+    Attributes:
+        name: of the recording.
+        time, measured, simulated: (n,) s and the response's unit; ``simulated`` is NaN where nothing was simulated.
+        nrmse: rms(simulated - measured) / std(measured), over what was simulated.
+        noise_floor: the same of a perfect model; ``full_floor`` tells whether the noise on the force counts in it.
+        held_out: whether the identification has not seen it.
+        backbone_error: largest distance of the backbones, Hz; None where not known.
+        passed: None where no verdict was asked for.
+    """
+
+    name: str
+    time: np.ndarray
+    measured: np.ndarray
+    simulated: np.ndarray
+    nrmse: float
+    noise_floor: float
+    full_floor: bool
+    held_out: bool = False
+    backbone_error: float | None = None
+    passed: bool | None = None
+
+    @property
+    def residual(self) -> np.ndarray:
+        """Simulated minus measured, (n,)."""
+        return self.simulated - self.measured
+
+    @property
+    def noise_rms(self) -> float:
+        """The noise floor in the response's unit."""
+        return self.noise_floor * float(np.std(self.measured))
+
+    @property
+    def fs(self) -> float:
+        """Sampling rate, Hz."""
+        return (self.time.size - 1) / float(self.time[-1] - self.time[0])
+
+    @property
+    def sensor_rms(self) -> float:
+        """White noise of the sensor, in the response's unit."""
+        return noise_level(self.measured, self.fs)
+
+    @property
+    def ratio(self) -> float:
+        """NRMSE over noise floor: 1 for a perfect model."""
+        return self.nrmse / self.noise_floor if self.noise_floor > 0 else float("inf")
+
+
+def comparisons(identification: Identification, verification: Verification | None) -> tuple[Comparison, ...]:
+    """From the FMU's runs where it was verified, else from the fit's own simulation."""
+    if verification is None:
+        return tuple(c for i in range(len(identification.recordings)) if (c := _of_fit(identification, i)) is not None)
+    known = {r.name for r in identification.recordings}
+    return tuple(
+        Comparison(
+            c.file,
+            c.time,
+            c.measured,
+            c.simulated,
+            c.nrmse,
+            c.noise_floor,
+            True,
+            c.file not in known,
+            c.backbone_max_error_hz,
+            c.passed,
+        )
+        for c in verification.recordings
+    )
+
+
+def _of_fit(identification: Identification, index: int) -> Comparison | None:
+    recording = identification.recordings[index]
+    simulated = np.full(recording.n, np.nan)
+    for one in identification.fit.segments:
+        if one.segment.recording == index:
+            simulated[one.segment.start : one.segment.stop] = one.simulated
+    there = np.isfinite(simulated)
+    spread = float(np.std(recording.response))
+    if not there.any() or not spread > 0:
+        return None
+    measured = np.asarray(recording.response, float)
+    nrmse = float(np.sqrt(np.mean((simulated - measured)[there] ** 2))) / float(np.std(measured[there]))
+    floor = noise_level(measured, recording.fs) / spread
+    return Comparison(recording.name, recording.time, measured, simulated, nrmse, floor, full_floor=False)

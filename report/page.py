@@ -1,0 +1,190 @@
+"""The report of an identification: one HTML page that stands alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import BadInput
+from ..export.render import plain_text
+from ..model.show import warnings as model_warnings
+from .agreement import agreement_section, verdict
+from .backbone_distance import distance_figure
+from .backbone_figure import backbone_figure
+from .blocks import Block, Figure, Items, Section, Table, Text, page
+from .characteristics import friction_figure, stiffness_figure
+from .comparison import comparisons
+from .display import number, pretty_unit, scale_of
+from .parameters import correlation_table, equation_blocks, parameter_table
+from .time_history import recording_figure
+from .usage import usage_section
+
+if TYPE_CHECKING:
+    from ..export.verify import Verification
+    from ..identify.identification import Identification
+
+
+def identification_page(
+    identification: Identification,
+    verification: Verification | None = None,
+    truth: Mapping[str, float] | None = None,
+    files: Sequence[str] = (),
+) -> str:
+    """The report as HTML text: no script, nothing loaded from elsewhere, the same text for the same results.
+
+    Args:
+        identification: model, curves, fit and recordings.
+        verification: the FMU's runs, where there were any; the pictures then show the FMU instead of the fit.
+        truth: true values by parameter name, where they are known, in the model's units.
+        files: names of the files made beside the report, for the section on how to use them.
+    """
+    model = identification.oscillator
+    shown = comparisons(identification, verification)
+    sections = [
+        Section("Parameters", (parameter_table(model, truth), *equation_blocks(model))),
+        Section("Backbones and frequency response", tuple(_backbones(identification, verification))),
+        agreement_section(identification, shown, "FMU" if verification is not None else "model"),
+        Section("Spring and damping", tuple(_characteristics(identification))),
+        Section("Recordings", tuple(_recordings(identification))),
+        Section("How sure the numbers are", tuple(_certainty(identification))),
+        Section("Where the model holds", tuple(_validity(identification))),
+        usage_section(model, files),
+        Section("Where the numbers come from", tuple(_provenance(identification, files))),
+    ]
+    footer = f"Made by {model.identified.software or 'dashpot'}."
+    return page(f"Identification of {model.name}", sections, lead=[verdict(identification, shown)], footer=footer)
+
+
+def _picture(draw: Callable[[], str], caption: str) -> Block:
+    """A picture, or in words why there is none: a report must come out whatever the numbers are."""
+    try:
+        return Figure(draw(), caption)
+    except BadInput as problem:
+        return Text(f"No picture here: {problem}.", "note")
+
+
+def _backbones(identification: Identification, verification: Verification | None) -> list[Block]:
+    fmu = "; markers: the same taken from the FMU's output" if verification is not None else ""
+    caption = (
+        "The paper's Fig. 4. Dash-dot: backbones of the free decays by FREEVIB (Eq. 12); dotted: backbones of the "
+        "forced records by FORCEVIB; thin: the model's exact backbone; dashed: the model's response by Eq. 14 to a "
+        f"sine of the recorded level{fmu}. Right: the backbones alone, over a logarithmic amplitude."
+    )
+    found = [_picture(lambda: backbone_figure(identification, verification), caption)]
+    if identification.hilbert.curves:
+        caption = (
+            "The same backbones as their distance from the model's mean natural frequency, which is what FREEVIB and "
+            "FORCEVIB measure. A model that lacks something shows as a bend that all curves share."
+        )
+        found.append(_picture(lambda: distance_figure(identification, verification), caption))
+    return found
+
+
+def _characteristics(identification: Identification) -> list[Block]:
+    points = (
+        " Points: from the measured backbones, describing function inverted, so that they are forces and not their "
+        "fundamentals (Eq. 15 as printed gives the latter)."
+    )
+    return [
+        _picture(
+            lambda: stiffness_figure(identification),
+            "Static characteristic of the spring per unit mass (the paper's Fig. 5), whole and without its linear part."
+            + points,
+        ),
+        _picture(
+            lambda: friction_figure(identification),
+            "Damping curve h(A) (viscous = 2 h) and friction force per unit mass over velocity (the paper's Fig. 7), "
+            "whole and without its viscous part." + points.replace("backbones", "damping curves"),
+        ),
+    ]
+
+
+def _recordings(identification: Identification) -> list[Block]:
+    kinds = [r.get("kind", "") for r in identification.oscillator.identified.recordings]
+    rows = []
+    for i, r in enumerate(identification.recordings):
+        scale = scale_of(r.unit, r.response)
+        peak = f"{number(float(np.max(np.abs(r.response))) * scale.factor)} {scale.unit}"
+        force = "none"
+        if r.force is not None:
+            fscale = scale_of(r.force_unit, r.force)
+            force = f"{number(float(np.max(np.abs(r.force))) * fscale.factor)} {fscale.unit}"
+        kind = str(kinds[i]) if i < len(kinds) else ""
+        length = f"{number(r.duration, 4)} s"
+        decays = str(len(identification.hilbert.decays[i]))
+        rows.append((r.name, kind, length, f"{number(r.fs, 5)} Hz", peak, force, decays))
+    head = ("Recording", "Kind", "Length", "Sampled at", "Largest response", "Largest force", "Free decays")
+    found: list[Block] = [Table(head, tuple(rows), (2, 3, 4, 5, 6))]
+    for i, r in enumerate(identification.recordings):
+        decays = identification.hilbert.decays[i]
+        caption = f"{plain_text(r.name)} as recorded."
+        if decays:
+            caption += " Shaded: the free decays that were found in it and evaluated by FREEVIB."
+        if r.notes:
+            caption += " " + " ".join(r.notes)
+        found.append(_picture(lambda r=r, d=decays, i=i: recording_figure(r, d, f"recording-{i + 1}"), caption))
+    return found
+
+
+def _certainty(identification: Identification) -> list[Block]:
+    found: list[Block] = []
+    table = correlation_table(identification.oscillator)
+    if table is not None:
+        found.append(table)
+    notes = [*identification.notes, *model_warnings(identification.oscillator)]
+    sentences = tuple(dict.fromkeys(_sentence(note) for note in notes))
+    if sentences:
+        found += [Text("Take note:"), Items(sentences)]
+    else:
+        found.append(Text("Nothing in the recordings contradicts the model, and no parameter is poorly known."))
+    return found
+
+
+def _sentence(text: str) -> str:
+    """With a full stop; the first letter stays, as it may be a parameter's name."""
+    text = text.strip()
+    return text if text.endswith((".", "!", "?")) else text + "."
+
+
+def _validity(identification: Identification) -> list[Block]:
+    model = identification.oscillator
+    rows = []
+    for name, one in (("amplitude", model.amplitude), ("frequency", model.frequency)):
+        if one is not None:
+            scale = scale_of(one.unit, one.max)
+            low, high = (number(v * scale.factor, 4) for v in (one.min, one.max))
+            rows.append((name, low, high, scale.unit))
+    if not rows:
+        return [Text("The model states no range; judge for yourself how far it reaches.")]
+    return [
+        Table(("Range", "From", "To", "Unit"), tuple(rows), (1, 2)),
+        Text("This is what the recordings covered. Beyond it the model is an extrapolation."),
+    ]
+
+
+def _provenance(identification: Identification, files: Sequence[str]) -> list[Block]:
+    from .blocks import Cell
+
+    found = identification.oscillator.identified
+    rows = tuple(
+        (str(r.get("file", "")), str(r.get("kind") or ""), Cell(str(r.get("sha256") or "not read from a file"), "code"))
+        for r in found.recordings
+    )
+    fit = identification.fit
+    rest = "came to rest" if fit.converged else "was stopped at its limit"
+    how = (
+        f"Method: {found.method or 'not stated'}, "
+        f"started from the Hilbert transform ({identification.hilbert.source}); "
+        f"the search {rest} after {fit.iterations} steps"
+        + ("" if found.log_likelihood is None else f", log likelihood {number(found.log_likelihood, 7)}")
+        + f". Software: {found.software or 'not stated'}."
+    )
+    blocks: list[Block] = [Table(("Recording", "Kind", "SHA-256 of the file"), rows)] if rows else []
+    blocks.append(Text(how))
+    unit = pretty_unit(identification.oscillator.response.unit)
+    blocks.append(Text(f"Response: {identification.oscillator.response.quantity} in {unit}."))
+    if files:
+        blocks.append(Text("Files made with this report: " + ", ".join(files) + "."))
+    return blocks

@@ -1,0 +1,111 @@
+"""Parameters on a page: table with errors, truth where it is known, the equation with its numbers, correlations."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..model.laws import BASE
+from ..model.show import percent
+from .blocks import Cell, Table, Text
+from .display import number, percent_text, pretty_unit, typeset, value_text
+
+if TYPE_CHECKING:
+    from ..model import Oscillator, Parameter
+
+#: Correlations from here on are shaded, the darker the closer to one.
+_SHADES = (0.3, 0.6, 0.8, 0.95)
+
+
+def parameter_table(model: Oscillator, truth: Mapping[str, float] | None = None) -> Table:
+    """Value, standard error, percent, unit; with ``truth`` also the true value and the distance in standard errors."""
+    words = model.descriptions()
+    head = ["Parameter", "Value", "± standard error", "±", "Unit"]
+    numeric = [1, 2, 3]
+    if truth:
+        head += ["True value", "Off by", "In standard errors"]
+        numeric += [5, 6, 7]
+    rows: list[tuple[str | Cell, ...]] = []
+    if model.mass is None:
+        blank = ("",) * (3 if truth else 0)
+        rows.append(("mass", Cell("unknown", "quiet"), "", "", "", *blank, "no force was recorded"))
+    for name, p in model.parameters().items():
+        value, error = value_text(p)
+        row: list[str | Cell] = [name, value, error, percent_text(percent(p)), pretty_unit(p.unit)]
+        if truth:
+            row += _against(p, truth.get(name))
+        row.append(words[name] + (f" ({number(p.value / (2 * math.pi), 6)} Hz)" if name == "omega0" else ""))
+        rows.append(tuple(row))
+    return Table(
+        (*head, "Meaning"), tuple(rows), tuple(numeric), "One standard error, at the maximum of the likelihood."
+    )
+
+
+def _against(parameter: Parameter, true: float | None) -> list[str | Cell]:
+    if true is None:
+        return ["", "", ""]
+    off = parameter.value - true
+    share = percent_text(100 * abs(off / true)) if true else number(abs(off))
+    if not parameter.std or not math.isfinite(parameter.std):
+        return [number(true, 6), share, ""]
+    errors = off / parameter.std
+    tone = "good" if abs(errors) <= 3 else "bad"
+    return [number(true, 6), share, Cell(typeset(f"{errors:+.1f}"), tone)]
+
+
+def equation_blocks(model: Oscillator) -> tuple[Text, ...]:
+    """The equation of motion in letters and with its numbers."""
+    unit = model.response.displacement_unit
+    force = f"F in {pretty_unit(model.force_unit)}" if model.mass else f"f, the force per unit mass, in {unit}/s²"
+    where = f"x is the displacement in {pretty_unit(unit)}, {force}; inside the bracket all forces are per unit mass."
+    return (
+        Text(model.equation(), "equation"),
+        Text(_with_numbers(model), "equation"),
+        Text(where[0].upper() + where[1:]),
+    )
+
+
+def _with_numbers(model: Oscillator) -> str:
+    laws = [(law.equation, {p.name: getattr(model, p.name) for p in law.parameters}) for law in BASE]
+    laws = [laws[i] for i in (3, 4, 0, 1, 2)]  # the order of Eq. 17: damping first
+    laws += [(term.law.equation, dict(term.parameters)) for term in model.terms]
+    bracket = " + ".join(["x''", *(_filled(text, values) for text, values in laws)])
+    if model.mass is None:
+        return f"{bracket} = f(t)"
+    return f"{number(model.mass.value, 4)} [{bracket}] = F(t)"
+
+
+def _filled(text: str, values: Mapping[str, Parameter]) -> str:
+    def shown(match: re.Match[str]) -> str:
+        value = number(values[match.group()].value, 4)
+        return f"({value})" if value.startswith("−") else value
+
+    names = "|".join(re.escape(name) for name in values)
+    return re.sub(rf"\b(?:{names})(?![A-Za-z0-9_])", shown, text) if names else text
+
+
+def correlation_table(model: Oscillator) -> Table | None:
+    """Correlations of the estimates; None where there is no covariance."""
+    found = model.identified
+    rows = found.covariance
+    if rows is None:
+        return None
+    names = found.parameters or tuple(model.parameters())
+    body: list[tuple[str | Cell, ...]] = []
+    for i, name in enumerate(names):
+        cells: list[str | Cell] = [name]
+        for j in range(len(names)):
+            scale = math.sqrt(max(rows[i][i], 0.0)) * math.sqrt(max(rows[j][j], 0.0))
+            if j > i:
+                cells.append("")
+            elif not (scale > 0 and math.isfinite(scale)):
+                cells.append(Cell("–", "quiet"))
+            else:
+                value = rows[i][j] / scale
+                shade = sum(abs(value) > edge for edge in _SHADES) if i != j else 0
+                cells.append(Cell(typeset(f"{value:.2f}"), f"level{shade}" if i != j else "quiet level0"))
+        body.append(tuple(cells))
+    caption = "Correlation of the estimates; a dark pair is known better together than each alone."
+    return Table(("", *names), tuple(body), tuple(range(1, len(names) + 1)), caption)
