@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import casadi
 import numpy as np
 import pytest
@@ -31,7 +33,7 @@ def both(model, force):
     compiled = core.record(p, np.zeros(2), force, len(force), DT, longest, states=True)
     step = exact_step(model, DT, longest)
     z, stepped = np.zeros(2), [np.zeros(2)]
-    for here, there in zip(force[:-1], force[1:], strict=True):
+    for here, there in itertools.pairwise(force):
         z = np.array(step(z, [here, there], p, 0.0, DT)).ravel()
         stepped.append(z)
     return compiled, np.array(stepped)
