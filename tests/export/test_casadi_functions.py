@@ -1,0 +1,124 @@
+"""The CasADi files: loaded by casadi alone, right in value, described beside."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import casadi
+import numpy as np
+import pytest
+from dashpot.examples.truth import TRUTH
+from dashpot.export import export
+from dashpot.model import Oscillator, Range
+from dashpot.simulate.core import core_of, internal_step
+
+DT = 1e-3
+VALUES = list(TRUTH.values())
+
+
+@pytest.fixture(scope="module")
+def model():
+    from dataclasses import replace
+
+    return replace(Oscillator.from_values(TRUTH, name="stand"), amplitude=Range(1e-4, 9e-3, "m"))
+
+
+@pytest.fixture(scope="module")
+def folder(model, tmp_path_factory):
+    path = tmp_path_factory.mktemp("casadi")
+    export(model, path / "rig.casadi")
+    return path
+
+
+def load(folder, suffix):
+    return casadi.Function.load(str(folder / f"rig.{suffix}"))
+
+
+def test_the_files_are_there_and_nothing_else(folder):
+    names = sorted(path.name for path in folder.iterdir())
+    assert names == ["rig.casadi", "rig.casadi.json", "rig.smooth.casadi", "rig.smooth.step.casadi", "rig.step.casadi"]
+
+
+def test_casadi_alone_loads_and_runs_them(folder):
+    program = (
+        "import casadi, sys\n"
+        "f = casadi.Function.load('rig.casadi')\n"
+        "assert not any(name.startswith('dashpot') for name in sys.modules)\n"
+        "print(float(f(x=[1e-3, 0.1], u=0.5)['xdot'][1]))"
+    )
+    run = subprocess.run([sys.executable, "-c", program], cwd=folder, capture_output=True, text=True, check=True)
+    x, v, u = 1e-3, 0.1, 0.5
+    inner = TRUTH["omega0"] ** 2 * x + TRUTH["cubic"] * x**3 + TRUTH["preload"] + TRUTH["viscous"] * v + TRUTH["dry"]
+    assert float(run.stdout) == pytest.approx(u / TRUTH["mass"] - inner, rel=1e-12)
+
+
+@pytest.mark.parametrize("suffix", ["casadi", "step.casadi", "smooth.casadi", "smooth.step.casadi"])
+def test_inputs_and_outputs_are_named_and_the_identified_values_are_the_default(folder, suffix):
+    f = load(folder, suffix)
+    assert [f.name_in(i) for i in range(f.n_in())] == ["x", "u", "p"]
+    assert [f.name_out(i) for i in range(f.n_out())] == ["x_next" if "step" in suffix else "xdot"]
+    x, u = [2e-3, -0.1], 0.3
+    default = np.array(next(iter(f(x=x, u=u).values()))).ravel()
+    assert default == pytest.approx(np.array(f(x, u, VALUES)).ravel(), rel=1e-15)
+    heavier = [2 * VALUES[0], *[np.inf] * (len(VALUES) - 1)]  # one parameter set, the rest as identified
+    assert np.array(f(x, u, heavier)).ravel()[1] != pytest.approx(default[1])
+
+
+def test_the_mass_sticks_within_its_friction(folder):
+    f = load(folder, "casadi")
+    limit = TRUTH["mass"] * (TRUTH["dry"] + TRUTH["preload"])
+    assert np.array(f(x=[0, 0], u=0.99 * limit)["xdot"]).ravel() == pytest.approx([0.0, 0.0])
+    assert float(f(x=[0, 0], u=1.01 * limit)["xdot"][1]) == pytest.approx(0.01 * limit / TRUTH["mass"])
+
+
+def test_the_step_is_event_exact(folder, model):
+    t = np.arange(3000) * DT
+    force = np.sin(2 * np.pi * (8 * t + 2 * t**2))
+    core = core_of(model)
+    longest = internal_step(model, TRUTH, 9e-3)
+    compiled = core.record(np.array(VALUES), np.zeros(2), force, t.size, DT, longest, states=True)
+    step, z = load(folder, "step.casadi"), np.zeros(2)
+    for i in range(1, t.size):
+        z = np.array(step(z, force[i - 1 : i + 1], VALUES)).ravel()
+        assert abs(z[0] - compiled[i, 0]) < 1e-6 * 9e-3
+
+
+def test_the_smooth_law_is_the_exact_one_outside_its_width(folder):
+    exact, smooth = load(folder, "casadi"), load(folder, "smooth.casadi")
+    for x, v in ((5e-3, 0.3), (-5e-3, 0.3), (2e-3, -0.2)):
+        assert np.array(smooth(x=[x, v], u=0.1)["xdot"]) == pytest.approx(np.array(exact(x=[x, v], u=0.1)["xdot"]))
+    jacobian = smooth.factory("J", ["x", "u", "p"], ["jac:xdot:x"])
+    slope = float(jacobian(x=[0, 0], u=0, p=VALUES)["jac_xdot_x"][1, 0])  # derived functions drop the defaults
+    width = 9e-6  # a thousandth of the amplitude
+    assert slope == pytest.approx(-(TRUTH["omega0"] ** 2) - TRUTH["preload"] / width, rel=1e-6)
+
+
+def test_the_smooth_step_follows_the_exact_one(folder):
+    exact, smooth = load(folder, "step.casadi"), load(folder, "smooth.step.casadi")
+    a = b = np.array([8e-3, 0.0])
+    for _ in range(400):
+        a = np.array(exact(x=a, u=0.0)["x_next"]).ravel()
+        b = np.array(smooth(x=b, u=0.0)["x_next"]).ravel()
+        assert abs(a[0] - b[0]) < 1e-3 * 8e-3
+
+
+def test_names_units_and_errors_stand_beside(folder):
+    about = json.loads((folder / "rig.casadi.json").read_text(encoding="utf-8"))
+    assert [p["name"] for p in about["p"]] == list(TRUTH)
+    assert [p["value"] for p in about["p"]] == VALUES
+    assert {p["name"]: p["unit"] for p in about["p"]}["cubic"] == "1/(m2.s2)"
+    assert [s["unit"] for s in about["x"]] == ["m", "m/s"]
+    assert about["u"] == [{"name": "F", "unit": "N"}]
+    assert about["smoothing_width"][0] == {"surface": "x", "width": pytest.approx(9e-6), "unit": "m"}
+    assert set(about["files"]) == {p.name for p in folder.iterdir() if p.suffix == ".casadi"}
+
+
+def test_without_a_mass_the_input_is_a_force_per_unit_mass(tmp_path):
+    values = {name: value for name, value in TRUTH.items() if name != "mass"}
+    export(Oscillator.from_values(values), tmp_path / "free.casadi")
+    f = casadi.Function.load(str(tmp_path / "free.casadi"))
+    assert f.size1_in("p") == 5
+    about = json.loads((tmp_path / "free.casadi.json").read_text(encoding="utf-8"))
+    assert about["u"][0]["unit"] == "m/s2"
