@@ -38,7 +38,9 @@ def verdict(identification: Identification, shown: Sequence[Comparison]) -> Text
             if math.isfinite(worst.nrmse)
             else f"its simulation of {worst.name} diverges"
         )
-        rest = f"{len(failed)} of {len(judged)} recordings" if len(judged) > 1 else "the recording"
+        rest = f"{len(failed)} of the {len(judged)} recordings" if len(judged) > 1 else "the recording"
+        if 1 < len(judged) == len(failed):
+            rest = f"any of the {len(judged)} recordings"
         return Text(f"The model does not reproduce {rest}: {how}.", "bad")
     worst = max(judged, key=lambda c: c.ratio)
     held = [c.name for c in judged if c.held_out]
@@ -111,10 +113,10 @@ def _table(shown: Sequence[Comparison]) -> Table:
             row.append("" if c.backbone_error is None else f"{number(c.backbone_error, 2)} Hz")
             row.append(Cell("yes", "good") if c.passed else Cell("no", "bad"))
         rows.append(tuple(row))
-    caption = "NRMSE: rms(simulated − measured) / std(measured), simulated freely from the recorded force. "
+    caption = "NRMSE: rms(simulated − measured) / std(measured), simulated freely over the whole recording. "
     caption += (
         "Noise floor: the same of a perfect model, from the noise of the sensor and that of the recorded force."
         if full
-        else "Noise on the recorded force comes on top of the sensor's and moves a perfect model too."
+        else "Noise on a recorded force comes on top of the sensor's and moves a perfect model too."
     )
     return Table(tuple(head), tuple(rows), (1, 2, 3, 4) if full else (1, 2, 3), caption)

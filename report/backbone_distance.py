@@ -8,8 +8,8 @@ import numpy as np
 
 from ..model.describing import equivalent_stiffness
 from .backbone_figure import model_backbone
-from .display import scale_of, tick_text
-from .style import EXACT, FORCED, FREE, MODEL, drawing, legend_below, svg
+from .display import scale_of
+from .style import EXACT, FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
     from ..export.verify import Verification
@@ -36,7 +36,7 @@ def distance_figure(identification: Identification, verification: Verification |
     with drawing(height=3.0) as figure:
         axes = figure.subplots()
         styles = {
-            "freevib": {"color": FREE, "linestyle": "-.", "label": "decays, FREEVIB"},
+            "freevib": {"color": FREE, "linewidth": 0.9, "label": "decays, FREEVIB"},
             "forcevib": {"color": FORCED, "linestyle": ":", "linewidth": 2.0, "label": "forced records, FORCEVIB"},
         }
         for curve in curves:
@@ -61,7 +61,7 @@ def distance_figure(identification: Identification, verification: Verification |
         )
         axes.set_ylim(*_view(drawn, top))
         axes.set_xscale("log")
-        axes.xaxis.set_major_formatter(tick_text)
+        log_ticks(axes.xaxis)
         axes.set_xlabel(scale.label("Amplitude"))
         axes.set_ylabel("Frequency − model's [Hz]")
         found = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
@@ -75,8 +75,8 @@ def mean_frequency(model: Oscillator, amplitude: np.ndarray) -> np.ndarray:
     if not amplitude.size:
         return np.empty(0)
     order = np.argsort(amplitude)
-    # a smooth function of the amplitude: a hundred points of it are plenty for thousands of measured ones
-    grid = np.geomspace(amplitude[order[0]], amplitude[order[-1]], 100) if amplitude.size > 100 else amplitude[order]
+    # a smooth function of the amplitude: of thousands of measured ones it need not be computed at each
+    grid = np.geomspace(amplitude[order[0]], amplitude[order[-1]], 600) if amplitude.size > 600 else amplitude[order]
     stiffness = equivalent_stiffness(model, grid, model.omega0.value)
     frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan)) / _TWO_PI
     return np.interp(np.log(amplitude), np.log(grid), frequency)
@@ -95,5 +95,5 @@ def _view(drawn: list[tuple[np.ndarray, np.ndarray]], top: float) -> tuple[float
     """Limits, Hz: small amplitudes are noise, and noise must not set the view."""
     pieces = [distance[(a > 0.1 * top) & np.isfinite(distance)] for a, distance in drawn]
     values = np.concatenate([*pieces, np.zeros(1)])
-    reach = 2.5 * max(float(np.quantile(np.abs(values), _SEEN)), 1e-6)
+    reach = 5 * max(float(np.quantile(np.abs(values), _SEEN)), 1e-6)
     return -reach, reach

@@ -10,9 +10,9 @@ from ..errors import BadInput
 from ..model.backbone import exact_backbone
 from ..model.describing import equivalent_damping, equivalent_stiffness
 from ..model.frequency_response import FrequencyResponse, frequency_response
-from .display import Scale, number, pretty_unit, scale_of, tick_text
+from .display import Scale, number, pretty_unit, scale_of
 from .levels import sine_levels
-from .style import EXACT, FORCED, FREE, MODEL, RESPONSE, drawing, legend_below, svg
+from .style import EXACT, FORCED, FREE, MODEL, RESPONSE, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
     from ..export.verify import Verification
@@ -48,13 +48,19 @@ def backbone_figure(identification: Identification, verification: Verification |
         for label, response in responses:
             omega, amplitude = response.curve()
             style = {"linestyle": "--", "color": RESPONSE, "linewidth": 1.2}
-            main.plot(omega / _TWO_PI, amplitude * scale.factor, label="response, Eq. 14", **style)
+            known = "" if label else ", to the largest amplitude"
+            main.plot(omega / _TWO_PI, amplitude * scale.factor, label=f"response, Eq. 14{known}", **style)
             peak = (response.omega0[-1] / _TWO_PI, response.amplitude[-1] * scale.factor)
             main.annotate(label, peak, (7, 0), textcoords="offset points", color=RESPONSE, fontsize=9)
         for axes in (main, close):
             _curves(axes, identification, scale)
             axes.plot(
-                exact[1] / _TWO_PI, exact[0] * scale.factor, color=EXACT, linewidth=0.9, label="model, exact backbone"
+                exact[1] / _TWO_PI,
+                exact[0] * scale.factor,
+                color=EXACT,
+                linewidth=0.9,
+                zorder=1.9,
+                label="model, exact backbone",
             )
             if verification is not None:
                 _fmu(axes, verification, scale, even=axes is main)
@@ -66,8 +72,8 @@ def backbone_figure(identification: Identification, verification: Verification |
         close.set_yscale("log")
         close.set_ylabel(scale.label("Amplitude"))
         close.set_title("Backbones close up")
-        close.yaxis.set_major_formatter(tick_text)
-        _few_ticks(close)
+        close.locator_params(axis="x", nbins=5)
+        log_ticks(close.yaxis)
         handles, labels = _once(main)
         legend_below(figure, handles, labels, columns=3)
         title = f"Natural frequency in Hz over amplitude in {scale.unit}, by {_sources(identification, verification)}"
@@ -105,7 +111,7 @@ def _responses(identification: Identification, top: float) -> list[tuple[str, Fr
         try:
             level = _level_for(model, top)
             response = frequency_response(model, level * (model.mass.value if model.mass else 1.0))
-            found.append(("a force that reaches the largest amplitude", response))
+            found.append(("", response))
         except BadInput:
             pass  # negative damping: no force has a steady response, and there is nothing to draw
     return found
@@ -139,13 +145,14 @@ def _curves(axes: Any, identification: Identification, scale: Scale) -> None:
 def _fmu(axes: Any, verification: Verification, scale: Scale, *, even: bool) -> None:
     styles = {"FREEVIB": ("s", 3.6), "FORCEVIB": ("o", 4.4)}
     pairs = [pair for check in verification.recordings for pair in check.backbones]
+    count = int(np.clip(24 // max(len(pairs), 1), 2, 8))
     for i, (_, own) in enumerate(pairs):
         marker, size = styles.get(own.method, ("o", 4.0))
         a, f = own.amplitude, own.frequency
         if a.size < 2:
             continue
         # every curve elsewhere, so that markers do not hide one another
-        shift = (np.arange(8) + (i % 4 + 0.5) / 4) / 8
+        shift = (np.arange(count) + (i % 4 + 0.5) / 4) / count
         spots = a.min() + (a.max() - a.min()) * shift if even else a.min() * (a.max() / a.min()) ** shift
         order = np.argsort(a)
         axes.plot(
@@ -173,16 +180,6 @@ def _window(responses: list[tuple[str, FrequencyResponse]], identification: Iden
     low, high = min(seen) / _TWO_PI, max(seen) / _TWO_PI
     margin = 0.04 * (high - low) + 0.005 * high
     return low - margin, high + margin
-
-
-def _few_ticks(axes: Any) -> None:
-    from matplotlib.ticker import LogLocator, MaxNLocator, NullFormatter
-
-    axes.xaxis.set_major_locator(MaxNLocator(5))
-    low, high = axes.get_ylim()
-    subs = (1.0,) if high > 30 * low else (1.0, 2.0, 5.0)
-    axes.yaxis.set_major_locator(LogLocator(subs=subs))
-    axes.yaxis.set_minor_formatter(NullFormatter())
 
 
 def _once(axes: Any) -> tuple[list[Any], list[str]]:

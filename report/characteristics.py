@@ -9,9 +9,9 @@ import numpy as np
 from ..model import units
 from ..model.describing import equivalent_damping, equivalent_stiffness
 from ..model.inner_force import InnerForce
-from .display import Scale, scale_of, tick_text
+from .display import Scale, scale_of
 from .static_force import Characteristic, static_force
-from .style import FORCED, FREE, MODEL, drawing, legend_below, svg
+from .style import FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -117,7 +117,7 @@ def _damping_curve(axes: Any, identification: Identification, top: float) -> Non
         _draw_damping(axes, identification, method, across.factor)
     axes.plot(a * across.factor, h, color=MODEL, linewidth=1.6, label="model", zorder=4)
     axes.set_xscale("log")
-    axes.xaxis.set_major_formatter(tick_text)
+    log_ticks(axes.xaxis)
     axes.set_xlabel(across.label("Amplitude"))
     axes.set_ylabel("Damping h [1/s]")
     axes.set_title("Damping curve")

@@ -46,7 +46,7 @@ def draw_signal(axes: Any, time: np.ndarray, signal: np.ndarray, color: str) -> 
     else:
         e = _smooth_band(time, signal)
         axes.fill_between(e.time, e.low, e.high, color=color, linewidth=0.4)
-    axes.set_xlim(time[0], time[-1])
+    axes.set_xlim(time[0], 2 * time[-1] - time[-2])  # a sample lasts until the next
 
 
 def _smooth_band(time: np.ndarray, signal: np.ndarray) -> Envelope:

@@ -22,10 +22,10 @@ _SHADES = (0.3, 0.6, 0.8, 0.95)
 def parameter_table(model: Oscillator, truth: Mapping[str, float] | None = None) -> Table:
     """Value, standard error, percent, unit; with ``truth`` also the true value and the distance in standard errors."""
     words = model.descriptions()
-    head = ["Parameter", "Value", "± standard error", "±", "Unit"]
+    head = ["Parameter", "Value", "± std error", "±", "Unit"]
     numeric = [1, 2, 3]
     if truth:
-        head += ["True value", "Off by", "In standard errors"]
+        head += ["True value", "Off by", "… std errors"]
         numeric += [5, 6, 7]
     rows: list[tuple[str | Cell, ...]] = []
     if model.mass is None:
@@ -58,12 +58,15 @@ def _against(parameter: Parameter, true: float | None) -> list[str | Cell]:
 def equation_blocks(model: Oscillator) -> tuple[Text, ...]:
     """The equation of motion in letters and with its numbers."""
     unit = model.response.displacement_unit
-    force = f"F in {pretty_unit(model.force_unit)}" if model.mass else f"f, the force per unit mass, in {unit}/s²"
-    where = f"x is the displacement in {pretty_unit(unit)}, {force}; inside the bracket all forces are per unit mass."
+    force = (
+        f"the force F in {pretty_unit(model.force_unit)}" if model.mass else f"the force f in {pretty_unit(unit)}/s²"
+    )
+    inside = "inside the bracket all forces are per unit mass" if model.mass else "all forces are per unit mass"
+    where = f"The displacement x is in {pretty_unit(unit)}, {force}; {inside}."
     return (
         Text(model.equation(), "equation"),
         Text(_with_numbers(model), "equation"),
-        Text(where[0].upper() + where[1:]),
+        Text(where),
     )
 
 

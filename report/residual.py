@@ -6,8 +6,8 @@ import numpy as np
 
 from ..export.render import plain_text
 from .comparison import Comparison
-from .display import scale_of, tick_text
-from .style import EXACT, MEASURED, MODEL, drawing, legend_below, svg
+from .display import scale_of
+from .style import EXACT, MEASURED, MODEL, drawing, legend_below, log_ticks, svg
 
 #: Resolution: this many lines below the natural frequency.
 _LINES = 40
@@ -47,7 +47,7 @@ def spectrum_figure(
         if white > 0:
             axes.axhline(white, color=EXACT, linestyle="--", linewidth=1.1, label="sensor noise")
         axes.margins(x=0)
-        axes.yaxis.set_major_formatter(tick_text)
+        log_ticks(axes.yaxis)
         axes.set_xlabel("Frequency [Hz]")
         axes.set_ylabel(f"Spectral density [{per_root}]")
         axes.set_title(name)

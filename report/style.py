@@ -14,6 +14,8 @@ from contextlib import contextmanager
 from html import escape
 from typing import Any
 
+from .display import tick_text
+
 MEASURED = "#4d4d4d"
 MODEL = "#d55e00"  # what is simulated: model or FMU
 FREE = "#0072b2"  # FREEVIB
@@ -120,6 +122,16 @@ def _rounded(match: re.Match[str]) -> str:
     """Coordinates to a hundredth of a point."""
     numbers = _NUMBER.sub(lambda m: f"{float(m.group()):.2f}".rstrip("0").rstrip("."), match.group(2))
     return f'{match.group(1)}{numbers.replace(chr(10), "")}"'
+
+
+def log_ticks(axis: Any) -> None:
+    """Ticks of a logarithmic matplotlib axis: decades, and 2 and 5 between them where there are few decades."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    axis.set_major_locator(LogLocator(subs=(1.0,) if high > 30 * low else (1.0, 2.0, 5.0)))
+    axis.set_major_formatter(tick_text)
+    axis.set_minor_formatter(NullFormatter())
 
 
 def legend_below(figure: Any, handles: Any, labels: Any, columns: int) -> None:

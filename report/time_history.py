@@ -67,7 +67,9 @@ def agreement_figure(
         _close_view(close, comparison, scale, source)
         close.set_ylabel(scale.label(quantity.capitalize()))
         close.set_title("Where the motion is largest")
-        band = envelope(comparison.time, residual * fine.factor, 500)
+        # at least half a cycle each: the rms of less would itself swing
+        bins = int(np.clip(2 * comparison.measured.size / _cycle(comparison, _peak(comparison)), 20, 500))
+        band = envelope(comparison.time, residual * fine.factor, bins)
         rest.fill_between(
             band.time, band.low, band.high, color=MODEL, alpha=0.35, linewidth=0, label="residual, extremes"
         )
@@ -75,7 +77,7 @@ def agreement_figure(
         level = comparison.noise_rms * fine.factor
         floor = "noise floor, rms" if comparison.full_floor else "sensor noise, rms"
         rest.axhline(level, color=EXACT, linestyle="--", linewidth=1.1, label=floor)
-        rest.set_xlim(comparison.time[0], comparison.time[-1])
+        rest.set_xlim(comparison.time[0], comparison.time[-1] + 1 / comparison.fs)
         rest.set_ylabel(fine.label(f"{source[0].upper()}{source[1:]} − measured"))
         rest.set_title(f"What the {source} leaves")
         for axes in (close, rest):
@@ -88,11 +90,10 @@ def agreement_figure(
 
 
 def _close_view(axes: Any, comparison: Comparison, scale: Scale, source: str) -> None:
-    there = np.isfinite(comparison.simulated)
-    size = np.where(there, np.abs(comparison.measured - np.median(comparison.measured)), 0.0)
-    peak = int(np.argmax(size))
+    peak = _peak(comparison)
     half = int(_CYCLES / 2 * _cycle(comparison, peak))
-    start = min(max(peak - half, 0), max(comparison.measured.size - 2 * half, 0))
+    first = int(np.argmax(np.isfinite(comparison.simulated)))
+    start = min(max(peak - half, first), max(comparison.measured.size - 2 * half, 0))
     view = slice(start, start + 2 * half + 1)
     step = max(1, (2 * half) // 160)  # dots that touch would be a line
     time, measured, simulated = (
@@ -103,6 +104,12 @@ def _close_view(axes: Any, comparison: Comparison, scale: Scale, source: str) ->
     )
     axes.plot(time, simulated, color=MODEL, linewidth=1.2, label=source)
     axes.margins(x=0)
+
+
+def _peak(comparison: Comparison) -> int:
+    """The sample of the largest motion among those that were simulated."""
+    size = np.abs(comparison.measured - np.median(comparison.measured))
+    return int(np.argmax(np.where(np.isfinite(comparison.simulated), size, 0.0)))
 
 
 def _cycle(comparison: Comparison, peak: int) -> float:

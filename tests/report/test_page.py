@@ -1,0 +1,157 @@
+"""The page stands alone, is well-formed, says what came out, and escapes whatever a model file brings."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+from dashpot.report.blocks import Section, Text, page
+from dashpot.report.page import identification_page
+
+VOID = {"meta", "link", "br", "hr", "img", "input"}
+NASTY = '"; system("x"); // <script>alert(1)</script> $x^{2 & \'ü\' \x00\ud800 {{ 7*7 }}'
+TRUTH = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.074, "viscous": 5.0, "dry": 0.015}
+
+
+class Reader(HTMLParser):
+    """Keeps text and attributes, and fails where tags do not close in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.attributes: list[tuple[str, str, str]] = []
+        self.tags: list[str] = []
+        self.words: list[str] = []
+        self.feed(text)
+        self.close()
+        assert self.open == []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_startendtag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append(tag)
+        self.attributes += [(tag, name, value or "") for name, value in attrs]
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open, f"</{tag}> closes nothing"
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] != "style":
+            self.words.append(data)
+
+    @property
+    def text(self) -> str:
+        return " ".join(" ".join(self.words).split())
+
+
+@pytest.mark.parametrize("kind", ["stand", "roll", "volts"])
+@pytest.mark.parametrize("proven", [False, True])
+def test_the_page_is_well_formed_and_stands_alone(kind, proven, identifications, verified) -> None:
+    found = identifications[kind]()
+    reader = Reader(identification_page(found, verified(found) if proven else None, files=("model.yaml",)))
+    assert "script" not in reader.tags
+    assert not {"link", "iframe", "object", "embed", "img"} & set(reader.tags)
+    for tag, name, value in reader.attributes:
+        if name in ("src", "href", "xlink:href", "data", "action"):
+            assert value.startswith("#"), f"{tag} {name}={value}"
+        assert not name.startswith("on")
+        if not name.startswith("xmlns"):
+            assert "http" not in value
+    ids = [value for _, name, value in reader.attributes if name == "id"]
+    assert len(ids) == len(set(ids))
+    targets = {value[1:] for _, name, value in reader.attributes if name == "xlink:href"}
+    targets |= {i for _, _, value in reader.attributes for i in re.findall(r"url\(#([^)]*)\)", value)}
+    assert targets
+    assert targets <= set(ids)
+    assert "@import" not in reader.text
+
+
+def test_every_parameter_is_shown_with_error_unit_and_truth(identifications, verified) -> None:
+    found = identifications["stand"]()
+    text = Reader(identification_page(found, verified(found), TRUTH)).text
+    assert "True value" in text
+    off = (found.oscillator.mass.value - 0.27) / found.oscillator.mass.std
+    assert f"{off:+.1f}".replace("-", "−") in text
+    for unit in ("kg", "rad/s", "1/(m²·s²)", "m/s²", "1/s"):
+        assert unit in text
+    assert "True value" not in Reader(identification_page(found)).text
+
+
+def test_the_verdict_follows_the_verification(identifications, verified) -> None:
+    found = identifications["stand"]()
+    good = Reader(identification_page(found, verified(found, held_out="multisine.csv"))).text
+    assert "The model reproduces all 2 recordings, among them multisine.csv" in good
+    bad = Reader(identification_page(found, verified(found, passed=False))).text
+    assert "does not reproduce any of the 2 recordings" in bad
+    assert "10 times what noise explains" in bad
+    assert "not verified as an FMU" in Reader(identification_page(found)).text
+
+
+def test_a_diverging_simulation_is_told_not_drawn_away(identifications, verified) -> None:
+    found = identifications["stand"]()
+    proof = verified(found, passed=False)
+    first = proof.recordings[0]
+    lost = first.simulated.copy()
+    lost[300:] = float("nan")
+    proof = replace(proof, recordings=(replace(first, nrmse=float("nan"), simulated=lost), proof.recordings[1]))
+    assert "diverges" in Reader(identification_page(found, proof)).text
+
+
+def test_without_a_force_the_mass_is_unknown(identifications) -> None:
+    text = Reader(identification_page(identifications["roll"]())).text
+    assert re.search(r"mass unknown", text)
+    assert "[deg]" in text
+    assert "= f(t)" in text
+
+
+def test_a_nasty_name_is_harmless(identifications) -> None:
+    found = identifications["stand"]()
+    first = replace(found.recordings[0], name=NASTY, notes=(NASTY,))
+    kinds = ({"file": NASTY, "kind": NASTY, "sha256": None}, *found.oscillator.identified.recordings[1:])
+    model = replace(
+        found.oscillator, name=NASTY, identified=replace(found.oscillator.identified, recordings=kinds, software=NASTY)
+    )
+    found = replace(found, oscillator=model, recordings=(first, found.recordings[1]), notes=(NASTY,))
+    text = identification_page(found, files=(NASTY + ".yaml",))
+    assert text.encode("utf-8")
+    reader = Reader(text)
+    assert "script" not in reader.tags
+    assert "<script>alert(1)</script>" in reader.text
+    assert "{{ 7*7 }}" in reader.text
+    assert "\x00" not in text
+
+
+def test_the_same_results_give_the_same_page(identifications, verified) -> None:
+    found = identifications["stand"]()
+    pages = [identification_page(found, verified(found), TRUTH, ("model.yaml", "rig.fmu")) for _ in range(2)]
+    assert pages[0] == pages[1]
+
+
+def test_the_files_that_were_made_are_named_in_the_code(identifications) -> None:
+    found = identifications["stand"]()
+    files = ("model.yaml", "my rig.fmu", "my rig.casadi", "my rig.step.casadi")
+    text = Reader(identification_page(found, files=files)).text
+    assert 'simulate_fmu("my rig.fmu"' in text
+    assert 'ca.Function.load("my rig.casadi")' in text
+    assert "dashpot export" not in text
+    assert "dashpot export model.yaml model.fmu" in Reader(identification_page(found)).text
+
+
+def test_notes_and_warnings_reach_the_page(identifications) -> None:
+    found = replace(identifications["stand"](), notes=("the moon was full",))
+    text = Reader(identification_page(found)).text
+    assert "the moon was full." in text
+    assert "A gap of one sample was closed." in text
+
+
+def test_an_empty_section_is_left_out() -> None:
+    text = Reader(page("A page", [Section("Empty", ()), Section("Full", (Text("words"),))])).text
+    assert "Empty" not in text
+    assert "Full words" in text
