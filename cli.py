@@ -25,6 +25,7 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--unit", metavar="UNIT", help="Unit of the response, for example mm."),
     click.option("--force-unit", metavar="UNIT", help="Unit of the force, for example kN."),
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
+    click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
 )
 
 
@@ -35,7 +36,9 @@ def _with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def _read(files: tuple[Path, ...], options: dict[str, Any]) -> list[Recording]:
     from .recording import read
+    from .recording.part import parse_part
 
+    options = {**options, "part": parse_part(options["part"]) if options["part"] else None}
     recordings = [read(file, **options) for file in files]
     for recording in recordings:
         for note in recording.notes:

@@ -31,7 +31,6 @@ def compare(record: Recording) -> tuple[float, float, float]:
     fit = maximum_likelihood(start, [record])
     spent = time.perf_counter() - began
 
-    ours = fit.oscillator.parameters()
     force = force_of(record)
     assert force is not None
     pieces, dt, n = force.pieces, record.dt / force.fine, record.n

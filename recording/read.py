@@ -10,6 +10,7 @@ from pathlib import Path
 from ..errors import BadInput
 from .columns import Choice, choose_columns, parse_column
 from .delimited import read_delimited
+from .part import cut_out
 from .recording import QUANTITIES, Recording
 from .sampling import uniform_sampling
 from .table import Table
@@ -29,13 +30,14 @@ def read(
     unit: str | None = None,
     force_unit: str | None = None,
     fs: float | None = None,
+    part: tuple[float, float] | None = None,
     checked: bool = True,
 ) -> Recording:
     """Read one recording and convert it to SI.
 
     `time`, `force`, `response` name a column or give its number from 1 ("none" leaves time or force out); `quantity` is
     displacement, velocity or acceleration; `unit` and `force_unit` overrule the header; `fs` in Hz stands in for a
-    time column. With `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`.
+    time column; `part` keeps the stretch from and to so many seconds after the first sample. With `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
@@ -46,6 +48,8 @@ def read(
     table = _reader(path)(path.name, content)
     choice = choose_columns(table, time, force, response, quantity)
     recording = _recording(table, choice, quantity, unit, force_unit, fs, hashlib.sha256(content).hexdigest())
+    if part is not None:
+        recording = cut_out(recording, part)
     return _checked(recording) if checked else recording
 
 
