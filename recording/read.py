@@ -37,7 +37,8 @@ def read(
 
     `time`, `force`, `response` name a column or give its number from 1 ("none" leaves time or force out); `quantity` is
     displacement, velocity or acceleration; `unit` and `force_unit` overrule the header; `fs` in Hz stands in for a
-    time column; `part` keeps the stretch from and to so many seconds after the first sample. With `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`.
+    time column; `part` keeps the stretch from and to so many seconds after the first sample. With `checked`, the errors
+    that `check` finds are raised and its notes kept in `Recording.notes`.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
