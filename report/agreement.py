@@ -113,7 +113,8 @@ def _table(shown: Sequence[Comparison]) -> Table:
             row.append("" if c.backbone_error is None else f"{number(c.backbone_error, 2)} Hz")
             row.append(Cell("yes", "good") if c.passed else Cell("no", "bad"))
         rows.append(tuple(row))
-    caption = "NRMSE: rms(simulated − measured) / std(measured), simulated freely over the whole recording. "
+    how = "over the whole recording" if full else "stretch by stretch, each from initial values of its own"
+    caption = f"NRMSE: rms(simulated − measured) / std(measured), simulated freely {how}. "
     caption += (
         "Noise floor: the same of a perfect model, from the noise of the sensor and that of the recorded force."
         if full

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +19,7 @@ if TYPE_CHECKING:
 
 _TWO_PI = 2 * np.pi
 _POINTS = 200
+_GRID = 120
 #: The view takes in this part of the distances, those of the upper decade of amplitudes.
 _SEEN = 0.98
 
@@ -32,6 +34,10 @@ def distance_figure(identification: Identification, verification: Verification |
     curves = identification.hilbert.curves
     top = max((float(c.amplitude.max()) for c in curves), default=0.0)
     scale = scale_of(model.response.displacement_unit, top)
+    pairs = [p for c in verification.recordings for p in c.backbones] if verification else []
+    seen = [a for a in (*(c.amplitude for c in curves), *(own.amplitude for _, own in pairs)) if a.size]
+    low = min((float(a.min()) for a in seen), default=top / 100)
+    mean = mean_frequency(model, low, max(top, *(float(a.max()) for a in seen)))
     drawn: list[tuple[np.ndarray, np.ndarray]] = []
     with drawing(height=3.0) as figure:
         axes = figure.subplots()
@@ -40,21 +46,19 @@ def distance_figure(identification: Identification, verification: Verification |
             "forcevib": {"color": FORCED, "linestyle": ":", "linewidth": 2.0, "label": "forced records, FORCEVIB"},
         }
         for curve in curves:
-            drawn.append(_thin(curve.amplitude, curve.omega0 / _TWO_PI - mean_frequency(model, curve.amplitude)))
+            drawn.append(_thin(curve.amplitude, curve.omega0 / _TWO_PI - mean(curve.amplitude)))
             axes.plot(drawn[-1][0] * scale.factor, drawn[-1][1], **styles[curve.method])
-        pairs = [p for c in verification.recordings for p in c.backbones] if verification else []
         for _, own in pairs:
-            a, distance = _thin(own.amplitude, own.frequency - mean_frequency(model, own.amplitude), 16)
+            a, distance = _thin(own.amplitude, own.frequency - mean(own.amplitude), 16)
             look: dict[str, Any] = {"marker": "o" if own.method == "FORCEVIB" else "s", "linestyle": "none"}
             label = f"FMU's output, {own.method}"
             axes.plot(
                 a * scale.factor, distance, markersize=3.6, color=MODEL, markerfacecolor="white", label=label, **look
             )
-        low = min((float(c.amplitude.min()) for c in curves), default=top / 100)
         a, omega = model_backbone(model, np.geomspace(low, top, 120))
         axes.plot(
             a * scale.factor,
-            omega / _TWO_PI - mean_frequency(model, a),
+            omega / _TWO_PI - mean(a),
             color=EXACT,
             linewidth=0.9,
             label="model, exact backbone",
@@ -70,16 +74,20 @@ def distance_figure(identification: Identification, verification: Verification |
         return svg(figure, "distance", title)
 
 
-def mean_frequency(model: Oscillator, amplitude: np.ndarray) -> np.ndarray:
-    """The model's mean natural frequency, Hz, (n,): root of its equivalent stiffness; NaN where that is negative."""
-    if not amplitude.size:
-        return np.empty(0)
-    order = np.argsort(amplitude)
-    # a smooth function of the amplitude: of thousands of measured ones it need not be computed at each
-    grid = np.geomspace(amplitude[order[0]], amplitude[order[-1]], 600) if amplitude.size > 600 else amplitude[order]
+def mean_frequency(model: Oscillator, low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
+    """The model's mean natural frequency, Hz, as a function of amplitudes (n,) from ``low`` to ``high``.
+
+    It is the root of the equivalent stiffness (NaN where that is negative), at some amplitudes and interpolated.
+    """
+    grid = np.geomspace(low, high, _GRID)
     stiffness = equivalent_stiffness(model, grid, model.omega0.value)
     frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan)) / _TWO_PI
-    return np.interp(np.log(amplitude), np.log(grid), frequency)
+    if not np.all(np.isfinite(frequency)):
+        return lambda amplitude: np.interp(amplitude, grid, frequency)
+    from scipy.interpolate import CubicSpline
+
+    spline = CubicSpline(np.log(grid), frequency)
+    return lambda amplitude: spline(np.log(amplitude))
 
 
 def _thin(amplitude: np.ndarray, distance: np.ndarray, points: int = _POINTS) -> tuple[np.ndarray, np.ndarray]:

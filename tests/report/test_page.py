@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from html.parser import HTMLParser
 
 import pytest
+from dashpot.export.verify import Verification
+from dashpot.report.agreement import agreement_section, verdict
 from dashpot.report.blocks import Section, Text, page
+from dashpot.report.comparison import comparisons
 from dashpot.report.page import identification_page
+from dashpot.report.usage import usage_section
 
 VOID = {"meta", "link", "br", "hr", "img", "input"}
 NASTY = '"; system("x"); // <script>alert(1)</script> $x^{2 & \'ü\' \x00\ud800 {{ 7*7 }}'
@@ -51,11 +57,22 @@ class Reader(HTMLParser):
         return " ".join(" ".join(self.words).split())
 
 
-@pytest.mark.parametrize("kind", ["stand", "roll", "volts"])
-@pytest.mark.parametrize("proven", [False, True])
-def test_the_page_is_well_formed_and_stands_alone(kind, proven, identifications, verified) -> None:
-    found = identifications[kind]()
-    reader = Reader(identification_page(found, verified(found) if proven else None, files=("model.yaml",)))
+@pytest.fixture(scope="module")
+def pages(identifications, verified) -> Callable[[str, bool], str]:
+    """Page of an identification, with or without a verification, written once."""
+
+    @cache
+    def write(kind: str, proven: bool) -> str:
+        found = identifications[kind]()
+        truth = TRUTH if kind == "stand" and proven else None
+        return identification_page(found, verified(found) if proven else None, truth, files=("model.yaml",))
+
+    return write
+
+
+@pytest.mark.parametrize(("kind", "proven"), [("stand", False), ("stand", True), ("roll", False), ("volts", True)])
+def test_the_page_is_well_formed_and_stands_alone(kind, proven, pages) -> None:
+    reader = Reader(pages(kind, proven))
     assert "script" not in reader.tags
     assert not {"link", "iframe", "object", "embed", "img"} & set(reader.tags)
     for tag, name, value in reader.attributes:
@@ -73,40 +90,47 @@ def test_the_page_is_well_formed_and_stands_alone(kind, proven, identifications,
     assert "@import" not in reader.text
 
 
-def test_every_parameter_is_shown_with_error_unit_and_truth(identifications, verified) -> None:
+def test_every_parameter_is_shown_with_error_unit_and_truth(identifications, pages) -> None:
     found = identifications["stand"]()
-    text = Reader(identification_page(found, verified(found), TRUTH)).text
+    text = Reader(pages("stand", True)).text
     assert "True value" in text
     off = (found.oscillator.mass.value - 0.27) / found.oscillator.mass.std
     assert f"{off:+.1f}".replace("-", "−") in text
     for unit in ("kg", "rad/s", "1/(m²·s²)", "m/s²", "1/s"):
         assert unit in text
-    assert "True value" not in Reader(identification_page(found)).text
+    assert "True value" not in Reader(pages("stand", False)).text
 
 
-def test_the_verdict_follows_the_verification(identifications, verified) -> None:
+def test_the_verdict_follows_the_verification(identifications, verified, pages) -> None:
     found = identifications["stand"]()
-    good = Reader(identification_page(found, verified(found, held_out="multisine.csv"))).text
-    assert "The model reproduces all 2 recordings, among them multisine.csv" in good
-    bad = Reader(identification_page(found, verified(found, passed=False))).text
+
+    def said(proof: Verification) -> str:
+        return verdict(found, comparisons(found, proof)).text
+
+    assert "The model reproduces all 2 recordings: its FMU" in Reader(pages("stand", True)).text
+    assert "reproduces all 2 recordings, among them multisine.csv" in said(verified(found, held_out="multisine.csv"))
+    bad = said(verified(found, passed=False))
     assert "does not reproduce any of the 2 recordings" in bad
     assert "10 times what noise explains" in bad
-    assert "not verified as an FMU" in Reader(identification_page(found)).text
+    assert "not verified as an FMU" in Reader(pages("stand", False)).text
 
 
-def test_a_diverging_simulation_is_told_not_drawn_away(identifications, verified) -> None:
+def test_a_diverging_simulation_is_told_and_drawn_as_far_as_it_goes(identifications, verified) -> None:
     found = identifications["stand"]()
     proof = verified(found, passed=False)
     first = proof.recordings[0]
     lost = first.simulated.copy()
     lost[300:] = float("nan")
     proof = replace(proof, recordings=(replace(first, nrmse=float("nan"), simulated=lost), proof.recordings[1]))
-    assert "diverges" in Reader(identification_page(found, proof)).text
+    shown = comparisons(found, proof)
+    assert f"simulation of {first.file} diverges" in verdict(found, shown).text
+    kinds = [block.kind for block in agreement_section(found, shown, "FMU").blocks]
+    assert kinds == ["table", "figure", "figure", "figure"]  # no spectrum of the one that diverges
 
 
-def test_without_a_force_the_mass_is_unknown(identifications) -> None:
-    text = Reader(identification_page(identifications["roll"]())).text
-    assert re.search(r"mass unknown", text)
+def test_without_a_force_the_mass_is_unknown(pages) -> None:
+    text = Reader(pages("roll", False)).text
+    assert "mass unknown" in text
     assert "[deg]" in text
     assert "= f(t)" in text
 
@@ -128,27 +152,27 @@ def test_a_nasty_name_is_harmless(identifications) -> None:
     assert "\x00" not in text
 
 
-def test_the_same_results_give_the_same_page(identifications, verified) -> None:
-    found = identifications["stand"]()
-    pages = [identification_page(found, verified(found), TRUTH, ("model.yaml", "rig.fmu")) for _ in range(2)]
-    assert pages[0] == pages[1]
+def test_the_same_results_give_the_same_page(identifications, verified, pages) -> None:
+    found = identifications["volts"]()
+    assert identification_page(found, verified(found), None, ("model.yaml",)) == pages("volts", True)
 
 
 def test_the_files_that_were_made_are_named_in_the_code(identifications) -> None:
-    found = identifications["stand"]()
-    files = ("model.yaml", "my rig.fmu", "my rig.casadi", "my rig.step.casadi")
-    text = Reader(identification_page(found, files=files)).text
+    model = identifications["stand"]().oscillator
+
+    def said(*files: str) -> str:
+        return Reader(page("Use", [usage_section(model, files)])).text
+
+    text = said("model.yaml", "my rig.fmu", "my rig.casadi", "my rig.step.casadi")
     assert 'simulate_fmu("my rig.fmu"' in text
     assert 'ca.Function.load("my rig.casadi")' in text
     assert "dashpot export" not in text
-    assert "dashpot export model.yaml model.fmu" in Reader(identification_page(found)).text
+    assert "dashpot export model.yaml model.fmu" in said()
 
 
-def test_notes_and_warnings_reach_the_page(identifications) -> None:
-    found = replace(identifications["stand"](), notes=("the moon was full",))
-    text = Reader(identification_page(found)).text
-    assert "the moon was full." in text
-    assert "A gap of one sample was closed." in text
+def test_notes_and_warnings_reach_the_page(pages) -> None:
+    assert "A gap of one sample was closed." in Reader(pages("stand", False)).text
+    assert "is not distinguishable from zero in these recordings." in Reader(pages("roll", False)).text
 
 
 def test_an_empty_section_is_left_out() -> None:

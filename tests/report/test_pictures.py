@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator
+from itertools import islice
 from xml.etree import ElementTree
 
 import matplotlib
@@ -61,10 +62,10 @@ def test_every_picture_is_sound_small_and_labelled_with_units(kind, identificati
 
 
 def test_pictures_are_the_same_every_time_whatever_the_user_has_set(identifications) -> None:
-    found = identifications["stand"]()
-    first = list(pictures(found))
+    found = identifications["volts"]()
+    first = list(islice(pictures(found), 1, 5))
     with matplotlib.rc_context({"font.size": 30, "svg.fonttype": "path", "axes.grid": False}):
-        second = list(pictures(found))
+        second = list(islice(pictures(found), 1, 5))
         assert matplotlib.rcParams["font.size"] == 30
     assert first == second
 
