@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import platform
 import sys
 from pathlib import Path
@@ -15,7 +14,7 @@ from ..simulate.core import template
 from ..simulate.law_source import law_source
 from .archive import write_archive
 from .description import Description, describe_fmu, model_description
-from .render import plain_text, render
+from .documentation import documentation, guid_of
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -65,26 +64,6 @@ def fmu_sources(oscillator: Oscillator, description: Description | None = None) 
     guid = guid_of([_variables_header(description, ""), model_description(description, ""), *sorted(sources.values())])
     sources["variables.h"] = _variables_header(description, guid)
     return sources, guid
-
-
-def guid_of(texts: list[str]) -> str:
-    """A GUID that is the same for the same texts."""
-    digest = hashlib.sha256("\0".join(texts).encode()).hexdigest()
-    return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
-
-
-def documentation(oscillator: Oscillator, description: Description, hold: str) -> str:
-    """The FMU's documentation/index.html: equation, parameters with their errors, validity, variables."""
-    ranges = {"amplitude": oscillator.amplitude, "frequency": oscillator.frequency}
-    return render(
-        "fmu_documentation.html.j2",
-        description=description,
-        massless=oscillator.mass is None,
-        hold=hold,
-        parameters=oscillator.parameters(),
-        descriptions={name: plain_text(text) for name, text in oscillator.descriptions().items()},
-        ranges={name: covered for name, covered in ranges.items() if covered is not None},
-    )
 
 
 def platform_folder() -> tuple[str, str]:

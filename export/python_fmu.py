@@ -23,7 +23,7 @@ from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_step
 from ..simulate.core import template
 from .description import Description, Variable, describe_fmu, model_description
-from .fmu import documentation, guid_of
+from .documentation import documentation, guid_of
 
 if TYPE_CHECKING:
     from ..model import Oscillator

@@ -137,7 +137,7 @@ def _negative(o: Oscillator, name: str, p: Parameter) -> str | None:
         return f"{name} is negative but within two standard errors of zero: these recordings do not tell it from none."
     return (
         f"{name} is negative, {meaning}: a sign that the model lacks something and this parameter makes up for it; "
-        "run dashpot diagnose."
+        "do not trust it beyond what was recorded."
     )
 
 

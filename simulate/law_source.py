@@ -12,6 +12,7 @@ _HEADER = """\
 #define CASADI_SYMBOL_EXPORT static
 #ifdef __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-function"
+#pragma GCC diagnostic ignored "-Wunused-parameter"
 #endif
 """
 

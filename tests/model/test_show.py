@@ -74,7 +74,7 @@ def test_what_should_not_be_negative_is_a_sign_of_missing_physics(measured, name
     barely = measured.with_parameters({name: replace(p, value=-p.std)})
     assert [s for s in warnings(clearly) if s.startswith(f"{name} is negative") and "the model lacks something" in s]
     assert [s for s in warnings(barely) if s.startswith(f"{name} is negative but within two standard errors")]
-    assert "run dashpot diagnose" in describe(clearly)
+    assert "do not trust it beyond what was recorded" in describe(clearly)
 
 
 def test_a_softening_spring_says_where_it_lets_go(rig):
