@@ -138,7 +138,11 @@ def _certainty(identification: Identification) -> list[Block]:
     if sentences:
         found += [Text("Take note:"), Items(sentences)]
     else:
-        found.append(Text("Nothing in the recordings contradicts the model, and no parameter is poorly known."))
+        found.append(
+            Text(
+                "The identification has nothing to remark: no parameter is poorly known or has a sign that nature would not give."
+            )
+        )
     return found
 
 
