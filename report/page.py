@@ -139,9 +139,7 @@ def _certainty(identification: Identification) -> list[Block]:
         found += [Text("Take note:"), Items(sentences)]
     else:
         found.append(
-            Text(
-                "The identification has nothing to remark: no parameter is poorly known or has a sign that nature would not give."
-            )
+            Text("The identification has nothing to remark: no parameter is poorly known, none has an odd sign.")
         )
     return found
 
