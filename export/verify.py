@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.decays import find_decays
+from ..identify.decays import Decay, find_decays
 from ..identify.displacement import displacement
 from ..identify.excitation import kind_of
 from ..identify.forcevib import forcevib
@@ -48,7 +48,7 @@ class RecordingCheck:
 
     Attributes:
         file: the recording's name.
-        nrmse: rms(simulated - measured) / std(measured), free run over the whole recording.
+        nrmse: rms(simulated - measured) / std(measured), free run over the whole recording (its free decays where there is no force).
         noise_floor: the same of a perfect model: sensor noise, and force noise as the rig passes it on.
         backbone_max_error_hz: largest distance of the two backbones; None where the recording gives none.
         passed: whether both are within their limits.
@@ -139,24 +139,43 @@ def verify(
 
 
 def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCheck:
-    measured = np.asarray(recording.response, float)
+    pieces = _pieces(recording)
+    runs = [_run(run, piece) for piece in pieces]
+    measured = np.concatenate([np.asarray(piece.response, float) for piece in pieces])
+    simulated = np.concatenate([one for one, _ in runs])
     spread = float(np.std(measured))
     if not spread > 0:
         raise BadInput(f"{recording.name}: the response does not move; there is nothing to compare with")
-    force = force_of(recording)
-    sensor = noise_level(measured, recording.fs)
-    initial = initial_state(lambda state, n: run.record(force, n, recording.dt, state), recording)
-    simulated = run.record(force, recording.n, recording.dt, initial)
     nrmse = float(np.sqrt(np.mean((simulated - measured) ** 2))) / spread
-    passed_on = _force_noise(run, recording, force, initial, simulated)
-    floor = float(np.hypot(sensor, passed_on)) / spread
-    backbones = _backbones(recording, simulated)
+    variance = sum(piece.n * noise**2 for piece, (_, noise) in zip(pieces, runs, strict=True)) / measured.size
+    floor = float(np.sqrt(variance)) / spread
+    backbones = tuple(pair for piece, (one, _) in zip(pieces, runs, strict=True) for pair in _backbones(piece, one))
     error = _largest_error(backbones)
     frequency = natural_frequency(recording) / (2 * np.pi)
     passed = nrmse <= noise_ratio * floor and (error is None or error <= BACKBONE_PART * frequency)
-    return RecordingCheck(
-        recording.name, nrmse, floor, error, bool(passed), recording.time, measured, simulated, backbones
-    )
+    time = np.concatenate([piece.time for piece in pieces])
+    return RecordingCheck(recording.name, nrmse, floor, error, bool(passed), time, measured, simulated, backbones)
+
+
+def _pieces(recording: Recording) -> list[Recording]:
+    """What can be simulated: all of it where the force is known, else its free decays."""
+    if recording.force is not None and np.any(recording.force):
+        return [recording]
+    decays = find_decays(recording)
+    if not decays:
+        raise BadInput(
+            f"{recording.name}: has neither a force nor a free decay; give the column of the force (--force)"
+        )
+    return [recording.slice(decay.start, decay.stop) for decay in decays]
+
+
+def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
+    """(n,) response of the FMU, and the rms of what noise alone leaves."""
+    force = force_of(recording)
+    initial = initial_state(lambda state, n: run.record(force, n, recording.dt, state), recording)
+    simulated = run.record(force, recording.n, recording.dt, initial)
+    sensor = noise_level(np.asarray(recording.response, float), recording.fs)
+    return simulated, float(np.hypot(sensor, _force_noise(run, recording, force, initial, simulated)))
 
 
 def _force_noise(
@@ -178,7 +197,8 @@ def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backb
 
     twin = replace(recording, response=simulated)
     found = []
-    decays = find_decays(recording)
+    free = recording.force is None or not np.any(recording.force)
+    decays = (Decay(0, recording.n),) if free else find_decays(recording)
     for decay in decays:
         piece = slice(decay.start, decay.stop)
         found.append(_pair(lambda r, piece=piece: _free(displacement(r)[piece], r.fs), recording, twin))

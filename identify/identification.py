@@ -13,11 +13,14 @@ from ..model import Oscillator, Provenance, Range, Response
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .excitation import band_of, kind_of
+from .hilbert import noise_level
 from .likelihood import Fit, maximum_likelihood
 from .start import HilbertEstimate, hilbert_start
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
+#: A response less than this many times its noise may be held by friction and says nothing about the gain.
+_MOVES = 30.0
 #: A model that leaves more than this part of the motion has not understood the recording.
 _POOR_NRMSE = 0.5
 
@@ -93,7 +96,8 @@ def _belong_together(recordings: Sequence[Recording]) -> None:
     units = {r.force_unit for r in forced}
     if len(units) > 1:
         raise BadInput(f"the forces are in different units ({', '.join(sorted(units))}); give them in one unit")
-    gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in forced if r.force is not None}
+    moved = [r for r in forced if np.std(r.response) > _MOVES * noise_level(np.asarray(r.response, float), r.fs)]
+    gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in moved if r.force is not None}
     if gains:
         low, high = min(gains, key=lambda k: gains[k]), max(gains, key=lambda k: gains[k])
         if gains[high] > _GAIN_RATIO * gains[low]:
