@@ -48,7 +48,8 @@ class RecordingCheck:
 
     Attributes:
         file: the recording's name.
-        nrmse: rms(simulated - measured) / std(measured), free run over the whole recording (its free decays where there is no force).
+        nrmse: rms(simulated - measured) / std(measured), free run over the whole recording, or over its free decays
+            where there is no force.
         noise_floor: the same of a perfect model: sensor noise, and force noise as the rig passes it on.
         backbone_max_error_hz: largest distance of the two backbones; None where the recording gives none.
         passed: whether both are within their limits.

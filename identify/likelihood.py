@@ -17,6 +17,7 @@ from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
 from .hilbert import noise_level
+from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
 from .output_error import Outcome, OutputError, State, pseudo_inverse
 from .segments import Segment, cut, first_motion
@@ -111,6 +112,13 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
         state, iterations = early.state, iterations + early.iterations
     outcome = problem.search(state, tolerance=1.0)
     iterations += outcome.iterations
+    smooth, state = smooth_stretches(problem, outcome.state, start.omega0.value)
+    notes = left_out(segments, smooth, [recording.name for recording in recordings])
+    if notes:
+        segments = smooth
+        problem = OutputError(core, segments, free, scale, state_scale, step)
+        outcome = problem.search(state, tolerance=1.0)
+        iterations += outcome.iterations
     force_noise = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
     noise: list[NoiseSpectrum] = []
     for tolerance in (0.1, 1e-3):
@@ -121,7 +129,7 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
         outcome = problem.search(outcome.state, noise, tolerance=tolerance)
         iterations += outcome.iterations
     scatter = problem.scatter(outcome.state, noise, [force_noise[segment.recording] for segment in segments], _DRAWS)
-    return _result(start, names, segments, problem, outcome, noise, scatter, iterations)
+    return _result(start, names, segments, problem, outcome, noise, scatter, iterations, notes)
 
 
 def _noise(
@@ -149,6 +157,7 @@ def _result(
     noise: Sequence[NoiseSpectrum],
     scatter: np.ndarray,
     iterations: int,
+    remarks: Sequence[str],
 ) -> Fit:
     from dataclasses import replace
 
@@ -177,7 +186,7 @@ def _result(
         )
     points = sum(segment.n for segment in segments)
     log_likelihood = -outcome.cost - 0.5 * sum(s.log_determinant() for s in noise) - 0.5 * points * np.log(2 * np.pi)
-    notes = [f"{names[i]} is not identifiable from these recordings" for i in lost]
+    notes = [*remarks, *(f"{names[i]} is not identifiable from these recordings" for i in lost)]
     if not outcome.converged:
         notes.append("the search for the maximum of the likelihood stopped at its limit of steps")
     return Fit(

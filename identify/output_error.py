@@ -115,16 +115,23 @@ class OutputError:
         ]
         return tuple(self._parallel(jobs))
 
-    def derivatives(self, state: State, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+    def states(self, index: int, values: np.ndarray, initial: np.ndarray) -> np.ndarray:
+        """(n, 2) displacement and velocity along one segment."""
+        segment = self.segments[index]
+        n, step = segment.n, self.max_step
+        return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
+
+    def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False) -> list[np.ndarray]:
         """(free + 2, n) derivatives of each segment's response: the free parameters, then its initial state."""
         jobs: list[Callable[[], np.ndarray]] = []
 
         def slope(i: int, k: int, base: np.ndarray) -> np.ndarray:
-            """Forward difference; backward where the model does not simulate beyond; zero where neither works."""
+            """Difference quotient; to the other side where the model does not simulate beyond; else zero."""
             own = k - len(self.free)
             here = state.initial[i, own] if own >= 0 else state.values[self.free[k]]
             size = self.state_scale[own] if own >= 0 else self.scale[self.free[k]]
-            for step in (_STEP * max(abs(here), size), -_STEP * max(abs(here), size)):
+            ahead = (-_STEP if backward else _STEP) * max(abs(here), size)
+            for step in (ahead, -ahead):
                 values, initial = state.values.copy(), state.initial[i].copy()
                 if own >= 0:
                     initial[own] += step

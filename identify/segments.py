@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -48,6 +48,21 @@ class Segment:
     def n(self) -> int:
         """Number of samples."""
         return self.stop - self.start
+
+    def part(self, begin: int, end: int) -> Segment:
+        """The samples from ``begin`` to ``end`` of this segment."""
+        force = self.force
+        if force is not None:
+            force = Force(force.pieces[begin * force.fine : max(end - 1, begin) * force.fine], force.fine)
+        return replace(
+            self,
+            start=self.start + begin,
+            stop=self.start + end,
+            response=self.response[begin:end],
+            force=force,
+            time=self.time + begin * self.dt,
+            rests=self.rests and begin == 0,
+        )
 
 
 def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:

@@ -180,3 +180,26 @@ def test_a_force_that_never_moves_the_mass_leaves_the_mass_open():
     response = 1e-7 * np.random.default_rng(0).standard_normal(8000)
     stuck = Recording(name="stuck", fs=1000.0, response=response, force=quiet)
     assert identify([decay, stuck]).oscillator.mass is None
+
+
+def test_a_mass_that_friction_hardly_lets_go_does_not_make_the_errors_small():
+    # The force is about the preload: in each cycle a hair decides whether the mass moves, and no derivative exists.
+    values = TRUTH | {"preload": 0.3, "dry": 0.0}
+    low = 0.35 * values["mass"] * values["preload"] * 4
+    random = np.random.default_rng(7)
+    t = np.arange(30_000) * 1e-3
+    force = low * np.sin(2 * np.pi * 12.67 * (0.5 * t + 0.55 * t**2 / 30))
+    model = Oscillator.from_values(values)
+    p = np.array(list(model.values().values()))
+    step = internal_step(model, values, 5e-3)
+    x = core_of(model).record(p, np.zeros(2), smooth_force(force, 1e-3, 13.0), t.size, 1e-3, step)
+    sweep = Recording(
+        name="low",
+        fs=1000.0,
+        response=x + 2e-6 * random.standard_normal(t.size),
+        force=force + 2e-3 * low * random.standard_normal(t.size),
+    )
+    found = identify([sweep, record("decay", values=values, seconds=4.0)])
+    for name, parameter in found.oscillator.parameters().items():
+        assert abs(parameter.value - values[name]) < 4 * parameter.std, name
+    assert any("a hair decides" in note for note in found.notes)

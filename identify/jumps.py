@@ -1,0 +1,89 @@
+"""Stretches in which the response jumps with the smallest change of a parameter.
+
+Where friction or a preload holds the mass against a force of about their size, a hair decides whether it breaks away in
+this cycle or the next. There the simulated response has no derivative: a difference quotient is a jump over a small
+step, and least squares would take it for an immense amount of information. Such stretches are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .output_error import OutputError, State
+from .segments import Segment
+
+#: Forward and backward differences that disagree by more than this part of their size are no derivative.
+_DISAGREE = 0.3
+#: ... but not where they are this small a part of the parameter's largest effect in the segment.
+_SMALL = 1e-3
+#: ... nor where doubling the parameter would move the response by less than this part of it.
+_VISIBLE = 1e-6
+_SHORTEST_CYCLES = 10.0
+
+
+def smooth_stretches(problem: OutputError, state: State, omega0: float) -> tuple[tuple[Segment, ...], State]:
+    """The segments without the stretches that jump, and a state to go on from.
+
+    Of each segment the longest smooth stretch of at least ten cycles is kept; where that is not all of it, its initial
+    state is taken from the simulation. Where nothing smooth is left at all, everything stays as it was.
+    """
+    residuals = problem.residuals(state)
+    forward = problem.derivatives(state, residuals)
+    backward = problem.derivatives(state, residuals, backward=True)
+    kept: list[Segment] = []
+    initial: list[np.ndarray] = []
+    for i, segment in enumerate(problem.segments):
+        cycle = max(3, round(2 * np.pi / omega0 / segment.dt))
+        parameters = slice(0, len(problem.free))
+        sizes = np.maximum(np.abs(state.values[list(problem.free)]), problem.scale[list(problem.free)])
+        visible = _VISIBLE * float(np.max(np.abs(segment.response))) / sizes
+        jumps = _jumps(forward[i][parameters], backward[i][parameters], cycle, visible)
+        begin, end = _longest(~jumps)
+        if begin == 0 and end == segment.n:
+            kept.append(segment)
+            initial.append(state.initial[i])
+        elif end - begin >= _SHORTEST_CYCLES * cycle:
+            kept.append(segment.part(begin, end))
+            initial.append(problem.states(i, state.values, state.initial[i])[begin] if begin else state.initial[i])
+    if not kept:
+        return problem.segments, state
+    return tuple(kept), State(state.values, np.array(initial))
+
+
+def _jumps(forward: np.ndarray, backward: np.ndarray, cycle: int, visible: np.ndarray) -> np.ndarray:
+    """(n,) whether any parameter's derivative (k, n) is none there, to within half a cycle.
+
+    Below ``visible`` (k,) a difference is rounding.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    apart = maximum_filter1d(np.abs(forward - backward), cycle, axis=-1)
+    size = maximum_filter1d(np.maximum(np.abs(forward), np.abs(backward)), cycle, axis=-1)
+    floor = _SMALL * np.max(np.minimum(np.abs(forward), np.abs(backward)), axis=-1, keepdims=True)
+    return np.any(apart > _DISAGREE * size + floor + visible[:, None], axis=0)
+
+
+def _longest(good: np.ndarray) -> tuple[int, int]:
+    """Start and end of the longest run of True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], good, [False]])))
+    if edges.size == 0:
+        return 0, 0
+    starts, ends = edges[::2], edges[1::2]
+    longest = int(np.argmax(ends - starts))
+    return int(starts[longest]), int(ends[longest])
+
+
+def left_out(before: Sequence[Segment], after: Sequence[Segment], names: Sequence[str]) -> list[str]:
+    """One sentence for each recording of which a stretch was left out."""
+    sentences = []
+    for index, name in enumerate(names):
+        had = sum(s.n * s.dt for s in before if s.recording == index)
+        has = sum(s.n * s.dt for s in after if s.recording == index)
+        if has < had:
+            sentences.append(
+                f"{name}: {had - has:.3g} of {had:.3g} s were left out, because there a hair decides whether "
+                "friction or preload hold the mass; a larger force would make them useful"
+            )
+    return sentences
