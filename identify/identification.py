@@ -14,11 +14,13 @@ from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .excitation import band_of, kind_of
 from .hilbert import noise_level
-from .likelihood import Fit, maximum_likelihood
+from .likelihood import Fit, equivalent_resonance, maximum_likelihood
 from .start import HilbertEstimate, hilbert_start
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
+#: What is left may exceed the noise by this factor before it counts as physics: the noise itself is estimated.
+_ABOVE_NOISE = 1.5
 #: A response less than this many times its noise may be held by friction and says nothing about the gain.
 _MOVES = 30.0
 #: A model that leaves more than this part of the motion has not understood the recording.
@@ -150,6 +152,13 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             found.append(f"{name} is not distinguishable from zero in these recordings")
+    for index, recording in enumerate(recordings):
+        ratio = _over_noise(fit, index, recording)
+        if ratio > _ABOVE_NOISE:
+            found.append(
+                f"{recording.name}: the model leaves {ratio:.2g} times the noise, so the recording holds something "
+                "that the Eq. 17 family does not, and the parameters may be off by more than their errors"
+            )
     for segment in fit.segments:
         if segment.nrmse > _POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
             start = segment.segment.time
@@ -158,6 +167,26 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
                 f"{100 * segment.nrmse:.0f} % of the motion unexplained"
             )
     return found
+
+
+def _over_noise(fit: Fit, index: int, recording: Recording) -> float:
+    """Rms of what the model leaves over that of the noise: the sensor's, and the force's as the rig passes it on."""
+    parts = [s for s in fit.segments if s.segment.recording == index]
+    if not parts:
+        return 0.0
+    sensor = noise_level(np.asarray(recording.response, float), recording.fs)
+    force = 0.0 if recording.force is None else noise_level(np.asarray(recording.force, float), recording.fs)
+    values = fit.oscillator.values()
+    left = expected = 0.0
+    for part in parts:
+        segment = part.segment
+        left += float(np.sum((part.simulated - segment.response) ** 2))
+        variance = sensor**2
+        if segment.force is not None:
+            resonance = equivalent_resonance(segment, values, recording.quantity)
+            variance += (force / values["mass"]) ** 2 * float(np.mean(resonance))
+        expected += segment.n * variance
+    return float(np.sqrt(left / expected)) if expected > 0 else 0.0
 
 
 def _is_quiet(response: np.ndarray, fit: Fit) -> bool:

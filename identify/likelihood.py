@@ -6,7 +6,7 @@ reaches the Cramér-Rao bound where regressions on differentiated data are biase
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -138,14 +138,20 @@ def _noise(
     """Noise of one segment: a forced one passes the noise of its force on through the resonance."""
     if segment.force is None:
         return estimate(residual)
-    value = dict(zip(names, values, strict=True))
+    return estimate(residual, equivalent_resonance(segment, dict(zip(names, values, strict=True)), quantity))
+
+
+def equivalent_resonance(segment: Segment, value: Mapping[str, float], quantity: str) -> np.ndarray:
+    """(n // 2 + 1,) squared response to a force per unit mass of the equivalent linear rig at the segment's amplitude.
+
+    Describing functions of Eqs. 6 and 7.
+    """
     omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
     order = QUANTITIES.index(quantity)
     peak = np.sqrt(2) * float(np.std(segment.response)) / value["omega0"] ** order
-    # equivalent linear rig at the segment's own amplitude: describing functions of Eqs. 6 and 7
     stiffness = value["omega0"] ** 2 + 0.75 * value["cubic"] * peak**2 + 4 * value["preload"] / (np.pi * peak)
     damping = value["viscous"] + 4 * value["dry"] / (np.pi * value["omega0"] * peak)
-    return estimate(residual, resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order))
+    return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order)
 
 
 def _result(

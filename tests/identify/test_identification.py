@@ -43,6 +43,10 @@ def test_the_four_decays_are_found_by_themselves(found):
     assert starts == pytest.approx([1500, 6500, 11500, 16500], abs=3)
 
 
+def test_nothing_is_remarked_where_the_model_is_complete(found):
+    assert found.notes == ()
+
+
 def test_every_method_has_left_its_curve(found):
     methods = [(curve.recording, curve.method) for curve in found.hilbert.curves]
     assert methods.count(("bursts.csv.gz", "freevib")) == 4
@@ -203,3 +207,10 @@ def test_a_mass_that_friction_hardly_lets_go_does_not_make_the_errors_small():
     for name, parameter in found.oscillator.parameters().items():
         assert abs(parameter.value - values[name]) < 4 * parameter.std, name
     assert any("a hair decides" in note for note in found.notes)
+
+
+def test_what_the_family_cannot_do_is_remarked():
+    decay = record("decay", seconds=4.0)
+    bent = decay.response * (1 - 15.0 * decay.response)  # a sensor that is not straight
+    found = identify([Recording(name="bent", fs=decay.fs, response=bent)])
+    assert any("times the noise" in note for note in found.notes)
