@@ -198,10 +198,10 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **op
         sys.exit(1)
 
 
-def main() -> None:
+def main(arguments: list[str] | None = None) -> None:
     """Entry point: expected errors become one line on stderr and exit code 2."""
     try:
-        cli(standalone_mode=False)
+        cli(arguments, standalone_mode=False)
     except click.exceptions.Abort:
         sys.exit(130)
     except click.ClickException as problem:
