@@ -5,7 +5,7 @@ from __future__ import annotations
 import functools
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +19,13 @@ if TYPE_CHECKING:
 
 _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--time", metavar="COLUMN", help="Column of the time, by name or number."),
-    click.option("--force", metavar="COLUMN", help="Column of the force."),
-    click.option("--response", metavar="COLUMN", help="Column of the response."),
-    click.option("--quantity", type=click.Choice(["displacement", "velocity", "acceleration"]), help="What it shows."),
+    click.option("--force", metavar="COLUMN", help="Column of the force; none: leave it out."),
+    click.option("--response", metavar="COLUMN", help="Column of the response, by name or number."),
+    click.option(
+        "--quantity",
+        type=click.Choice(["displacement", "velocity", "acceleration"]),
+        help="What the response column measures, where its unit does not say.",
+    ),
     click.option("--unit", metavar="UNIT", help="Unit of the response, for example mm."),
     click.option("--force-unit", metavar="UNIT", help="Unit of the force, for example kN."),
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
@@ -44,6 +48,21 @@ def _read(files: tuple[Path, ...], options: dict[str, Any]) -> list[Recording]:
         for note in recording.notes:
             _say(f"note: {note}")
     return recordings
+
+
+def _outputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Check the files to write before any work is done: each can be written, none is an input or named twice."""
+    from .writing import same_place, writable
+
+    seen: list[Path] = []
+    read = list(inputs)
+    for output in outputs:
+        writable(output)
+        if any(same_place(output, source) for source in read):
+            raise BadInput(f"{output}: is an input and would be overwritten; name another file to write")
+        if any(same_place(output, other) for other in seen):
+            raise BadInput(f"{output}: is to be written twice; name a file for each")
+        seen.append(output)
 
 
 def _say(line: str) -> None:
@@ -89,11 +108,9 @@ def identify(
     from .model.file import save
     from .model.show import as_json as model_json
     from .model.show import describe
-    from .writing import replacing, writable
+    from .writing import replacing
 
-    writable(output)
-    if report is not None:
-        writable(report)
+    _outputs([output] if report is None else [output, report], recordings)
     found = find(_read(recordings, options), name=name or output.stem, progress=_say)
     for note in found.notes:
         _say(f"note: {note}")
@@ -137,10 +154,11 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     from .identify.replay import replay
     from .model.file import load
     from .recording.csv_output import write_response
-    from .writing import writable
 
     oscillator = load(model)
-    writable(output)
+    if not output.name.endswith((".csv", ".csv.gz")):
+        raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
+    _outputs([output], [model, recording])
     (measured,) = _read((recording,), options)
     if (measured.quantity, measured.unit) != (oscillator.response.quantity, oscillator.response.unit):
         raise BadInput(
@@ -163,15 +181,16 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 )
 def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) -> None:
     """Write the model as an FMU (.fmu) or as CasADi functions (.casadi)."""
+    from .export import check_suffix
     from .export import export as write
     from .model.file import load
-    from .writing import writable
 
     oscillator = load(model)
     if not (step > 0 and step < float("inf")):
         raise BadInput(f"--step {step}: the sample time must be a positive number of seconds")
     for output in outputs:
-        writable(output)
+        check_suffix(output)
+    _outputs(outputs, [model])
     for output in outputs:
         for path in write(oscillator, output, backend=backend, step=step):
             _say(f"written: {path}")
@@ -185,10 +204,10 @@ def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) ->
 def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **options: Any) -> None:
     """Run an FMU under FMPy with recorded forces and compare response and backbone; exit code 1 where they differ."""
     from .export.verify import verify as check
-    from .writing import replacing, writable
+    from .writing import replacing
 
     if json_file is not None:
-        writable(json_file)
+        _outputs([json_file], [fmu, *recordings])
     result = check(fmu, _read(recordings, options), progress=_say)
     if json_file is not None:
         with replacing(json_file) as temporary:
@@ -204,8 +223,14 @@ def main(arguments: list[str] | None = None) -> None:
         cli(arguments, standalone_mode=False)
     except click.exceptions.Abort:
         sys.exit(130)
-    except click.ClickException as problem:
+    except click.exceptions.NoArgsIsHelpError as problem:  # `dashpot` alone: the help
         problem.show()
+        sys.exit(problem.exit_code)
+    except click.ClickException as problem:
+        context = getattr(problem, "ctx", None)
+        _say(
+            f"dashpot: {problem.format_message().rstrip('.')}; see {context.command_path if context else 'dashpot'} -h"
+        )
         sys.exit(problem.exit_code)
     except DashpotError as problem:
         _say(f"dashpot: {problem}")
