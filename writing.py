@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 import tempfile
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 from .errors import BadInput
@@ -17,10 +17,28 @@ def writable(target: Path) -> None:
     Raises:
         BadInput: where it is a folder, or its folder cannot be made or written.
     """
-    if target.is_dir():
-        raise BadInput(f"{target}: is a folder; name a file in it")
-    with replacing(target) as temporary:
-        temporary.unlink()
+    target = Path(target)
+    try:
+        if target.is_dir():
+            raise BadInput(f"{target}: is a folder; name a file in it")
+        missing = [folder for folder in target.parents if not folder.exists()]
+    except (OSError, ValueError) as problem:  # a name too long, a null byte
+        raise _refused(target, problem) from problem
+    try:
+        with replacing(target) as temporary:
+            temporary.unlink()
+    finally:
+        for folder in missing:  # made again when there is something to put in
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def same_place(first: Path, second: Path) -> bool:
+    """Whether two names lead to the same file, which need not exist yet."""
+    try:
+        return first.resolve() == second.resolve() or (first.exists() and second.exists() and first.samefile(second))
+    except (OSError, ValueError, RuntimeError):
+        return False
 
 
 @contextmanager
@@ -53,5 +71,7 @@ def replacing(target: Path) -> Iterator[Path]:
 
 
 def _refused(target: Path, problem: Exception) -> BadInput:
+    if isinstance(problem, (FileExistsError, NotADirectoryError)):
+        return BadInput(f"{target}: cannot be written, for its folder's name is that of a file; choose another place")
     reason = (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
     return BadInput(f"{target}: cannot be written ({reason}); choose another place")

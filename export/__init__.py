@@ -10,7 +10,15 @@ from ..errors import BadInput
 if TYPE_CHECKING:
     from ..model import Oscillator
 
-__all__ = ["export"]
+__all__ = ["check_suffix", "export"]
+
+
+def check_suffix(path: Path) -> None:
+    """Make sure that the suffix says what to make. Raises BadInput where it does not."""
+    if Path(path).suffix not in (".fmu", ".casadi"):
+        raise BadInput(
+            f"{path}: cannot tell what to make from the suffix {Path(path).suffix!r}; known are .fmu and .casadi"
+        )
 
 
 def export(oscillator: Oscillator, path: Path, *, backend: str = "native", step: float = 1e-3) -> tuple[Path, ...]:
@@ -30,12 +38,11 @@ def export(oscillator: Oscillator, path: Path, *, backend: str = "native", step:
         ToolchainMissing: for a native FMU without a C compiler.
     """
     path = Path(path)
+    check_suffix(path)
     if path.suffix == ".fmu":
         from .fmu import export_fmu
 
         return (export_fmu(oscillator, path, backend=backend),)
-    if path.suffix == ".casadi":
-        from .casadi_functions import export_casadi
+    from .casadi_functions import export_casadi
 
-        return export_casadi(oscillator, path, dt=step)
-    raise BadInput(f"{path}: cannot tell what to make from the suffix {path.suffix!r}; known are .fmu and .casadi")
+    return export_casadi(oscillator, path, dt=step)

@@ -14,6 +14,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..errors import BadInput
 from ..model.equations import Equations, SurfaceKind, equations, signed
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_step, with_defaults
@@ -53,9 +54,18 @@ def functions(oscillator: Oscillator, dt: float = 1e-3) -> dict[str, Expression]
         ``casadi``: f(x, u, p) -> xdot; ``step.casadi``: step(x, u, p) -> x_next; both again under ``smooth.``.
         ``x`` is displacement and velocity; ``u`` the force (for a step also two values, at its start and its end, with
         a straight line between them); elements of ``p`` left at their default, inf, take the identified values.
+
+    Raises:
+        BadInput: where ``dt`` is longer than half a cycle, or shorter than a millionth of that.
     """
     import casadi as ca
 
+    half_period = math.pi / oscillator.omega0.value
+    if not 1e-6 * half_period <= dt <= half_period:
+        raise BadInput(
+            f"the step of {dt:g} s does not suit an oscillation of {2 * half_period:.3g} s a cycle; "
+            f"choose one between {1e-6 * half_period:.2g} s and half a cycle, {half_period:.3g} s"
+        )
     eq = equations(oscillator)
     values = oscillator.values()
     identified = list(values.values())
