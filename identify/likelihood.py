@@ -129,6 +129,12 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
         outcome = problem.search(outcome.state, noise, tolerance=tolerance)
         iterations += outcome.iterations
     scatter = problem.scatter(outcome.state, noise, [force_noise[segment.recording] for segment in segments], _DRAWS)
+    used = {segment.recording for segment in segments}
+    notes += [
+        f"{recording.name}: nothing in it that could be fitted; it was left out"
+        for i, recording in enumerate(recordings)
+        if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
+    ]
     return _result(start, names, segments, problem, outcome, noise, scatter, iterations, notes)
 
 

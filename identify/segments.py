@@ -14,6 +14,8 @@ from .hilbert import noise_level
 
 #: A stretch shorter than this many cycles says less than the two initial values it costs.
 _SHORTEST_CYCLES = 3.0
+#: A stretch that moves less than this many times its noise says at most that friction held the mass.
+_MOVES = 1.5
 #: Initial values within this many standard errors of zero are those of a mass at rest.
 _AT_REST = 4.0
 #: Force above this multiple of the natural frequency hardly moves the mass (1/9 of its static effect).
@@ -69,7 +71,8 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
     """Segments of all recordings.
 
     A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
-    force contributes its decays alone. The rest of a recording with force is forced.
+    force contributes its decays alone. The rest of a recording with force is forced. Where nothing moves there is nothing
+    to fit.
 
     Args:
         recordings: with or without force.
@@ -90,7 +93,8 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
                 continue
             driven = forced and force is not None and np.any(force[start:stop])
             response = np.asarray(recording.response[start:stop], float)
-            if not np.std(response) > 0:
+            noise = noise_level(response, recording.fs)
+            if not np.std(response) > _MOVES * noise:
                 continue
             found.append(
                 Segment(
@@ -103,8 +107,7 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
                     else None,
                     dt=recording.dt,
                     time=recording.start + start * recording.dt,
-                    rests=forced
-                    and starts_at_rest(response, recording.dt, omega0, noise_level(response, recording.fs)),
+                    rests=forced and starts_at_rest(response, recording.dt, omega0, noise),
                 )
             )
     return tuple(found)
