@@ -71,8 +71,8 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
     """Segments of all recordings.
 
     A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
-    force contributes its decays alone. The rest of a recording with force is forced. Where nothing moves there is nothing
-    to fit.
+    force contributes its decays alone. The rest of a recording with force is forced. Where nothing moves there is
+    nothing to fit.
 
     Args:
         recordings: with or without force.
