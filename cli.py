@@ -151,6 +151,8 @@ def show(model: Path, as_json: bool) -> None:
 @_with_recordings
 def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
     """Response of a model to the force of a recording, event-exact."""
+    import numpy as np
+
     from .identify.replay import replay
     from .model.file import load
     from .recording.csv_output import write_response
@@ -166,8 +168,14 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
             f"{oscillator.response.quantity} in {oscillator.response.unit}; "
             "say what the column is with --quantity and --unit"
         )
-    write_response(output, measured, replay(oscillator, measured))
+    simulated = replay(oscillator, measured)
+    write_response(output, measured, simulated)
     _say(f"written: {output}")
+    lost = np.flatnonzero(~np.isfinite(simulated))
+    if lost.size:
+        at = measured.time[lost[0]]
+        _say(f"{model}: the simulation runs away; from {at:.4g} s on {output} holds nan: check units and parameters")
+        sys.exit(1)
 
 
 @cli.command()
@@ -220,7 +228,7 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **op
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: expected errors become one line on stderr and exit code 2."""
     try:
-        cli(arguments, standalone_mode=False)
+        cli(arguments, prog_name="dashpot", standalone_mode=False)
     except click.exceptions.Abort:
         sys.exit(130)
     except click.exceptions.NoArgsIsHelpError as problem:  # `dashpot` alone: the help

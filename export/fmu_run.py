@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import ctypes
+import os
+import re
 import shutil
+import zipfile
+import zlib
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -15,6 +19,23 @@ from ..simulate.force import Force
 
 #: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
 _LINES = 8
+
+
+def _fmi_version(fmu: Path) -> str | None:
+    """The FMI version that an FMU states; None where it states none that can be read."""
+    try:
+        with zipfile.ZipFile(fmu) as archive:
+            text = archive.read("modelDescription.xml").decode("utf-8", errors="replace")
+    except (OSError, zipfile.BadZipFile, KeyError, EOFError, zlib.error, NotImplementedError, RuntimeError):
+        return None
+    found = re.search(r"""<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*["']([^"']*)["']""", text)
+    return found.group(1) if found else None
+
+
+def _short(problem: Exception) -> str:
+    """What another library says, on one line: FMPy lists every finding of its XML schema."""
+    words = " ".join(str(problem).split()).rstrip(".")
+    return words if len(words) <= 200 else f"{words[:200]} ..."
 
 
 class FmuRun:
@@ -29,12 +50,17 @@ class FmuRun:
         from fmpy.fmi2 import FMU2Slave
 
         self.path = fmu
+        if fmu.is_dir():
+            raise BadInput(f"{fmu}: is a folder; name an FMU, for example one made by dashpot export")
         if not fmu.is_file():
             raise BadInput(f"{fmu}: there is no such file; name an FMU, for example one made by dashpot export")
+        version = _fmi_version(fmu)
+        if version is not None and version != "2.0":
+            raise BadInput(f"{fmu}: verify runs FMI 2.0 co-simulation FMUs; this one is of FMI {version[:20]}")
         try:
             description = fmpy.read_model_description(str(fmu))
         except Exception as problem:  # FMPy raises whatever its XML reader raises
-            raise BadInput(f"{fmu}: not a readable FMU ({problem}); export it again") from problem
+            raise BadInput(f"{fmu}: not a readable FMU ({_short(problem)}); export it again") from problem
         if description.fmiVersion != "2.0" or description.coSimulation is None:
             raise BadInput(f"{fmu}: verify runs FMI 2.0 co-simulation FMUs; this one is FMI {description.fmiVersion}")
         variables = {variable.name: variable for variable in description.modelVariables}
@@ -45,13 +71,19 @@ class FmuRun:
             )
         self.variables = variables
         self._output = outputs[0].valueReference
+        #: Unit of the first output; None where the FMU states none.
+        self.unit: str | None = outputs[0].unit or (outputs[0].declaredType.unit if outputs[0].declaredType else None)
         self._force = variables["F"].valueReference
         self._slope = variables["F_rate"].valueReference if "F_rate" in variables else None
         self._cubic = "dashpot" in (description.generationTool or "") and bool(
             description.coSimulation.canInterpolateInputs
         )
         self._lines = bool(description.coSimulation.canInterpolateInputs)
-        self._folder = fmpy.extract(str(fmu))
+        try:
+            self._folder = fmpy.extract(str(fmu))
+        except Exception as problem:  # a damaged archive, or one that would unpack outside its folder
+            raise BadInput(f"{fmu}: cannot be unpacked ({_short(problem)}); export it again") from problem
+        here = Path.cwd()  # FMPy goes to the library's folder to load it, and stays there when that fails
         try:
             self._fmu: Any = FMU2Slave(
                 guid=description.guid,
@@ -61,8 +93,12 @@ class FmuRun:
             )
             self._fmu.instantiate()
         except Exception as problem:
+            os.chdir(here)
             shutil.rmtree(self._folder, ignore_errors=True)
-            raise BadInput(f"{fmu}: it does not load on this machine ({problem}); export it here again") from problem
+            raise BadInput(
+                f"{fmu}: it does not load on this machine ({_short(problem).replace(str(self._folder), fmu.name)}); "
+                "export it here again"
+            ) from problem
         self._fresh = True
 
     def __enter__(self) -> FmuRun:

@@ -125,11 +125,16 @@ def verify(
         progress: called with one line per recording.
 
     Raises:
-        BadInput: where the file is no such FMU, or it cannot simulate.
+        BadInput: where the file is no such FMU, or it cannot simulate, or its response has another unit.
     """
     checks = []
     with FmuRun(Path(fmu)) as run:
         for recording in recordings:
+            if run.unit not in (None, recording.unit):
+                raise BadInput(
+                    f"{recording.name}: records {recording.quantity} in {recording.unit}, {fmu} gives its response in "
+                    f"{run.unit}; name a recording of the same, or say what the column is with --response and --unit"
+                )
             check = _check(run, recording, noise_ratio)
             progress(
                 f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}"

@@ -11,6 +11,8 @@ from .. import __version__
 from ..errors import BadInput
 from ..model import Oscillator, Provenance, Range, Response
 from ..model.oscillator import QUANTITIES
+from ..recording.checks import reversed_force
+from ..recording.oscillation import oscillation
 from ..recording.recording import Recording
 from .excitation import band_of, kind_of
 from .hilbert import noise_level
@@ -88,6 +90,15 @@ def _belong_together(recordings: Sequence[Recording]) -> None:
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
     first = recordings[0]
+    for i, one in enumerate(recordings):
+        if any(_same_signals(one, other) for other in recordings[:i]):
+            raise BadInput(
+                f"{one.name} is given twice, which would make the standard errors too small; name each recording once"
+            )
+    for recording in recordings:
+        if np.ptp(recording.response) > 0 and recording.n > 1:
+            for problem in reversed_force(recording, oscillation(recording.response, recording.fs)):
+                raise BadInput(problem.sentence)
     for other in recordings[1:]:
         if (other.quantity, other.unit) != (first.quantity, first.unit):
             raise BadInput(
@@ -107,6 +118,14 @@ def _belong_together(recordings: Sequence[Recording]) -> None:
                 f"{high} moves {gains[high] / gains[low]:.0f} times as far per unit of force as {low}; "
                 "one of them has another unit or is another rig: check the columns' units"
             )
+
+
+def _same_signals(one: Recording, other: Recording) -> bool:
+    if one.start != other.start or not np.array_equal(one.response, other.response):
+        return False
+    if one.force is None or other.force is None:
+        return one.force is other.force
+    return np.array_equal(one.force, other.force)
 
 
 def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Oscillator:

@@ -11,6 +11,7 @@ import numpy as np
 from .clipping import clipping, measured
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation
 from .plausibility import implausible
+from .polarity import REVERSED, power_cosine
 from .reach import lasting, reach
 from .recording import Recording
 
@@ -162,6 +163,25 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
     ]
 
 
+def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find a force that takes work out of the thing all the time: its sign is wrong, or it is half a cycle late."""
+    force = recording.force
+    if force is None or _free(recording) or not lasting(force):
+        return []
+    if power_cosine(force, recording.response, recording.fs, recording.quantity) > REVERSED:
+        return []
+    if no_reach(recording, motion):
+        return []  # unrelated signals have no phase
+    return [
+        _note(
+            recording,
+            "the force takes work out of the motion instead of putting any in: its sign or that of the response is "
+            f"wrong, or it is recorded about half a cycle late, or the response is no {recording.quantity}; turn the "
+            "sign in the file, or state --quantity",
+        )
+    ]
+
+
 _JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
     clipped,
     undersampled,
@@ -169,6 +189,7 @@ _JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
     no_decay,
     wrong_unit,
     no_reach,
+    reversed_force,
 )
 
 

@@ -1,0 +1,180 @@
+"""What a command must never do: overwrite its input, leave litter, take the working folder away, or run for ever."""
+
+from __future__ import annotations
+
+import shutil
+import zipfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot import cli
+from dashpot.examples.force import chirp
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
+from dashpot.export.fmu import export_fmu
+from dashpot.model import Oscillator, Response
+from dashpot.model.file import save
+from dashpot.recording import Recording
+from dashpot.recording.checks import check
+from dashpot.recording.polarity import REVERSED, power_cosine
+
+FS, N = 500.0, 4000
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory):
+    """A sweep, a model and its FMU, to copy from."""
+    folder = tmp_path_factory.mktemp("made")
+    pieces = chirp(1.0, 8.0, 10.0 * FS / N, np.arange(N) / FS, 1 / FS)
+    x = integrate_pieces(TRUTH, pieces, 1 / FS, 0.0, 0.0)[0][:N] + 1e-6 * np.random.default_rng(4).standard_normal(N)
+    columns = np.column_stack([np.arange(N) / FS, pieces[:N, 0], x])
+    np.savetxt(folder / "sweep.csv", columns, "%.9g", ",", header="time_s,force_N,displacement_m", comments="")
+    oscillator = Oscillator.from_values(TRUTH, name="rig")
+    save(oscillator, folder / "rig.yaml")
+    export_fmu(oscillator, folder / "rig.fmu")
+    return folder
+
+
+@pytest.fixture
+def here(made, tmp_path, monkeypatch):
+    """The working folder, with copies."""
+    for file in made.iterdir():
+        shutil.copy(file, tmp_path / file.name)
+    (tmp_path / "file").write_text("no folder", encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def contents(folder):
+    return {path.relative_to(folder): path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
+
+
+def refused(capsys, folder, *arguments):
+    """The one line that a refusal puts on stderr; everything in the folder is as it was."""
+    before = contents(folder)
+    with pytest.raises(SystemExit) as stop:
+        cli.main(list(arguments))
+    out, err = capsys.readouterr()
+    assert stop.value.code == 2, err
+    assert all(line.startswith("[ERROR] fmi2") for line in out.splitlines())  # an FMU's own words, which FMPy prints
+    assert contents(folder) == before
+    assert Path.cwd() == folder
+    lines = [line for line in err.splitlines() if not line.startswith("note: ")]
+    assert lines[0].startswith("dashpot: ")
+    assert len(lines) == 1
+    assert "Traceback" not in err
+    return lines[0]
+
+
+@pytest.mark.parametrize(
+    ("command", "says"),
+    [
+        ("identify sweep.csv -o sweep.csv", "is an input"),
+        ("identify sweep.csv -o ./sub/../sweep.csv", "is an input"),
+        ("identify sweep.csv -o new/a.yaml --report new/a.yaml", "written twice"),
+        ("identify sweep.csv sweep.csv -o new/a.yaml", "given twice"),
+        ("identify sweep.csv -o file/a.yaml", "cannot be written"),
+        ("identify missing.csv -o new/deep/a.yaml", "does not exist"),
+        (f"identify sweep.csv -o {'x' * 300}.yaml", "too long"),
+        ("identify sweep.csv -o new/a.yaml --fs abc", "not a valid float; see dashpot identify -h"),
+        ("identify sweep.csv", "Missing option '-o'"),
+        ("simulate rig.yaml sweep.csv -o sweep.csv", "is an input"),
+        ("simulate rig.yaml sweep.csv -o rig.yaml", "end the name in .csv"),
+        ("export rig.yaml new/a.fmu new/a.xyz", "cannot tell what to make"),
+        ("export rig.yaml new/a.fmu new/a.fmu", "written twice"),
+        ("export rig.yaml new/a.casadi --step 1e9", "does not suit an oscillation of 0.0789 s"),
+        ("export rig.yaml new/a.casadi --step 1e-300", "does not suit an oscillation of 0.0789 s"),
+        ("export rig.yaml new/a.fmu --fmi 7", "see dashpot export -h"),
+        ("verify rig.fmu sweep.csv --json rig.fmu", "is an input"),
+        ("verify rig.fmu sweep.csv --json sweep.csv", "is an input"),
+        ("verify file sweep.csv", "not a readable FMU"),
+        ("demo -o file", "cannot be written"),
+        ("diagnoze rig.yaml", "No such command"),
+    ],
+)
+def test_nothing_is_written_or_lost(capsys, here, command, says):
+    assert says in refused(capsys, here, *command.split())
+
+
+def test_a_link_to_the_input_is_the_input(capsys, here):
+    (here / "link.csv").symlink_to(here / "sweep.csv")
+    assert "is an input" in refused(capsys, here, "identify", "sweep.csv", "-o", "link.csv")
+
+
+def changed(source, target, edit):
+    with zipfile.ZipFile(source) as old, zipfile.ZipFile(target, "w") as new:
+        for name in old.namelist():
+            data = edit(name, old.read(name))
+            if data is not None:
+                new.writestr(name, data)
+
+
+@pytest.mark.parametrize(
+    ("edit", "says"),
+    [
+        (lambda name, data: None if name.startswith("binaries") else data, "does not load on this machine"),
+        (lambda name, data: b"junk" if name.startswith("binaries") else data, "does not load on this machine"),
+        (lambda name, data: None if name.endswith(".xml") else data, "not a readable FMU"),
+        (lambda name, data: b"<a>" if name.endswith(".xml") else data, "not a readable FMU"),
+        (lambda name, data: data.replace(b'guid="{', b'guid="{0'), "does not load on this machine"),
+        (lambda name, data: data.replace(b'name="F"', b'name="G"'), "needs an input named F"),
+        (lambda name, data: data.replace(b'fmiVersion="2.0"', b'fmiVersion="3.0"'), "this one is of FMI 3.0"),
+    ],
+)
+def test_a_broken_fmu_leaves_the_working_folder_as_it_was(capsys, here, edit, says):
+    """FMPy changes to the folder of the library that it loads, which is removed when that fails."""
+    changed(here / "rig.fmu", here / "broken.fmu", edit)
+    assert says in refused(capsys, here, "verify", "broken.fmu", "sweep.csv")
+
+
+def test_a_truncated_fmu(capsys, here):
+    (here / "broken.fmu").write_bytes((here / "rig.fmu").read_bytes()[:9000])
+    assert "not a readable FMU" in refused(capsys, here, "verify", "broken.fmu", "sweep.csv")
+
+
+def test_a_recording_of_another_unit_is_not_compared(capsys, here):
+    text = (here / "sweep.csv").read_text(encoding="utf-8")
+    (here / "volts.csv").write_text(text.replace("displacement_m", "lvdt_V", 1), encoding="utf-8")
+    line = refused(capsys, here, "verify", "rig.fmu", "volts.csv")
+    assert "records displacement in V" in line
+    assert "gives its response in m" in line
+
+
+def test_a_force_of_the_wrong_sign_is_refused(capsys, here):
+    t, force, x = np.loadtxt("sweep.csv", delimiter=",", skiprows=1).T
+    np.savetxt("turned.csv", np.column_stack([t, -force, x]), "%.9g", ",", header="time_s,force_N,x_m", comments="")
+    assert "the force takes work out" in refused(capsys, here, "identify", "turned.csv", "-o", "new/a.yaml")
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_work_done_by_a_force_is_positive_whatever_the_sensor(made, quantity):
+    t, force, x = np.loadtxt(made / "sweep.csv", delimiter=",", skiprows=1).T
+    order = ["displacement", "velocity", "acceleration"].index(quantity)
+    omega = 2j * np.pi * np.fft.rfftfreq(t.size, 1 / FS)
+    response = np.fft.irfft(np.fft.rfft(x) * omega**order, t.size)
+    assert power_cosine(force, response, FS, quantity) > 0.3
+    assert power_cosine(-force, response, FS, quantity) < REVERSED - 0.1
+
+
+def test_an_acceleration_taken_for_a_displacement_is_found_out(made):
+    _, force, x = np.loadtxt(made / "sweep.csv", delimiter=",", skiprows=1).T
+    acceleration = np.gradient(np.gradient(x, 1 / FS), 1 / FS)
+    recording = Recording(name="a", fs=FS, response=acceleration, force=force, quantity="displacement", unit="V")
+    assert any("takes work out" in problem.sentence for problem in check(recording))
+
+
+def test_a_free_decay_under_a_noisy_force_channel_has_no_sign(made):
+    random = np.random.default_rng(9)
+    decay = integrate_pieces(TRUTH, np.zeros((2000, 2)), 1 / FS, 8e-3, 0.0)[0][:2000]
+    for _ in range(20):
+        noise = 1e-3 * random.standard_normal(2000)
+        recording = Recording(name="a", fs=FS, response=decay, force=noise)
+        assert not [p for p in check(recording) if "takes work out" in p.sentence]
+
+
+def test_the_step_may_be_half_a_cycle(here):
+    oscillator = Oscillator.from_values(TRUTH, name="v", response=Response("velocity", "m/s"))
+    save(oscillator, here / "v.yaml")
+    cli.main(["export", "v.yaml", "new/v.casadi", "--step", "0.039"])
+    assert (here / "new" / "v.step.casadi").is_file()
