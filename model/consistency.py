@@ -67,7 +67,7 @@ class Meaning:
 
     def expected(self, template: str) -> str | None:
         """The unit that a parameter must have for this response."""
-        return None if self.displacement is None else units.compose(template, self.displacement, self.force)
+        return None if self.displacement is None else units.compose(template, self.displacement, self.force, self.unit)
 
     def example(self, path: Path) -> str:
         """What to write at ``path``, for one that is missing or not a mapping."""

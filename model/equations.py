@@ -7,11 +7,12 @@ keeps its order (Filippov 1988 for what happens on a surface).
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from .law import Expression, Motion
+from .law import Expression, InnerState, Law, Motion
 from .laws import BASE
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ class Equations:
     """The expressions and their symbols (all casadi.SX, column vectors).
 
     Attributes:
-        z: states: displacement, velocity.
+        z: states: displacement, velocity, then the laws' inner states.
         t: time, s.
         u: recorded force (or force per unit mass where the mass is null).
         u_rate: its time derivative.
@@ -43,6 +44,8 @@ class Equations:
         y: outputs: response as recorded, displacement, velocity, acceleration.
         kinds: kind of each surface.
         parameter_names, state_names, output_names: in order.
+        inner: the inner states, in the order of ``z`` behind the first two.
+        reaches: how far each of them goes, as an expression of p.
     """
 
     z: Expression
@@ -59,32 +62,60 @@ class Equations:
     parameter_names: tuple[str, ...]
     state_names: tuple[str, ...] = ("displacement", "velocity")
     output_names: tuple[str, ...] = ("x", "displacement", "velocity", "acceleration")
+    inner: tuple[InnerState, ...] = ()
+    reaches: Expression = None
+
+    @property
+    def follows(self) -> tuple[int | None, ...]:
+        """For each state the index of the one it is counted from at the start, or None."""
+        places = {"displacement": 0, "velocity": 1}
+        return (None, None, *(places.get(state.follows or "") for state in self.inner))
+
+    @property
+    def free(self) -> tuple[bool, ...]:
+        """For each state whether it has a value of its own even where the motion starts at rest."""
+        return (False, False, *(state.free for state in self.inner))
 
 
 def equations(oscillator: Oscillator) -> Equations:
     """Assemble the laws of an oscillator; only its structure matters, the values stay symbols."""
     import casadi as ca
 
-    z = ca.SX.sym("z", 2)
+    x, v = ca.SX.sym("x"), ca.SX.sym("v")
     t, u, u_rate = ca.SX.sym("t"), ca.SX.sym("u"), ca.SX.sym("u_rate")
     names = tuple(oscillator.parameters())
     p = ca.SX.sym("p", len(names))
     value = {name: p[i] for i, name in enumerate(names)}
-    motion = Motion(x=z[0], v=z[1], t=t)
+    motion = Motion(x=x, v=v, t=t, recorded=oscillator.response.quantity)
+    terms = [(term.law, {n: value[f"{term.effect}.{n}"] for n in term.parameters}) for term in oscillator.terms]
+    state_names = ["displacement", "velocity"]
 
-    inner = sum(law.force(motion, value) for law in BASE)
-    for term in oscillator.terms:
-        own = {name: value[f"{term.effect}.{name}"] for name in term.parameters}
-        inner += term.law.force(motion, own)
-    drive = u / value["mass"] if "mass" in value else u
-    acceleration = drive - inner
-    zdot = ca.vertcat(motion.v, acceleration)
+    def ask(law: Law, own: Mapping[str, Expression], *signal: Expression) -> Expression:
+        made: Any = law.force or law.drive or law.record
+        result = made(motion, own, *signal)
+        state_names.extend(f"{law.name}.{state.name}" for state in motion.states[len(state_names) - 2 :])
+        return result
+
+    drive = u
+    for law, own in terms:
+        if law.drive:
+            drive = ask(law, own, drive)
+    inner = sum(ask(law, value) for law in BASE)
+    inner += sum(ask(law, own) for law, own in terms if law.force)
+    acceleration = (drive / value["mass"] if "mass" in value else drive) - inner
+    recorded = {"displacement": x, "velocity": v, "acceleration": acceleration}[oscillator.response.quantity]
+    for law, own in terms:
+        if law.record:
+            recorded = ask(law, own, recorded)
 
     s = ca.vertcat(*motion.signs) if motion.signs else ca.SX(0, 1)
     g = ca.vertcat(*motion.surfaces) if motion.surfaces else ca.SX(0, 1)
+    scalars = ca.vertcat(x, v, *motion.symbols)
+    z = ca.SX.sym("z", scalars.numel())
+    zdot = ca.vertcat(v, acceleration, *motion.rates)
+    y = ca.vertcat(recorded, x, v, acceleration)
+    zdot, g, y = ca.substitute([zdot, g, y], [scalars], [z])
     g_rate = ca.jtimes(g, z, zdot) + ca.jtimes(g, t, ca.SX(1)) + ca.jtimes(g, u, u_rate)
-    recorded = {"displacement": z[0], "velocity": z[1], "acceleration": acceleration}
-    y = ca.vertcat(recorded[oscillator.response.quantity], z[0], z[1], acceleration)
     return Equations(
         z=z,
         t=t,
@@ -96,8 +127,11 @@ def equations(oscillator: Oscillator) -> Equations:
         surfaces=g,
         surface_rates=g_rate,
         y=y,
-        kinds=tuple(_kind(surface, z, t, u) for surface in motion.surfaces),
+        kinds=tuple(_kind(g[i], z, t, u) for i in range(g.numel())),
         parameter_names=names,
+        state_names=tuple(state_names),
+        inner=tuple(motion.states),
+        reaches=ca.vertcat(ca.SX(0, 1), *motion.reaches),
     )
 
 

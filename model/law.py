@@ -1,11 +1,12 @@
-"""What a force law is: one expression, its parameters, and the words an engineer needs to recognise it.
+"""What a law is: one expression, its parameters, and the words an engineer needs to recognise it.
 
 A law is written once, as a CasADi expression of the motion and of its own parameters. Simulation, FMU, CasADi
 function and printed equation are all made from that one expression.
 
 Signs and kinks are not written with ``sign()``: a law asks the motion for ``motion.sign(surface)``. The rendering
 then decides what the sign is: an integer mode that changes at located events (exact), ``casadi.sign``
-(a plain right-hand side), or ``tanh`` of a stated width (smooth).
+(a plain right-hand side), or ``tanh`` of a stated width (smooth). A law with a memory asks for ``motion.state(...)``
+and says with ``motion.rate(...)`` how that state changes.
 """
 
 from __future__ import annotations
@@ -13,38 +14,118 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Literal
 
 Expression = Any  # casadi.SX; casadi is imported only where expressions are made
 
 
 @dataclass(frozen=True)
+class Scales:
+    """Sizes of the motion that a law is looked for in: what is natural for a parameter follows from them.
+
+    Attributes:
+        length: largest displacement, in its unit.
+        omega: natural frequency, rad/s.
+        force: largest force, in its unit; 0 without one.
+        response: largest recorded signal, in its unit.
+        duration: of the longest recording, s.
+        mass: None where only free decays were recorded.
+        lines: frequencies in rad/s that stand out of what the model leaves over, the strongest first.
+    """
+
+    length: float
+    omega: float
+    force: float
+    response: float
+    duration: float
+    mass: float | None = None
+    lines: tuple[float, ...] = ()
+
+    def of(self, unit: str) -> float:
+        """Natural size of a parameter with that unit template (``X`` displacement, ``Q`` force)."""
+        from .units import factors
+
+        size = 1.0
+        for symbol, power in factors(unit).items():
+            base = {
+                "X": self.length,
+                "Y": self.response,
+                "s": 1.0 / self.omega,
+                "Q": self.force or 1.0,
+            }.get(symbol, 1.0)
+            size *= base**power
+        return size
+
+
+@dataclass(frozen=True)
 class LawParameter:
-    """A parameter of a law. ``unit`` is a template: ``X`` stands for the unit of the displacement."""
+    """A parameter of a law. ``unit`` is a template: ``X`` stands for the unit of the displacement, ``Q`` of the force.
+
+    Attributes:
+        lower, upper: bounds, in the unit.
+        probes: where to look for it first, as multiples of ``size``; for a parameter that the law is
+            proportional to (``strength``) the sizes to try where a small one tells nothing.
+        strength: whether the law vanishes with it in proportion, so that a derivative at zero shows it.
+        shape: whether it is kept at its first probe until the data ask for it.
+        size: natural size where that of the unit is not it.
+    """
 
     name: str
     unit: str
     description: str
     lower: float = -math.inf
     upper: float = math.inf
+    probes: tuple[float, ...] | Literal["lines"] = ()
+    strength: bool = False
+    shape: bool = False
+    size: Callable[[Scales], float] | None = None
+
+    def natural(self, scales: Scales) -> float:
+        """Natural size of the parameter for a motion of these scales."""
+        return scales.of(self.unit) if self.size is None else self.size(scales)
+
+
+@dataclass(frozen=True)
+class InnerState:
+    """A state that a law adds to displacement and velocity.
+
+    Attributes:
+        name: within the law.
+        unit: template as for a parameter.
+        follows: what it is counted from at the start: ``displacement`` or ``velocity`` of the mass (a spring that
+            has relaxed, a body that rides along); anything else: from zero.
+        free: whether it has a value of its own in each recording even when that starts at rest (a phase).
+    """
+
+    name: str
+    unit: str
+    follows: str | None = None
+    free: bool = False
 
 
 @dataclass
 class Motion:
-    """The symbols a law may use, and the switching surfaces that the laws have asked for.
+    """The symbols a law may use, and what the laws have asked for.
 
     Attributes:
         x, v: displacement and velocity.
         t: time in s.
+        recorded: what the recordings show: displacement, velocity or acceleration.
         surfaces: expressions whose sign changes the law; filled by ``sign``.
         signs: one symbol per surface.
+        states, symbols, rates, reaches: inner states, filled by ``state``.
     """
 
     x: Expression
     v: Expression
     t: Expression
+    recorded: str = "displacement"
     surfaces: list[Expression] = field(default_factory=list)
     signs: list[Expression] = field(default_factory=list)
+    states: list[InnerState] = field(default_factory=list)
+    symbols: list[Expression] = field(default_factory=list)
+    rates: list[Expression] = field(default_factory=list)
+    reaches: list[Expression] = field(default_factory=list)
 
     def sign(self, surface: Expression) -> Expression:
         """Sign of ``surface``: -1 or 1, and between them while the motion rests on the surface.
@@ -61,25 +142,77 @@ class Motion:
         self.signs.append(symbol)
         return symbol
 
+    def beyond(self, surface: Expression) -> Expression:
+        """``surface`` where it is positive, else zero: what presses on a stop that it is the distance beyond."""
+        return 0.5 * (1 + self.sign(surface)) * surface
+
+    def state(
+        self,
+        name: str,
+        unit: str,
+        *,
+        follows: str | None = None,
+        free: bool = False,
+        reach: Expression = 0.0,
+    ) -> Expression:
+        """A further state (see ``InnerState``); ``rate`` must be called for it.
+
+        ``reach`` is how far it goes, where that and not its start decides how fast it can change.
+        """
+        import casadi
+
+        symbol = casadi.SX.sym(name)
+        self.states.append(InnerState(name, unit, follows, free))
+        self.symbols.append(symbol)
+        self.rates.append(None)
+        self.reaches.append(reach)
+        return symbol
+
+    def rate(self, state: Expression, expression: Expression) -> None:
+        """Says how fast a state changes."""
+        import casadi
+
+        place = next(i for i, known in enumerate(self.symbols) if casadi.is_equal(known, state))
+        self.rates[place] = expression
+
+
+#: ``force(motion, parameters)``: force per unit mass, positive where it opposes a positive motion.
+Force = Callable[[Motion, Mapping[str, Expression]], Expression]
+#: ``path(motion, parameters, signal)``: what becomes of the recorded force, or of the motion that is to be recorded.
+Path = Callable[[Motion, Mapping[str, Expression], Expression], Expression]
+
 
 @dataclass(frozen=True)
 class Law:
-    """A force law per unit mass, as it stands inside the bracket of Eq. 17 (positive opposes the motion).
+    """One physical effect. One of ``force``, ``drive`` and ``record`` says what it does.
 
     Attributes:
-        name: the effect's name, as in the model file.
-        path: restoring, dissipation, ... (where in the rig it lives).
+        name: as in the model file: the effect's name, with ``/variant`` behind it where the effect has several forms.
+        path: restoring, dissipation, memory, inertia, excitation, measurement, either, environment: where in
+            the rig it lives.
         parameters: what is to be identified.
-        force: ``force(motion, parameters) -> expression`` in units of the displacement per s².
+        force: force per unit mass, as it stands inside the bracket of Eq. 17 (positive opposes the motion), in units of
+            the displacement per s².
+        drive: from the force as recorded to the force that reaches the mass.
+        record: from the motion to what the sensor makes of it.
         equation: the term as text, for reports.
         sentence: what it is, for an engineer.
         source: where the law comes from.
+        curves: what it does to backbone and damping curve.
     """
 
     name: str
     path: str
     parameters: tuple[LawParameter, ...]
-    force: Callable[[Motion, Mapping[str, Expression]], Expression]
     equation: str
     sentence: str
     source: str
+    curves: str = ""
+    force: Force | None = None
+    drive: Path | None = None
+    record: Path | None = None
+
+    @property
+    def effect(self) -> str:
+        """The effect's name, without the variant."""
+        return self.name.partition("/")[0]

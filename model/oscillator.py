@@ -123,7 +123,7 @@ class Oscillator:
         def take(key: str, template: str) -> Parameter:
             if key not in given:
                 raise BadInput(f"parameter {key!r} is missing; give a value for it")
-            return Parameter(float(given.pop(key)), None, units.compose(template, unit, force_unit))
+            return Parameter(float(given.pop(key)), None, units.compose(template, unit, force_unit, response.unit))
 
         mass = take("mass", MASS_UNIT) if given.get("mass") is not None else None
         given.pop("mass", None)

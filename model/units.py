@@ -84,18 +84,17 @@ def render(exponents: dict[str, int]) -> str:
     return f"{product(above) or '1'}/{f'({text})' if len(below) > 1 else text}"
 
 
-def compose(template: str, displacement: str, force: str = "N") -> str:
-    """A parameter's unit for a given response: ``X`` in the template is the displacement's unit, ``Q`` the force's.
+def compose(template: str, displacement: str, force: str = "N", response: str | None = None) -> str:
+    """A parameter's unit for a given response.
 
-    ``compose("1/(X2.s2)", "m")`` is ``1/(m2.s2)``; ``compose("Q.s2/X", "m")`` is ``kg``.
+    ``X`` in the template is the displacement's unit, ``Q`` the force's, ``Y`` that of the recorded signal (the
+    displacement's where not given): ``compose("1/(X2.s2)", "m")`` is ``1/(m2.s2)``; ``compose("Q.s2/X", "m")`` is ``kg``.
     """
+    meaning = {"X": displacement, "Q": force, "Y": response or displacement}
     total: Counter[str] = Counter()
     for symbol, exponent in factors(template).items():
-        if symbol in ("X", "Q"):
-            for inner, power in factors(displacement if symbol == "X" else force).items():
-                total[inner] += exponent * power
-        else:
-            total[symbol] += exponent
+        for inner, power in factors(meaning[symbol]).items() if symbol in meaning else [(symbol, 1)]:
+            total[inner] += exponent * power
     exponents = {symbol: power for symbol, power in total.items() if power}
     if exponents == {"N": 1, "s": 2, "m": -1}:
         return "kg"

@@ -58,6 +58,21 @@ class Core:
             _DOUBLES,
         ]
 
+    def begin(self, initial: np.ndarray) -> np.ndarray:
+        """(states,) at the start, from displacement, velocity and what the inner states differ by."""
+        z = np.zeros(self.states)
+        z[: len(initial)] = initial
+        for i, leader in enumerate(self.equations.follows):
+            z[i] += 0.0 if leader is None else z[leader]
+        return z
+
+    def initial(self, z: np.ndarray) -> np.ndarray:
+        """What ``begin`` makes the states ``z`` of."""
+        found = np.array(z, float)
+        for i, leader in enumerate(self.equations.follows):
+            found[i] -= 0.0 if leader is None else z[leader]
+        return found
+
     def record(
         self,
         values: np.ndarray,
@@ -74,7 +89,8 @@ class Core:
 
         Args:
             values: parameters in the order of ``parameter_names``.
-            initial: (2,) displacement and velocity at the first sample.
+            initial: displacement and velocity at the first sample, (2,), and for a law with a memory also by how much
+                its states differ there from what they follow, (states,).
             force: the force between the samples (see ``force.Force``), or (n,) values joined by straight lines
                 (first-order hold, as an FMU takes it); None for free motion.
             n: number of samples.
@@ -88,7 +104,7 @@ class Core:
             bounds or chattered without end).
         """
         values = np.ascontiguousarray(values, float)
-        initial = np.ascontiguousarray(initial, float)
+        begin = self.begin(initial)
         if isinstance(force, np.ndarray):
             force = straight_lines(force, dt)
         if force is not None and force.pieces.shape[0] < (n - 1) * force.fine:
@@ -97,7 +113,7 @@ class Core:
         z = np.full((n, self.states), np.nan) if states else None
         self._record(
             values.ctypes.data_as(_DOUBLES),
-            initial.ctypes.data_as(_DOUBLES),
+            begin.ctypes.data_as(_DOUBLES),
             start,
             None if force is None else force.pieces.ctypes.data_as(_DOUBLES),
             n,
@@ -121,20 +137,42 @@ def core_of(oscillator: Oscillator) -> Core:
     return _cores[key]
 
 
-def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude: float) -> float:
-    """Longest internal step for a model: a seventy-fifth of the fastest period within the amplitude.
+#: The same for motions faster than the rig's own (contacts, resonators), which are short or small.
+_FAST_STEPS_PER_PERIOD = 30.0
+#: A motion at this part of its rate or more is a decay: Dormand-Prince follows it with one step per time constant.
+_DAMPED = 0.5
+_STEPS_PER_DECAY = 1.0
 
-    The fastest rate is the largest eigenvalue of the linearised equations at rest and at both ends of the motion.
+
+def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude: float) -> float:
+    """Longest internal step for a model within the amplitude.
+
+    The rates are the eigenvalues of the linearised equations at rest and at both ends and in the middle of the motion,
+    whichever side of its surfaces it is on: a seventy-fifth of the rig's own period, a thirtieth of that of a faster
+    motion, and one time constant of what merely decays.
     """
     import casadi as ca
 
     eq = equations(oscillator)
-    jacobian = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p, eq.s], [ca.jacobian(eq.zdot, eq.z)])
+    jacobian = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p, eq.s], [ca.densify(ca.jacobian(eq.zdot, eq.z))])
     p = [values[name] for name in eq.parameter_names]
-    rate = 0.0
-    for x in (0.0, amplitude, -amplitude):
-        matrix = np.array(jacobian([x, 0.0], 0.0, 0.0, p, [1.0] * len(eq.kinds)))
-        rate = max(rate, float(np.max(np.abs(np.linalg.eigvals(matrix)))))
-    if not np.isfinite(rate) or rate <= 0.0:
+    reach = np.array(ca.Function("reaches", [eq.p], [eq.reaches])(p)).ravel()
+    count = len(eq.kinds)
+    speed = amplitude * values["omega0"]
+    rates: list[np.ndarray] = []
+    for x, v in ((0.0, 0.0), (amplitude, 0.0), (-amplitude, 0.0), (0.0, speed), (0.0, -speed)):
+        for signs in ([1.0] * count, [-1.0] * count):
+            begin = [x, v, *(0.0 if leader is None else (x, v)[leader] for leader in eq.follows[2:])]
+            begin[2:] = np.add(begin[2:], reach).tolist()
+            matrix = np.array(jacobian(begin, 0.0, 0.0, p, signs))
+            if np.all(np.isfinite(matrix)):
+                rates.append(np.linalg.eigvals(matrix))
+    found = np.concatenate(rates) if rates else np.zeros(1)
+    size = np.abs(found)
+    slow = 3.0 * values["omega0"] if eq.inner or count > 2 else np.inf
+    decays = np.abs(found.real) > _DAMPED * size
+    steps = np.where(size <= slow, STEPS_PER_PERIOD, _FAST_STEPS_PER_PERIOD) / (2 * np.pi)
+    pace = float(np.max(np.where(decays & (size > slow / 3.0), _STEPS_PER_DECAY, steps) * size, initial=0.0))
+    if not np.isfinite(pace) or pace <= 0.0:
         raise BadInput("the model has no motion to integrate: its fastest rate is not a positive number")
-    return 2.0 * np.pi / rate / STEPS_PER_PERIOD
+    return 1.0 / pace

@@ -1,4 +1,4 @@
-"""The library of force laws: one law a file, found by its name."""
+"""The library of laws: one law a file, found by its name."""
 
 from __future__ import annotations
 
@@ -7,14 +7,39 @@ import difflib
 from ...errors import BadInput
 from ..law import Law
 from . import (
+    actuator_backlash,
+    actuator_dead_zone,
+    actuator_lag,
+    actuator_saturation,
+    actuator_saturation_soft,
+    asymmetric_friction,
+    asymmetric_friction_dry,
+    attached_resonator,
+    clearance,
+    constant_force,
     cubic_damping,
     cubic_stiffness,
+    displacement_dependent_damping,
     dry_friction,
+    hysteresis,
     linear_stiffness,
+    one_sided_stop,
     preload,
     quadratic_drag,
     quadratic_stiffness,
     quintic_stiffness,
+    sensor_lag,
+    sensor_nonlinearity,
+    sensor_offset,
+    softening_stiffness,
+    softening_stiffness_sine,
+    stiffness_drift,
+    stiffness_drift_settling,
+    stribeck,
+    time_delay,
+    tonal_disturbance,
+    two_sided_stop,
+    viscoelastic,
     viscous_damping,
 )
 
@@ -27,9 +52,40 @@ BASE: tuple[Law, ...] = (
     dry_friction.LAW,
 )
 
-#: Further physics that `terms` of the model file may name.
+#: Further physics that `terms` of the model file may name, the plainer before what resembles it.
 LIBRARY: dict[str, Law] = {
-    law.LAW.name: law.LAW for law in (quadratic_stiffness, quintic_stiffness, quadratic_drag, cubic_damping)
+    file.LAW.name: file.LAW
+    for file in (
+        quadratic_stiffness,
+        quintic_stiffness,
+        softening_stiffness,
+        softening_stiffness_sine,
+        clearance,
+        one_sided_stop,
+        two_sided_stop,
+        constant_force,
+        quadratic_drag,
+        cubic_damping,
+        displacement_dependent_damping,
+        stribeck,
+        asymmetric_friction,
+        asymmetric_friction_dry,
+        hysteresis,
+        viscoelastic,
+        attached_resonator,
+        actuator_lag,
+        actuator_saturation,
+        actuator_saturation_soft,
+        actuator_dead_zone,
+        actuator_backlash,
+        sensor_lag,
+        sensor_nonlinearity,
+        sensor_offset,
+        time_delay,
+        stiffness_drift,
+        stiffness_drift_settling,
+        tonal_disturbance,
+    )
 }
 
 
@@ -39,4 +95,4 @@ def find(effect: str) -> Law:
         return LIBRARY[effect]
     close = difflib.get_close_matches(effect, LIBRARY, n=3, cutoff=0.4)
     known = f"did you mean {', '.join(close)}?" if close else f"known: {', '.join(sorted(LIBRARY)) or 'none yet'}"
-    raise BadInput(f"effect {effect!r} is not in the library of force laws; {known}")
+    raise BadInput(f"effect {effect!r} is not in the library of laws; {known}")

@@ -1,13 +1,15 @@
-"""Drag that grows with the square of the velocity."""
+"""Drag of a fluid."""
 
 from ..law import Law, LawParameter
 
 LAW = Law(
     name="quadratic-drag",
     path="dissipation",
-    parameters=(LawParameter("coefficient", "1/X", "quadratic drag per unit mass"),),
-    force=lambda motion, p: p["coefficient"] * motion.v * motion.v * motion.sign(motion.v),
-    equation="coefficient x'|x'|",
-    sentence="Drag of a body moved fast through a fluid, growing with the square of the velocity.",
-    source="Feldman 1997; Faltinsen 1990 (roll damping of ships)",
+    parameters=(LawParameter("coefficient", "1/X", "quadratic drag per unit mass", strength=True),),
+    force=lambda motion, p: p["coefficient"] * motion.v**2 * motion.sign(motion.v),
+    equation="quadratic-drag x' |x'|",
+    sentence="Drag that grows with the square of the speed, as of a body in air or water.",
+    source="Morison et al. 1950; Feldman, Bucher, Rotberg, Eq. 7 for the form of the damping curve",
+    curves="The damping curve rises in proportion to amplitude times frequency, 2 h = 8/(3 pi) c omega A; the backbone "
+    "stays.",
 )

@@ -1,0 +1,34 @@
+"""A second mass on a spring of its own."""
+
+from ..law import Expression, Law, LawParameter
+
+
+def _force(motion, p) -> Expression:
+    y = motion.state("displacement", "X", follows="displacement")
+    w = motion.state("velocity", "X/s", follows="velocity")
+    pull = p["frequency"] ** 2 * (motion.x - y) + p["damping"] * (motion.v - w)
+    motion.rate(y, w)
+    motion.rate(w, pull)
+    return p["mass-ratio"] * pull
+
+
+LAW = Law(
+    name="attached-resonator",
+    path="inertia",
+    parameters=(
+        LawParameter("mass-ratio", "1", "its mass over the main mass", strength=True),
+        LawParameter(
+            "frequency",
+            "rad/s",
+            "its own frequency on a fixed foundation",
+            lower=1e-9,
+            probes=(0.3, 0.5, 0.7, 0.85, 0.95, 1.05, 1.2, 1.5, 2.0, 3.0),
+        ),
+        LawParameter("damping", "1/s", "its damping per its own mass", lower=0.0, probes=(0.02,)),
+    ),
+    force=_force,
+    equation="attached-resonator (frequency² (x - y) + damping (x' - y')), the same drives y''",
+    sentence="A second mass on a spring of its own: a loose cable, a bracket, a second mode of the structure.",
+    source="Den Hartog 1956, section 3.3",
+    curves="Two resonances; the backbone is shifted as a whole and the damping rises where the second one is tuned.",
+)

@@ -1,0 +1,34 @@
+"""A stop on one side: contact beyond a position."""
+
+from ..law import Expression, Law, LawParameter
+
+
+def _contact(motion, p) -> Expression:
+    import casadi as ca
+
+    side = ca.if_else(p["position"] < 0, -1, 1)
+    depth = side * motion.x - ca.fabs(p["position"])
+    touching = 0.5 * (1 + motion.sign(depth))
+    return side * touching * (p["stiffness"] * depth + p["damping"] * side * motion.v)
+
+
+LAW = Law(
+    name="one-sided-stop",
+    path="restoring",
+    parameters=(
+        LawParameter("stiffness", "1/s2", "contact stiffness per unit mass", strength=True),
+        LawParameter(
+            "position",
+            "X",
+            "where the contact begins; negative: on the negative side",
+            probes=(-0.85, -0.65, -0.45, -0.25, 0.25, 0.45, 0.65, 0.85),
+        ),
+        LawParameter("damping", "1/s", "contact damping per unit mass", lower=0.0, probes=(0.0,), shape=True),
+    ),
+    force=_contact,
+    equation="one-sided-stop (x beyond position)",
+    sentence="A stop or a second spring on one side only, which the mass reaches beyond a certain position.",
+    source="Shaw and Holmes 1983; contact as a spring and damper (Goldsmith 1960)",
+    curves="The backbone is flat up to the position and rises beyond it; the motion is pushed to the free side; contact "
+    "damping lifts the damping curve beyond the position.",
+)

@@ -1,0 +1,22 @@
+"""A spring that changes steadily during the record."""
+
+from ..law import Law, LawParameter
+
+LAW = Law(
+    name="stiffness-drift",
+    path="environment",
+    parameters=(
+        LawParameter(
+            "rate",
+            "1/s3",
+            "change of stiffness per unit mass and second",
+            strength=True,
+            size=lambda s: s.omega**2 / s.duration,
+        ),
+    ),
+    force=lambda motion, p: p["rate"] * motion.t * motion.x,
+    equation="stiffness-drift t x",
+    sentence="The spring changes while it is being recorded: it warms up, creeps or loosens.",
+    source="Mathieu and Hill type of slow parameter change, Nayfeh and Mook 1979, section 5.1",
+    curves="Each record has a backbone that moves with time; early and late passes of the same amplitude disagree.",
+)

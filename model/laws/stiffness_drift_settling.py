@@ -1,0 +1,24 @@
+"""A spring that goes over to another stiffness during the record."""
+
+from ..law import Expression, Law, LawParameter
+
+
+def _force(motion, p) -> Expression:
+    import casadi as ca
+
+    return p["change"] * (1 - ca.exp(-motion.t / p["time"])) * motion.x
+
+
+LAW = Law(
+    name="stiffness-drift/settling",
+    path="environment",
+    parameters=(
+        LawParameter("change", "1/s2", "change of stiffness in the long run, per unit mass", strength=True),
+        LawParameter("time", "s", "time constant", lower=1e-9, probes=(0.1, 0.3), size=lambda s: s.duration),
+    ),
+    force=_force,
+    equation="stiffness-drift (1 - exp(-t / time)) x",
+    sentence="The spring goes over to another stiffness during the record, fast at first: it warms up or settles.",
+    source="first-order warming, Incropera and DeWitt 2007, section 5.1",
+    curves="Each record has a backbone that moves with time and comes to rest.",
+)

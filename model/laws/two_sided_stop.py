@@ -1,0 +1,28 @@
+"""Stops on both sides: contact stiffer than the spring itself."""
+
+from ..law import Expression, Law, LawParameter
+
+
+def _contact(motion, p) -> Expression:
+    x = motion.x - p["offset"]
+    above, below = x - p["position"], -x - p["position"]
+    on_top, at_bottom = (0.5 * (1 + motion.sign(depth)) for depth in (above, below))
+    return p["stiffness"] * (on_top * above - at_bottom * below) + p["damping"] * (on_top + at_bottom) * motion.v
+
+
+LAW = Law(
+    name="two-sided-stop",
+    path="restoring",
+    parameters=(
+        LawParameter("stiffness", "1/s2", "contact stiffness per unit mass", strength=True),
+        LawParameter("position", "X", "where the contact begins", lower=0.0, probes=(0.25, 0.45, 0.65, 0.85)),
+        LawParameter("damping", "1/s", "contact damping per unit mass", lower=0.0, probes=(0.0,), shape=True),
+        LawParameter("offset", "X", "middle between the stops", probes=(0.0,), shape=True),
+    ),
+    force=_contact,
+    equation="two-sided-stop (x beyond ±position)",
+    sentence="Stops on both sides: a contact, stiffer than the spring, that the mass reaches beyond a certain amplitude.",
+    source="Shaw and Holmes 1983; contact as a spring and damper (Goldsmith 1960)",
+    curves="The backbone is flat up to the position and rises steeply beyond it; contact damping lifts the damping curve "
+    "there.",
+)
