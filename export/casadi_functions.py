@@ -75,7 +75,7 @@ def functions(oscillator: Oscillator, dt: float = 1e-3) -> dict[str, Expression]
     options = {"default_in": [0.0, 0.0, ca.inf]}
     p_full = with_defaults(p, identified)
 
-    exact = ca.Function("f", [x, u, p], [exact_field(eq, x, u, p_full)], *names, options)
+    exact = ca.Function("f", [x, u, p], [exact_field(eq, x, u, p_full, 0)], *names, options)
     plain = signed(eq, eq.zdot, ca.DM(widths) if widths else None)
     field = ca.Function("field", [eq.z, eq.t, eq.u, eq.p], [plain])
     smooth = ca.Function("f_smooth", [x, u, p], [field(x, 0, u, p_full)], *names, options)

@@ -75,7 +75,10 @@ class Variable:
 
 @dataclass(frozen=True)
 class Description:
-    """What an importer needs to know; the value reference of a variable is its place in ``variables``."""
+    """What an importer needs to know; the value reference of a variable is its place in ``variables``.
+
+    ``follows`` holds for each state the index of the one that its start value is counted from, or None.
+    """
 
     name: str
     identifier: str
@@ -83,6 +86,7 @@ class Description:
     variables: tuple[Variable, ...]
     stop_time: float
     step_size: float
+    follows: tuple[int | None, ...] = (None, None)
 
     def reference(self, name: str) -> int:
         """Value reference of the variable of that name."""
@@ -127,6 +131,7 @@ def describe_fmu(oscillator: Oscillator) -> Description:
     variables += [
         Variable("x0", "initial", 0, length, "displacement at the start", 0.0),
         Variable("v0", "initial", 1, speed, "velocity at the start", 0.0),
+        *_inner_starts(oscillator, eq),
         Variable(
             "max_step",
             "longest-step",
@@ -140,7 +145,21 @@ def describe_fmu(oscillator: Oscillator) -> Description:
     stop = _stop_time(oscillator.omega0.value)
     name = plain_text(oscillator.name) or "oscillator"
     equation = plain_text(oscillator.equation())
-    return Description(name, identifier_of(oscillator.name), equation, tuple(variables), stop, stop / 1e4)
+    identifier = identifier_of(oscillator.name)
+    return Description(name, identifier, equation, tuple(variables), stop, stop / 1e4, eq.follows)
+
+
+def _inner_starts(oscillator: Oscillator, eq: Equations) -> list[Variable]:
+    """Start values of the laws' inner states, each from what it follows or from zero."""
+    response = oscillator.response
+    found = []
+    for i, (name, state) in enumerate(zip(eq.state_names[2:], eq.inner, strict=True), start=2):
+        law, _, own = name.rpartition(".")
+        leader = eq.follows[i]
+        beyond = "" if leader is None else f", beyond {('x0', 'v0')[leader]}"
+        unit = units.compose(state.unit, response.displacement_unit, oscillator.force_unit, response.unit)
+        found.append(Variable(f"{name}0", "initial", i, unit, f"{law}: start value of its {own}{beyond}", 0.0))
+    return found
 
 
 def identifier_of(name: str) -> str:
@@ -194,7 +213,10 @@ def _dependencies(eq: Equations) -> dict[str, tuple[str, ...]]:
     import casadi as ca
 
     y = signed(eq, eq.y)
-    symbols = {"F": eq.u, **{name: eq.p[i] for i, name in enumerate(eq.parameter_names)}, "x0": eq.z[0], "v0": eq.z[1]}
+    symbols = {"F": eq.u, **{name: eq.p[i] for i, name in enumerate(eq.parameter_names)}}
+    for i, name in enumerate(("x0", "v0", *(f"{name}0" for name in eq.state_names[2:]))):
+        riders = [eq.z[k] for k, leader in enumerate(eq.follows) if leader == i]
+        symbols[name] = ca.vertcat(eq.z[i], *riders)
     return {
         output: tuple(name for name, symbol in symbols.items() if ca.depends_on(y[i], symbol))
         for i, output in enumerate(eq.output_names)

@@ -95,10 +95,13 @@ def _variables_header(description: Description, guid: str) -> str:
         "longest-step": "DP_LONGEST_STEP",
     }
     rows = [f"    {{{kinds[v.role]}, {v.index}, {v.start_text or '0.0'}}},\n" for v in description.variables]
+    follows = ", ".join("-1" if leader is None else str(leader) for leader in description.follows)
     return (
         "/* Generated: the variables by value reference. */\n"
         f'#define DP_GUID "{guid}"\n'
         f"#define DP_NV {len(rows)}\n"
         f"#define DP_FORCE {description.reference('F')}\n"
         f"static const dp_variable dp_variables[DP_NV] = {{\n{''.join(rows)}}};\n"
+        "/* For each state the one that it is counted from at the start, or -1. */\n"
+        f"static const int dp_follows[DP_NZ] = {{{follows}}};\n"
     )

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING
 from ..model import units
 from ..model.equations import equations
 from ..model.law import Expression
-from ..simulate.casadi_step import exact_field, exact_step
+from ..simulate.casadi_step import exact_output, exact_step
 from ..simulate.core import template
 from .description import Description, Variable, describe_fmu, model_description
 from .documentation import documentation, guid_of
@@ -73,13 +73,11 @@ def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
 
 
 def output_function(oscillator: Oscillator) -> Expression:
-    """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration; zero while it sticks."""
+    """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration."""
     import casadi as ca
 
     eq = equations(oscillator)
-    acceleration = exact_field(eq, eq.z, eq.u, eq.p)[1]
-    recorded = {"displacement": eq.z[0], "velocity": eq.z[1], "acceleration": acceleration}
-    y = ca.vertcat(recorded[oscillator.response.quantity], eq.z[0], eq.z[1], acceleration)
+    y = exact_output(eq, eq.z, eq.u, eq.p, eq.t)
     return ca.Function("output", [eq.z, eq.u, eq.p, eq.t], [y], ["z", "u", "p", "t"], ["y"])
 
 
@@ -97,7 +95,8 @@ def _model_json(description: Description) -> str:
         | {"causality": v.causality, "variability": v.variability, "initial": v.initial}
         for v in description.variables
     ]
-    return json.dumps({"identifier": description.identifier, "variables": variables}, indent=1) + "\n"
+    model = {"identifier": description.identifier, "variables": variables, "follows": description.follows}
+    return json.dumps(model, indent=1) + "\n"
 
 
 @contextmanager

@@ -135,6 +135,17 @@ def equations(oscillator: Oscillator) -> Equations:
     )
 
 
+def rates_feel_rest(eq: Equations) -> bool:
+    """Whether, with the mass at rest, an inner state's rate depends on what each surface carries of the forces."""
+    import casadi as ca
+
+    if not eq.inner or not eq.kinds:
+        return False
+    at_rest = ca.substitute(eq.zdot[2:], eq.z[1], ca.SX(0))
+    holding = [i for i, kind in enumerate(eq.kinds) if kind != SurfaceKind.OTHER]
+    return any(ca.depends_on(at_rest, eq.s[i]) for i in holding)
+
+
 def _kind(surface: Expression, z: Expression, t: Expression, u: Expression) -> SurfaceKind:
     import casadi as ca
 

@@ -11,15 +11,19 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..model.equations import Equations, SurfaceKind, equations
+from ..model.equations import Equations, SurfaceKind, equations, rates_feel_rest
 from ..model.law import Expression
 from .runge_kutta import dormand_prince
 
 if TYPE_CHECKING:
     from ..model import Oscillator
 
-#: Events handled within one internal step; what is left of the step after them is taken in one go.
+#: Events handled within one internal step. After them the state stays for what is left of it: a motion that switches so
+#: often (bounces that follow each other ever faster) is all but at rest.
 PHASES = 8
+#: A crossing is passed by this part of an internal step, so that rounding does not leave the state before it: signs are
+#: read off the state. (On the velocity surface the state is put exactly.)
+BEYOND = 1e-10
 #: A flight shorter than this part of an internal step ends at rest on its surface, as in the C engine.
 REST = 0.01
 _NEWTON = 7
@@ -51,8 +55,11 @@ class _Stepper:
         self._field = ca.Function("field", arguments, [eq.zdot])
         rates = [eq.z, eq.t, eq.u, eq.u_rate, eq.p, eq.s]
         self._surface = ca.Function("surface", rates, [ca.densify(eq.surfaces), ca.densify(eq.surface_rates)])
+        self._output = ca.Function("output", arguments, [eq.y])
+        self._feels_rest = rates_feel_rest(eq)
         self.velocity = [i for i, kind in enumerate(eq.kinds) if kind is SurfaceKind.VELOCITY]
         self.positions = [i for i, kind in enumerate(eq.kinds) if kind is SurfaceKind.POSITION]
+        self.others = [i for i, kind in enumerate(eq.kinds) if kind is SurfaceKind.OTHER]
 
     def surfaces(self, z, tau, line: _Line, p, s):
         return self._surface(z, line.time + tau, line.at(tau), line.rate, p, s)
@@ -62,9 +69,10 @@ class _Stepper:
 
     def field(self, z, tau, line: _Line, p, s, held):
         """Right-hand side; displacement and velocity stand still while the motion is held."""
-        f = self.raw_field(z, tau, line, p, s)
-        still = self.ca.vertcat(0, 0, *([1] * (z.numel() - 2)))
-        return self.ca.if_else(held, f * still, f)
+        ca = self.ca
+        f = self.raw_field(z, tau, line, p, self.shares(z, tau, line, p, s, held) if self._feels_rest else s)
+        still = ca.vertcat(0, 0, *([1] * (z.numel() - 2)))
+        return ca.if_else(held, f * still, f)
 
     def flow(self, z, tau, h, line: _Line, p, s, held):
         return dormand_prince(lambda state, at: self.field(state, at, line, p, s, held), z, tau, h)
@@ -87,6 +95,25 @@ class _Stepper:
             else:
                 capacity += ca.if_else(g[i] == 0, ca.fmax(part, 0), 0)
         return rest, capacity
+
+    def shares(self, z, tau, line: _Line, p, s, held):
+        """Signs ``s``, and while the motion is held each surface's share of what balances the other forces."""
+        ca = self.ca
+        if not self.velocity:
+            return s
+        g, _ = self.surfaces(z, tau, line, p, s)
+        rest, capacity = self.balance(z, tau, line, p, s)
+        share = ca.fmax(-1, ca.fmin(1, rest / ca.if_else(capacity > 0, capacity, ca.inf)))
+        s = ca.SX(s)
+        for i in [*self.velocity, *self.positions]:
+            carries = held if i in self.velocity else ca.logic_and(held, g[i] == 0)
+            s[i] = ca.if_else(carries, share, s[i])
+        return s
+
+    def output(self, z, line: _Line, p):
+        """Outputs with the signs that the state shows."""
+        s, held = self.modes(z, self.ca.SX(0), line, p)
+        return self._output(z, line.time, line.start, p, self.shares(z, self.ca.SX(0), line, p, s, held))
 
     def modes(self, z, tau, line: _Line, p):
         """Signs read off the state, and whether the motion is held."""
@@ -148,7 +175,7 @@ class _Stepper:
         end = self.flow(z, tau, left, line, p, s, held)
         best, _, _ = self._first(z, tau, left, line, p, s, held, end)
         rest, capacity = self.balance(end, tau + left, line, p, s) if self.velocity else (ca.SX(0), ca.SX(0))
-        return end, ca.if_else(held, ca.fabs(rest) > capacity, best < 2)
+        return end, ca.logic_or(ca.logic_and(held, ca.fabs(rest) > capacity), best < 2)
 
     def _first(self, z, tau, left, line: _Line, p, s, held, end):
         """The first crossing between z and end: place (2: none), a point beyond it, and which surface (0 or 1 each)."""
@@ -180,12 +207,16 @@ class _Stepper:
             newton = x - value / ca.if_else(rate != 0, rate, 1)
             inside = ca.logic_and(rate != 0, ca.logic_and(newton >= lo, newton <= hi))
             x = ca.if_else(value == 0, x, ca.if_else(inside, newton, 0.5 * (lo + hi)))
+        if self.others:
+            other = sum(pick[i] for i in self.others)
+            x = ca.if_else(other, ca.fmin(1, x + BEYOND * h / left), x)
         state = self.flow(z, tau, x * left, line, p, s, held)
         state = self._land(state, tau + x * left, h, line, p, s, pick)
         if not self.velocity:
             return state, x
-        gone, where = self._break_away(z, tau, left, line, p, s, held)
-        return ca.if_else(held, gone, state), ca.if_else(held, where, x)
+        gone, where, breaks = self._break_away(z, tau, left, line, p, s, held)
+        first = ca.logic_and(breaks, ca.logic_or(best >= 2, where <= x))
+        return ca.if_else(first, gone, state), ca.if_else(first, where, x)
 
     def _land(self, z, tau, h, line: _Line, p, s, pick):
         """The state put on the surface that it reached; at rest where endlessly many flights would follow (Zeno)."""
@@ -194,6 +225,10 @@ class _Stepper:
         g, d = self.surfaces(z, tau, line, p, s)
         for i in self.positions:
             x = ca.if_else(ca.logic_and(pick[i], d[i] != 0), x - g[i] * v / ca.if_else(d[i] != 0, d[i], 1), x)
+        if self.positions:
+            g, _ = self.surfaces(ca.vertcat(x, v, z[2:]), tau, line, p, s)
+            before = sum(ca.logic_and(pick[i], s[i] * g[i] > 0) for i in self.positions)
+            x = ca.if_else(before, x + BEYOND * h * v, x)
         for i in self.velocity:
             v = ca.if_else(pick[i], 0, v)
         landed = ca.vertcat(x, v, z[2:])
@@ -209,7 +244,7 @@ class _Stepper:
         return ca.if_else(ends, stopped, landed)
 
     def _break_away(self, z, tau, left, line: _Line, p, s, held):
-        """Where within ``left`` the forces begin to exceed what holds the motion, and the state there."""
+        """The state where within ``left`` the forces exceed what holds the motion, that place, and whether they do."""
         ca = self.ca
 
         def excess(x):
@@ -219,6 +254,7 @@ class _Stepper:
 
         lo, hi = ca.SX(0), ca.SX(1)
         low, high = excess(lo), excess(hi)
+        breaks = ca.logic_and(held, high > 0)
         for n in range(_SECANTS):
             span = ca.if_else(high > low, high - low, 1)
             x = 0.5 * (lo + hi) if n % 3 == 2 else lo - (hi - lo) * low / span
@@ -227,7 +263,7 @@ class _Stepper:
             free = value >= 0
             hi, high = ca.if_else(free, x, hi), ca.if_else(free, value, high)
             lo, low = ca.if_else(free, lo, x), ca.if_else(free, low, value)
-        return self.flow(z, tau, hi * left, line, p, s, held), hi
+        return self.flow(z, tau, hi * left, line, p, s, held), hi, breaks
 
 
 def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression:
@@ -287,14 +323,21 @@ def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression
     return ca.Function("step", inputs, [current], ["x", "u", "p", "t", "dt"], ["x_next"], options)
 
 
-def exact_field(eq: Equations, z: Expression, u: Expression, p: Expression) -> Expression:
+def exact_field(eq: Equations, z: Expression, u: Expression, p: Expression, t: Expression) -> Expression:
     """Right-hand side with the signs that the state shows, sticking included."""
     import casadi as ca
 
     stepper = _Stepper(eq)
-    line = _Line(u, ca.SX(0), ca.SX(0))
+    line = _Line(u, ca.SX(0), t)
     s, held = stepper.modes(z, ca.SX(0), line, p)
     return stepper.field(z, ca.SX(0), line, p, s, held)
+
+
+def exact_output(eq: Equations, z: Expression, u: Expression, p: Expression, t: Expression) -> Expression:
+    """Outputs ``eq.y`` with the signs that the state shows; at rest each surface carries its share of the forces."""
+    import casadi as ca
+
+    return _Stepper(eq).output(z, _Line(u, ca.SX(0), t), p)
 
 
 def with_defaults(given: Expression, identified: list[float]) -> Expression:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from ..model.equations import Equations
+from ..model.equations import Equations, rates_feel_rest
 
 _HEADER = """\
 /* Generated: the equation of motion of one oscillator. */
@@ -23,6 +23,7 @@ _FOOTER = """
 #define DP_NS {ns}
 #define DP_NY {ny}
 #define DP_SURFACES_USE_FORCE {uses_force}
+#define DP_RATES_FEEL_REST {feels_rest}
 static const int dp_kind[DP_NS + 1] = {{{kinds}}};
 
 static void dp_field(const double *z, double t, double u, const double *p, const double *s, double *f) {{
@@ -82,6 +83,7 @@ def law_source(eq: Equations) -> str:
             ns=len(eq.kinds),
             ny=eq.y.numel(),
             uses_force=int(uses_force),
+            feels_rest=int(rates_feel_rest(eq)),
             kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
         )
     )

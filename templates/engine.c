@@ -20,15 +20,40 @@ static double dp_force_rate(const dp_line *l, double tau) {
     return l->c[1] + tau * (2.0 * l->c[2] + tau * 3.0 * l->c[3]);
 }
 
+static double dp_capacity(const dp_engine *e, const dp_line *l, double tau, const double *z, int i, double *rest);
+
+/* The signs while the motion is held: each surface carries its share of what balances the other forces. */
+static void dp_shares(const dp_engine *e, const dp_line *l, double tau, const double *z, double *s) {
+    double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1], rest, share;
+    const double capacity = dp_capacity(e, l, tau, z, e->hold, &rest);
+    int j;
+    share = capacity > 0.0 ? fmax(-1.0, fmin(1.0, rest / capacity)) : 0.0;
+    memcpy(s, e->s, sizeof e->s);
+    dp_surface(z, l->t0 + tau, dp_force(l, tau), dp_force_rate(l, tau), e->p, e->s, f, g, gd);
+    for (j = 0; j < DP_NS; ++j)
+        if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0)) s[j] = share;
+}
+
+/* Displacement and velocity stand still while the motion is held; where the inner states feel the acceleration (a
+ * sensor that follows it) they go on with that of a mass at rest. */
+static void dp_hold_rates(const dp_engine *e, const dp_line *l, double tau, const double *z, double *f) {
+    if (DP_RATES_FEEL_REST) {
+        double s[DP_NS + 1];
+        dp_shares(e, l, tau, z, s);
+        dp_field(z, l->t0 + tau, dp_force(l, tau), e->p, s, f);
+    }
+    f[0] = f[1] = 0.0;
+}
+
 static void dp_field_at(const dp_engine *e, const dp_line *l, double tau, const double *z, double *f) {
     dp_field(z, l->t0 + tau, dp_force(l, tau), e->p, e->s, f);
-    if (e->hold >= 0) f[0] = f[1] = 0.0;
+    if (e->hold >= 0) dp_hold_rates(e, l, tau, z, f);
 }
 
 static void dp_surfaces_at(const dp_engine *e, const dp_line *l, double tau, const double *z, double *f, double *g,
                            double *gd) {
     dp_surface(z, l->t0 + tau, dp_force(l, tau), dp_force_rate(l, tau), e->p, e->s, f, g, gd);
-    if (e->hold >= 0) f[0] = f[1] = 0.0;
+    if (e->hold >= 0) dp_hold_rates(e, l, tau, z, f);
 }
 
 /* One Dormand-Prince step of length h from z (right-hand side k1) to out. */
@@ -120,6 +145,15 @@ static void dp_find_modes(dp_engine *e, const dp_line *l) {
     if (stopped >= 0) dp_stick_or_go(e, l, 0.0, stopped, 0.0);
     e->modes_ready = 1;
     e->node_ready = 0;
+}
+
+/* Signs s put right after a jump of the force. */
+static void dp_after_jump(const dp_engine *e, const dp_line *l, double *s) {
+    double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];
+    int i;
+    dp_surface(e->z, l->t0, l->c[0], l->c[1], e->p, s, f, g, gd);
+    for (i = 0; i < DP_NS; ++i)
+        if (dp_kind[i] == DP_OTHER && g[i] * s[i] < 0.0) s[i] = -s[i];
 }
 
 /* Value of the cubic through (0, g0, d0) and (1, g1, d1), rates times the step. */
@@ -277,8 +311,8 @@ static double dp_break_away(const dp_engine *e, const dp_line *l, double tau, do
 
 /* One internal step of length h from tau. */
 static int dp_substep(dp_engine *e, const dp_line *l, double tau, double h) {
-    double z1[DP_NZ], f1[DP_NZ], g1[DP_NS + 1], gd1[DP_NS + 1], left = h, where;
-    int n, event;
+    double z1[DP_NZ], z2[DP_NZ], f1[DP_NZ], g1[DP_NS + 1], gd1[DP_NS + 1], left = h, where, gone;
+    int n, event, breaks;
     for (n = 0; left > 0.0; ++n) {
         const double at = tau + (h - left);
         if (n > DP_EVENT_BUDGET) return DP_TOO_MANY_EVENTS;
@@ -290,14 +324,15 @@ static int dp_substep(dp_engine *e, const dp_line *l, double tau, double h) {
         e->node_ready = 0;
         dp_step(e, l, at, left, e->z, e->f, z1);
         dp_surfaces_at(e, l, at + left, z1, f1, g1, gd1);
-        if (e->hold >= 0 && dp_excess(e, l, at + left, z1) > 0.0) {
-            where = dp_break_away(e, l, at, left, e->f, z1);
-            memcpy(e->z, z1, sizeof z1);
-            left = where < 1.0 ? left * (1.0 - where) : 0.0;
+        breaks = e->hold >= 0 && dp_excess(e, l, at + left, z1) > 0.0;
+        event = dp_locate(e, l, at, left, g1, gd1, &where, z1);
+        gone = breaks ? dp_break_away(e, l, at, left, e->f, z2) : 2.0;
+        if (breaks && (event < 0 || gone <= where)) {
+            memcpy(e->z, z2, sizeof z2);
+            left = gone < 1.0 ? left * (1.0 - gone) : 0.0;
             dp_release(e, l, tau + (h - left));
             continue;
         }
-        event = dp_locate(e, l, at, left, g1, gd1, &where, z1);
         memcpy(e->z, z1, sizeof z1);
         if (event < 0) {
             memcpy(e->f, f1, sizeof f1);
@@ -328,6 +363,7 @@ int dp_advance_along(dp_engine *e, const double *force, double dt) {
     const double h = steps > 0 ? dt / steps : 0.0;
     int i, n, status = DP_OK;
     if (!e->modes_ready) dp_find_modes(e, &line);
+    if (DP_SURFACES_USE_FORCE && e->node_u != force[0]) dp_after_jump(e, &line, e->s);
     if (e->node_u != force[0] || (DP_SURFACES_USE_FORCE && e->node_rate != force[1])) e->node_ready = 0;
     for (n = 0; n < steps && status == DP_OK; ++n) status = dp_substep(e, &line, n * h, h);
     e->t += dt;
@@ -347,17 +383,10 @@ int dp_advance(dp_engine *e, double u0, double u1, double dt) {
 
 void dp_outputs(dp_engine *e, double u, double *y) {
     const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
-    double s[DP_NS + 1], rest, capacity;
-    int j;
+    double s[DP_NS + 1];
     if (!e->modes_ready) dp_find_modes(e, &line);
     memcpy(s, e->s, sizeof s);
-    if (e->hold >= 0) { /* at rest: each surface carries its share of what balances the other forces */
-        double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];
-        capacity = dp_capacity(e, &line, 0.0, e->z, e->hold, &rest);
-        dp_surface(e->z, e->t, u, 0.0, e->p, e->s, f, g, gd);
-        for (j = 0; j < DP_NS; ++j)
-            if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0))
-                s[j] = capacity > 0.0 ? fmax(-1.0, fmin(1.0, rest / capacity)) : 0.0;
-    }
+    if (DP_SURFACES_USE_FORCE) dp_after_jump(e, &line, s);
+    if (e->hold >= 0) dp_shares(e, &line, 0.0, e->z, s);
     dp_output(e->z, e->t, u, e->p, s, y);
 }

@@ -9,7 +9,7 @@ typedef struct {
     double start;
 } dp_variable;
 
-#include "variables.h" /* generated: DP_NV, DP_FORCE, DP_GUID, dp_variables[] by value reference */
+#include "variables.h" /* generated: DP_NV, DP_FORCE, DP_GUID, dp_variables[] by value reference, dp_follows[] by state */
 
 #define DP_ORDERS 3 /* the engine takes a cubic */
 
@@ -42,6 +42,8 @@ static void dp_instance_prepare(dp_instance *m) {
         if (dp_variables[i].kind == DP_INITIAL) z[dp_variables[i].index] = m->value[i];
         if (dp_variables[i].kind == DP_LONGEST_STEP) step = m->value[i];
     }
+    for (i = 0; i < DP_NZ; ++i) /* what rides along starts with what it rides on, from its own offset */
+        if (dp_follows[i] >= 0) z[i] += z[dp_follows[i]];
     dp_start(&m->engine, p, z, m->start_time, step);
     m->engine_ready = 1;
     m->outputs_ready = 0;

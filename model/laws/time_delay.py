@@ -6,7 +6,7 @@ from ..law import Expression, Law, LawParameter
 def _drive(motion, p, force) -> Expression:
     """Padé's all-pass (120 - 60 q + 12 q² - q³) / (120 + 60 q + 12 q² + q³), q = s delay, in controllable form."""
     fast = 1 / p["delay"]
-    a, b, c = (motion.state(f"force{i}", "Q") for i in (1, 2, 3))
+    a, b, c = (motion.state(f"force-{i}", "Q") for i in "abc")
     motion.rate(a, fast * b)
     motion.rate(b, fast * c)
     motion.rate(c, fast * (force - 12 * c - 60 * b - 120 * a))
