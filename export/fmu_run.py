@@ -8,6 +8,7 @@ import re
 import shutil
 import zipfile
 import zlib
+from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -36,6 +37,13 @@ def _short(problem: Exception) -> str:
     """What another library says, on one line: FMPy lists every finding of its XML schema."""
     words = " ".join(str(problem).split()).rstrip(".")
     return words if len(words) <= 200 else f"{words[:200]} ..."
+
+
+def _starts(variables: Sequence[Any]) -> list[str]:
+    """Names of the start values that an FMU lets one set: x0, v0, then those of inner states in their order."""
+    fixed = [v.name for v in variables if v.causality == "parameter" and v.variability == "fixed"]
+    inner = [name for name in fixed if "." in name and name.endswith("0")]
+    return [*(name for name in ("x0", "v0") if name in fixed), *inner]
 
 
 class FmuRun:
@@ -70,6 +78,8 @@ class FmuRun:
                 f"{fmu}: the FMU needs an input named F and an output; found {', '.join(list(variables)[:8])}"
             )
         self.variables = variables
+        #: Names of the start values: x0, v0, then those of the inner states.
+        self.starts = _starts(description.modelVariables)
         self._output = outputs[0].valueReference
         #: Unit of the first output; None where the FMU states none.
         self.unit: str | None = outputs[0].unit or (outputs[0].declaredType.unit if outputs[0].declaredType else None)
@@ -112,35 +122,45 @@ class FmuRun:
         self._fmu.freeInstance()
         shutil.rmtree(self._folder, ignore_errors=True)
 
-    def record(self, force: Force | None, n: int, dt: float, initial: np.ndarray | None = None) -> np.ndarray:
-        """(n,) first output at samples ``dt`` apart, from displacement and velocity ``initial`` (2,); None: at rest."""
+    def record(
+        self, force: Force | None, n: int, dt: float, initial: np.ndarray | None = None, start: float = 0.0
+    ) -> np.ndarray:
+        """(n,) first output at samples ``dt`` apart, the first of them at ``start``.
+
+        ``initial`` holds displacement and velocity at the start, (2,), or behind them also the start values of the
+        inner states, in the order of the FMU's variables, (states,); None: at rest.
+        """
         fmu = self._fmu
         if not self._fresh:
             fmu.reset()
         self._fresh = False
-        fmu.setupExperiment(startTime=0.0)
+        fmu.setupExperiment(startTime=start)
         fmu.enterInitializationMode()
         if initial is not None and np.any(initial):
-            if "x0" not in self.variables or "v0" not in self.variables:
+            if not {"x0", "v0"} <= set(self.variables):
                 raise BadInput(
                     f"{self.path}: the recording does not start at rest, and the FMU has no x0 and v0 to set"
                 )
-            references = [self.variables[name].valueReference for name in ("x0", "v0")]
-            fmu.setReal(references, [float(value) for value in initial])
-        start = float(force.pieces[0, 0]) if force is not None else 0.0
-        fmu.setReal([self._force], [start])
+            if np.any(initial[len(self.starts) :]):
+                raise BadInput(
+                    f"{self.path}: {len(initial)} start values where the FMU has {len(self.starts)} to set "
+                    f"({', '.join(self.starts)}); export the model again"
+                )
+            given = dict(zip(self.starts, (float(value) for value in initial), strict=False))
+            fmu.setReal([self.variables[name].valueReference for name in given], list(given.values()))
+        fmu.setReal([self._force], [float(force.pieces[0, 0]) if force is not None else 0.0])
         fmu.exitInitializationMode()
         out = np.empty(n)
         out[0] = fmu.getReal([self._output])[0]
         try:
-            self._steps(force, n, dt, out)
+            self._steps(force, n, dt, start, out)
         except Exception as problem:
             raise BadInput(f"{self.path}: the FMU stopped ({problem}); check the units of the force") from problem
         finally:
             fmu.terminate()
         return out
 
-    def _steps(self, force: Force | None, n: int, dt: float, out: np.ndarray) -> None:
+    def _steps(self, force: Force | None, n: int, dt: float, start: float, out: np.ndarray) -> None:
         fmu = self._fmu
         pieces, step = self._points(force, n, dt)
         per_sample = 1 if pieces is None else round(dt / step)
@@ -167,7 +187,7 @@ class FmuRun:
                         fmu.fmi2SetRealInputDerivatives(component, references, orders, order, slopes)
                     elif self._slope is not None:
                         fmu.setReal([self._slope], [row[1]])
-                do_step(component, k * step, step, 1)
+                do_step(component, start + k * step, step, 1)
                 k += 1
             fmu.fmi2GetReal(component, there, 1, value)
             out[i] = value[0]

@@ -178,8 +178,12 @@ def _pieces(recording: Recording) -> list[Recording]:
 def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
     """(n,) response of the FMU, and the rms of what noise alone leaves."""
     force = force_of(recording)
-    initial = initial_state(lambda state, n: run.record(force, n, recording.dt, state), recording)
-    simulated = run.record(force, recording.n, recording.dt, initial)
+
+    def simulate(state: np.ndarray, n: int) -> np.ndarray:
+        return run.record(force, n, recording.dt, state, recording.start)
+
+    initial = initial_state(simulate, recording)
+    simulated = simulate(initial, recording.n)
     sensor = noise_level(np.asarray(recording.response, float), recording.fs)
     return simulated, float(np.hypot(sensor, _force_noise(run, recording, force, initial, simulated)))
 
@@ -194,7 +198,8 @@ def _force_noise(
     if level == 0.0:
         return 0.0
     disturbed = force.disturbed(level, np.random.default_rng(0), recording.dt)
-    return float(np.sqrt(np.mean((run.record(disturbed, recording.n, recording.dt, initial) - simulated) ** 2)))
+    other = run.record(disturbed, recording.n, recording.dt, initial, recording.start)
+    return float(np.sqrt(np.mean((other - simulated) ** 2)))
 
 
 def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backbone, Backbone], ...]:
