@@ -122,8 +122,9 @@ class _Stepper:
         zero = ca.SX.zeros(count)
         g, _ = self.surfaces(z, tau, line, p, zero)
         s = ca.vertcat(*[ca.sign(g[i]) for i in range(count)])
+        _, rates = self.surfaces(z, tau, line, p, s)
         for i in self.positions:
-            s[i] = ca.if_else(g[i] == 0, ca.sign(z[1]), s[i])
+            s[i] = ca.if_else(g[i] == 0, ca.sign(rates[i]), s[i])
         _, rates = self.surfaces(z, tau, line, p, s)
         for i in range(count):
             if i not in self.positions and i not in self.velocity:

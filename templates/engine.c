@@ -383,10 +383,12 @@ int dp_advance(dp_engine *e, double u0, double u1, double dt) {
 
 void dp_outputs(dp_engine *e, double u, double *y) {
     const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
+    dp_engine now;
     double s[DP_NS + 1];
     if (!e->modes_ready) dp_find_modes(e, &line);
-    memcpy(s, e->s, sizeof s);
-    if (DP_SURFACES_USE_FORCE) dp_after_jump(e, &line, s);
-    if (e->hold >= 0) dp_shares(e, &line, 0.0, e->z, s);
-    dp_output(e->z, e->t, u, e->p, s, y);
+    now = *e;
+    if (DP_SURFACES_USE_FORCE) dp_after_jump(&now, &line, now.s);
+    memcpy(s, now.s, sizeof s);
+    if (now.hold >= 0) dp_shares(&now, &line, 0.0, now.z, s);
+    dp_output(now.z, now.t, u, now.p, s, y);
 }

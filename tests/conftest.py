@@ -1,9 +1,52 @@
-"""What all tests share: how the test process ends."""
+"""What all tests share: a model with any law of the library, and how the test process ends."""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
+
+import pytest
+from dashpot.model import Oscillator, Response
+from dashpot.model.law import LawParameter, Scales
+from dashpot.model.laws import find
+
+#: The paper's stand, and the sizes of its motion.
+STAND = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.02 / 0.27, "viscous": 5.0, "dry": 0.015}
+SCALES = Scales(length=8e-3, omega=79.6, force=1.0, response=8e-3, duration=1.0, mass=0.27, lines=(60.0,))
+UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+
+
+def typical(parameter: LawParameter) -> float:
+    """A value at which the law matters: one of those at which it is looked for."""
+    if parameter.probes == "lines":
+        return SCALES.lines[0]
+    probe = parameter.probes[len(parameter.probes) // 2] if parameter.probes else 1.0
+    return (0.02 if parameter.strength else 1.0) * float(probe) * parameter.natural(SCALES)
+
+
+@pytest.fixture(scope="session")
+def with_law() -> Callable[..., Oscillator]:
+    """``with_law("hysteresis", dry=0.0)``: the stand with that law at typical values, some others changed."""
+
+    def make(*effects: str, quantity: str = "displacement", **changed: float) -> Oscillator:
+        values = {f"{effect}.{p.name}": typical(p) for effect in effects for p in find(effect).parameters}
+        response = Response(quantity, UNITS[quantity])
+        return Oscillator.from_values({**STAND, **values, **changed}, effects=effects, response=response)
+
+    return make
+
+
+@pytest.fixture(scope="session")
+def offsets() -> Callable[[Oscillator], list[float]]:
+    """Start values of the inner states of a model, of a size that shows."""
+    from dashpot.model.equations import equations
+
+    def make(oscillator: Oscillator) -> list[float]:
+        return [0.5 if state.free else 1e-4 * SCALES.of(state.unit) for state in equations(oscillator).inner]
+
+    return make
+
 
 _status = 0
 
