@@ -46,7 +46,8 @@ def smooth_stretches(problem: OutputError, state: State, omega0: float) -> tuple
             initial.append(state.initial[i])
         elif end - begin >= _SHORTEST_CYCLES * cycle:
             kept.append(segment.part(begin, end))
-            initial.append(problem.states(i, state.values, state.initial[i])[begin] if begin else state.initial[i])
+            along = problem.states(i, state.values, state.initial[i]) if begin else None
+            initial.append(state.initial[i] if along is None else problem.core.initial(along[begin]))
     if not kept:
         return problem.segments, state
     return tuple(kept), State(state.values, np.array(initial))

@@ -94,14 +94,17 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
         )
     names = tuple(start.parameters())
     values = np.array(list(start.values().values()))
-    amplitude = _displacement_amplitude(segments, start)
-    scale = _typical_sizes(start, names, values, amplitude)
-    state_scale = np.array([amplitude, amplitude * start.omega0.value]) * 1e-2
+    amplitude = displacement_amplitude(segments, start)
+    scale = typical_sizes(start, names, values, amplitude)
     step = internal_step(start, start.values(), amplitude)
     core = core_of(start)
+    state_scale = np.full(core.states, amplitude * 1e-2)
+    state_scale[1] *= start.omega0.value
     free = tuple(range(len(names)))
 
-    state = State(values, _initial_states(segments, start))
+    begin = np.zeros((len(segments), core.states))
+    begin[:, :2] = initial_states(segments, start)
+    state = State(values, begin)
     iterations = 0
     problem = OutputError(core, segments, free, scale, state_scale, step)
     state = problem.settle(state)
@@ -241,13 +244,14 @@ def _growing(segments: Sequence[Segment], omega0: float) -> list[tuple[Segment, 
     return stages
 
 
-def _displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) -> float:
+def displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) -> float:
+    """Largest displacement in the segments, as far as the recorded quantity tells."""
     power = QUANTITIES.index(oscillator.response.quantity)
     peak = max(float(np.max(np.abs(segment.response - np.median(segment.response)))) for segment in segments)
     return peak / oscillator.omega0.value**power
 
 
-def _typical_sizes(start: Oscillator, names: Sequence[str], values: np.ndarray, amplitude: float) -> np.ndarray:
+def typical_sizes(start: Oscillator, names: Sequence[str], values: np.ndarray, amplitude: float) -> np.ndarray:
     """Sizes at which a parameter matters: one hundredth of the spring force at full amplitude."""
     omega0 = start.omega0.value
     length, rate = amplitude, amplitude * omega0
@@ -260,7 +264,7 @@ def _typical_sizes(start: Oscillator, names: Sequence[str], values: np.ndarray, 
     return np.array(found)
 
 
-def _initial_states(segments: Sequence[Segment], start: Oscillator) -> np.ndarray:
+def initial_states(segments: Sequence[Segment], start: Oscillator) -> np.ndarray:
     """Displacement and velocity at each segment's first sample; zero where only a simulation can tell them."""
     found = np.zeros((len(segments), 2))
     if start.response.quantity != "displacement":

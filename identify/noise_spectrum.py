@@ -79,16 +79,22 @@ def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> Noise
 
 
 def _two_sources(periodogram: np.ndarray, resonance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """``a`` and ``b resonance`` whose sum makes the periodogram most likely, by multiplicative updates.
+    """``a`` and ``b resonance`` whose sum makes the periodogram most likely; a and b stay positive.
 
-    Minimises sum(log S + I / S), the Itakura-Saito distance (Fevotte, Bertin, Durrieu 2009); a and b stay positive.
+    Minimises sum(log S + I / S) by Fisher scoring; where that would leave the positive values, by halving.
     """
     parts = np.stack([np.ones_like(resonance), resonance / max(float(np.max(resonance)), np.finfo(float).tiny)])
     level = float(np.median(periodogram)) / np.log(2) or float(np.mean(periodogram))
     weights = np.array([level, level])
-    for _ in range(200):
-        model = weights @ parts
-        weights = weights * np.sqrt((parts @ (periodogram / model**2)) / (parts @ (1 / model)))
+    for _ in range(40):
+        inverse = 1.0 / (weights @ parts)
+        weighed = parts * inverse
+        step = np.linalg.lstsq(weighed @ weighed.T, weighed @ (periodogram * inverse - 1.0))[0]
+        after = np.clip(weights + step, 0.3 * weights, 10.0 * weights)
+        settled = np.all(np.abs(after - weights) < 1e-3 * weights)
+        weights = after
+        if settled:
+            break
     return weights[0] * parts[0], weights[1] * parts[1]
 
 

@@ -11,6 +11,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -26,9 +27,20 @@ _STEP = 1e-5
 _MOST_ITERATIONS = 40
 
 
+@cache
+def _pool() -> ThreadPoolExecutor:
+    """The threads that simulate; one set for all searches of the process."""
+    return ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
+
+
 @dataclass(frozen=True, eq=False)
 class State:
-    """A point of the search: shared parameters (k,) and one initial state per segment (s, 2)."""
+    """A point of the search.
+
+    Attributes:
+        values: (parameters,), shared by all segments.
+        initial: (segments, states) initial states as ``Core.begin`` takes them.
+    """
 
     values: np.ndarray
     initial: np.ndarray
@@ -63,8 +75,9 @@ class OutputError:
         segments: what to reproduce.
         free: indices of the parameters to be found, in the core's order.
         scale: (parameters,) typical sizes, for the finite differences of parameters near zero.
-        state_scale: (2,) typical displacement and velocity.
+        state_scale: (states,) typical displacement, velocity and inner states.
         max_step: longest internal step of the simulation, s.
+        bounds: (2, parameters) lowest and highest values, where there are any.
     """
 
     def __init__(
@@ -75,6 +88,7 @@ class OutputError:
         scale: np.ndarray,
         state_scale: np.ndarray,
         max_step: float,
+        bounds: np.ndarray | None = None,
     ) -> None:
         self.core = core
         self.segments = tuple(segments)
@@ -82,7 +96,8 @@ class OutputError:
         self.scale = scale
         self.state_scale = state_scale
         self.max_step = max_step
-        self._pool = ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
+        self.bounds = bounds
+        self._pool = _pool()
 
     def simulate(
         self,
@@ -104,6 +119,11 @@ class OutputError:
             start=segment.time,
         )
 
+    def own(self, segment: Segment) -> tuple[int, ...]:
+        """Which of its initial states a segment has to itself: none but phases where it starts at rest."""
+        free = self.core.equations.free
+        return tuple(i for i in range(self.core.states) if free[i] or not segment.rests)
+
     def _parallel(self, jobs: Sequence[Callable[[], np.ndarray]]) -> list[np.ndarray]:
         return list(self._pool.map(lambda job: job(), jobs))  # the core releases the interpreter lock
 
@@ -116,13 +136,13 @@ class OutputError:
         return tuple(self._parallel(jobs))
 
     def states(self, index: int, values: np.ndarray, initial: np.ndarray) -> np.ndarray:
-        """(n, 2) displacement and velocity along one segment."""
+        """(n, states) displacement, velocity and inner states along one segment."""
         segment = self.segments[index]
         n, step = segment.n, self.max_step
         return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
 
     def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False) -> list[np.ndarray]:
-        """(free + 2, n) derivatives of each segment's response: the free parameters, then its initial state."""
+        """(free + states, n) derivatives of each segment's response: the free parameters, then its initial state."""
         jobs: list[Callable[[], np.ndarray]] = []
 
         def slope(i: int, k: int, base: np.ndarray) -> np.ndarray:
@@ -144,26 +164,28 @@ class OutputError:
 
         for i, segment in enumerate(self.segments):
             base = segment.response - residuals[i]
-            for k in range(len(self.free) + 2):
-                if segment.rests and k >= len(self.free):
+            known = set(range(self.core.states)) - set(self.own(segment))
+            for k in range(len(self.free) + self.core.states):
+                if k - len(self.free) in known:
                     jobs.append(lambda base=base: np.zeros_like(base))
                 else:
                     jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
         rows = iter(self._parallel(jobs))
-        return [np.stack([next(rows) for _ in range(len(self.free) + 2)]) for _ in self.segments]
+        return [np.stack([next(rows) for _ in range(len(self.free) + self.core.states)]) for _ in self.segments]
 
     def settle(self, state: State, cycles: float = 3.0) -> State:
         """Better initial states from the first few cycles of each segment, the parameters as they are."""
         rate = max(2 * np.pi / (self.max_step * STEPS_PER_PERIOD), np.finfo(float).tiny)
         initial = state.initial.copy()
         for i, segment in enumerate(self.segments):
-            if segment.rests:
+            own = self.own(segment)
+            if not own:
                 continue
             n = int(np.clip(cycles / rate / segment.dt * 2 * np.pi, 8, segment.n))
             for _ in range(4):
                 base = self.simulate(i, state.values, initial[i], n)
                 rows = []
-                for k in range(2):
+                for k in own:
                     moved = initial[i].copy()
                     moved[k] += self.state_scale[k]
                     rows.append((self.simulate(i, state.values, moved, n) - base) / self.state_scale[k])
@@ -171,14 +193,23 @@ class OutputError:
                 residual = segment.response[:n] - base
                 if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
                     break
-                trial = initial[i] + np.linalg.lstsq(jacobian * self.state_scale, residual)[0] * self.state_scale
+                scale = self.state_scale[list(own)]
+                trial = initial[i].copy()
+                trial[list(own)] += np.linalg.lstsq(jacobian * scale, residual)[0] * scale
                 after = segment.response[:n] - self.simulate(i, state.values, trial, n)
                 if not np.sum(after**2) < np.sum(residual**2):
                     break
                 initial[i] = trial
         return State(state.values, initial)
 
-    def search(self, state: State, noise: Sequence[NoiseSpectrum] | None = None, *, tolerance: float = 1e-3) -> Outcome:
+    def search(
+        self,
+        state: State,
+        noise: Sequence[NoiseSpectrum] | None = None,
+        *,
+        tolerance: float = 1e-3,
+        most: int = _MOST_ITERATIONS,
+    ) -> Outcome:
         """Minimise the negative log-likelihood from ``state``.
 
         Args:
@@ -187,21 +218,24 @@ class OutputError:
                 itself shows (the likelihood concentrated over the levels).
             tolerance: the search is over when the next step promises a smaller gain of log-likelihood; a gain of
                 0.5 is a step of one standard error.
+            most: steps it may take.
         """
         residuals = self.residuals(state)
         cost = _cost(residuals, noise)
         damping, converged, taken = 1e-4, False, 0
         blocks = self._blocks(state, residuals, noise)
-        while taken < _MOST_ITERATIONS and not converged:
+        while taken < most and not converged:
             taken += 1
             for _ in range(14):
-                shared, own = _solve(blocks, damping)
+                shared, own = _solve(blocks, damping, len(self.free))
                 gain = 0.5 * _promise(blocks, shared, own)
                 if gain < tolerance:
                     converged = True
                     break
                 values = state.values.copy()
                 values[list(self.free)] += shared
+                if self.bounds is not None:
+                    values = np.clip(values, *self.bounds)
                 trial = State(values, state.initial + own)
                 trial_residuals = self.residuals(trial)
                 trial_cost = _cost(trial_residuals, noise)
@@ -214,7 +248,7 @@ class OutputError:
                 damping *= 8.0
             else:
                 converged = True  # no step in any direction helps: the maximum, to the precision of the derivatives
-        return Outcome(state, cost, _information(blocks), residuals, taken, converged)
+        return Outcome(state, cost, _information(blocks, len(self.free)), residuals, taken, converged)
 
     def scatter(
         self, state: State, noise: Sequence[NoiseSpectrum], force_noise: Sequence[float], draws: int, seed: int = 0
@@ -287,9 +321,8 @@ def _promise(blocks: Sequence[Block], shared: np.ndarray, own: np.ndarray) -> fl
     return total
 
 
-def _solve(blocks: Sequence[Block], damping: float) -> tuple[np.ndarray, np.ndarray]:
+def _solve(blocks: Sequence[Block], damping: float, k: int) -> tuple[np.ndarray, np.ndarray]:
     """Step of the shared parameters (k,) and of the initial states (s, 2), damped in the scale of each unknown."""
-    k = blocks[0][0].shape[0] - 2
     matrix, right = np.zeros((k, k)), np.zeros(k)
     kept = []
     for normal, gradient in blocks:
@@ -311,6 +344,8 @@ def _damped(normal: np.ndarray, damping: float) -> np.ndarray:
 
 def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
     """Inverse of a symmetric information matrix in the scale of its own diagonal; directions without information: 0."""
+    if not matrix.size:
+        return matrix
     diagonal = np.diag(matrix)
     size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     eigenvalues, vectors = np.linalg.eigh(matrix / np.outer(size, size))
@@ -319,8 +354,7 @@ def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
     return (vectors * inverse) @ vectors.T / np.outer(size, size)
 
 
-def _information(blocks: Sequence[Block]) -> np.ndarray:
-    k = blocks[0][0].shape[0] - 2
+def _information(blocks: Sequence[Block], k: int) -> np.ndarray:
     total = np.zeros((k, k))
     for normal, _ in blocks:
         border = normal[:k, k:]

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import BadInput
-from ..model.equations import equations
+from ..model.equations import Equations, equations
+from ..model.law import Expression
 from .compiler import shared_library
 from .force import Force, straight_lines
 from .law_source import law_source
@@ -127,11 +128,28 @@ class Core:
 
 
 _cores: dict[tuple[object, ...], Core] = {}
+_linear: dict[tuple[object, ...], tuple[Equations, Expression, Expression]] = {}
+
+
+def _structure(oscillator: Oscillator) -> tuple[object, ...]:
+    """What cores are kept by: which laws, which response."""
+    return tuple(oscillator.parameters()), oscillator.response.quantity
+
+
+def _linearised(key: tuple[object, ...], oscillator: Oscillator) -> tuple[Equations, Expression, Expression]:
+    """Equations of a structure, their Jacobian in the state, and how far inner states reach, as functions."""
+    import casadi as ca
+
+    if key not in _linear:
+        eq = equations(oscillator)
+        jacobian = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p, eq.s], [ca.densify(ca.jacobian(eq.zdot, eq.z))])
+        _linear[key] = (eq, jacobian, ca.Function("reaches", [eq.p], [eq.reaches]))
+    return _linear[key]
 
 
 def core_of(oscillator: Oscillator) -> Core:
     """The core for the structure of ``oscillator`` (which laws, which response), built at first use."""
-    key = (tuple(oscillator.parameters()), oscillator.response.quantity)
+    key = _structure(oscillator)
     if key not in _cores:
         _cores[key] = Core(oscillator)
     return _cores[key]
@@ -139,9 +157,9 @@ def core_of(oscillator: Oscillator) -> Core:
 
 #: The same for motions faster than the rig's own (contacts, resonators), which are short or small.
 _FAST_STEPS_PER_PERIOD = 30.0
-#: A motion at this part of its rate or more is a decay: Dormand-Prince follows it with one step per time constant.
+#: A motion at this part of its rate or more is a decay: Dormand-Prince follows it with few steps per time constant.
 _DAMPED = 0.5
-_STEPS_PER_DECAY = 1.0
+_STEPS_PER_DECAY = 1.5
 
 
 def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude: float) -> float:
@@ -149,14 +167,11 @@ def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude
 
     The rates are the eigenvalues of the linearised equations at rest and at both ends and in the middle of the motion,
     whichever side of its surfaces it is on: a seventy-fifth of the rig's own period, a thirtieth of that of a faster
-    motion, and one time constant of what merely decays.
+    motion, and two thirds of a time constant of what merely decays.
     """
-    import casadi as ca
-
-    eq = equations(oscillator)
-    jacobian = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p, eq.s], [ca.densify(ca.jacobian(eq.zdot, eq.z))])
+    eq, jacobian, reaches = _linearised(_structure(oscillator), oscillator)
     p = [values[name] for name in eq.parameter_names]
-    reach = np.array(ca.Function("reaches", [eq.p], [eq.reaches])(p)).ravel()
+    reach = np.array(reaches(p)).ravel()
     count = len(eq.kinds)
     speed = amplitude * values["omega0"]
     rates: list[np.ndarray] = []

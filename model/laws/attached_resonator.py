@@ -16,7 +16,7 @@ LAW = Law(
     name="attached-resonator",
     path="inertia",
     parameters=(
-        LawParameter("mass-ratio", "1", "its mass over the main mass", strength=True),
+        LawParameter("mass-ratio", "1", "its mass over the main mass", strength=True, lower=0.0),
         LawParameter(
             "frequency",
             "rad/s",

@@ -6,7 +6,7 @@ LAW = Law(
     name="clearance",
     path="restoring",
     parameters=(
-        LawParameter("stiffness", "1/s2", "stiffness beyond the gap per unit mass", strength=True),
+        LawParameter("stiffness", "1/s2", "stiffness beyond the gap per unit mass", strength=True, lower=0.0),
         LawParameter("gap", "X", "half of the free play", lower=0.0, probes=(0.1, 0.25, 0.4, 0.55, 0.7, 0.85)),
     ),
     force=lambda motion, p: p["stiffness"] * (motion.beyond(motion.x - p["gap"]) - motion.beyond(-motion.x - p["gap"])),

@@ -5,7 +5,7 @@ from ..law import Law, LawParameter
 LAW = Law(
     name="cubic-damping",
     path="dissipation",
-    parameters=(LawParameter("coefficient", "s/X2", "cubic damping per unit mass", strength=True),),
+    parameters=(LawParameter("coefficient", "s/X2", "cubic damping per unit mass", strength=True, lower=0.0),),
     force=lambda motion, p: p["coefficient"] * motion.v**3,
     equation="cubic-damping x'³",
     sentence="Damping that grows with the cube of the speed, as of dampers with orifices or of van der Pol's kind.",

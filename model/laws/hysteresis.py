@@ -18,7 +18,7 @@ LAW = Law(
     name="hysteresis",
     path="memory",
     parameters=(
-        LawParameter("stiffness", "1/s2", "stiffness before it slides, per unit mass", strength=True),
+        LawParameter("stiffness", "1/s2", "stiffness before it slides, per unit mass", strength=True, lower=0.0),
         LawParameter("limit", "X", "deflection at which it slides", lower=1e-12, probes=(0.02, 0.06, 0.2, 0.6)),
         LawParameter("exponent", "1", "sharpness of the bend: 1 gradual, large abrupt", 0.5, 20.0, (1.0,), shape=True),
         LawParameter(

@@ -16,7 +16,7 @@ LAW = Law(
     name="one-sided-stop",
     path="restoring",
     parameters=(
-        LawParameter("stiffness", "1/s2", "contact stiffness per unit mass", strength=True),
+        LawParameter("stiffness", "1/s2", "contact stiffness per unit mass", strength=True, lower=0.0),
         LawParameter(
             "position",
             "X",

@@ -5,7 +5,7 @@ from ..law import Law, LawParameter
 LAW = Law(
     name="quadratic-drag",
     path="dissipation",
-    parameters=(LawParameter("coefficient", "1/X", "quadratic drag per unit mass", strength=True),),
+    parameters=(LawParameter("coefficient", "1/X", "quadratic drag per unit mass", strength=True, lower=0.0),),
     force=lambda motion, p: p["coefficient"] * motion.v**2 * motion.sign(motion.v),
     equation="quadratic-drag x' |x'|",
     sentence="Drag that grows with the square of the speed, as of a body in air or water.",

@@ -13,7 +13,7 @@ LAW = Law(
     name="softening-stiffness",
     path="restoring",
     parameters=(
-        LawParameter("stiffness", "1/s2", "stiffness of that part at rest per unit mass", strength=True),
+        LawParameter("stiffness", "1/s2", "stiffness of that part at rest per unit mass", strength=True, lower=0.0),
         LawParameter("width", "X", "displacement at which it gives way", lower=1e-12, probes=(0.1, 0.25, 0.5, 1.0)),
     ),
     force=_saturating,

@@ -15,7 +15,7 @@ LAW = Law(
     name="stribeck",
     path="dissipation",
     parameters=(
-        LawParameter("excess", "X/s2", "friction at rest above that in motion, per unit mass", strength=True),
+        LawParameter("excess", "X/s2", "friction at rest above that in motion, per unit mass", strength=True, lower=0.0),
         LawParameter("speed", "X/s", "speed at which it has fallen to 1/e", lower=1e-12, probes=(0.02, 0.06, 0.2, 0.5)),
         LawParameter("exponent", "1", "how it falls: 1 exponentially, 2 as a bell", 0.5, 3.0, (1.0, 2.0), shape=True),
     ),

@@ -14,7 +14,7 @@ LAW = Law(
     name="two-sided-stop",
     path="restoring",
     parameters=(
-        LawParameter("stiffness", "1/s2", "contact stiffness per unit mass", strength=True),
+        LawParameter("stiffness", "1/s2", "contact stiffness per unit mass", strength=True, lower=0.0),
         LawParameter("position", "X", "where the contact begins", lower=0.0, probes=(0.25, 0.45, 0.65, 0.85)),
         LawParameter("damping", "1/s", "contact damping per unit mass", lower=0.0, probes=(0.0,), shape=True),
         LawParameter("offset", "X", "middle between the stops", probes=(0.0,), shape=True),

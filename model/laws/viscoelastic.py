@@ -13,7 +13,7 @@ LAW = Law(
     name="viscoelastic",
     path="memory",
     parameters=(
-        LawParameter("stiffness", "1/s2", "stiffness of the branch per unit mass", strength=True),
+        LawParameter("stiffness", "1/s2", "stiffness of the branch per unit mass", strength=True, lower=0.0),
         LawParameter("rate", "1/s", "how fast the branch relaxes", lower=0.0, probes=(0.05, 0.3, 1.0, 3.0)),
     ),
     force=_force,

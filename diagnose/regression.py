@@ -1,0 +1,245 @@
+"""Where in the library to begin: each law put on the measured motion itself, in one linear regression.
+
+A fit that starts from a base model which has bent itself around a large effect ends in a false minimum. On the measured
+motion there is none: with the law's onset or speed held at a probe, the equation of motion is linear in everything
+else, and windows spare differentiating (weak form, as ``identify.weakform``). Noise biases the answer, so it is a place
+to start from and never evidence.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+
+from ..identify.displacement import displacement
+from ..identify.excitation import band_of
+from ..identify.regression import smooth_motion
+from ..identify.weakform import Windows, windows
+from ..model import Oscillator
+from ..model.law import Law, Scales
+from ..simulate.along import Along
+from .fitting import Data
+
+#: Harmonics of the excited band that the windows reach: forces that are not linear show there.
+_HARMONICS = 3.5
+_CYCLES = 8.0
+_OVERLAP = 2
+_DENSITY = 30.0
+_REFINEMENTS = 6
+#: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
+_BASE = 6
+
+
+@dataclass(frozen=True, eq=False)
+class _Rows:
+    """One segment on a dense grid, with its windows and what does not depend on the law."""
+
+    view: Windows
+    motion: np.ndarray
+    driven: bool
+    columns: np.ndarray
+    target: np.ndarray
+    std: np.ndarray
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Values of all parameters, base and law, from the regression; ``misfit`` is its weighted mean square."""
+
+    effect: str
+    values: Mapping[str, float]
+    misfit: float
+
+
+class Regression:
+    """The equation of motion on windows of the measured motion.
+
+    Args:
+        data: recordings and segments.
+        model: gives the frequency and damping that weigh the rows; its further terms, with their values, are on the
+            left-hand side already.
+    """
+
+    def __init__(self, data: Data, model: Oscillator) -> None:
+        self.data = data
+        self.model = model
+        self.present = [(t.law, {n: q.value for n, q in t.parameters.items()}) for t in model.terms]
+        self.forced = any(segment.force is not None for segment in data.segments)
+        whole: dict[int, np.ndarray] = {}
+        self.rows: list[_Rows] = []
+        for i, segment in enumerate(data.segments):
+            recording = data.recordings[segment.recording]
+            if segment.recording not in whole:
+                whole[segment.recording] = displacement(recording)
+            x = whole[segment.recording][segment.start : segment.stop]
+            force = None if segment.force is None else np.asarray(recording.force, float)[segment.start : segment.stop]
+            rows = self._prepare(x, force, recording.fs, segment.time, data.sensor[i], data.force[i])
+            if rows is not None:
+                self.rows.append(rows)
+
+    def _prepare(
+        self, x: np.ndarray, force: np.ndarray | None, fs: float, start: float, noise: float, force_noise: float
+    ) -> _Rows | None:
+        model = self.model
+        f = model.omega0.value / (2 * np.pi)
+        seconds = min(_CYCLES / f, 0.5 * x.size / fs)
+        if seconds * f < 1.5:
+            return None
+        low, high = 0.3 * f, f
+        if force is not None and (band := band_of(self.data.recordings[0])) is not None:
+            high = max(f, min(band[1], 2 * f))
+        view = windows(x.size, fs, seconds, low, min(_HARMONICS * high, 0.4 * fs), _OVERLAP)
+        factor = int(np.clip(np.ceil(_DENSITY * high / fs), 1, 4))
+        dense, speed = smooth_motion(x, fs, high, factor)
+        fine = view.upsampled(factor)
+        time = start + np.arange(dense.size) / (fs * factor)
+        along = None
+        if force is not None:
+            along = np.interp(np.arange(dense.size) / factor, np.arange(force.size), force)
+        dt = 1 / (fs * factor)
+        motion = np.column_stack([dense, speed, time, np.zeros_like(dense) if along is None else along])
+        for law, values in self.present:
+            if law.drive is not None and along is not None:
+                motion[:, 3] = along_of(law)(values, motion, dt)[0]
+        columns = [fine.project(motion[:, 3])]
+        columns += [
+            view.project(x, 1),
+            view.project(x),
+            fine.project(dense**3),
+            fine.project(_soft_sign(dense, speed, dt)),
+            fine.project(_soft_sign(speed, np.gradient(speed, dt), dt)),
+        ]
+        for law, values in self.present:
+            if law.force is not None:
+                columns += [fine.project(one) for one in along_of(law)(values, motion, dt)]
+        w = view.omega
+        gap = (model.omega0.value**2 - w**2) ** 2 + (model.viscous.value * w) ** 2 + (2 * w * view.width) ** 2
+        mass = model.mass.value if model.mass is not None else 1.0
+        scale = max(noise, 1e-4 * float(np.std(x)))
+        quiet = scale**2 * gap + (force_noise / mass) ** 2
+        std = np.sqrt(quiet * view.energy / fs)
+        return _Rows(
+            fine,
+            motion,
+            along is not None,
+            np.stack([c.ravel() for c in columns], axis=-1),
+            -view.project(x, 2).ravel(),
+            np.tile(std, view.starts.size),
+        )
+
+    @property
+    def _base(self) -> int:
+        """Columns that are there whatever the law."""
+        return self.rows[0].columns.shape[1]
+
+    def best(self, law: Law) -> Guess | None:
+        """The best place of a law, searched from all its probes; None where the regression cannot carry it."""
+        if law.record is not None or (law.drive is not None and not self.forced) or not self.rows:
+            return None
+        scales = self.data.scales
+        found = [guess for probe in _probes(law, scales) if (guess := self._solve(law, probe)) is not None]
+        if not found:
+            return None
+        guess = min(found, key=lambda one: one.misfit)
+        moving = [p for p in law.parameters if not p.strength and not p.shape]
+        for factor in (1.35, 1.15):
+            for _ in range(_REFINEMENTS):
+                before = guess
+                for p in moving:
+                    for step in (factor, 1 / factor):
+                        here = {q.name: guess.values[f"{law.name}.{q.name}"] for q in law.parameters if not q.strength}
+                        here[p.name] = float(np.clip(here[p.name] * step, p.lower, p.upper))
+                        trial = self._solve(law, here)
+                        if trial is not None and trial.misfit < guess.misfit:
+                            guess = trial
+                if guess is before:
+                    break
+        return guess
+
+    def plain(self) -> float:
+        """Misfit of the model's own family."""
+        nothing = Law("nothing", "", (), "", "", "", force=lambda motion, p: 0.0 * motion.x)
+        guess = self._solve(nothing, {})
+        return np.inf if guess is None else guess.misfit
+
+    def gain(self, plain: float, guess: Guess) -> float:
+        """Gain of log-likelihood that a guess promises over the family's own misfit, windows being what they are."""
+        count = sum(2 * rows.target.size for rows in self.rows) / _OVERLAP
+        return 0.5 * count * float(np.log(plain / guess.misfit)) if guess.misfit > 0 else 0.0
+
+    def guesses(self, laws: Sequence[Law]) -> list[Guess]:
+        """The best place of each law, the smallest misfit first."""
+        with ThreadPoolExecutor(max_workers=2) as pool:
+            found = [guess for guess in pool.map(self.best, laws) if guess is not None]
+        return sorted(found, key=lambda guess: guess.misfit)
+
+    def _solve(self, law: Law, probe: Mapping[str, float]) -> Guess | None:
+        strengths = [p for p in law.parameters if p.strength]
+        normal, right, power, count = 0.0, 0.0, 0.0, 0
+        along = along_of(law)
+        values = {p.name: float(probe.get(p.name, 1.0)) for p in law.parameters}
+        for rows in self.rows:
+            columns = rows.columns
+            if law.force is not None or rows.driven:
+                made = along(values, rows.motion, 1.0 / rows.view.fs)
+                if not np.all(np.isfinite(made)):
+                    return None
+                projected = [rows.view.project(one).ravel() for one in made]
+                if law.drive is not None:
+                    columns = columns.copy()
+                    columns[:, 0] = projected[0]
+                else:
+                    columns = np.column_stack([columns, *projected])
+            a = columns / rows.std[:, None]
+            b = rows.target / rows.std
+            a, b = np.concatenate([a.real, a.imag]), np.concatenate([b.real, b.imag])
+            normal, right, power, count = normal + a.T @ a, right + a.T @ b, power + float(b @ b), count + b.size
+        matrix, vector = np.asarray(normal), np.asarray(right)
+        used = np.diag(matrix) > 0
+        size = np.sqrt(np.where(used, np.diag(matrix), 1.0))
+        solved = np.linalg.lstsq(matrix / np.outer(size, size), vector / size, rcond=1e-10)[0] / size
+        misfit = (power - float(vector @ solved)) / count
+        if not np.isfinite(misfit) or solved[2] <= 0 or (self.forced and not -solved[0] > 0):
+            return None
+        values = {"omega0": float(np.sqrt(solved[2])), "viscous": float(solved[1]), "cubic": float(solved[3])}
+        values |= {"preload": float(solved[4]), "dry": float(solved[5])}
+        if self.forced and self.model.mass is not None:
+            values["mass"] = -1.0 / float(solved[0])
+        own = dict(probe) | {p.name: float(s) for p, s in zip(strengths, solved[self._base :], strict=False)}
+        if not all(p.lower <= own[p.name] <= p.upper for p in law.parameters) or solved[1] < 0:
+            return None  # the law would do the opposite of what it stands for
+        for p in law.parameters:
+            values[f"{law.name}.{p.name}"] = own[p.name]
+        place = _BASE
+        for present, old in self.present:
+            for p in present.parameters:
+                values[f"{present.name}.{p.name}"] = old[p.name]
+                if present.force is not None and p.strength:
+                    values[f"{present.name}.{p.name}"] = float(np.clip(solved[place], p.lower, p.upper))
+                    place += 1
+        return Guess(law.name, values, misfit)
+
+
+def _probes(law: Law, scales: Scales) -> list[dict[str, float]]:
+    from .screen import probes
+
+    return [{k: v for k, v in probe.items()} for probe in probes(law, scales)]
+
+
+@cache
+def along_of(law: Law) -> Along:
+    """The law in C, built once."""
+    return Along(law)
+
+
+def _soft_sign(y: np.ndarray, slope: np.ndarray, dt: float) -> np.ndarray:
+    """Mean of sgn over each sample's interval, so that the instant of a sign change counts."""
+    reach = np.abs(slope) * dt / 2
+    return np.clip(y / np.where(reach > 0, reach, 1e-300), -1, 1)
+
+

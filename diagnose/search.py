@@ -1,0 +1,196 @@
+"""The search for what is missing: one effect after another, each tried from several starts and judged on other records.
+
+A law comes in where the training recordings ask for it by more than its parameters cost (Schwarz 1978) and the
+held-out ones, of another level and kind, are told better with it than without.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from ..errors import DashpotError
+from ..model import Oscillator
+from ..model.law import Law
+from ..model.laws import LIBRARY
+from .fitting import Data, Fitted, Structure, noise_spectra, shapes_of, with_term
+from .regression import Guess, Regression
+from .screen import Screen
+
+#: A law is fitted where it promises at least this gain of log-likelihood; three parameters gain 6 once in 130 by chance.
+WORTH_A_FIT = 6.0
+#: ... and accepted where, its parameters paid for, it gains at least this much on the training recordings
+ACCEPT_TRAIN = 5.0
+#: ... and this much on the held-out ones.
+ACCEPT_HOLDOUT = 3.0
+#: Fitted to the end are this many laws ...
+_FINALISTS = 6
+#: ... of those that are within this part of the best gain after a few steps.
+_FEW_STEPS = 3
+_MOST_EFFECTS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """One law put in, fitted and judged.
+
+    Attributes:
+        effect: the law's name.
+        fitted: on the training recordings.
+        holdout: the same parameters on the held-out ones.
+        gain: of log-likelihood on the training recordings, over the model without it, its parameters paid for (half
+            the difference of the Bayesian information criterion).
+        holdout_gain: on the held-out ones.
+        finished: whether it was fitted to the end or dropped on the way.
+    """
+
+    effect: str
+    fitted: Fitted
+    holdout: Fitted | None
+    gain: float
+    holdout_gain: float
+    finished: bool
+
+    @property
+    def supported(self) -> bool:
+        """Whether both kinds of recordings ask for it."""
+        return self.gain > ACCEPT_TRAIN and self.holdout_gain > ACCEPT_HOLDOUT
+
+    @property
+    def score(self) -> float:
+        """What it gains on all recordings together."""
+        return self.gain + self.holdout_gain
+
+
+@dataclass(frozen=True, eq=False)
+class Round:
+    """The library tried on one model: trials, the best first."""
+
+    before: Fitted
+    before_holdout: Fitted
+    trials: tuple[Trial, ...]
+
+
+@dataclass(eq=False)
+class Search:
+    """The search over the library.
+
+    Attributes:
+        data: training recordings.
+        holdout: recordings that no parameter is fitted to.
+        laws: the library, with the user's laws.
+        progress: called with what is being done and which part of all is done.
+    """
+
+    data: Data
+    holdout: Data
+    laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
+    progress: Callable[[str, float], None] = lambda _what, _part: None
+
+    def best_of_family(self, model: Oscillator) -> Fitted:
+        """The parameters of a model's own structure that suit the training recordings best."""
+        fitted = Structure(model, self.data).fit(settle=True, most=40)
+        return self._polish(fitted, ())
+
+    def judge(self, model: Oscillator) -> Fitted:
+        """The held-out recordings under a model as it is; only initial states are found anew."""
+        everything = tuple(model.parameters())
+        return Structure(model, self.holdout, everything).fit(settle=True, tolerance=0.1)
+
+    def round(self, fitted: Fitted) -> Round:
+        """Try the library on a fitted model."""
+        before = self.judge(fitted.model)
+        starts = self._starts(fitted)
+        self.progress("fitting the laws that promise most", 0.3)
+        early: list[tuple[float, str, Fitted]] = []
+        for i, (effect, models) in enumerate(starts.items()):
+            found = [f for m, initial in models if (f := self._fit(m, initial, _FEW_STEPS)) is not None]
+            if found:
+                best = max(found, key=lambda f: f.likelihood)
+                early.append((best.likelihood, effect, best))
+            self.progress(f"{effect}", 0.3 + 0.3 * (i + 1) / len(starts))
+        early.sort(key=lambda one: -one[0])
+        trials = []
+        for i, (_, effect, one) in enumerate(early):
+            finished = i < _FINALISTS
+            final = self.finish(one) if finished else one
+            trials.append(self.trial(effect, final, fitted, before, finished=finished))
+            self.progress(f"{effect}", 0.6 + 0.4 * (i + 1) / len(early))
+        return Round(fitted, before, tuple(sorted(trials, key=lambda t: (-t.finished, -t.score))))
+
+    def trial(self, effect: str, one: Fitted, fitted: Fitted, before: Fitted, *, finished: bool) -> Trial:
+        """A fitted law against the model without it."""
+        cost = 0.5 * (len(one.free) - len(fitted.free)) * math.log(self.data.points)
+        holdout = self.judge(one.model) if finished else None
+        gain = one.likelihood - fitted.likelihood - cost
+        return Trial(
+            effect, one, holdout, gain, holdout.likelihood - before.likelihood if holdout else -np.inf, finished
+        )
+
+    def finish(self, fitted: Fitted) -> Fitted:
+        """Fit to the end: first with the shape of its laws as it is, then the shape too where that gains."""
+        shapes = tuple(name for name in shapes_of(fitted.model) if name not in fitted.free)
+        done = self._polish(self._fit(fitted.model, fitted.initial, 12, shapes) or fitted, shapes)
+        if not shapes:
+            return done
+        freed = self._fit(done.model, done.initial, 12, ())
+        if freed is None:
+            return done
+        freed = self._polish(freed, ())
+        cost = 0.5 * len(shapes) * math.log(self.data.points)
+        return freed if freed.likelihood - cost > done.likelihood else done
+
+    def _starts(self, fitted: Fitted) -> dict[str, list[tuple[Oscillator, np.ndarray]]]:
+        """For each law worth a fit the models to start from."""
+        present = {term.law.effect for term in fitted.model.terms}
+        laws = [law for law in self.laws if law.effect not in present]
+        self.progress("regression on the measured motion", 0.02)
+        regression = Regression(self.data, fitted.model)
+        plain = regression.plain()
+        guesses = {guess.effect: guess for guess in regression.guesses(laws)}
+        self.progress("score of every law", 0.1)
+        screen = Screen(fitted, self.data)
+        scored = {start.effect: start for start in screen.starts(laws)}
+        starts: dict[str, list[tuple[Oscillator, np.ndarray]]] = {}
+        for law in laws:
+            models = []
+            start = scored.get(law.name)
+            if start is not None and max(start.promise, start.gain) > WORTH_A_FIT:
+                models.append((start.model, start.initial))
+            guess = guesses.get(law.name)
+            if guess is not None and regression.gain(plain, guess) > WORTH_A_FIT:
+                models.append((self._guessed(fitted.model, law, guess), fitted.initial))
+            if models:
+                starts[law.name] = models
+        return starts
+
+    def _guessed(self, model: Oscillator, law: Law, guess: Guess) -> Oscillator:
+        own = {p.name: guess.values[f"{law.name}.{p.name}"] for p in law.parameters}
+        grown = with_term(model, law.name, own)
+        known = grown.parameters()
+        return grown.with_parameters(
+            {name: replace(known[name], value=value) for name, value in guess.values.items() if name in known}
+        )
+
+    def _fit(
+        self, model: Oscillator, initial: np.ndarray, most: int, fixed: Sequence[str] | None = None
+    ) -> Fitted | None:
+        try:
+            structure = Structure(model, self.data, shapes_of(model) if fixed is None else fixed)
+            fitted = structure.fit(initial, most=most, settle=True)
+        except DashpotError:
+            return None
+        return fitted if fitted.finite and np.isfinite(fitted.likelihood) else None
+
+    def _polish(self, fitted: Fitted, fixed: Sequence[str]) -> Fitted:
+        """Further steps, every frequency weighed by the noise that is left there."""
+        for most in (8, 8):
+            noise = noise_spectra(fitted.residuals, fitted.model, self.data)
+            again = Structure(fitted.model, self.data, fixed).fit(fitted.initial, noise=noise, most=most)
+            if not again.finite or again.likelihood < fitted.likelihood + 0.1:
+                return again if again.likelihood > fitted.likelihood else fitted
+            fitted = again
+        return fitted

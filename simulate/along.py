@@ -1,0 +1,84 @@
+"""One law evaluated along a measured motion, its inner states integrated with it, in generated C."""
+
+from __future__ import annotations
+
+import ctypes
+import tempfile
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ..model.law import Law, Motion
+from .compiler import shared_library
+from .core import template
+
+_DOUBLES = ctypes.POINTER(ctypes.c_double)
+
+
+class Along:
+    """What a law makes of a motion that is given.
+
+    For a force law with strengths the values are its derivatives with respect to these, one column each (the
+    force is proportional to them); else its force; for a law on the force's path the force that arrives.
+    """
+
+    def __init__(self, law: Law, recorded: str = "displacement") -> None:
+        import casadi as ca
+
+        self.law = law
+        x, v, t, u = (ca.SX.sym(name) for name in "xvtu")
+        motion = Motion(x=x, v=v, t=t, recorded=recorded)
+        p = ca.SX.sym("p", len(law.parameters))
+        given = {parameter.name: p[i] for i, parameter in enumerate(law.parameters)}
+        made = law.drive(motion, given, u) if law.drive else law.force(motion, given) if law.force else ca.SX(0)
+        inner = ca.vertcat(ca.SX(0, 1), *motion.symbols)
+        rates = ca.vertcat(ca.SX(0, 1), *motion.rates)
+        strengths = [i for i, parameter in enumerate(law.parameters) if parameter.strength]
+        values = ca.jacobian(made, p)[:, strengths].T if strengths and law.force else made
+        if motion.signs:
+            plain = ca.vertcat(*[ca.sign(surface) for surface in motion.surfaces])
+            values, rates = ca.substitute([values, rates], [ca.vertcat(*motion.signs)], [plain])
+        z = ca.SX.sym("z", inner.numel())
+        given_motion = ca.SX.sym("motion", 4)
+        values, rates = ca.substitute([values, rates], [ca.vertcat(x, v, t, u)], [given_motion])
+        if inner.numel():
+            values, rates = ca.substitute([values, rates], [inner], [z])
+        self.values = values.numel()
+        self.follows = [{"displacement": 0, "velocity": 1}.get(state.follows or "") for state in motion.states]
+        arguments = [z, given_motion, p]
+        generator = ca.CodeGenerator("law.c", {"casadi_int": "int", "with_header": False})
+        generator.add(ca.Function("dp_value", arguments, [ca.densify(values)]))
+        generator.add(ca.Function("dp_rates", arguments, [ca.densify(rates)]))
+        with tempfile.TemporaryDirectory() as folder:
+            generator.generate(folder + "/")
+            body = (Path(folder) / "law.c").read_text(encoding="utf-8")
+        sizes = f"#define DP_INNER {inner.numel()}\n#define DP_VALUES {self.values}\n"
+        head = '#define CASADI_SYMBOL_EXPORT static\n#include "law.c"\n'
+        sources = {"law.c": body, "along.c": template("along.c"), "all.c": f'{head}{sizes}#include "along.c"\n'}
+        library = ctypes.CDLL(str(shared_library(sources, "all.c")))
+        self._along = library.dp_along
+        self._along.restype = None
+        self._along.argtypes = [_DOUBLES, _DOUBLES, ctypes.c_long, ctypes.c_double, _DOUBLES, _DOUBLES]
+
+    def __call__(self, parameters: Mapping[str, float], motion: np.ndarray, dt: float) -> np.ndarray:
+        """(values, n) along a motion.
+
+        Args:
+            parameters: of the law, by name.
+            motion: (n, 4) displacement, velocity, time, force at points ``dt`` apart, in order of time.
+            dt: s.
+        """
+        motion = np.ascontiguousarray(motion, float)
+        p = np.array([parameters[parameter.name] for parameter in self.law.parameters])
+        begin = np.array([0.0 if leader is None else motion[0, leader] for leader in self.follows] or [0.0])
+        out = np.empty((motion.shape[0], self.values))
+        self._along(
+            p.ctypes.data_as(_DOUBLES),
+            begin.ctypes.data_as(_DOUBLES),
+            motion.shape[0],
+            dt,
+            motion.ctypes.data_as(_DOUBLES),
+            out.ctypes.data_as(_DOUBLES),
+        )
+        return out.T
