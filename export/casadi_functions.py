@@ -2,61 +2,76 @@
 
 ``OUT.casadi``             right-hand side, exact: signs as they are, sticking included
 ``OUT.step.casadi``        discrete step, event-exact
+``OUT.output.casadi``      response as recorded, displacement, velocity, acceleration
 ``OUT.smooth.casadi``      right-hand side with every sign replaced by tanh(surface / width)
 ``OUT.smooth.step.casadi`` discrete step of the smooth right-hand side
 ``OUT.casadi.json``        names, units, values with errors, widths, step
+
+All take the state ``x``, the force ``u`` and the parameters ``p``; where a law depends on the time itself there is a
+last input ``t``, zero where it is left out. (CasADi takes positional arguments only in full number, so that an input
+that changes nothing would be a burden to every caller.)
 """
 
 from __future__ import annotations
 
 import json
 import math
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ..errors import BadInput
-from ..model.equations import Equations, SurfaceKind, equations, signed
+from ..model import units
+from ..model.equations import Equations, equations, signed
 from ..model.law import Expression
-from ..simulate.casadi_step import exact_field, exact_step, with_defaults
+from ..simulate.casadi_step import exact_field, exact_output, exact_step, with_defaults
 from ..simulate.core import internal_step
 from ..simulate.runge_kutta import dormand_prince
 from ..writing import replacing
+from .smoothing import Sample, Surface, amplitude_of, check_step, sample_motion, surfaces
 
 if TYPE_CHECKING:
     from ..model import Oscillator
 
-#: Smoothing width over the largest identified amplitude (or over omega0 times it, for velocities).
-RELATIVE_WIDTH = 1e-3
-#: Amplitude that stands in where the model file states no range: 1 in its own unit is as good a guess as any.
-_DEFAULT_AMPLITUDE = 1e-2
+#: Internal steps of the smooth step per period of the fastest motion, and per time constant of what merely decays.
+_SMOOTH_STEPS = 60.0
+_SMOOTH_STEPS_PER_DECAY = 2.0
 
 
-def amplitude_of(oscillator: Oscillator) -> float:
-    """Largest amplitude that the model was identified for, in the displacement's unit."""
-    return oscillator.amplitude.max if oscillator.amplitude is not None else _DEFAULT_AMPLITUDE
+@dataclass(frozen=True, eq=False)
+class Functions:
+    """The casadi.Function objects by their file suffix, and the surfaces that two of them smooth."""
+
+    by_suffix: dict[str, Expression]
+    surfaces: tuple[Surface, ...]
+    timed: bool
 
 
-def smoothing_widths(oscillator: Oscillator, eq: Equations) -> list[float]:
-    """One width per switching surface: a thousandth of the motion's largest displacement or velocity."""
-    amplitude = amplitude_of(oscillator)
-    velocity = amplitude * oscillator.omega0.value
-    return [RELATIVE_WIDTH * (velocity if kind is SurfaceKind.VELOCITY else amplitude) for kind in eq.kinds]
+def depends_on_time(eq: Equations) -> bool:
+    """Whether a law depends on the time itself."""
+    import casadi as ca
+
+    return bool(ca.depends_on(ca.vertcat(eq.zdot, eq.y, eq.surfaces), eq.t))
 
 
-def functions(oscillator: Oscillator, dt: float = 1e-3) -> dict[str, Expression]:
-    """The four casadi.Function objects by their file suffix.
+def functions(oscillator: Oscillator, dt: float = 1e-3) -> Functions:
+    """The five functions.
 
     Args:
         oscillator: the model.
         dt: sample time of the discrete steps, s.
 
     Returns:
-        ``casadi``: f(x, u, p) -> xdot; ``step.casadi``: step(x, u, p) -> x_next; both again under ``smooth.``.
-        ``x`` is displacement and velocity; ``u`` the force (for a step also two values, at its start and its end, with
-        a straight line between them); elements of ``p`` left at their default, inf, take the identified values.
+        ``casadi``: f(x, u, p) -> xdot; ``step.casadi``: step(x, u, p) -> x_next; both again under ``smooth.``;
+        ``output.casadi``: h(x, u, p) -> y. ``x`` is displacement, velocity, inner states; ``u`` the force (for a step
+        also two values, at its start and its end, with a straight line between them); elements of ``p`` left at their
+        default, inf, take the identified values. Where a law depends on time, t is the last input of all.
 
     Raises:
-        BadInput: where ``dt`` is longer than half a cycle, or shorter than a millionth of that.
+        BadInput: where ``dt`` is longer than half a cycle or shorter than a millionth of that, or takes too many
+            internal steps.
     """
     import casadi as ca
 
@@ -67,38 +82,60 @@ def functions(oscillator: Oscillator, dt: float = 1e-3) -> dict[str, Expression]
             f"choose one between {1e-6 * half_period:.2g} s and half a cycle, {half_period:.3g} s"
         )
     eq = equations(oscillator)
+    timed = depends_on_time(eq)
     values = oscillator.values()
     identified = list(values.values())
-    widths = smoothing_widths(oscillator, eq)
+    longest = internal_step(oscillator, values, amplitude_of(oscillator))
+    check_step(dt, longest)
+    event_step = exact_step(oscillator, dt, longest)
+    sample = sample_motion(oscillator, eq, longest)
+    found = surfaces(oscillator, eq, sample)
+    names = ["x", "u", "p", "t"] if timed else ["x", "u", "p"]
+    options = {"default_in": [0.0, 0.0, ca.inf, 0.0][: len(names)]}
+
+    def function(name: str, inputs: list[Expression], result: Expression, output: str) -> Expression:
+        return ca.Function(name, inputs[: len(names)], [result], names, [output], options)
+
     x, u, p = ca.SX.sym("x", eq.z.numel()), ca.SX.sym("u"), ca.SX.sym("p", eq.p.numel())
-    names = (["x", "u", "p"], ["xdot"])
-    options = {"default_in": [0.0, 0.0, ca.inf]}
+    t = ca.SX.sym("t") if timed else ca.SX(0)
     p_full = with_defaults(p, identified)
-
-    exact = ca.Function("f", [x, u, p], [exact_field(eq, x, u, p_full, 0)], *names, options)
-    plain = signed(eq, eq.zdot, ca.DM(widths) if widths else None)
+    plain = signed(eq, eq.zdot, ca.DM([one.width for one in found]) if found else None)
     field = ca.Function("field", [eq.z, eq.t, eq.u, eq.p], [plain])
-    smooth = ca.Function("f_smooth", [x, u, p], [field(x, 0, u, p_full)], *names, options)
+    made = {
+        "casadi": function("f", [x, u, p, t], exact_field(eq, x, u, p_full, t), "xdot"),
+        "output.casadi": function("output", [x, u, p, t], exact_output(eq, x, u, p_full, t), "y"),
+        "smooth.casadi": function("f_smooth", [x, u, p, t], field(x, t, u, p_full), "xdot"),
+    }
 
-    forces, given = ca.MX.sym("u", 2), ca.MX.sym("p", eq.p.numel())
-    start = ca.MX.sym("x", eq.z.numel())
-    names = (["x", "u", "p"], ["x_next"])
-    event_step = exact_step(oscillator, dt, internal_step(oscillator, values, amplitude_of(oscillator)))
-    step = ca.Function("step", [start, forces, given], [event_step(start, forces, given, 0, dt)], *names, options)
+    start, forces, given = ca.MX.sym("x", eq.z.numel()), ca.MX.sym("u", 2), ca.MX.sym("p", eq.p.numel())
+    clock = ca.MX.sym("t") if timed else ca.MX(0)
+    inputs = [start, forces, given, clock]
+    made["step.casadi"] = function("step", inputs, event_step(start, forces, given, clock, dt), "x_next")
 
-    slope = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p], [ca.norm_fro(ca.jacobian(plain, eq.z)[1, 0])])
-    steepest = math.sqrt(abs(float(slope([0.0, 0.0], 0.0, 0.0, identified))))
-    count = max(1, math.ceil(dt * max(steepest, oscillator.omega0.value) * _SMOOTH_STEPS / (2 * math.pi)))
+    pace = _pace(oscillator, eq, plain, sample)
+    check_step(dt, 1 / pace)
+    count = max(1, math.ceil(dt * pace))
     state, force_line, h = start, (forces[1] - forces[0]) / dt, dt / count
     full = with_defaults(given, identified)
     for n in range(count):
-        state = dormand_prince(lambda z, tau: field(z, 0, forces[0] + force_line * tau, full), state, n * h, h)
-    smooth_step = ca.Function("step_smooth", [start, forces, given], [state], *names, options)
-    return {"casadi": exact, "step.casadi": step, "smooth.casadi": smooth, "smooth.step.casadi": smooth_step}
+        state = dormand_prince(
+            lambda z, tau: field(z, clock + tau, forces[0] + force_line * tau, full), state, n * h, h
+        )
+    made["smooth.step.casadi"] = function("step_smooth", inputs, state, "x_next")
+    return Functions(made, tuple(found), timed)
 
 
-#: Internal steps per period of the stiffest smoothed law.
-_SMOOTH_STEPS = 60.0
+def _pace(oscillator: Oscillator, eq: Equations, smooth: Expression, sample: Sample) -> float:
+    """Internal steps a second that the smooth right-hand side needs, from its eigenvalues along the motion."""
+    import casadi as ca
+
+    p = np.array(list(oscillator.values().values()))
+    jacobian = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p], [ca.densify(ca.jacobian(smooth, eq.z))])
+    matrices = [np.array(jacobian(np.zeros(eq.z.numel()), 0.0, 0.0, p))]
+    matrices += [np.array(jacobian(z, t, u, p)) for z, t, u in zip(sample.z.T, sample.t, sample.u, strict=True)]
+    rates = np.linalg.eigvals(np.array([m for m in matrices if np.all(np.isfinite(m))] or [np.zeros((1, 1))]))
+    steps = np.where(np.abs(rates.imag) > 0, _SMOOTH_STEPS / (2 * math.pi), _SMOOTH_STEPS_PER_DECAY)
+    return max(float(np.max(steps * np.abs(rates))), _SMOOTH_STEPS / (2 * math.pi) * oscillator.omega0.value)
 
 
 def export_casadi(oscillator: Oscillator, path: Path, *, dt: float = 1e-3) -> tuple[Path, ...]:
@@ -112,50 +149,56 @@ def export_casadi(oscillator: Oscillator, path: Path, *, dt: float = 1e-3) -> tu
     path = Path(path)
     stem = path.name.removesuffix(".casadi")
     written = []
-    for suffix, function in functions(oscillator, dt).items():
+    made = functions(oscillator, dt)
+    for suffix, function in made.by_suffix.items():
         target = path.with_name(f"{stem}.{suffix}")
         with replacing(target) as temporary:
             function.save(str(temporary))
         written.append(target)
     target = path.with_name(f"{stem}.casadi.json")
     with replacing(target) as temporary:
-        text = json.dumps(describe(oscillator, stem, dt), indent=2, ensure_ascii=False)
+        text = json.dumps(describe(oscillator, stem, dt, made), indent=2, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
     return (*written, target)
 
 
-def describe(oscillator: Oscillator, stem: str, dt: float) -> dict[str, Any]:
+def describe(oscillator: Oscillator, stem: str, dt: float, made: Functions) -> dict[str, Any]:
     """Names and units of everything that goes into and comes out of the functions."""
     eq = equations(oscillator)
-    unit = oscillator.response.displacement_unit
-    force_unit = oscillator.force_unit if oscillator.mass is not None else f"{unit}/s2"
+    response = oscillator.response
+    unit = response.displacement_unit
+    force_unit = oscillator.force_unit if oscillator.mass is not None else units.compose("X/s2", unit)
     descriptions = oscillator.descriptions()
-    units = [unit, f"{unit}/s"]
-    return {
+    state_units = [unit, units.compose("X/s", unit)]
+    state_units += [units.compose(s.unit, unit, oscillator.force_unit, response.unit) for s in eq.inner]
+    output_units = [response.unit, *state_units[:2], units.compose("X/s2", unit)]
+    more = ", t" if made.timed else ""
+    description: dict[str, Any] = {
         "format": "dashpot-casadi/1",
         "name": oscillator.name,
         "equation": oscillator.equation(),
         "files": {
-            f"{stem}.casadi": "xdot = f(x, u, p), exact",
-            f"{stem}.step.casadi": "x_next = step(x, u, p), event-exact; u held, or [u, u_next] for a straight line",
-            f"{stem}.smooth.casadi": "xdot = f_smooth(x, u, p), sgn(g) replaced by tanh(g / width)",
-            f"{stem}.smooth.step.casadi": "x_next = step_smooth(x, u, p) of the smooth right-hand side",
+            f"{stem}.casadi": f"xdot = f(x, u, p{more}), exact",
+            f"{stem}.step.casadi": f"x_next = step(x, u, p{more}), event-exact; u held, "
+            "or [u, u_next] for a straight line",
+            f"{stem}.output.casadi": f"y = output(x, u, p{more}), exact; y[0] is the response as recorded",
+            f"{stem}.smooth.casadi": f"xdot = f_smooth(x, u, p{more}), sgn(g) replaced by tanh(g / width)",
+            f"{stem}.smooth.step.casadi": f"x_next = step_smooth(x, u, p{more}) of the smooth right-hand side",
         },
-        "x": [{"name": name, "unit": u} for name, u in zip(eq.state_names, units, strict=True)],
+        "x": [
+            {"name": name, "unit": one, "starts_from": None if leader is None else eq.state_names[leader]}
+            for name, one, leader in zip(eq.state_names, state_units, eq.follows, strict=True)
+        ],
         "u": [{"name": "F", "unit": force_unit}],
         "p": [
             {"name": name, "value": q.value, "std": q.std, "unit": q.unit, "description": descriptions[name]}
             for name, q in oscillator.parameters().items()
         ],
         "p_default": "inf in an element of p stands for the identified value",
+        "y": [{"name": name, "unit": one} for name, one in zip(eq.output_names, output_units, strict=True)],
         "step_s": dt,
-        "smoothing_width": [
-            {"surface": str(surface), "width": width, "unit": unit if kind is SurfaceKind.POSITION else f"{unit}/s"}
-            for surface, width, kind in zip(
-                ["x" if k is SurfaceKind.POSITION else "v" for k in eq.kinds],
-                smoothing_widths(oscillator, eq),
-                eq.kinds,
-                strict=True,
-            )
-        ],
+        "smoothing_width": [{"surface": g.text, "width": g.width, "unit": g.unit} for g in made.surfaces],
     }
+    if made.timed:
+        description["t"] = {"unit": "s", "default": 0.0, "meaning": "time; for a step that at its start"}
+    return description

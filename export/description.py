@@ -12,8 +12,8 @@ from ..errors import BadInput
 from ..model import units
 from ..model.equations import Equations, equations, signed
 from ..simulate.core import internal_step
-from .casadi_functions import amplitude_of
 from .render import plain_text, render
+from .smoothing import amplitude_of
 
 if TYPE_CHECKING:
     from ..model import Oscillator

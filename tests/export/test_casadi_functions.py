@@ -5,13 +5,18 @@ from __future__ import annotations
 import json
 import subprocess
 import sys
+from pathlib import Path
 
 import casadi
 import numpy as np
 import pytest
+from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.export import export
+from dashpot.export.casadi_functions import describe, functions
 from dashpot.model import Oscillator, Range
+from dashpot.model.equations import equations, signed
+from dashpot.model.laws import LIBRARY
 from dashpot.simulate.core import core_of, internal_step
 
 DT = 1e-3
@@ -38,7 +43,8 @@ def load(folder, suffix):
 
 def test_the_files_are_there_and_nothing_else(folder):
     names = sorted(path.name for path in folder.iterdir())
-    assert names == ["rig.casadi", "rig.casadi.json", "rig.smooth.casadi", "rig.smooth.step.casadi", "rig.step.casadi"]
+    suffixes = ("casadi", "casadi.json", "output.casadi", "smooth.casadi", "smooth.step.casadi", "step.casadi")
+    assert names == [f"rig.{suffix}" for suffix in suffixes]
 
 
 def test_casadi_alone_loads_and_runs_them(folder):
@@ -54,16 +60,17 @@ def test_casadi_alone_loads_and_runs_them(folder):
     assert float(run.stdout) == pytest.approx(u / TRUTH["mass"] - inner, rel=1e-12)
 
 
-@pytest.mark.parametrize("suffix", ["casadi", "step.casadi", "smooth.casadi", "smooth.step.casadi"])
+@pytest.mark.parametrize("suffix", ["casadi", "step.casadi", "output.casadi", "smooth.casadi", "smooth.step.casadi"])
 def test_inputs_and_outputs_are_named_and_the_identified_values_are_the_default(folder, suffix):
     f = load(folder, suffix)
     assert [f.name_in(i) for i in range(f.n_in())] == ["x", "u", "p"]
-    assert [f.name_out(i) for i in range(f.n_out())] == ["x_next" if "step" in suffix else "xdot"]
+    output = "x_next" if "step" in suffix else "y" if "output" in suffix else "xdot"
+    assert [f.name_out(i) for i in range(f.n_out())] == [output]
     x, u = [2e-3, -0.1], 0.3
     default = np.array(next(iter(f(x=x, u=u).values()))).ravel()
     assert default == pytest.approx(np.array(f(x, u, VALUES)).ravel(), rel=1e-15)
     heavier = [2 * VALUES[0], *[np.inf] * (len(VALUES) - 1)]  # one parameter set, the rest as identified
-    assert np.array(f(x, u, heavier)).ravel()[1] != pytest.approx(default[1])
+    assert np.array(f(x, u, heavier)).ravel() != pytest.approx(default)
 
 
 def test_the_mass_sticks_within_its_friction(folder):
@@ -112,6 +119,8 @@ def test_names_units_and_errors_stand_beside(folder):
     assert [s["unit"] for s in about["x"]] == ["m", "m/s"]
     assert about["u"] == [{"name": "F", "unit": "N"}]
     assert about["smoothing_width"][0] == {"surface": "x", "width": pytest.approx(9e-6), "unit": "m"}
+    assert [(y["name"], y["unit"]) for y in about["y"]][2:] == [("velocity", "m/s"), ("acceleration", "m/s2")]
+    assert "t" not in about
     assert set(about["files"]) == {p.name for p in folder.iterdir() if p.suffix == ".casadi"}
 
 
@@ -122,3 +131,59 @@ def test_without_a_mass_the_input_is_a_force_per_unit_mass(tmp_path):
     assert f.size1_in("p") == 5
     about = json.loads((tmp_path / "free.casadi.json").read_text(encoding="utf-8"))
     assert about["u"][0]["unit"] == "m/s2"
+
+
+@pytest.mark.parametrize("effect", LIBRARY)
+def test_every_law_has_its_functions(effect, with_law):
+    """The right-hand side, the output and the smooth law agree where no sign is near its change."""
+    model = with_law(effect, dry=0.0, preload=0.0)
+    made = functions(model)
+    about = describe(model, "rig", DT, made)
+    eq = equations(model)
+    assert [x["name"] for x in about["x"]] == list(eq.state_names)
+    assert made.timed == ("t" in about) == effect.startswith("stiffness-drift")
+    extra = [0.7] if made.timed else []
+    z = np.array([5e-3, 0.3, *(0.4 * SCALES[state.unit] for state in eq.inner)])
+    f, smooth, output = (made.by_suffix[name] for name in ("casadi", "smooth.casadi", "output.casadi"))
+    p = list(model.values().values())
+    expected = np.array(casadi.Function("f", [eq.z, eq.t, eq.u, eq.p], [signed(eq, eq.zdot)])(z, 0.7, 0.5, p)).ravel()
+    assert np.array(f(z, 0.5, p, *extra)).ravel() == pytest.approx(expected, rel=1e-9)
+    assert np.array(smooth(z, 0.5, p, *extra)).ravel() == pytest.approx(expected, rel=1e-6)
+    y = np.array(output(z, 0.5, p, *extra)).ravel()
+    assert y[1:] == pytest.approx([z[0], z[1], expected[1]], rel=1e-9)
+
+
+SCALES = {"X": 5e-3, "X/s": 0.4, "Q": 1e-3, "Y": 5e-3, "rad": 1.0}
+
+
+@pytest.mark.parametrize("effect", LIBRARY)
+def test_the_smooth_step_of_every_law_follows_the_exact_one(effect, with_law):
+    model = with_law(effect)
+    made = functions(model).by_suffix
+    step, smooth = made["step.casadi"], made["smooth.step.casadi"]
+    eq = equations(model)
+    a = b = np.array([6e-3, 0.0, *(6e-3 if leader == 0 else 0.0 for leader in eq.follows[2:])])
+    p = list(model.values().values())
+    apart = []
+    for k in range(150):
+        extra = [k * DT] if step.n_in() == 4 else []
+        force = 0.5 * np.sin(80 * DT * np.array([k, k + 1]))
+        a, b = np.array(step(a, force, p, *extra)).ravel(), np.array(smooth(b, force, p, *extra)).ravel()
+        apart.append(abs(a[0] - b[0]))
+    assert max(apart) < 5e-3 * 6e-3
+
+
+def test_a_surface_is_smoothed_in_its_own_size_and_unit(with_law, tmp_path):
+    model = with_law("actuator-dead-zone", "hysteresis")
+    about = json.loads(Path(export(model, tmp_path / "rig.casadi")[-1]).read_text(encoding="utf-8"))
+    width = {one["surface"]: (one["width"], one["unit"]) for one in about["smoothing_width"]}
+    limit = model.values()["hysteresis.limit"]
+    assert width["hysteresis.deflection"] == (pytest.approx(1e-3 * limit, rel=0.1), "m")
+    size, unit = width["(F-actuator-dead-zone.threshold)"]
+    assert unit == "N"
+    assert size == pytest.approx(1e-3 * 0.27 * (5.0 * 79.6 * 1e-2 + 0.015))  # the force that keeps the motion up
+
+
+def test_a_law_too_fast_for_the_step_is_refused(with_law):
+    with pytest.raises(BadInput, match="choose a step below"):
+        functions(with_law("actuator-lag", **{"actuator-lag.time": 1e-8}))

@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
-from dashpot.export.casadi_functions import amplitude_of
+from dashpot.export.smoothing import amplitude_of
 from dashpot.simulate.core import core_of, internal_step
 
 DT = 1e-3
