@@ -58,7 +58,7 @@ def check_step(dt: float, longest: float) -> None:
     if dt > MOST_STEPS * longest:
         raise BadInput(
             f"the step of {dt:g} s takes {dt / longest:.0f} internal steps, for the model's fastest motion needs steps "
-            f"of {longest:.2g} s; choose a step below {MOST_STEPS * longest:.2g} s, or leave out the law that is so fast"
+            f"of {longest:.2g} s; choose one below {MOST_STEPS * longest:.2g} s, or leave out the law that is so fast"
         )
 
 

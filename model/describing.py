@@ -7,7 +7,8 @@ spring ``k(A, omega)`` and the damper ``d(A, omega) = 2 h``:
 
 (Krylov and Bogoliubov 1937; Gelb and Vander Velde 1968, section 2.2). Closed forms for the single laws: cubic
 3/4 c A², quintic 5/8 c A⁴ (Eq. 6 of Feldman, Bucher, Rotberg), preload 4 P/(pi A), dry friction 4 D/(pi omega A).
-Eq. 15 of that paper plots k(A) A and h(A) A omega as if they were the static force; they are these functions.
+Eq. 15 of that paper plots k(A) A and h(A) A omega as if they were the static force; they are these functions. Laws with
+a memory are integrated to their periodic state (``harmonic``).
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..errors import BadInput
-from .inner_force import InnerForce
+from .harmonic import Memory
+from .inner_force import InnerForce, without_memory
 from .quadrature import split_panels
 
 if TYPE_CHECKING:
@@ -26,6 +28,8 @@ if TYPE_CHECKING:
     from .oscillator import Oscillator
 
 _INTERVALS = 64  # of a cycle: a polynomial law is then exact to rounding
+_TURNS, _FAR = 30, 0.3
+_SETTLED, _TOLERABLE = 1e-10, 1e-6  # of omega²
 
 
 def equivalent_stiffness(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) -> np.ndarray:
@@ -40,9 +44,9 @@ def equivalent_stiffness(oscillator: Oscillator, amplitude: ArrayLike, omega: Ar
         (n,), rad²/s². A mean force (from a static load or an asymmetric spring) has no part in it.
 
     Raises:
-        BadInput: an amplitude or frequency is not positive, or a law has a memory.
+        BadInput: an amplitude or frequency is not positive, or the memory of a law does not become periodic.
     """
-    return _describing(oscillator, amplitude, omega)[0]
+    return _periodic(oscillator, amplitude, omega)[0]
 
 
 def equivalent_damping(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) -> np.ndarray:
@@ -50,7 +54,62 @@ def equivalent_damping(oscillator: Oscillator, amplitude: ArrayLike, omega: Arra
 
     Twice the damping h that FREEVIB gives (Eq. 12) and ``damping_curve`` returns.
     """
-    return _describing(oscillator, amplitude, omega)[1]
+    return _periodic(oscillator, amplitude, omega)[1]
+
+
+def describing_functions(
+    oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike
+) -> tuple[np.ndarray, np.ndarray]:
+    """Both, k (n,) and d (n,); NaN where a law's memory is so much faster than the motion that it cannot be followed.
+
+    Arguments and other errors as above.
+    """
+    return _describing(oscillator, amplitude, omega)
+
+
+def natural_motion(oscillator: Oscillator, amplitude: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    """Mean natural frequency (n,), rad/s, and h (n,), 1/s, at the amplitudes (n,): ``omega² = k(A, omega)``.
+
+    This is what FREEVIB and FORCEVIB measure. NaN where the spring has softened to nothing. Only with a law that has a
+    memory does k depend on the frequency; of several solutions one near omega0 is taken, and NaN where none is found.
+    Raises BadInput as above.
+    """
+    a = positive(amplitude, "amplitude", oscillator.response.displacement_unit)
+    omega = np.full(a.shape, oscillator.omega0.value)
+    k, d = _describing(oscillator, a, omega)
+    if without_memory(oscillator)[1] is None:
+        omega = np.sqrt(np.where(k > 0, k, np.nan))
+        return omega, np.where(k > 0, _describing(oscillator, a, np.where(k > 0, omega, 1.0))[1] / 2, np.nan)
+    last, excess = omega, k - omega**2
+    omega = np.sqrt(np.where(k > 0, k, omega**2))
+    open_ = np.flatnonzero(k > 0)
+    for _ in range(_TURNS):  # the secant, and where that goes far the plain repetition
+        if not open_.size:
+            break
+        w = omega[open_]
+        k[open_], d[open_] = _describing(oscillator, a[open_], w)
+        now = k[open_] - w**2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            new = w - now * (w - last[open_]) / (now - excess[open_])
+        far = ~(np.abs(new - w) < _FAR * w)
+        new = np.where(far, np.sqrt(np.where(k[open_] > 0, 0.5 * (k[open_] + w**2), np.nan)), new)
+        done = np.abs(now) <= _SETTLED * w**2
+        last[open_], excess[open_] = w, now
+        omega[open_] = np.where(done, w, new)
+        open_ = open_[~done & np.isfinite(new)]
+    settled = np.abs(k - omega**2) <= _TOLERABLE * omega**2
+    return np.where(settled, omega, np.nan), np.where(settled, d / 2, np.nan)
+
+
+def _periodic(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+    found = _describing(oscillator, amplitude, omega)
+    if not np.all(np.isfinite(found)):
+        a = np.broadcast_to(positive(amplitude, "amplitude", ""), found[0].shape)[~np.isfinite(found[0])]
+        raise BadInput(
+            f"a law with a memory follows no periodic motion at amplitude {a[0] if a.size else 0.0:.3g} "
+            f"{oscillator.response.displacement_unit}, or is far faster than it; choose other amplitudes, or simulate"
+        )
+    return found
 
 
 def positive(values: ArrayLike, what: str, unit: str) -> np.ndarray:
@@ -70,6 +129,7 @@ def _describing(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) 
     if w.size not in (1, a.size):
         raise BadInput(f"{a.size} amplitudes with {w.size} frequencies; give one frequency or one for each amplitude")
     w = np.broadcast_to(w, a.shape)
+    oscillator, memory = without_memory(oscillator)
     force = InnerForce(oscillator)
 
     def surfaces(phi: np.ndarray, row: np.ndarray) -> np.ndarray:
@@ -80,4 +140,7 @@ def _describing(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) 
     f = force(a[:, None, None] * cos, -(a * w)[:, None, None] * sin)
     stiffness = panels.integral(f * cos) / (np.pi * a)
     damping = -panels.integral(f * sin) / (np.pi * a * w)
+    if memory is not None:
+        more = Memory(memory).fundamental(a, w)
+        stiffness, damping = stiffness + more.stiffness, damping + more.damping
     return stiffness, damping

@@ -7,13 +7,15 @@ A_max by f = 2 A_max h omega0. Eq. 13 as printed is dimensionally wrong: the las
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import BadInput
-from .describing import equivalent_damping, equivalent_stiffness, positive
+from .describing import natural_motion, positive
+from .inner_force import without_memory
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike
@@ -21,6 +23,7 @@ if TYPE_CHECKING:
     from .oscillator import Oscillator
 
 _FINE = 1e-12
+_A_DECADE = 12
 
 
 @dataclass(frozen=True)
@@ -112,32 +115,70 @@ def frequency_response(
 
     Raises:
         BadInput: the force or an amplitude is not positive, friction holds the mass against this force, there is no
-            peak (the damping is not positive, or the spring softens to nothing first), or a law has a memory.
+            peak (the damping is not positive, or the spring softens to nothing first).
     """
     f = positive(force, "the force amplitude", oscillator.force_unit)[0]
     if oscillator.mass is not None:
         f /= oscillator.mass.value
     a = _up_to_peak(oscillator, f, points) if amplitude is None else positive(amplitude, "amplitude", "")
-    stiffness, h = _curves(oscillator, a)
-    if np.any(stiffness <= 0):
-        raise BadInput(f"the spring has softened to nothing at amplitude {a[stiffness <= 0][0]:g}; stay below it")
+    stiffness, h = _curves(oscillator)(a)
+    there = stiffness > 0
+    if not np.all(there):
+        raise BadInput(f"the spring has softened to nothing at amplitude {a[~there][0]:g}; stay below it")
     return branches(a, np.sqrt(stiffness), h, float(f))
 
 
-def _curves(oscillator: Oscillator, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Squared natural frequency and h at the amplitudes (n,), both at the natural frequency."""
-    omega = np.full(a.shape, oscillator.omega0.value)
-    stiffness = equivalent_stiffness(oscillator, a, omega)
-    omega = np.sqrt(np.where(stiffness > 0, stiffness, omega**2))
-    return stiffness, equivalent_damping(oscillator, a, omega) / 2
+#: Squared natural frequency and h at amplitudes (n,), NaN where there is none.
+_Curves = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+def _curves(oscillator: Oscillator) -> _Curves:
+    """The curves by which the response is found; known amplitudes are kept where a memory makes them costly."""
+    if without_memory(oscillator)[1] is None:
+
+        def exact(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+            omega, h = natural_motion(oscillator, a)
+            return omega**2, h
+
+        return exact
+    return _interpolated(oscillator)
+
+
+def _interpolated(oscillator: Oscillator) -> _Curves:
+    """The same with a law that has a memory: from ``_A_DECADE`` amplitudes a decade, each computed once."""
+    known: dict[int, tuple[float, float]] = {}
+
+    def at(places: np.ndarray) -> np.ndarray:
+        new = [int(i) for i in np.unique(places) if int(i) not in known]
+        if new:
+            omega, h = natural_motion(oscillator, 10.0 ** (np.array(new) / _A_DECADE))
+            known.update(zip(new, zip((omega**2).tolist(), h.tolist(), strict=True), strict=True))
+        return np.array([known[int(i)] for i in places])
+
+    def curves(a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        from scipy.interpolate import PchipInterpolator
+
+        place = np.log10(a) * _A_DECADE
+        grid = np.arange(np.floor(place.min()) - 1, np.ceil(place.max()) + 2)
+        found = at(grid)
+        there = np.isfinite(found[:, 0])
+        if np.count_nonzero(there) < 2:
+            return np.full(a.shape, np.nan), np.full(a.shape, np.nan)
+        curve = PchipInterpolator(grid[there], found[there], extrapolate=False)(place)
+        curve[np.isnan(np.interp(place, grid, np.where(there, 0.0, np.nan)))] = np.nan
+        return curve[:, 0], curve[:, 1]
+
+    return curves
 
 
 def _up_to_peak(oscillator: Oscillator, f: float, points: int) -> np.ndarray:
     """Amplitudes from a hundredth of the peak to the peak, where f²/A² = 4 h² (omega0² - h²)."""
 
+    curves = _curves(oscillator)
+
     def surplus(a: np.ndarray) -> np.ndarray:
         """Positive where the force drives more than the damping takes; NaN where the spring has gone."""
-        stiffness, h = _curves(oscillator, a)
+        stiffness, h = curves(a)
         takes = np.where(h > 0, 4 * h**2 * (stiffness - h**2) * a**2, 0.0)
         return np.where(stiffness > 0, f**2 - takes, np.nan)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,22 +14,41 @@ if TYPE_CHECKING:
     from .oscillator import Oscillator
 
 
+def without_memory(oscillator: Oscillator) -> tuple[Oscillator, Oscillator | None]:
+    """What pulls at the mass, apart: the laws that depend on displacement and velocity, and those with a memory.
+
+    Laws of the drive and of the sensor are no part of either, nor are forces that nobody recorded (of free phase).
+
+    Returns:
+        The oscillator with the former only, and one whose terms are the latter only (its Eq. 17 is to be ignored), or
+        None where there is no such law.
+    """
+    eq = equations(oscillator)
+    owners = [name.rpartition(".")[0] for name in eq.state_names[2:]]
+    outside = {owner for owner, state in zip(owners, eq.inner, strict=True) if state.free}
+    forces = [term for term in oscillator.terms if term.law.force and term.effect not in outside]
+    plain = tuple(term for term in forces if term.effect not in owners)
+    memory = tuple(term for term in forces if term.effect in owners)
+    return replace(oscillator, terms=plain), replace(oscillator, terms=memory) if memory else None
+
+
 class InnerForce:
     """All laws of one oscillator with its values: what stands in the bracket of Eq. 17 beside the acceleration.
 
-    Laws that depend on time are taken at t = 0. Raises BadInput for laws with a memory (further states): their force
-    does not follow from displacement and velocity.
+    Laws that depend on time are taken at t = 0; those of the drive and of the sensor have no part in it. Raises
+    BadInput for laws with a memory (further states): their force does not follow from displacement and velocity.
     """
 
     def __init__(self, oscillator: Oscillator) -> None:
         import casadi as ca
 
-        eq = equations(oscillator)
-        if eq.z.numel() != 2:
+        oscillator, memory = without_memory(oscillator)
+        if memory is not None:
             raise BadInput(
-                f"the model has a force with a memory ({', '.join(eq.state_names[2:])}): no function of displacement "
-                "and velocity gives it; simulate the model instead"
+                f"the force of {' and '.join(t.effect for t in memory.terms)} depends on the motion before: it is "
+                "no function of displacement and velocity; use the describing functions, or simulate the model"
             )
+        eq = equations(oscillator)
         values = oscillator.values()
         known = ca.vertcat(eq.t, eq.u, eq.u_rate, eq.p)
         given = ca.DM([0.0, 0.0, 0.0, *(values[name] for name in eq.parameter_names)])

@@ -88,7 +88,7 @@ def compose(template: str, displacement: str, force: str = "N", response: str | 
     """A parameter's unit for a given response.
 
     ``X`` in the template is the displacement's unit, ``Q`` the force's, ``Y`` that of the recorded signal (the
-    displacement's where not given): ``compose("1/(X2.s2)", "m")`` is ``1/(m2.s2)``; ``compose("Q.s2/X", "m")`` is ``kg``.
+    displacement's where not given): ``compose("1/(X2.s2)", "m")`` is ``1/(m2.s2)``, ``compose("Q.s2/X", "m")`` ``kg``.
     """
     meaning = {"X": displacement, "Q": force, "Y": response or displacement}
     total: Counter[str] = Counter()

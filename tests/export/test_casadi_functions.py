@@ -185,5 +185,5 @@ def test_a_surface_is_smoothed_in_its_own_size_and_unit(with_law, tmp_path):
 
 
 def test_a_law_too_fast_for_the_step_is_refused(with_law):
-    with pytest.raises(BadInput, match="choose a step below"):
+    with pytest.raises(BadInput, match="choose one below"):
         functions(with_law("actuator-lag", **{"actuator-lag.time": 1e-8}))

@@ -62,6 +62,10 @@ def random_oscillator(random: np.random.Generator) -> Oscillator:
     names += [f"{effect}.{p.name}" for effect in effects for p in LIBRARY[effect].parameters]
     values = {name: float(random.normal() * 10.0 ** random.integers(-18, 18)) for name in names}
     values |= {name: abs(values[name]) for name in ("mass", "omega0") if name in values}
+    for effect in effects:
+        for p in LIBRARY[effect].parameters:
+            name, drawn = f"{effect}.{p.name}", values[f"{effect}.{p.name}"]
+            values[name] = float(np.clip(drawn if math.isinf(p.lower) else p.lower + abs(drawn), p.lower, p.upper))
     letters = "ab Z9_-.:#'\"\\{}[],&*!|>%@`~=?/ü漢😀;$<>"
     name = "".join(random.choice(list(letters), random.integers(1, 12)).tolist())
     o = Oscillator.from_values(

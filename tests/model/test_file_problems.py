@@ -101,7 +101,7 @@ def test_the_good_file_is_good():
         (
             "quadratic-drag",
             "quadratic-drga",
-            "line 10: $.terms[0].effect: effect 'quadratic-drga' is not in the library of force laws; "
+            "line 10: $.terms[0].effect: effect 'quadratic-drga' is not in the library of laws; "
             "did you mean quadratic-drag",
         ),
         (
