@@ -27,6 +27,10 @@ from ..simulate.core import core_of, internal_step
 
 #: Finite differences and first steps of a law's parameter, as a part of its natural size.
 _SMALL = 1e-2
+#: An onset or a speed this many times beyond where the law is looked for has left the recordings.
+_FENCE = 10.0
+#: The search simulates with longer steps than the model that is delivered: its error stays far below any noise.
+_COARSER = 1.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,10 +155,19 @@ def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:
     return sizes
 
 
-def parameter_bounds(model: Oscillator) -> np.ndarray:
-    """(2, parameters) lowest and highest values."""
+def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
+    """(2, parameters) lowest and highest values: a law's own, and for its onsets and speeds ten times beyond its probes."""
     known = {"mass": (1e-300, np.inf), "omega0": (1e-300, np.inf)}
-    known |= {f"{term.effect}.{p.name}": (p.lower, p.upper) for term in model.terms for p in term.law.parameters}
+    for term in model.terms:
+        for p in term.law.parameters:
+            low, high = p.lower, p.upper
+            if not p.strength and not p.shape and p.probes and p.probes != "lines":
+                size = p.natural(scales)
+                reach = [float(probe) * size for probe in p.probes]
+                inner = min(abs(r) for r in reach) / _FENCE
+                low = max(low, inner if min(reach) > 0 else min(reach) * _FENCE)
+                high = min(high, max(reach) * _FENCE)
+            known[f"{term.effect}.{p.name}"] = (low, high)
     return np.array([known.get(name, (-np.inf, np.inf)) for name in model.parameters()]).T
 
 
@@ -187,8 +200,8 @@ class Structure:
             tuple(names.index(name) for name in self.free),
             parameter_sizes(model, scales),
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
-            internal_step(model, model.values(), length),
-            parameter_bounds(model),
+            internal_step(model, model.values(), length) * _COARSER,
+            parameter_bounds(model, scales),
         )
         self.values = np.array(list(model.values().values()))
 

@@ -21,8 +21,8 @@ from ..model.law import Law, Scales
 from ..model.laws import LIBRARY
 from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, with_term, with_values
 
-#: Strength at which the derivative of a law is taken, in natural sizes: small enough to be one.
-_FEELER = 1e-3
+#: Strength at which the derivative of a law is taken, in natural sizes: small beside the least friction that matters.
+_FEELER = 1e-5
 
 
 @dataclass(frozen=True, eq=False)

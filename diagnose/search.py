@@ -29,7 +29,10 @@ ACCEPT_HOLDOUT = 3.0
 #: Fitted to the end are this many laws ...
 _FINALISTS = 6
 #: ... of those that are within this part of the best gain after a few steps.
+_NEAR = 0.1
 _FEW_STEPS = 3
+#: Laws that each of the two screens sends to be fitted.
+_CANDIDATES = 7
 _MOST_EFFECTS = 3
 
 
@@ -114,8 +117,9 @@ class Search:
             self.progress(f"{effect}", 0.3 + 0.3 * (i + 1) / len(starts))
         early.sort(key=lambda one: -one[0])
         trials = []
-        for i, (_, effect, one) in enumerate(early):
-            finished = i < _FINALISTS
+        goal = early[0][0] - fitted.likelihood if early else 0.0
+        for i, (value, effect, one) in enumerate(early):
+            finished = i < _FINALISTS and value - fitted.likelihood > _NEAR * goal
             final = self.finish(one) if finished else one
             trials.append(self.trial(effect, final, fitted, before, finished=finished))
             self.progress(f"{effect}", 0.6 + 0.4 * (i + 1) / len(early))
@@ -154,17 +158,18 @@ class Search:
         self.progress("score of every law", 0.1)
         screen = Screen(fitted, self.data)
         scored = {start.effect: start for start in screen.starts(laws)}
+        by_score = {name: max(s.promise, s.gain) for name, s in scored.items()}
+        by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
+        chosen = {*_leading(by_score), *_leading(by_motion)}
         starts: dict[str, list[tuple[Oscillator, np.ndarray]]] = {}
         for law in laws:
-            models = []
-            start = scored.get(law.name)
-            if start is not None and max(start.promise, start.gain) > WORTH_A_FIT:
-                models.append((start.model, start.initial))
-            guess = guesses.get(law.name)
-            if guess is not None and regression.gain(plain, guess) > WORTH_A_FIT:
-                models.append((self._guessed(fitted.model, law, guess), fitted.initial))
-            if models:
-                starts[law.name] = models
+            if law.name not in chosen:
+                continue
+            models = starts.setdefault(law.name, [])
+            if by_score.get(law.name, 0.0) > WORTH_A_FIT:
+                models.append((scored[law.name].model, scored[law.name].initial))
+            if by_motion.get(law.name, 0.0) > WORTH_A_FIT:
+                models.append((self._guessed(fitted.model, law, guesses[law.name]), fitted.initial))
         return starts
 
     def _guessed(self, model: Oscillator, law: Law, guess: Guess) -> Oscillator:
@@ -194,3 +199,9 @@ class Search:
                 return again if again.likelihood > fitted.likelihood else fitted
             fitted = again
         return fitted
+
+
+def _leading(gains: dict[str, float]) -> list[str]:
+    """The laws with the largest promised gains, as far as they are worth a fit."""
+    best = sorted(gains, key=lambda name: -gains[name])
+    return [name for name in best[:_CANDIDATES] if gains[name] > WORTH_A_FIT]

@@ -1,0 +1,243 @@
+"""What a diagnosis says: verdict, effects, location, figures before and after; and the file it is written to."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from ..model import Oscillator, Parameter
+
+Verdict = Literal["consistent", "missing-physics", "unexplained"]
+
+
+@dataclass(frozen=True, eq=False)
+class RecordFit:
+    """One recording under the best of the given family and under the mended model, free-run.
+
+    Attributes:
+        file: the recording's name.
+        holdout: whether no parameter was fitted to it.
+        nrmse_before, nrmse_after: rms(simulated - measured) / std(measured).
+        noise_floor: the same of a perfect model.
+        time, measured, before, after: (n,) signals; ``after`` is ``before`` where nothing was mended.
+        force: (n,) as recorded, None in free decay.
+    """
+
+    file: str
+    holdout: bool
+    nrmse_before: float
+    nrmse_after: float
+    noise_floor: float
+    time: np.ndarray
+    measured: np.ndarray
+    before: np.ndarray
+    after: np.ndarray
+    force: np.ndarray | None
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A named effect.
+
+    Attributes:
+        effect: name of the effect, without its variant.
+        law: name of the law that models it, with its variant.
+        path: where in the rig it lives.
+        parameters: identified values.
+        indistinguishable_from: other effects that these recordings cannot tell from it.
+        separated_by: the experiment that would.
+    """
+
+    effect: str
+    law: str
+    path: str
+    parameters: Mapping[str, Parameter]
+    indistinguishable_from: tuple[str, ...] = ()
+    separated_by: str = ""
+
+
+@dataclass(frozen=True)
+class Location:
+    """Where simulation and recording differ.
+
+    Ranges are (low, high); harmonics maps the order to its share of the mismatch's power.
+    """
+
+    path: str
+    statement: str
+    displacement: tuple[float, float]
+    velocity: tuple[float, float]
+    amplitude: tuple[float, float]
+    frequency_hz: tuple[float, float]
+    time_s: tuple[float, float]
+    recordings: tuple[str, ...]
+    harmonics: Mapping[int, float]
+
+
+@dataclass(frozen=True)
+class Considered:
+    """A law that was tried: held-out NRMSE, BIC less that of the family without it, and why it was not taken."""
+
+    effect: str
+    holdout_nrmse: float | None
+    delta_bic: float
+    why_not: str
+
+
+@dataclass(frozen=True, eq=False)
+class LatentForce:
+    """The missing force per unit mass along one recording, by a smoother that knows no law.
+
+    Attributes:
+        file: the recording.
+        time, displacement, velocity: (n,) where it was found.
+        force, std: (n,) the force that is missing from the family, positive where it opposes the motion's positive
+            direction, and its standard deviation.
+        named: (n,) what the named effects make of it; None where nothing was named.
+    """
+
+    file: str
+    time: np.ndarray
+    displacement: np.ndarray
+    velocity: np.ndarray
+    force: np.ndarray
+    std: np.ndarray
+    named: np.ndarray | None
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """The next recording to make.
+
+    Attributes:
+        sentence: what to play and why.
+        kind: sweep, multisine, sine, decay or none.
+        level: largest force, or release displacement for a decay.
+        band_hz: lowest and highest frequency.
+        seconds: length.
+        separates: pairs of models it would tell apart and by how many times the noise.
+        signal: (n,) force to play, ``fs`` Hz; None for a decay.
+        fs: sampling frequency of the signal.
+    """
+
+    sentence: str
+    kind: str
+    level: float
+    band_hz: tuple[float, float]
+    seconds: float
+    separates: tuple[tuple[str, str, float], ...]
+    signal: np.ndarray | None
+    fs: float
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """The whole outcome.
+
+    Attributes:
+        verdict: ``consistent``, ``missing-physics`` or ``unexplained``.
+        sentence: the verdict for a person.
+        effects: what is missing, the most important first.
+        location: where the family fails; None where it does not.
+        before: best of the given family, with standard errors.
+        model: the mended model, with standard errors and provenance; the family's best where nothing was mended.
+        records: training and held-out recordings.
+        considered: the laws that were tried and not taken.
+        experiment: what to record next.
+        remainder: what stays beyond the noise after mending, in one sentence; None where nothing does.
+        latent: the missing force in the recordings that show it best.
+        notes: what a user should know.
+    """
+
+    verdict: Verdict
+    sentence: str
+    effects: tuple[Effect, ...]
+    location: Location | None
+    before: Oscillator
+    model: Oscillator
+    records: tuple[RecordFit, ...]
+    considered: tuple[Considered, ...]
+    experiment: Experiment | None
+    remainder: str | None
+    latent: tuple[LatentForce, ...]
+    notes: tuple[str, ...]
+
+    def parameter_shift(self) -> dict[str, dict[str, float | None]]:
+        """How far each parameter had been bent by what was missing; ``std`` is the mended model's."""
+        after = self.model.parameters()
+        return {
+            name: {"before": old.value, "after": after[name].value, "std": after[name].std}
+            for name, old in self.before.parameters().items()
+            if name in after
+        }
+
+    def as_json(self) -> dict[str, Any]:
+        """The diagnosis file, ``dashpot-diagnosis/1``."""
+        return {
+            "format": "dashpot-diagnosis/1",
+            "verdict": self.verdict,
+            "sentence": self.sentence,
+            "effects": [
+                {
+                    "effect": e.effect,
+                    "law": e.law,
+                    "path": e.path,
+                    "parameters": {
+                        name: {"value": p.value, "std": p.std, "unit": p.unit} for name, p in e.parameters.items()
+                    },
+                    "indistinguishable_from": list(e.indistinguishable_from),
+                    "separated_by": e.separated_by,
+                }
+                for e in self.effects
+            ],
+            "location": None if self.location is None else _location(self.location),
+            "fit": {
+                key: [
+                    {
+                        "file": r.file,
+                        "nrmse_before": _number(r.nrmse_before),
+                        "nrmse_after": _number(r.nrmse_after),
+                        "noise_floor": _number(r.noise_floor),
+                    }
+                    for r in self.records
+                    if r.holdout == held
+                ]
+                for key, held in (("train", False), ("holdout", True))
+            },
+            "parameter_shift": self.parameter_shift(),
+            "considered": [
+                {
+                    "effect": c.effect,
+                    "holdout_nrmse": _number(c.holdout_nrmse),
+                    "delta_bic": _number(c.delta_bic),
+                    "why_not": c.why_not,
+                }
+                for c in self.considered
+            ],
+            "next_experiment": self.experiment.sentence if self.experiment else "",
+            "remainder": self.remainder,
+            "notes": list(self.notes),
+        }
+
+
+def _location(location: Location) -> dict[str, Any]:
+    return {
+        "path": location.path,
+        "statement": location.statement,
+        "displacement": list(location.displacement),
+        "velocity": list(location.velocity),
+        "amplitude": list(location.amplitude),
+        "frequency_hz": list(location.frequency_hz),
+        "time_s": list(location.time_s),
+        "recordings": list(location.recordings),
+        "harmonics": {str(order): share for order, share in location.harmonics.items()},
+    }
+
+
+def _number(value: float | None) -> float | None:
+    """JSON has no infinity and no NaN."""
+    return value if value is not None and math.isfinite(value) else None
