@@ -10,7 +10,31 @@ from dataclasses import dataclass
 
 import numpy as np
 
-NICE = (1.0, 1.2, 1.25, 1.5, 1.6, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
+NICE = (
+    1.0,
+    1.2,
+    1.25,
+    1.4,
+    1.5,
+    1.6,
+    1.8,
+    2.0,
+    2.2,
+    2.5,
+    2.8,
+    3.0,
+    3.2,
+    3.6,
+    4.0,
+    4.5,
+    5.0,
+    5.6,
+    6.0,
+    7.0,
+    7.5,
+    8.0,
+    9.0,
+)
 STRONGEST = 400.0  # m/s², about 40 g: more than that is no vibration test but a shock test
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from .record import record
 from .seal import NAME, seal
 from .suite import specs
 from .virtual import STRENGTH, draw
@@ -48,11 +49,11 @@ def make(
     rigs = {}
     for i, spec in enumerate(chosen, start=1):
         name = f"rig_{i:03d}"
-        recorded = draw(spec, seed, scale, cycles)
+        tables, truth = record(draw(spec, seed, scale, cycles))
         (folder / name).mkdir()
-        for kind, table in recorded.tables.items():
+        for kind, table in tables.items():
             write_recording(folder / name / f"{kind}.csv.gz", table)
-        rigs[name] = recorded.truth
+        rigs[name] = truth
         print(f"{name} of {len(chosen)}", file=sys.stderr, flush=True)
     return seal(folder / NAME, {"format": "concealed/1", "seed": seed, "scale": scale, "rigs": rigs})
 

@@ -93,29 +93,32 @@ def at_level(plan: Plan, peak: float) -> Plan:
     return replace(plan, drive=replace(plan.drive, peak=peak))
 
 
-def peak_amplitude(rig: Rig, base: Base, name: str, plan: Plan, level: float) -> float:
-    """Largest displacement, m, of a recording."""
-    return float(np.abs(run(rig, base, name, plan, level).x).max())
+def amplitude(x: np.ndarray) -> float:
+    """Half the peak-to-peak displacement, m: a static load is no vibration."""
+    return float(np.ptp(x)) / 2
 
 
 def set_levels(rng: np.random.Generator, base: Base, rig: Rig, plans: dict[str, Plan]) -> tuple[dict[str, Plan], float]:
     """Turn the level until the strong sweep reaches the working amplitude; give the recordings and its peak, N."""
     low, multisine, held = rng.uniform(0.28, 0.40), rng.uniform(0.45, 0.85), rng.uniform(0.5, 0.8)
     p = base.parameters
+
+    def reached(name: str, peak: float, level: float) -> float:
+        return amplitude(run(rig, base, name, at_level(plans[name], peak), level).x)
+
     force = p["mass"] * (2 * base.zeta * base.spring + 4 / np.pi * p["dry"]) * 1.5
     for _ in range(8):
-        peak = peak_amplitude(rig, base, "sweep_high", at_level(plans["sweep_high"], force), force)
+        peak = reached("sweep_high", force, force)
         if abs(peak / base.amplitude - 1) < 0.05:
             break
         force *= float(np.clip(base.amplitude / max(peak, 1e-9 * base.amplitude), 0.4, 2.5)) ** 0.9
     while low < 0.7:
-        peak = peak_amplitude(rig, base, "sweep_low", at_level(plans["sweep_low"], low * force), force)
-        if peak > 0.1 * base.amplitude:
+        if reached("sweep_low", low * force, force) > 0.1 * base.amplitude:
             break
         low *= 1.25
     rms = 0.7 * force
     for _ in range(4):
-        peak = peak_amplitude(rig, base, "holdout_multisine", at_level(plans["holdout_multisine"], rms), force)
+        peak = reached("holdout_multisine", rms, force)
         if abs(peak / (multisine * base.amplitude) - 1) < 0.1:
             break
         rms *= float(np.clip(multisine * base.amplitude / max(peak, 1e-9 * base.amplitude), 0.4, 2.5)) ** 0.9

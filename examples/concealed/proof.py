@@ -1,0 +1,159 @@
+"""The blind test: `python -m dashpot.examples.concealed.proof -o DIR [--seed N] [--short N] [--scale small]`.
+
+A process of its own makes the suite and prints the SHA-256 of the sealed truth. Then every rig is diagnosed with the
+installed commands, which get copies of its CSV files in a folder from which no path leads to the truth. Only when all
+are done is the seal opened, with the printed hash, and the score written: DIR/scoreboard.html and DIR/scoreboard.json.
+Started again, it goes on where it stopped; rigs without a diagnosis are tried again.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+from .make import options
+from .recordings import HELD_OUT, TRAINING
+from .score import score, summary
+from .scoreboard import page
+from .seal import NAME, open_sealed, sha256
+
+ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR")}
+DASHPOT = (sys.executable, "-P", "-m", "dashpot")
+
+
+def _settings(given: argparse.Namespace) -> list[str]:
+    """Give the options that make the suite."""
+    found = ["--seed", str(given.seed), "--scale", given.scale]
+    found += ["--kinds", *given.kinds] if given.kinds else []
+    found += ["--count-per-effect", str(given.count_per_effect)] if given.count_per_effect else []
+    return found + (["--short", str(given.short)] if given.short else [])
+
+
+def make_suite(folder: Path, settings: list[str]) -> str:
+    """Make the suite in folder/suite in a process of its own, or find it there, and give its SHA-256.
+
+    Raises ValueError where the folder has a suite of other settings or with another hash, RuntimeError where it cannot
+    be made.
+    """
+    suite, note = folder / "suite", folder / "suite.json"
+    if note.exists():
+        known = json.loads(note.read_text(encoding="utf-8"))
+        if known["settings"] != settings:
+            raise ValueError(f"{folder}: holds the suite of {' '.join(known['settings'])}; name another folder")
+        found = sha256(suite / NAME)
+        if found != known["sha256"]:
+            raise ValueError(
+                f"{suite / NAME}: is not the truth that was sealed ({known['sha256']}); start anew elsewhere"
+            )
+        return found
+    if suite.exists():  # begun and not finished
+        shutil.rmtree(suite)
+    folder.mkdir(parents=True, exist_ok=True)
+    command = [sys.executable, "-P", "-m", "dashpot.examples.concealed.make", str(suite.resolve()), *settings]
+    run = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if run.returncode:
+        raise RuntimeError(f"the suite could not be made: exit code {run.returncode}")
+    found = run.stdout.split()[-1]
+    note.write_text(json.dumps({"settings": settings, "sha256": found}), encoding="utf-8")
+    return found
+
+
+def _command(command: Sequence[str], cwd: Path, log: Path, timeout: float) -> int:
+    ordinary = {name: value for name, value in os.environ.items() if name != "OLDPWD"}
+    with log.open("a", encoding="utf-8") as stream:
+        stream.write(f"$ dashpot {' '.join(command)}\n")
+        stream.flush()
+        try:
+            run = subprocess.run(
+                [*DASHPOT, *command],
+                cwd=cwd,
+                env=ordinary | ONE_THREAD | {"PWD": str(cwd)},
+                stdin=subprocess.DEVNULL,
+                stdout=stream,
+                stderr=stream,
+                timeout=timeout,
+                check=False,
+            )
+        except subprocess.TimeoutExpired:
+            stream.write(f"stopped after {timeout:.0f} s\n")
+            return -1
+        stream.write(f"exit code {run.returncode}\n")
+        return run.returncode
+
+
+def diagnose_rig(rig: Path, result: Path, timeout: float) -> str:
+    """Identify and diagnose one rig; its files end in `result`. Gives one line for the terminal."""
+    started = time.monotonic()
+    shutil.rmtree(result, ignore_errors=True)
+    result.mkdir(parents=True)
+    with tempfile.TemporaryDirectory(prefix="rig-") as name:
+        here = Path(name)
+        for path in rig.glob("*.csv.gz"):
+            shutil.copy(path, here)
+        training = [f"{kind}.csv.gz" for kind in TRAINING]
+        held_out = [word for kind in HELD_OUT for word in ("--holdout", f"{kind}.csv.gz")]
+        log = here / "log.txt"
+        _command(["identify", *training, "-o", "model.yaml"], here, log, timeout)
+        if (here / "model.yaml").exists():  # what identification says of the fit does not stop a diagnosis
+            shutil.copy(here / "model.yaml", result / "identified.yaml")
+            _command(["diagnose", "model.yaml", *training, *held_out, "-o", "diagnosis"], here, log, timeout)
+        shutil.copy(log, result)
+        if (here / "diagnosis").is_dir():
+            shutil.copytree(here / "diagnosis", result, dirs_exist_ok=True)
+    seconds = time.monotonic() - started
+    said = "diagnosed" if (result / "diagnosis.json").exists() else f"no diagnosis, see {result / 'log.txt'}"
+    (result / "seconds.txt").write_text(f"{seconds:.1f}\n", encoding="utf-8")
+    return f"{rig.name}: {said} ({seconds:.0f} s)"
+
+
+def diagnose_all(folder: Path, jobs: int, timeout: float) -> None:
+    """Diagnose every rig of folder/suite that has no diagnosis in folder/results yet."""
+    rigs = sorted(path for path in (folder / "suite").iterdir() if path.is_dir())
+    todo = [rig for rig in rigs if not (folder / "results" / rig.name / "diagnosis.json").exists()]
+    print(f"{len(rigs)} rigs, {len(rigs) - len(todo)} of them diagnosed already", flush=True)
+    with ThreadPoolExecutor(jobs) as pool:
+        for line in pool.map(lambda rig: diagnose_rig(rig, folder / "results" / rig.name, timeout), todo):
+            print(line, flush=True)
+
+
+def report(folder: Path, known: str) -> str:
+    """Open the seal, score, write scoreboard.json and scoreboard.html, and give the summary."""
+    board = score(open_sealed(folder / "suite" / NAME, known), folder / "results")
+    board["sha256"] = known
+    (folder / "scoreboard.json").write_text(json.dumps(board, indent=1), encoding="utf-8")
+    (folder / "scoreboard.html").write_text(page(board, known), encoding="utf-8")
+    return summary(board)
+
+
+def main(arguments: list[str]) -> int:
+    """Run the blind test; exit code 0 when every target is met, 1 when not, 2 for wrong input."""
+    parser = argparse.ArgumentParser(prog="concealed.proof", description="Blind test of the diagnosis.")
+    parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
+    options(parser)
+    parser.add_argument("--jobs", type=int, default=2, help="rigs diagnosed at a time; default 2")
+    parser.add_argument("--timeout", type=float, default=1800.0, metavar="S", help="seconds for one command")
+    given = parser.parse_args(arguments)
+    try:
+        known = make_suite(given.output, _settings(given))
+    except (ValueError, OSError, RuntimeError) as problem:
+        print(problem, file=sys.stderr)
+        return 2
+    print(f"SHA-256 of the sealed truth: {known}", flush=True)
+    diagnose_all(given.output, given.jobs, given.timeout)
+    print(report(given.output, known))
+    print(given.output / "scoreboard.html")
+    board = json.loads((given.output / "scoreboard.json").read_text(encoding="utf-8"))
+    return 0 if all(one["met"] for one in board["targets"]) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
