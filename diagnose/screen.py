@@ -23,6 +23,10 @@ from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, with_te
 
 #: Strength at which the derivative of a law is taken, in natural sizes: small beside the least friction that matters.
 _FEELER = 1e-5
+#: Of each law this many probes are simulated, those that promise most.
+_TRIED = 2
+#: A step shorter than this part, or longer by as much, is not to be believed.
+_LEAST = 0.05
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +46,17 @@ class Start:
     initial: np.ndarray
     promise: float
     gain: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """What the linearised model would do with a law: its values, the base parameters' shift, the gain it promises."""
+
+    law: Law
+    values: dict[str, float]
+    shift: np.ndarray
+    promise: float
+    initial: np.ndarray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,7 +108,9 @@ class Screen:
         wanted = [law for law in (laws or LIBRARY.values()) if law.effect not in there and self.applies(law)]
 
         def best(law: Law) -> Start | None:
-            found = [start for probe in probes(law, self.data.scales) if (start := self._try(law, probe))]
+            steps = [step for probe in probes(law, self.data.scales) if (step := self._promised(law, probe))]
+            steps.sort(key=lambda step: -step.promise)
+            found = [start for step in steps[:_TRIED] if (start := self._kept(step)) is not None]
             progress()
             return max(found, key=lambda start: start.gain, default=None)
 
@@ -105,20 +122,20 @@ class Screen:
         """Whether the recordings can show the law at all: an actuator's path needs a force."""
         return law.drive is None or any(segment.force is not None for segment in self.data.segments)
 
-    def _try(self, law: Law, probe: dict[str, float]) -> Start | None:
+    def _promised(self, law: Law, probe: dict[str, float]) -> _Step | None:
+        """The step that the linearised model expects most of, and what it expects."""
         scales = self.data.scales
         strengths = [p for p in law.parameters if p.strength]
-        base = dict(probe)
         try:
-            if any(state.free for state in _inner(self.fitted.model, law, base)):
-                return self._try_phases(law, base)
+            if any(state.free for state in _inner(self.fitted.model, law, probe)):
+                return self._phases(law, probe)
             directions = []
             for p in strengths:
                 size = p.natural(scales) * _FEELER
-                directions.append([d / size for d in self._change(law, base | {p.name: size})])
+                directions.append([d / size for d in self._change(law, probe | {p.name: size})])
             if not strengths:
-                directions.append(self._change(law, base))
-            return self._step(law, base, [p.name for p in strengths], directions)
+                directions.append(self._change(law, probe))
+            return self._step(law, probe, [p.name for p in strengths], directions)
         except (DashpotError, FloatingPointError, np.linalg.LinAlgError):
             return None
 
@@ -138,45 +155,53 @@ class Screen:
 
     def _step(
         self, law: Law, values: dict[str, float], names: list[str], directions: list[list[np.ndarray]]
-    ) -> Start | None:
-        """The least-squares step in the base parameters and the strengths, and what it really gains."""
+    ) -> _Step | None:
+        """The least-squares step in the base parameters and the strengths.
+
+        A law at a probe is either there or not: of its change the base parameters take up what they can. Where it has
+        but one parameter the change may also be scaled, as if it were a strength.
+        """
         weighed = [self._weigh(direction) for direction in directions]
         if not all(np.all(np.isfinite(one)) for direction in weighed for one in direction):
             return None
-        k, q = len(self.places), len(names)
-        residuals = self.weighed.residuals
-        if not names:  # at a probe: the change is made, the base parameters answer
-            residuals = [r - d for r, d in zip(residuals, weighed[0], strict=True)]
-        gradient = sum(j @ r for j, r in zip(self.weighed.jacobians, residuals, strict=True))
-        before = sum(float(r @ r) for r in self.weighed.residuals)
-        if not names:
-            shift, strength = self.inverse @ gradient, np.zeros(0)
-            after = sum(float(r @ r) for r in residuals) - float(gradient @ shift)
-        else:
-            columns = [np.stack([direction[i] for direction in weighed]) for i in range(len(residuals))]
-            cross = sum(j @ c.T for j, c in zip(self.weighed.jacobians, columns, strict=True))
-            own = sum(c @ c.T for c in columns)
-            right = sum(c @ r for c, r in zip(columns, residuals, strict=True))
-            schur = own - cross.T @ self.inverse @ cross
-            strength = pseudo_inverse(schur) @ (right - cross.T @ self.inverse @ gradient)
-            shift = self.inverse @ (gradient - cross @ strength)
-            after = before - float(gradient @ shift) - float(right @ strength)
-        promise = 0.5 * (before - after)
+        residuals, jacobians = self.weighed.residuals, self.weighed.jacobians
+        columns = [np.stack([direction[i] for direction in weighed]) for i in range(len(residuals))]
+        gradient = sum(j @ r for j, r in zip(jacobians, residuals, strict=True))
+        cross = sum(j @ c.T for j, c in zip(jacobians, columns, strict=True))
+        own = sum(c @ c.T for c in columns)
+        right = sum(c @ r for c, r in zip(columns, residuals, strict=True))
+        schur = own - cross.T @ self.inverse @ cross
+        free = right - cross.T @ self.inverse @ gradient
+        strength = pseudo_inverse(schur) @ free
+        if names:
+            # the base parameters alone might gain something too: that is not the law's merit
+            moved = dict(zip(names, (float(s) for s in strength), strict=True))
+            return _Step(law, values | moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength))
+        part = float(strength[0])
+        if len(law.parameters) == 1 and _LEAST < part < 1 / _LEAST:
+            (parameter,) = law.parameters
+            moved = {parameter.name: part * values[parameter.name]}
+            return _Step(law, moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength))
+        promise = float(free[0]) - 0.5 * float(schur[0, 0])
+        return _Step(law, values, self.inverse @ (gradient - cross[:, 0]), promise)
+
+    def _kept(self, step: _Step) -> Start | None:
+        """The better of the whole step and of a shorter one, simulated."""
+        here = np.array(list(self.fitted.model.values().values()))
         best: Start | None = None
-        for part in (1.0, 0.3):
-            numbers = dict(values) | {name: part * float(s) for name, s in zip(names, strength[:q], strict=True)}
-            numbers = {p.name: float(np.clip(numbers[p.name], p.lower, p.upper)) for p in law.parameters}
-            moved = np.array(list(self.fitted.model.values().values()))
-            moved[list(self.places)] += (part if names else 1.0) * shift[:k]
-            start = self._simulated(law, numbers, moved, promise)
+        for part in (1.0, 0.3, 0.0):
+            numbers = dict(step.values)
+            for p in step.law.parameters:
+                if p.strength:
+                    numbers[p.name] *= part or _LEAST
+                numbers[p.name] = float(np.clip(numbers[p.name], p.lower, p.upper))
+            moved = here.copy()
+            moved[list(self.places)] += part * step.shift
+            start = self._simulated(step.law, numbers, moved, step.promise, step.initial)
             if start is not None and (best is None or start.gain > best.gain):
                 best = start
-            if not names or (start is not None and start.gain > 0.3 * promise):
+            if best is not None and best.gain > 0.3 * step.promise:
                 break
-        if not names:  # the base values as they are may be the better place
-            start = self._simulated(law, values, np.array(list(self.fitted.model.values().values())), promise)
-            if start is not None and (best is None or start.gain > best.gain):
-                best = start
         return best
 
     def _simulated(
@@ -197,7 +222,7 @@ class Screen:
             return None
         return Start(law.name, model, state.initial, promise, value - self.fitted.likelihood)
 
-    def _try_phases(self, law: Law, values: dict[str, float]) -> Start | None:
+    def _phases(self, law: Law, values: dict[str, float]) -> _Step | None:
         """A periodic force with a phase of its own in each segment: sine and cosine in each, by themselves."""
         (strength,) = [p for p in law.parameters if p.strength]
         size = strength.natural(self.data.scales) * _FEELER
@@ -215,12 +240,14 @@ class Screen:
             promise += 0.5 * float(right @ part)
             parts.append((part, normal))
         weight = sum(float(np.trace(normal)) for _, normal in parts)
+        if not weight > 0:
+            return None
         amplitude = np.sqrt(sum(float(part @ part) * float(np.trace(normal)) for part, normal in parts) / weight)
-        # cos(phase0 + w t) = cos phase0 cos w t - sin phase0 sin w t; phase -pi/2 gives sin w t
+        # cos(phase + w t) = cos(phase) cos(w t) - sin(phase) sin(w t); a phase of -pi/2 made sin(w t)
         phases = np.array([[np.arctan2(-part[1], part[0])] for part, _ in parts])
         initial = np.hstack([self.fitted.initial[:, :states], phases])
         numbers = values | {strength.name: float(amplitude)}
-        return self._simulated(law, numbers, np.array(list(self.fitted.model.values().values())), promise, initial)
+        return _Step(law, numbers, np.zeros(len(self.places)), promise, initial)
 
 
 def probes(law: Law, scales: Scales) -> list[dict[str, float]]:

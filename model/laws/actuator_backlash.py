@@ -24,13 +24,13 @@ LAW = Law(
     name="actuator-backlash",
     path="excitation",
     parameters=(
-        LawParameter("gap", "X", "half of the play", lower=0.0, probes=(0.01, 0.04, 0.15)),
+        LawParameter("gap", "X", "half of the play", lower=0.0, probes=(0.01, 0.06)),
         LawParameter(
             "mass",
             "Q.s2/X",
             "moving mass of the actuator",
             lower=1e-12,
-            probes=(0.1, 0.3),
+            probes=(0.15,),
             size=lambda s: s.mass or 1.0,
         ),
         LawParameter(
@@ -47,10 +47,11 @@ LAW = Law(
         LawParameter("guide", "1/s", "damping of the actuator's own guide per its mass", probes=(0.0,), shape=True),
     ),
     drive=_drive,
-    equation="F moves the actuator, which pushes beyond ±gap",
-    sentence="Play between actuator and mass: the recorded force moves the actuator first, which then pushes, and lets go "
-    "at each reversal.",
+    equation="F drives an actuator, {mass} (w'' + {guide} w') = F - P; P = {stiffness} d + {damping} d', pushing "
+    "only, moves the mass, d = w - x beyond ±{gap}",
+    sentence="Play between actuator and mass: the recorded force moves the actuator first, which then pushes, and "
+    "lets go at each reversal.",
     source="Nordin and Gutman 2002, section 2; Feldman, Bucher, Rotberg, section 5",
-    curves="In forced records the mass seems larger or smaller and the response scatters at each reversal of the force; in "
-    "free decay the actuator rattles along.",
+    curves="In forced records the mass seems larger or smaller and the response scatters at each reversal of the "
+    "force; in free decay the actuator rattles along.",
 )

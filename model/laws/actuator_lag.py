@@ -12,10 +12,11 @@ def _drive(motion, p, force) -> Expression:
 LAW = Law(
     name="actuator-lag",
     path="excitation",
-    parameters=(LawParameter("time", "s", "time constant", lower=1e-9, probes=(0.02, 0.1)),),
+    parameters=(LawParameter("time", "s", "time constant", lower=1e-9, probes=(0.1,)),),
     drive=_drive,
-    equation="F follows the record with a first-order lag",
-    sentence="The force reaches the mass later and weaker than recorded: an amplifier or coil with a lag of first order.",
+    equation="F → G, {time} G' = F - G",
+    sentence="The force reaches the mass later and weaker than recorded: an amplifier or coil with a lag of first "
+    "order.",
     source="textbook low-pass of first order, Franklin, Powell, Emami-Naeini 2015, section 3.3",
     curves="None in free decay; in forced records the damping seems larger or smaller by the work of the late force.",
 )

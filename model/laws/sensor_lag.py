@@ -12,9 +12,9 @@ def _record(motion, p, signal) -> Expression:
 LAW = Law(
     name="sensor-lag",
     path="measurement",
-    parameters=(LawParameter("time", "s", "time constant", lower=1e-9, probes=(0.02, 0.1)),),
+    parameters=(LawParameter("time", "s", "time constant", lower=1e-9, probes=(0.1,)),),
     record=_record,
-    equation="the record follows x with a first-order lag",
+    equation="record r → s, {time} s' = r - s",
     sentence="The record shows the motion later and smaller than it is: a sensor or filter with a lag of first order.",
     source="textbook low-pass of first order, Franklin, Powell, Emami-Naeini 2015, section 3.3",
     curves="In forced records the same as a late force; in free decay it hardly shows.",

@@ -16,10 +16,12 @@ def _drive(motion, p, force) -> Expression:
 LAW = Law(
     name="time-delay",
     path="either",
-    parameters=(LawParameter("delay", "s", "by how much the response is late", lower=1e-9, probes=(0.02, 0.1)),),
+    parameters=(LawParameter("delay", "s", "by how much the response is late", lower=1e-9, probes=(0.1,)),),
     drive=_drive,
-    equation="F(t - delay)",
-    sentence="Force and response were not recorded at the same instant: a delay of the electronics or of a digital filter.",
-    source="Padé approximation of third order, its phase right to (omega delay)^7 / 100800 rad; Baker and Graves-Morris 1996",
+    equation="F → F(t - {delay})",
+    sentence="Force and response were not recorded at the same instant: a delay of the electronics or of a digital "
+    "filter.",
+    source="Padé approximation of third order, its phase right to (omega delay)^7 / 100800 rad; Baker and "
+    "Graves-Morris 1996",
     curves="None in free decay; in forced records the phase falls in proportion to the frequency.",
 )
