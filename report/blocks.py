@@ -5,22 +5,24 @@ Everything is plain text and is escaped where it is put into the page, but for t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import resources
 from typing import Any, ClassVar
 
+from ..errors import BadInput
 from ..export.render import plain_text
 
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; ``tone`` is ``good``, ``bad``, ``note``, ``equation`` or plain."""
+    """A paragraph; ``tone`` is ``good``, ``bad``, ``note``, ``equation`` or plain, ``lead`` its first words in bold."""
 
     kind: ClassVar[str] = "text"
     text: str
     tone: str = ""
+    lead: str = ""
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,14 @@ class Section:
 
     title: str
     blocks: tuple[Block, ...]
+
+
+def picture(draw: Callable[[], str], caption: str) -> Block:
+    """A picture, or in words why there is none: a report must come out whatever the numbers are."""
+    try:
+        return Figure(draw(), caption)
+    except BadInput as problem:
+        return Text(f"No picture here: {problem}.", "note")
 
 
 def page(title: str, sections: Sequence[Section], *, lead: Sequence[Block] = (), footer: str = "") -> str:

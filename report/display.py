@@ -70,8 +70,16 @@ def typeset(text: str) -> str:
 
 def value_text(parameter: Parameter) -> tuple[str, str]:
     """Value and standard error of a parameter, both to the error's second digit; empty where there is no error."""
+    if not math.isfinite(parameter.value):
+        return number(parameter.value), ""
     value, error = value_and_error(parameter)
     return typeset(value), "∞" if error == "inf" else "" if error == "nan" else typeset(error)
+
+
+def full_stop(text: str) -> str:
+    """``text`` as a sentence with its full stop; the first letter stays, as it may be a parameter's name."""
+    text = text.strip()
+    return text if text.endswith((".", "!", "?")) else text + "."
 
 
 def percent_text(share: float | None) -> str:

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..errors import BadInput
 from ..export.render import plain_text
 from ..model.show import warnings as model_warnings
 from .agreement import agreement_section, verdict
 from .backbone_distance import distance_figure
-from .backbone_figure import backbone_figure
-from .blocks import Block, Figure, Items, Section, Table, Text, page
+from .backbone_figure import backbone_figure, backbone_kind
+from .blocks import Block, Items, Section, Table, Text, page, picture
 from .characteristics import friction_figure, stiffness_figure
 from .comparison import comparisons
-from .display import number, pretty_unit, scale_of
+from .display import full_stop, number, pretty_unit, scale_of
 from .parameters import correlation_table, equation_blocks, parameter_table
+from .provenance import files_text, recordings_table
 from .time_history import recording_figure
 from .usage import usage_section
 
@@ -57,28 +57,21 @@ def identification_page(
     return page(f"Identification of {model.name}", sections, lead=[verdict(identification, shown)], footer=footer)
 
 
-def _picture(draw: Callable[[], str], caption: str) -> Block:
-    """A picture, or in words why there is none: a report must come out whatever the numbers are."""
-    try:
-        return Figure(draw(), caption)
-    except BadInput as problem:
-        return Text(f"No picture here: {problem}.", "note")
-
-
 def _backbones(identification: Identification, verification: Verification | None) -> list[Block]:
+    kind = backbone_kind(identification.oscillator)
     fmu = "; markers: the same taken from the FMU's output" if verification is not None else ""
     caption = (
         "The paper's Fig. 4. Dash-dot: backbones of the free decays by FREEVIB (Eq. 12); dotted: backbones of the "
-        "forced records by FORCEVIB; thin: the model's exact backbone; dashed: the model's response by Eq. 14 to a "
+        f"forced records by FORCEVIB; thin: the model's {kind} backbone; dashed: the model's response by Eq. 14 to a "
         f"sine of the recorded level{fmu}. Right: the backbones alone, over a logarithmic amplitude."
     )
-    found = [_picture(lambda: backbone_figure(identification, verification), caption)]
+    found = [picture(lambda: backbone_figure(identification, verification), caption)]
     if identification.hilbert.curves:
         caption = (
             "The same backbones as their distance from the model's mean natural frequency, which is what FREEVIB and "
             "FORCEVIB measure. A model that lacks something shows as a bend that all curves share."
         )
-        found.append(_picture(lambda: distance_figure(identification, verification), caption))
+        found.append(picture(lambda: distance_figure(identification, verification), caption))
     return found
 
 
@@ -88,12 +81,12 @@ def _characteristics(identification: Identification) -> list[Block]:
         "fundamentals (Eq. 15 as printed gives the latter)."
     )
     return [
-        _picture(
+        picture(
             lambda: stiffness_figure(identification),
             "Static characteristic of the spring per unit mass (the paper's Fig. 5), whole and without its linear part."
             + points,
         ),
-        _picture(
+        picture(
             lambda: friction_figure(identification),
             "Damping curve h(A) (viscous = 2 h) and friction force per unit mass over velocity (the paper's Fig. 7), "
             "whole and without its viscous part." + points.replace("backbones", "damping curves"),
@@ -124,7 +117,7 @@ def _recordings(identification: Identification) -> list[Block]:
             caption += " Shaded: the free decays that were found in it and evaluated by FREEVIB."
         if r.notes:
             caption += " " + " ".join(r.notes)
-        found.append(_picture(lambda r=r, d=decays, i=i: recording_figure(r, d, f"recording-{i + 1}"), caption))
+        found.append(picture(lambda r=r, d=decays, i=i: recording_figure(r, d, f"recording-{i + 1}"), caption))
     return found
 
 
@@ -134,7 +127,7 @@ def _certainty(identification: Identification) -> list[Block]:
     if table is not None:
         found.append(table)
     notes = [*identification.notes, *model_warnings(identification.oscillator)]
-    sentences = tuple(dict.fromkeys(_sentence(note) for note in notes))
+    sentences = tuple(dict.fromkeys(full_stop(note) for note in notes))
     if sentences:
         found += [Text("Take note:"), Items(sentences)]
     else:
@@ -142,12 +135,6 @@ def _certainty(identification: Identification) -> list[Block]:
             Text("The identification has nothing to remark: no parameter is poorly known, none has an odd sign.")
         )
     return found
-
-
-def _sentence(text: str) -> str:
-    """With a full stop; the first letter stays, as it may be a parameter's name."""
-    text = text.strip()
-    return text if text.endswith((".", "!", "?")) else text + "."
 
 
 def _validity(identification: Identification) -> list[Block]:
@@ -167,13 +154,7 @@ def _validity(identification: Identification) -> list[Block]:
 
 
 def _provenance(identification: Identification, files: Sequence[str]) -> list[Block]:
-    from .blocks import Cell
-
     found = identification.oscillator.identified
-    rows = tuple(
-        (str(r.get("file", "")), str(r.get("kind") or ""), Cell(str(r.get("sha256") or "not read from a file"), "code"))
-        for r in found.recordings
-    )
     fit = identification.fit
     rest = "came to rest" if fit.converged else "was stopped at its limit"
     how = (
@@ -183,10 +164,7 @@ def _provenance(identification: Identification, files: Sequence[str]) -> list[Bl
         + ("" if found.log_likelihood is None else f", log likelihood {number(found.log_likelihood, 7)}")
         + f". Software: {found.software or 'not stated'}."
     )
-    blocks: list[Block] = [Table(("Recording", "Kind", "SHA-256 of the file"), rows)] if rows else []
-    blocks.append(Text(how))
+    blocks: list[Block] = [*recordings_table(found), Text(how)]
     unit = pretty_unit(identification.oscillator.response.unit)
     blocks.append(Text(f"Response: {identification.oscillator.response.quantity} in {unit}."))
-    if files:
-        blocks.append(Text("Files made with this report: " + ", ".join(files) + "."))
-    return blocks
+    return [*blocks, *files_text(files)]

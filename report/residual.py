@@ -26,23 +26,16 @@ def spectrum_figure(
         key: name of the picture within its page.
         source: what simulated.
     """
-    from scipy.signal import welch
-
     name = plain_text(comparison.name)
     fs = comparison.fs
-    there = np.isfinite(comparison.simulated)
-    size = int(min(max(_LINES * fs / natural, 64), comparison.time.size))
-    residual = np.where(there, comparison.residual, 0.0)
-    f, response = welch(comparison.measured, fs, nperseg=size)
-    _, rest = welch(residual, fs, nperseg=size)
-    view = (f > 0) & (f <= _HIGHEST * natural)
-    density = np.sqrt(response[view])
+    f, density = spectral_density(comparison.measured, fs, natural)
+    _, rest = spectral_density(comparison.residual, fs, natural)
     scale = scale_of(unit, density)
     per_root = f"{scale.unit}/√Hz"
     with drawing(height=2.9) as figure:
         axes = figure.subplots()
-        axes.semilogy(f[view], density * scale.factor, color=MEASURED, label="measured response", linewidth=1.1)
-        axes.semilogy(f[view], np.sqrt(rest[view]) * scale.factor, color=MODEL, label=f"{source} − measured")
+        axes.semilogy(f, density * scale.factor, color=MEASURED, label="measured response", linewidth=1.1)
+        axes.semilogy(f, rest * scale.factor, color=MODEL, label=f"{source} − measured")
         white = comparison.sensor_rms / np.sqrt(fs / 2) * scale.factor
         if white > 0:
             axes.axhline(white, color=EXACT, linestyle="--", linewidth=1.1, label="sensor noise")
@@ -53,3 +46,16 @@ def spectrum_figure(
         axes.set_title(name)
         legend_below(figure, *axes.get_legend_handles_labels(), columns=3)
         return svg(figure, key, f"{name}: spectral density of response and residual in {per_root}")
+
+
+def spectral_density(signal: np.ndarray, fs: float, natural: float) -> tuple[np.ndarray, np.ndarray]:
+    """Frequencies (m,) up to six times the natural one, Hz, and amplitude density (m,), in the signal's unit per √Hz.
+
+    By Welch's method; values of ``signal`` (n,) that are not finite count as zero.
+    """
+    from scipy.signal import welch
+
+    size = int(min(max(_LINES * fs / natural, 64), signal.size))
+    f, power = welch(np.where(np.isfinite(signal), signal, 0.0), fs, nperseg=size)
+    view = (f > 0) & (f <= _HIGHEST * natural)
+    return f[view], np.sqrt(power[view])

@@ -22,6 +22,8 @@ FREE = "#0072b2"  # FREEVIB
 FORCED = "#009e73"  # FORCEVIB
 RESPONSE = "#b0588f"  # Eq. 14; darker than Okabe and Ito's, for thin lines on white
 EXACT = "#000000"
+BEFORE = MODEL  # the family as it was given; dashed
+AFTER = FREE  # the mended model; a full line
 LIGHT = "#56b4e9"
 GRID = "#e3e3e3"
 

@@ -68,7 +68,8 @@ def agreement_figure(
         close.set_ylabel(scale.label(quantity.capitalize()))
         close.set_title("Where the motion is largest")
         # at least half a cycle each: the rms of less would itself swing
-        bins = int(np.clip(2 * comparison.measured.size / _cycle(comparison, _peak(comparison)), 20, 500))
+        cycle = samples_a_cycle(comparison.measured, _peak(comparison))
+        bins = int(np.clip(2 * comparison.measured.size / cycle, 20, 500))
         band = envelope(comparison.time, residual * fine.factor, bins)
         rest.fill_between(
             band.time, band.low, band.high, color=MODEL, alpha=0.35, linewidth=0, label="residual, extremes"
@@ -91,7 +92,7 @@ def agreement_figure(
 
 def _close_view(axes: Any, comparison: Comparison, scale: Scale, source: str) -> None:
     peak = _peak(comparison)
-    half = int(_CYCLES / 2 * _cycle(comparison, peak))
+    half = int(_CYCLES / 2 * samples_a_cycle(comparison.measured, peak))
     first = int(np.argmax(np.isfinite(comparison.simulated)))
     start = min(max(peak - half, first), max(comparison.measured.size - 2 * half, 0))
     view = slice(start, start + 2 * half + 1)
@@ -112,9 +113,9 @@ def _peak(comparison: Comparison) -> int:
     return int(np.argmax(np.where(np.isfinite(comparison.simulated), size, 0.0)))
 
 
-def _cycle(comparison: Comparison, peak: int) -> float:
-    """Samples a cycle of the motion around a sample, from its changes of sign."""
-    signal = comparison.measured - np.median(comparison.measured)
+def samples_a_cycle(motion: np.ndarray, peak: int) -> float:
+    """Samples a cycle of a motion (n,) around the sample ``peak``, from its changes of sign."""
+    signal = motion - np.median(motion)
     for reach in (200, 1000, 5000, signal.size):
         piece = signal[max(peak - reach, 0) : peak + reach]
         loud = piece[np.abs(piece) > 0.1 * np.max(np.abs(piece))]
