@@ -12,9 +12,12 @@ and says with ``motion.rate(...)`` how that state changes.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
+
+_BRACES = re.compile(r"\{([^{}]*)\}")
 
 Expression = Any  # casadi.SX; casadi is imported only where expressions are made
 
@@ -195,7 +198,9 @@ class Law:
             the displacement per s².
         drive: from the force as recorded to the force that reaches the mass.
         record: from the motion to what the sensor makes of it.
-        equation: the term as text, for reports.
+        equation: as text, for reports: of a ``force`` the term in the bracket of Eq. 17, of the others what becomes of
+            the force F or of the recorded signal r. Parameters stand in braces, further lines behind a semicolon:
+            ``{stiffness} (x - q); q' = {rate} (x - q)``.
         sentence: what it is, for an engineer.
         source: where the law comes from.
         curves: what it does to backbone and damping curve.
@@ -211,6 +216,10 @@ class Law:
     force: Force | None = None
     drive: Path | None = None
     record: Path | None = None
+
+    def in_words(self, shown: Callable[[str], str]) -> str:
+        """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""
+        return _BRACES.sub(lambda match: shown(match.group(1)), self.equation)
 
     @property
     def effect(self) -> str:

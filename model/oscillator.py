@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -174,9 +174,27 @@ class Oscillator:
             found.update({f"{term.effect}.{p.name}": p.description for p in term.law.parameters})
         return found
 
-    def equation(self) -> str:
-        """The equation of motion as text, for reports."""
-        inner = ["x''"] + [law.equation for law in BASE] + [term.law.equation for term in self.terms]
-        order = [0, 4, 5, 1, 2, 3, *range(6, len(inner))]  # the order of Eq. 17: damping first
-        bracket = " + ".join(inner[i] for i in order)
-        return f"{bracket} = f(t)" if self.mass is None else f"mass [{bracket}] = F(t)"
+    def equation(self, shown: Callable[[str], str] | None = None) -> str:
+        """The equation of motion as text, for reports; further equations and what the paths do stand behind semicolons.
+
+        ``shown`` makes the text of a parameter, by the names of ``parameters()``; by default that is its name, for a
+        further effect as short as can be without two of the same.
+        """
+        if shown is None:
+            shown = self._short
+        order = (3, 4, 0, 1, 2)  # the order of Eq. 17: damping first
+        inner, further = ["x''", *(BASE[i].in_words(shown) for i in order)], []
+        for term in self.terms:
+            text = term.law.in_words(lambda name, term=term: shown(f"{term.effect}.{name}"))
+            first, *rest = text.split("; ")
+            (inner if term.law.force else further).append(first)
+            further += rest
+        bracket = " + ".join(inner).replace("+ -", "- ")
+        whole = f"{bracket} = f(t)" if self.mass is None else f"{shown('mass')} [{bracket}] = F(t)"
+        return "; ".join([whole, *further])
+
+    def _short(self, name: str) -> str:
+        effect, _, own = name.rpartition(".")
+        if own == "coefficient":
+            return effect
+        return own if sum(other.rpartition(".")[2] == own for other in self.parameters()) == 1 else name

@@ -21,7 +21,8 @@ _MEANING = {
 def describe(oscillator: Oscillator) -> str:
     """The model as text: equation, parameters with error and percent, correlations, validity, origin, warnings."""
     o = oscillator
-    parts = [f"{o.name}\n\n  {o.equation()}", "Parameters\n" + "\n".join(_table(o))]
+    equation = o.equation().replace("; ", "\n  ")
+    parts = [f"{o.name}\n\n  {equation}", "Parameters\n" + "\n".join(_table(o))]
     for term in o.terms:
         parts.append(f"{term.effect} ({term.law.path})\n  {term.law.sentence}")
     strong = [f"  {one} and {other}: {value:+.3f}" for one, other, value in strong_correlations(o)]

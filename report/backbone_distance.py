@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..model.describing import equivalent_stiffness
-from .backbone_figure import model_backbone
+from ..errors import BadInput
+from ..model.describing import natural_motion
+from .backbone_figure import backbone_kind, model_backbone
 from .display import scale_of
 from .style import EXACT, FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 _TWO_PI = 2 * np.pi
 _POINTS = 200
-_GRID = 120
+_GRID, _MEAN_GRID = 120, 48
 #: The view takes in this part of the distances, those of the upper decade of amplitudes.
 _SEEN = 0.98
 
@@ -28,7 +29,7 @@ def distance_figure(identification: Identification, verification: Verification |
     """SVG of measured minus modelled natural frequency over amplitude, Hz.
 
     The zero line is the model's mean natural frequency (its describing function), which is what FREEVIB and FORCEVIB
-    measure; the exact backbone is drawn against it. Raises BadInput for a law with a memory.
+    measure; the exact backbone is drawn against it, where there is one (no law has a memory).
     """
     model = identification.oscillator
     curves = identification.hilbert.curves
@@ -55,14 +56,10 @@ def distance_figure(identification: Identification, verification: Verification |
             axes.plot(
                 a * scale.factor, distance, markersize=3.6, color=MODEL, markerfacecolor="white", label=label, **look
             )
-        a, omega = model_backbone(model, np.geomspace(low, top, 120))
-        axes.plot(
-            a * scale.factor,
-            omega / _TWO_PI - mean(a),
-            color=EXACT,
-            linewidth=0.9,
-            label="model, exact backbone",
-        )
+        if backbone_kind(model) == "exact":
+            a, omega = model_backbone(model, np.geomspace(low, top, 120))
+            distance = omega / _TWO_PI - mean(a)
+            axes.plot(a * scale.factor, distance, color=EXACT, linewidth=0.9, label="model, exact backbone")
         axes.set_ylim(*_view(drawn, top))
         axes.set_xscale("log")
         log_ticks(axes.xaxis)
@@ -77,11 +74,12 @@ def distance_figure(identification: Identification, verification: Verification |
 def mean_frequency(model: Oscillator, low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
     """The model's mean natural frequency, Hz, as a function of amplitudes (n,) from ``low`` to ``high``.
 
-    It is the root of the equivalent stiffness (NaN where that is negative), at some amplitudes and interpolated.
+    It is the root of the equivalent stiffness (NaN where there is none), at some amplitudes and interpolated.
     """
-    grid = np.geomspace(low, high, _GRID)
-    stiffness = equivalent_stiffness(model, grid, model.omega0.value)
-    frequency = np.sqrt(np.where(stiffness > 0, stiffness, np.nan)) / _TWO_PI
+    grid = np.geomspace(low, high, _GRID if backbone_kind(model) == "exact" else _MEAN_GRID)
+    frequency = natural_motion(model, grid)[0] / _TWO_PI
+    if not np.any(np.isfinite(frequency)):
+        raise BadInput("at these amplitudes no natural motion of the model was found; simulate it instead")
     if not np.all(np.isfinite(frequency)):
         return lambda amplitude: np.interp(amplitude, grid, frequency)
     from scipy.interpolate import CubicSpline

@@ -8,8 +8,9 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model.backbone import exact_backbone
-from ..model.describing import equivalent_damping, equivalent_stiffness
+from ..model.describing import natural_motion
 from ..model.frequency_response import FrequencyResponse, frequency_response
+from ..model.inner_force import without_memory
 from .display import Scale, number, pretty_unit, scale_of
 from .levels import sine_levels
 from .style import EXACT, FORCED, FREE, MODEL, RESPONSE, drawing, legend_below, log_ticks, svg
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 _TWO_PI = 2 * np.pi
 #: At most this many points of a measured curve are drawn.
 _POINTS = 240
+#: A mean backbone is computed at no more than so many amplitudes: each is an integration.
+_MEAN_POINTS = 48
 #: Eq. 14 is drawn out to where the response has come down to this part of its peak.
 _SKIRT = 0.22
 
@@ -43,6 +46,7 @@ def backbone_figure(identification: Identification, verification: Verification |
     responses = _responses(identification, top)
     scale = scale_of(model.response.displacement_unit, max([top, *(float(r.amplitude.max()) for _, r in responses)]))
     exact = model_backbone(model, np.geomspace(floor, top, 160))
+    kind = backbone_kind(model)
     with drawing(height=5.2) as figure:
         main, close = figure.subplots(1, 2, width_ratios=[1.75, 1])
         for label, response in responses:
@@ -60,7 +64,7 @@ def backbone_figure(identification: Identification, verification: Verification |
                 color=EXACT,
                 linewidth=0.9,
                 zorder=1.9,
-                label="model, exact backbone",
+                label=f"model, {kind} backbone",
             )
             if verification is not None:
                 _fmu(axes, verification, scale, even=axes is main)
@@ -81,7 +85,15 @@ def backbone_figure(identification: Identification, verification: Verification |
 
 
 def model_backbone(model: Oscillator, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitudes (n,) and the model's natural frequencies (n,), rad/s, of those at which it swings freely."""
+    """Amplitudes (n,) and the model's natural frequencies (n,), rad/s, of those at which it swings freely.
+
+    Exact by the energy integral; with a law that has a memory there is none, and they are the mean ones.
+    """
+    if backbone_kind(model) == "mean":
+        amplitude = amplitude[:: -(-amplitude.size // _MEAN_POINTS)]
+        omega, _ = natural_motion(model, amplitude)
+        there = np.isfinite(omega)
+        return amplitude[there], omega[there]
     try:
         return amplitude, exact_backbone(model, amplitude)
     except BadInput:
@@ -94,6 +106,11 @@ def model_backbone(model: Oscillator, amplitude: np.ndarray) -> tuple[np.ndarray
             continue
     table = np.array(found).reshape(-1, 2)
     return table[:, 0], table[:, 1]
+
+
+def backbone_kind(model: Oscillator) -> str:
+    """``exact`` or ``mean``: which backbone ``model_backbone`` gives."""
+    return "exact" if without_memory(model)[1] is None else "mean"
 
 
 def _responses(identification: Identification, top: float) -> list[tuple[str, FrequencyResponse]]:
@@ -119,11 +136,10 @@ def _responses(identification: Identification, top: float) -> list[tuple[str, Fr
 
 def _level_for(model: Oscillator, amplitude: float) -> float:
     """Force per unit mass whose response peaks at ``amplitude``: f = 2 h A sqrt(omega0² - h²), from Eq. 14."""
-    stiffness = float(equivalent_stiffness(model, amplitude, model.omega0.value)[0])
-    if stiffness <= 0:
+    omega, h = (float(one[0]) for one in natural_motion(model, amplitude))
+    if not omega > 0:
         raise BadInput("the spring has softened to nothing at this amplitude; choose a smaller one")
-    h = float(equivalent_damping(model, amplitude, np.sqrt(stiffness))[0]) / 2
-    return 2 * h * amplitude * float(np.sqrt(max(stiffness - h**2, 0.0)))
+    return 2 * h * amplitude * float(np.sqrt(max(omega**2 - h**2, 0.0)))
 
 
 def _curves(axes: Any, identification: Identification, scale: Scale) -> None:

@@ -6,9 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..errors import BadInput
 from ..model import units
-from ..model.describing import equivalent_damping, equivalent_stiffness
-from ..model.inner_force import InnerForce
+from ..model.describing import equivalent_damping, natural_motion
+from ..model.inner_force import InnerForce, without_memory
 from .display import Scale, scale_of
 from .static_force import Characteristic, static_force
 from .style import FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
@@ -21,12 +22,16 @@ if TYPE_CHECKING:
 _MARKS = {"freevib": (FREE, "s", "from FREEVIB"), "forcevib": (FORCED, "o", "from FORCEVIB")}
 #: A measured damping whose standard error exceeds this part of it says nothing in a picture.
 _UNSURE = 0.3
+#: Amplitudes at which the curves of a model with a memory are computed.
+_CURVE = 48
+_NONE = "at most of these amplitudes no periodic motion of the model was found; simulate it instead"
 
 
 def stiffness_figure(identification: Identification) -> str:
     """SVG of the restoring force per unit mass over displacement (Fig. 5), whole and without its linear part.
 
-    Points: the measured backbones, describing function inverted. Raises BadInput for a law with a memory.
+    Points: the measured backbones, describing function inverted. With a law that has a memory there is no static force,
+    and the line is the model's own backbone inverted in the same way.
     """
     model = identification.oscillator
     unit = model.response.displacement_unit
@@ -34,8 +39,7 @@ def stiffness_figure(identification: Identification) -> str:
     points = {
         method: static_force(*_joined(identification, method, lambda c: c.omega0**2 * c.amplitude)) for method in _MARKS
     }
-    grid = _through_zero(top)
-    force = InnerForce(model).static(grid)
+    grid, force = _spring(model, top)
     linear = model.omega0.value**2
     across = scale_of(unit, top)
     per_mass = units.compose("X/s2", unit)
@@ -55,7 +59,7 @@ def stiffness_figure(identification: Identification) -> str:
 def friction_figure(identification: Identification) -> str:
     """SVG of the damping curve h(A) and of the friction force per unit mass over velocity (Fig. 7).
 
-    Raises BadInput for a law with a memory.
+    With a law that has a memory the line of the latter is the model's own damping curve, inverted as the points are.
     """
     model = identification.oscillator
     unit = model.response.displacement_unit
@@ -63,9 +67,7 @@ def friction_figure(identification: Identification) -> str:
     across = scale_of(unit, top)
     speed = top * model.omega0.value
     along = scale_of(units.compose("X/s", unit), speed)
-    grid = _through_zero(speed)
-    inner = InnerForce(model)
-    force = inner(np.zeros_like(grid), grid) - inner.static(np.zeros_like(grid))
+    grid, force = _friction(model, top)
     points = {
         method: static_force(
             *_joined(identification, method, lambda c: 2 * c.damping * c.amplitude * c.omega0, by_speed=True)
@@ -85,6 +87,33 @@ def friction_figure(identification: Identification) -> str:
         legend_below(figure, *curve.get_legend_handles_labels(), columns=3)
         title = f"Damping in 1/s over amplitude in {across.unit}, and friction force over velocity in {along.unit}"
         return svg(figure, "friction", title)
+
+
+def _spring(model: Oscillator, top: float) -> tuple[np.ndarray, np.ndarray]:
+    """Displacements (n,) and the restoring force per unit mass there (n,)."""
+    if without_memory(model)[1] is None:
+        grid = _through_zero(top)
+        return grid, InnerForce(model).static(grid)
+    a = np.linspace(0, top, _CURVE)[1:]
+    omega, _ = natural_motion(model, a)
+    return _odd(static_force(a, omega**2 * a))
+
+
+def _friction(model: Oscillator, top: float) -> tuple[np.ndarray, np.ndarray]:
+    """Velocities (n,) and the friction force per unit mass there (n,)."""
+    if without_memory(model)[1] is None:
+        grid = _through_zero(top * model.omega0.value)
+        inner = InnerForce(model)
+        return grid, inner(np.zeros_like(grid), grid) - inner.static(np.zeros_like(grid))
+    a = np.linspace(0, top, _CURVE)[1:]
+    omega, h = natural_motion(model, a)
+    return _odd(static_force(omega * a, 2 * h * omega * a))
+
+
+def _odd(one: Characteristic) -> tuple[np.ndarray, np.ndarray]:
+    if not one.at.size:
+        raise BadInput(_NONE)
+    return np.concatenate([-one.at[::-1], one.at]), np.concatenate([-one.force[::-1], one.force])
 
 
 def _characteristic(
@@ -111,7 +140,7 @@ def _damping_curve(axes: Any, identification: Identification, top: float) -> Non
     model = identification.oscillator
     across = scale_of(model.response.displacement_unit, top)
     low = min((float(c.amplitude.min()) for c in identification.hilbert.curves), default=top / 100)
-    a = np.geomspace(min(low, top / 3), top, 160)
+    a = np.geomspace(min(low, top / 3), top, 160 if without_memory(model)[1] is None else _CURVE)
     h = damping(model, a)
     for method in _MARKS:
         _draw_damping(axes, identification, method, across.factor)
@@ -126,9 +155,13 @@ def _damping_curve(axes: Any, identification: Identification, top: float) -> Non
 
 def damping(model: Oscillator, amplitude: np.ndarray) -> np.ndarray:
     """The model's h (n,), 1/s, at its natural frequency of each amplitude (n,): half the equivalent viscous damping."""
-    stiffness = equivalent_stiffness(model, amplitude, model.omega0.value)
-    omega = np.sqrt(np.where(stiffness > 0, stiffness, model.omega0.value**2))
-    return equivalent_damping(model, amplitude, omega) / 2
+    omega, h = natural_motion(model, amplitude)
+    lost = ~np.isfinite(omega)
+    if np.any(lost) and without_memory(model)[1] is None:
+        h[lost] = equivalent_damping(model, amplitude[lost], model.omega0.value) / 2
+    if not np.any(np.isfinite(h)):
+        raise BadInput(_NONE)
+    return h
 
 
 def _reach(identification: Identification) -> float:
@@ -194,6 +227,8 @@ def _draw_damping(axes: Any, identification: Identification, method: str, across
 
 def _around(axes: Any, h: np.ndarray) -> None:
     """The view that the model's curve asks for, zero in it where the damping is positive."""
-    low, high = float(np.min(h)), float(np.max(h))
+    if not np.any(np.isfinite(h)):
+        return
+    low, high = float(np.nanmin(h)), float(np.nanmax(h))
     margin = 0.25 * max(high - low, 0.2 * abs(high))
     axes.set_ylim(min(0.0, low - margin) if low < 0 else 0.0, high + margin)

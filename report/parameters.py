@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from ..model.laws import BASE
 from ..model.show import percent
 from .blocks import Cell, Table, Text
 from .display import number, percent_text, pretty_unit, typeset, value_text
@@ -63,30 +61,18 @@ def equation_blocks(model: Oscillator) -> tuple[Text, ...]:
     )
     inside = "inside the bracket all forces are per unit mass" if model.mass else "all forces are per unit mass"
     where = f"The displacement x is in {pretty_unit(unit)}, {force}; {inside}."
-    return (
-        Text(model.equation(), "equation"),
-        Text(_with_numbers(model), "equation"),
-        Text(where),
-    )
+    texts = [*model.equation().split("; "), *model.equation(_with_numbers(model)).split("; ")]
+    return (*(Text(text, "equation") for text in texts), Text(where))
 
 
-def _with_numbers(model: Oscillator) -> str:
-    laws = [(law.equation, {p.name: getattr(model, p.name) for p in law.parameters}) for law in BASE]
-    laws = [laws[i] for i in (3, 4, 0, 1, 2)]  # the order of Eq. 17: damping first
-    laws += [(term.law.equation, dict(term.parameters)) for term in model.terms]
-    bracket = " + ".join(["x''", *(_filled(text, values) for text, values in laws)])
-    if model.mass is None:
-        return f"{bracket} = f(t)"
-    return f"{number(model.mass.value, 4)} [{bracket}] = F(t)"
+def _with_numbers(model: Oscillator) -> Callable[[str], str]:
+    values = model.values()
 
-
-def _filled(text: str, values: Mapping[str, Parameter]) -> str:
-    def shown(match: re.Match[str]) -> str:
-        value = number(values[match.group()].value, 4)
+    def shown(name: str) -> str:
+        value = number(values[name], 4)
         return f"({value})" if value.startswith("−") else value
 
-    names = "|".join(re.escape(name) for name in values)
-    return re.sub(rf"\b(?:{names})(?![A-Za-z0-9_])", shown, text) if names else text
+    return shown
 
 
 def correlation_table(model: Oscillator) -> Table | None:

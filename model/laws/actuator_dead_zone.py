@@ -12,7 +12,7 @@ LAW = Law(
     path="excitation",
     parameters=(LawParameter("threshold", "Q", "force of which nothing arrives", lower=0.0, probes=(0.02, 0.08, 0.2)),),
     drive=_drive,
-    equation="F beyond ±threshold",
+    equation="F → F - {threshold} sgn(F) beyond ±{threshold}, else nothing",
     sentence="Small forces do not reach the mass: a valve overlap, a crossover in the amplifier, a slack coupling.",
     source="Gelb and Vander Velde 1968, section 2.3",
     curves="None in free decay; at low levels the response is smaller than the recorded force makes it.",

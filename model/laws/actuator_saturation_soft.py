@@ -14,7 +14,7 @@ LAW = Law(
     path="excitation",
     parameters=(LawParameter("limit", "Q", "largest force", lower=1e-12, probes=(0.7, 1.5)),),
     drive=_drive,
-    equation="limit tanh(F / limit)",
+    equation="F → {limit} tanh(F / {limit})",
     sentence="The actuator gives way gradually towards a largest force: a magnet circuit or a coil leaving its field.",
     source="Gelb and Vander Velde 1968, section 2.3",
     curves="None in free decay; at high levels the response is smaller than the recorded force makes it.",

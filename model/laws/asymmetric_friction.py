@@ -9,7 +9,7 @@ LAW = Law(
         LawParameter("viscous", "1/s", "half the difference of the viscous damping of both directions", strength=True),
     ),
     force=lambda motion, p: p["viscous"] * motion.v * motion.sign(motion.v),
-    equation="asymmetric-friction |x'|",
+    equation="{viscous} |x'|",
     sentence="Damping that is larger in one direction than in the other, as of a valve or a one-way damper.",
     source="Feldman 2011, chapter on asymmetric systems",
     curves="The mean of the motion shifts with its amplitude; backbone and damping curve stay in first order.",

@@ -9,7 +9,7 @@ LAW = Law(
         LawParameter("dry", "X/s2", "half the difference of the dry friction of both directions", strength=True),
     ),
     force=lambda motion, p: p["dry"],
-    equation="asymmetric-friction",
+    equation="{dry}",
     sentence="Dry friction that is larger in one direction: for every motion the same as a constant force.",
     source="d + a forwards and d - a backwards is d sgn(v) + a, also at rest",
     curves="As of a constant force.",

@@ -27,7 +27,7 @@ LAW = Law(
         LawParameter("damping", "1/s", "its damping per its own mass", lower=0.0, probes=(0.02,)),
     ),
     force=_force,
-    equation="attached-resonator (frequency² (x - y) + damping (x' - y')), the same drives y''",
+    equation="{mass-ratio} y''; y'' = {frequency}² (x - y) + {damping} (x' - y')",
     sentence="A second mass on a spring of its own: a loose cable, a bracket, a second mode of the structure.",
     source="Den Hartog 1956, section 3.3",
     curves="Two resonances; the backbone is shifted as a whole and the damping rises where the second one is tuned.",

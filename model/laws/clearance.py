@@ -10,9 +10,9 @@ LAW = Law(
         LawParameter("gap", "X", "half of the free play", lower=0.0, probes=(0.1, 0.25, 0.4, 0.55, 0.7, 0.85)),
     ),
     force=lambda motion, p: p["stiffness"] * (motion.beyond(motion.x - p["gap"]) - motion.beyond(-motion.x - p["gap"])),
-    equation="clearance (x beyond ±gap)",
+    equation="{stiffness} (x beyond ±{gap})",
     sentence="A part of the spring, no stiffer than the rest, that acts only beyond a free play on both sides.",
     source="Feldman 2011, Hilbert Transform Applications in Mechanical Vibration, chapter on piecewise springs",
-    curves="The backbone is flat up to the gap and rises beyond it towards sqrt(omega0² + stiffness), with a corner at "
-    "the gap; the damping curve stays.",
+    curves="The backbone is flat up to the gap and rises beyond it towards sqrt(omega0² + stiffness), with a corner "
+    "at the gap; the damping curve stays.",
 )

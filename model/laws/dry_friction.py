@@ -7,7 +7,7 @@ LAW = Law(
     path="dissipation",
     parameters=(LawParameter("dry", "X/s2", "dry friction force per unit mass"),),
     force=lambda motion, p: p["dry"] * motion.sign(motion.v),
-    equation="dry sgn(x')",
+    equation="{dry} sgn(x')",
     sentence="Friction of constant size against the motion; at rest it holds up to that size.",
     source="Feldman, Bucher, Rotberg, Eqs. 7 and 17; sticking as a Filippov solution",
 )

@@ -26,9 +26,9 @@ LAW = Law(
         LawParameter("damping", "1/s", "contact damping per unit mass", lower=0.0, probes=(0.0,), shape=True),
     ),
     force=_contact,
-    equation="one-sided-stop (x beyond position)",
+    equation="({stiffness} (x - {position}) + {damping} x' beyond {position})",
     sentence="A stop or a second spring on one side only, which the mass reaches beyond a certain position.",
     source="Shaw and Holmes 1983; contact as a spring and damper (Goldsmith 1960)",
-    curves="The backbone is flat up to the position and rises beyond it; the motion is pushed to the free side; contact "
-    "damping lifts the damping curve beyond the position.",
+    curves="The backbone is flat up to the position and rises beyond it; the motion is pushed to the free side; "
+    "contact damping lifts the damping curve beyond the position.",
 )

@@ -7,7 +7,7 @@ LAW = Law(
     path="restoring",
     parameters=(LawParameter("coefficient", "1/(X.s2)", "quadratic stiffness per unit mass", strength=True),),
     force=lambda motion, p: p["coefficient"] * motion.x**2,
-    equation="quadratic-stiffness x²",
+    equation="{coefficient} x²",
     sentence="A spring that is stiffer on one side than on the other, as under a static load or with curvature.",
     source="Nayfeh and Mook 1979, section 4.1",
     curves="The backbone bends down whatever the sign, by 5 c²/(12 omega0⁴) of itself per squared amplitude, and the "

@@ -10,9 +10,10 @@ LAW = Law(
         LawParameter("cubic", "1/Y2", "change of sensitivity with the squared signal", strength=True),
     ),
     record=lambda motion, p, signal: signal * (1 + p["quadratic"] * signal + p["cubic"] * signal**2),
-    equation="record x (1 + quadratic x + cubic x²)",
-    sentence="The sensor's sensitivity depends on the displacement: an optical or inductive sensor near the end of its range.",
+    equation="record r → r (1 + {quadratic} r + {cubic} r²)",
+    sentence="The sensor's sensitivity depends on the displacement: an optical or inductive sensor near the end of "
+    "its range.",
     source="static calibration curve, Doebelin 2003, section 3.3",
-    curves="Amplitudes are shown wrong while frequencies are right, so that the backbone is distorted along its amplitude "
-    "axis; even harmonics without the restoring force that would make them.",
+    curves="Amplitudes are shown wrong while frequencies are right, so that the backbone is distorted along its "
+    "amplitude axis; even harmonics without the restoring force that would make them.",
 )

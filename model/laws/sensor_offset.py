@@ -7,7 +7,7 @@ LAW = Law(
     path="measurement",
     parameters=(LawParameter("offset", "Y", "reading where the true signal is zero", strength=True),),
     record=lambda motion, p, signal: signal + p["offset"],
-    equation="record x + offset",
+    equation="record r → r + {offset}",
     sentence="The sensor does not read zero where the spring does: an offset in the record, not in the rig.",
     source="static calibration curve, Doebelin 2003, section 3.3",
     curves="None, once the offset is taken off.",

@@ -17,9 +17,10 @@ LAW = Law(
         LawParameter("width", "X", "displacement at which it gives way", lower=1e-12, probes=(0.1, 0.25, 0.5, 1.0)),
     ),
     force=_saturating,
-    equation="softening-stiffness width tanh(x / width)",
-    sentence="A part of the spring that gives way: it pulls in proportion at first and saturates beyond a displacement.",
+    equation="{stiffness} {width} tanh(x / {width})",
+    sentence="A part of the spring that gives way: it pulls in proportion at first and saturates beyond a "
+    "displacement.",
     source="Kovacic and Rand 2013 on saturating restoring forces; tanh as the simplest monotonic one",
-    curves="The backbone falls from sqrt(omega0² + stiffness) at rest to omega0 at large amplitudes; the damping curve "
-    "stays.",
+    curves="The backbone falls from sqrt(omega0² + stiffness) at rest to omega0 at large amplitudes; the damping "
+    "curve stays.",
 )

@@ -17,7 +17,7 @@ LAW = Law(
         LawParameter("width", "X", "displacement of one radian", lower=1e-12, probes=(0.3, 0.5, 0.8)),
     ),
     force=_bending,
-    equation="softening-stiffness width sin(x / width)",
+    equation="{stiffness} {width} sin(x / {width})",
     sentence="A part of the spring that bends over and turns round, as gravity on a pendulum does.",
     source="Nayfeh and Mook 1979, section 2.1 (pendulum)",
     curves="The squared backbone frequency loses stiffness (1 - 2 J1(A/width) width/A); the damping curve stays.",

@@ -17,7 +17,7 @@ LAW = Law(
         LawParameter("time", "s", "time constant", lower=1e-9, probes=(0.1, 0.3), size=lambda s: s.duration),
     ),
     force=_force,
-    equation="stiffness-drift (1 - exp(-t / time)) x",
+    equation="{change} (1 - exp(-t / {time})) x",
     sentence="The spring goes over to another stiffness during the record, fast at first: it warms up or settles.",
     source="first-order warming, Incropera and DeWitt 2007, section 5.1",
     curves="Each record has a backbone that moves with time and comes to rest.",

@@ -19,7 +19,7 @@ LAW = Law(
         LawParameter("frequency", "rad/s", "its frequency", lower=0.0, probes="lines"),
     ),
     force=_force,
-    equation="(-tonal-disturbance cos(frequency t + phase))",
+    equation="-{amplitude} cos({frequency} t + phase)",
     sentence="A periodic force that was not recorded: a fan, a pump, the mains; its phase is another in each record.",
     source="Den Hartog 1956, section 2.5",
     curves="None; a line at one frequency in every record, whatever the force.",

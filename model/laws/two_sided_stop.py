@@ -20,9 +20,10 @@ LAW = Law(
         LawParameter("offset", "X", "middle between the stops", probes=(0.0,), shape=True),
     ),
     force=_contact,
-    equation="two-sided-stop (x beyond ±position)",
-    sentence="Stops on both sides: a contact, stiffer than the spring, that the mass reaches beyond a certain amplitude.",
+    equation="({stiffness} d + {damping} x' where d = x - {offset} is beyond ±{position})",
+    sentence="Stops on both sides: a contact, stiffer than the spring, that the mass reaches beyond a certain "
+    "amplitude.",
     source="Shaw and Holmes 1983; contact as a spring and damper (Goldsmith 1960)",
-    curves="The backbone is flat up to the position and rises steeply beyond it; contact damping lifts the damping curve "
-    "there.",
+    curves="The backbone is flat up to the position and rises steeply beyond it; contact damping lifts the damping "
+    "curve there.",
 )

@@ -17,10 +17,10 @@ LAW = Law(
         LawParameter("rate", "1/s", "how fast the branch relaxes", lower=0.0, probes=(0.05, 0.3, 1.0, 3.0)),
     ),
     force=_force,
-    equation="viscoelastic (x - q),  q' = rate (x - q)",
-    sentence="A spring in series with a damper (rubber, polymer, a gas volume behind an orifice): stiff when moved fast, "
-    "soft when moved slowly.",
+    equation="{stiffness} (x - q); q' = {rate} (x - q)",
+    sentence="A spring in series with a damper (rubber, polymer, a gas volume behind an orifice): stiff when moved "
+    "fast, soft when moved slowly.",
     source="Maxwell 1867; Zener 1948 (standard linear solid)",
-    curves="Stiffness and damping depend on the frequency and not on the amplitude: the backbone is shifted as a whole, "
-    "and the damping is largest where omega is near the rate.",
+    curves="Stiffness and damping depend on the frequency and not on the amplitude: the backbone is shifted as a "
+    "whole, and the damping is largest where omega is near the rate.",
 )

@@ -7,7 +7,7 @@ LAW = Law(
     path="dissipation",
     parameters=(LawParameter("viscous", "1/s", "viscous damping per unit mass, 2 h"),),
     force=lambda motion, p: p["viscous"] * motion.v,
-    equation="viscous x'",
+    equation="{viscous} x'",
     sentence="Damping in proportion to the velocity.",
     source="Feldman, Bucher, Rotberg, Eqs. 7 and 16 (viscous = 2 h)",
 )

@@ -10,10 +10,13 @@ from html.parser import HTMLParser
 
 import pytest
 from dashpot.export.verify import Verification
+from dashpot.model.laws import LIBRARY
 from dashpot.report.agreement import agreement_section, verdict
 from dashpot.report.blocks import Section, Text, page
 from dashpot.report.comparison import comparisons
+from dashpot.report.display import number
 from dashpot.report.page import identification_page
+from dashpot.report.parameters import equation_blocks
 from dashpot.report.usage import usage_section
 
 VOID = {"meta", "link", "br", "hr", "img", "input"}
@@ -179,3 +182,36 @@ def test_an_empty_section_is_left_out() -> None:
     text = Reader(page("A page", [Section("Empty", ()), Section("Full", (Text("words"),))])).text
     assert "Empty" not in text
     assert "Full words" in text
+
+
+@pytest.mark.parametrize("effect", ["hysteresis", "attached-resonator", "actuator-backlash", "sensor-nonlinearity"])
+def test_a_model_with_laws_of_any_kind_has_its_page(effect, identifications, with_law) -> None:
+    found = identifications["stand"]()
+    model = replace(with_law(effect), identified=found.oscillator.identified, amplitude=found.oscillator.amplitude)
+    text = Reader(identification_page(replace(found, oscillator=model))).text
+    assert "No picture here" not in text
+    kind = "mean" if effect in ("hysteresis", "attached-resonator") else "exact"
+    assert f"thin: the model's {kind} backbone" in text
+    for name in model.parameters():
+        assert name in text
+
+
+@pytest.mark.parametrize("effect", LIBRARY)
+def test_the_equation_of_every_law_is_shown_with_its_numbers(effect, with_law) -> None:
+    model = with_law(effect)
+    shown = [block.text for block in equation_blocks(model)]
+    half = (len(shown) - 1) // 2
+    letters, numbers = shown[:half], shown[half : 2 * half]
+    assert letters == model.equation().split("; ")
+    assert not {"{", "}"} & set("".join(shown))
+    for name, value in model.values().items():
+        if name.startswith(effect) and value:
+            assert number(value, 4) in " ".join(numbers)
+            assert name.rpartition(".")[2] in " ".join(letters) or effect in " ".join(letters)
+
+
+def test_a_memory_that_cannot_be_followed_is_said_in_the_place_of_the_picture(identifications, with_law) -> None:
+    found = identifications["stand"]()
+    model = replace(with_law("viscoelastic", **{"viscoelastic.rate": 1e9}), amplitude=found.oscillator.amplitude)
+    text = Reader(identification_page(replace(found, oscillator=model))).text
+    assert "No picture here" in text
