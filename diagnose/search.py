@@ -15,8 +15,8 @@ import numpy as np
 from ..errors import DashpotError
 from ..model import Oscillator
 from ..model.law import Law
-from ..model.laws import LIBRARY
-from .fitting import Data, Fitted, Structure, noise_spectra, shapes_of, with_term
+from ..model.laws import LIBRARY, find
+from .fitting import Data, Fitted, Structure, noise_spectra, shapes_of, with_term, without_term
 from .regression import Guess, Regression
 from .screen import Screen
 
@@ -26,14 +26,19 @@ WORTH_A_FIT = 6.0
 ACCEPT_TRAIN = 5.0
 #: ... and this much on the held-out ones.
 ACCEPT_HOLDOUT = 3.0
+#: ... and where it takes away this part of the power of what is left.
+MATTERS = 0.01
+#: Laws whose log-likelihoods over all recordings differ by less than this cannot be told apart.
+INDISTINGUISHABLE = 5.0
 #: Fitted to the end are this many laws ...
 _FINALISTS = 6
 #: ... of those that are within this part of the best gain after a few steps.
 _NEAR = 0.1
 _FEW_STEPS = 3
+#: A law that gains less than this is compared with a family that has been searched for again.
+_CLOSE_CALL = 200.0
 #: Laws that each of the two screens sends to be fitted.
 _CANDIDATES = 7
-_MOST_EFFECTS = 3
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +72,34 @@ class Trial:
         """What it gains on all recordings together."""
         return self.gain + self.holdout_gain
 
+    @property
+    def proper(self) -> bool:
+        """Whether the law, as it was fitted, is what its name stands for."""
+        law = find(self.effect)
+        if law.proper is None:
+            return True
+        values = self.fitted.model.values()
+        return law.proper({p.name: values[f"{law.name}.{p.name}"] for p in law.parameters}, values["omega0"])
+
+    def matters(self, before: Fitted, before_holdout: Fitted) -> bool:
+        """Whether it takes away at least a hundredth of the noise's power in some segment: a tenth of its size."""
+        pairs = [*zip(before.residuals, self.fitted.residuals, strict=True)]
+        if self.holdout is not None:
+            pairs += zip(before_holdout.residuals, self.holdout.residuals, strict=True)
+        return any(np.mean(old**2) > (1.0 + MATTERS) * np.mean(new**2) for old, new in pairs)
+
+    def why_not(self, best: Trial | None) -> str:
+        """Why this law was not taken, beside the best of its round."""
+        if not self.finished:
+            return f"after a few steps it gains {self.gain:.4g} in log-likelihood, too little beside the best to go on"
+        if not self.supported:
+            if self.gain <= ACCEPT_TRAIN:
+                return "what it gains on the training recordings does not pay for its parameters"
+            return f"it gains {self.gain:.4g} on the training recordings and {self.holdout_gain:.4g} on the held-out ones"
+        if best is None:
+            return "it gains something, but less than a tenth of the noise in every recording"
+        return f"{best.effect} gains {best.score - self.score:.4g} more in log-likelihood"
+
 
 @dataclass(frozen=True, eq=False)
 class Round:
@@ -75,6 +108,24 @@ class Round:
     before: Fitted
     before_holdout: Fitted
     trials: tuple[Trial, ...]
+
+    @property
+    def best(self) -> Trial | None:
+        """The law to take: asked for by all recordings, and large enough to matter."""
+        good = [trial for trial in self.trials if trial.supported and trial.matters(self.before, self.before_holdout)]
+        if not good:
+            return None
+        top = max(trial.score for trial in good)
+        return max(
+            (trial for trial in good if trial.score > top - INDISTINGUISHABLE),
+            key=lambda trial: (trial.proper, -len(trial.fitted.free), round(trial.score, 1)),
+        )
+
+    def rivals(self, chosen: Trial) -> tuple[str, ...]:
+        """Other effects that the recordings cannot tell from the chosen one."""
+        own = find(chosen.effect).effect
+        near = [t for t in self.trials if t.supported and t.proper and t.score > chosen.score - INDISTINGUISHABLE]
+        return tuple(dict.fromkeys(e for t in near if (e := find(t.effect).effect) != own))
 
 
 @dataclass(eq=False)
@@ -123,7 +174,44 @@ class Search:
             final = self.finish(one) if finished else one
             trials.append(self.trial(effect, final, fitted, before, finished=finished))
             self.progress(f"{effect}", 0.6 + 0.4 * (i + 1) / len(early))
-        return Round(fitted, before, tuple(sorted(trials, key=lambda t: (-t.finished, -t.score))))
+        round_ = Round(fitted, before, _ordered(trials))
+        best = round_.best
+        if best is None or best.gain > _CLOSE_CALL:
+            return round_
+        again = self._family_again(fitted, best)
+        if again is None:
+            return round_
+        judged = self.judge(again.model)
+        lost, lost_holdout = again.likelihood - fitted.likelihood, judged.likelihood - before.likelihood
+        moved = [replace(t, gain=t.gain - lost, holdout_gain=t.holdout_gain - lost_holdout) for t in trials]
+        return Round(again, judged, _ordered(moved))
+
+    def _family_again(self, fitted: Fitted, best: Trial) -> Fitted | None:
+        """The model without the law, fitted again from where the law led the others; None where that gains nothing.
+
+        A search that had stopped in a side valley would otherwise credit the law with leaving it.
+        """
+        model = without_term(best.fitted.model, best.effect)
+        initial = best.fitted.initial[:, : fitted.initial.shape[1]]
+        shapes = tuple(name for name in fitted.model.parameters() if name not in fitted.free)
+        other = self._fit(model, initial, 15, shapes)
+        if other is None:
+            return None
+        other = self._polish(other, shapes)
+        return other if other.likelihood > fitted.likelihood + 0.5 else None
+
+    def reconsidered(self, chain: list[Trial], rounds: Sequence[Round]) -> tuple[list[Trial], Fitted]:
+        """With a further effect in, whether the earlier ones are still needed, or a rival does better in their place."""
+        current = chain[-1].fitted
+        kept = list(chain)
+        for trial in chain[:-1]:
+            smaller = without_term(current.model, trial.effect)
+            reduced = self._fit(smaller, _without_states(current, trial.effect), 15)
+            cost = 0.5 * len(find(trial.effect).parameters) * math.log(self.data.points)
+            if reduced is not None and reduced.likelihood > current.likelihood - cost - ACCEPT_TRAIN:
+                current = self._polish(reduced, shapes_of(reduced.model))
+                kept.remove(trial)
+        return kept, current
 
     def trial(self, effect: str, one: Fitted, fitted: Fitted, before: Fitted, *, finished: bool) -> Trial:
         """A fitted law against the model without it."""
@@ -199,6 +287,18 @@ class Search:
                 return again if again.likelihood > fitted.likelihood else fitted
             fitted = again
         return fitted
+
+
+def _ordered(trials: Sequence[Trial]) -> tuple[Trial, ...]:
+    return tuple(sorted(trials, key=lambda t: (-t.finished, -t.score)))
+
+
+def _without_states(fitted: Fitted, effect: str) -> np.ndarray:
+    """Initial states of a model once the states of one of its laws are gone."""
+    from ..model.equations import equations
+
+    names = equations(fitted.model).state_names
+    return fitted.initial[:, [i for i, name in enumerate(names) if not name.startswith(f"{effect}.")]]
 
 
 def _leading(gains: dict[str, float]) -> list[str]:

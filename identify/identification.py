@@ -64,7 +64,7 @@ def identify(
     Raises:
         BadInput: where the recordings do not belong together, or cannot carry a model.
     """
-    _belong_together(recordings)
+    belong_together(recordings)
     progress("Hilbert transform: decays, FREEVIB, FORCEVIB")
     hilbert = hilbert_start(recordings)
     first = recordings[0]
@@ -86,7 +86,8 @@ def identify(
     )
 
 
-def _belong_together(recordings: Sequence[Recording]) -> None:
+def belong_together(recordings: Sequence[Recording]) -> None:
+    """Raises BadInput where recordings cannot be of one rig, one quantity and one unit of force, or one is there twice."""
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
     first = recordings[0]

@@ -290,6 +290,14 @@ class OutputError:
             total += scores.T @ scores / draws
         return total
 
+    def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
+        """(k, k) information of the free parameters, initial states eliminated."""
+        blocks = []
+        for rows, spectrum in zip(derivatives, noise, strict=True):
+            white_rows = spectrum.whiten(rows)
+            blocks.append((white_rows @ white_rows.T, np.zeros(rows.shape[0])))
+        return _information(blocks, len(self.free))
+
     def _blocks(
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
     ) -> list[Block]:

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from ..model import Oscillator
+from ..model.law import InnerState, Scales
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
@@ -19,6 +20,8 @@ _ROUNDS = 4
 #: forgets its start; a free decay remembers it throughout.
 _STRETCHES = (3.0, 12.0)
 _FORCED_STRETCH = 30.0
+#: Starts for a phase: with three of them the nearest is within a sixth of a turn.
+_PHASES = 3
 
 #: A simulator: initial displacement and velocity (2,), number of samples -> (n,) response.
 Simulator = Callable[[np.ndarray, int], np.ndarray]
@@ -37,42 +40,85 @@ def force_of(recording: Recording) -> Force | None:
     return smooth_force(np.asarray(recording.force, float), recording.dt, highest)
 
 
-def initial_state(simulator: Simulator, recording: Recording) -> np.ndarray:
-    """Displacement and velocity (2,) at the first sample that bring a simulation closest to the recording.
+def initial_state(
+    simulator: Simulator, recording: Recording, inner: Sequence[InnerState] = (), force_size: float = 1.0
+) -> np.ndarray:
+    """Displacement, velocity and inner states at the first sample that bring a simulation closest to the recording.
 
-    Zero where the recording starts at rest; else Gauss-Newton over growing stretches.
+    Zero where the recording starts at rest, but for states that are free even there (phases, which are searched from
+    several starts); else Gauss-Newton over growing stretches.
+
+    Args:
+        simulator: of the model; takes what this returns, (2 + inner,).
+        recording: what it should reproduce.
+        inner: the model's inner states.
+        force_size: typical force, for inner states that are forces.
     """
     measured = np.asarray(recording.response, float)
     omega = natural_frequency(recording)
+    size = float(np.std(measured)) / omega ** QUANTITIES.index(recording.quantity)
+    scales = Scales(size, omega, force_size, float(np.std(measured)), recording.n * recording.dt)
+    scale = np.array([size, size * omega, *(scales.of(state.unit) for state in inner)])
+    initial = np.zeros(scale.size)
+    phases = [2 + i for i, state in enumerate(inner) if state.free]
     if starts_at_rest(measured, recording.dt, omega, noise_level(measured, recording.fs)):
-        return np.zeros(2)
-    scale = float(np.std(measured)) * np.array([1.0, omega]) / omega ** QUANTITIES.index(recording.quantity)
-    initial = np.zeros(2)
-    if recording.quantity == "displacement":
-        initial = first_motion(measured, recording.dt, omega)[0]
-    forced = recording.force is not None and np.any(recording.force)
+        own = phases
+    else:
+        own = list(range(scale.size))
+        if recording.quantity == "displacement":
+            initial[:2] = first_motion(measured, recording.dt, omega)[0]
+    if not own:
+        return initial
+    forced = recording.force is not None and bool(np.any(recording.force))
     cycle = 2 * np.pi / omega * recording.fs
-    for cycles in (*_STRETCHES, _FORCED_STRETCH if forced else np.inf):
-        n = int(min(max(cycles * cycle, 8), recording.n))
-        for _ in range(_ROUNDS):
-            base = simulator(initial, n)
-            before = float(np.sum((measured[:n] - base) ** 2))
-            columns = [(simulator(initial + 1e-4 * scale * unit, n) - base) / 1e-4 for unit in np.eye(2)]
-            jacobian = np.array(columns).T
-            if not np.all(np.isfinite(jacobian)):
-                break
-            trial = initial + np.linalg.lstsq(jacobian, measured[:n] - base)[0] * scale
-            gain = before - float(np.sum((measured[:n] - simulator(trial, n)) ** 2))
-            if not gain > 0:
-                break
-            initial = trial
-            if gain < 1e-6 * before:
-                break
+    lengths = [
+        int(min(max(cycles * cycle, 8), recording.n))
+        for cycles in (*_STRETCHES, np.inf if phases or not forced else _FORCED_STRETCH)
+    ]
+
+    def misfit(candidate: np.ndarray, n: int) -> float:
+        return float(np.sum((measured[:n] - simulator(candidate, n)) ** 2))
+
+    if phases:
+        turns = [initial.copy() for _ in range(_PHASES)]
+        for k, turn in enumerate(turns):
+            turn[phases] = 2 * np.pi * k / _PHASES
+        initial = min(turns, key=lambda turn: misfit(turn, lengths[-1]))
+    for n in lengths:
+        initial = _closest(simulator, measured[:n], initial, own, scale)
+    return initial
+
+
+def _closest(
+    simulator: Simulator, measured: np.ndarray, initial: np.ndarray, own: list[int], scale: np.ndarray
+) -> np.ndarray:
+    """Gauss-Newton in the states ``own``, as long as it gains."""
+    n = measured.size
+    for _ in range(_ROUNDS):
+        base = simulator(initial, n)
+        before = float(np.sum((measured - base) ** 2))
+        steps = np.diag(1e-4 * scale)[own]
+        jacobian = np.array([(simulator(initial + step, n) - base) / 1e-4 for step in steps]).T
+        if not np.all(np.isfinite(jacobian)):
+            break
+        trial = initial.copy()
+        trial[own] += np.linalg.lstsq(jacobian, measured - base)[0] * scale[own]
+        gain = before - float(np.sum((measured - simulator(trial, n)) ** 2))
+        if not gain > 0:
+            break
+        initial = trial
+        if gain < 1e-6 * before:
+            break
     return initial
 
 
 def replay(oscillator: Oscillator, recording: Recording) -> np.ndarray:
     """(n,) response of a model to the force of a recording, in the recording's quantity; NaN from where it diverges."""
+    return replayed(oscillator, recording)[0]
+
+
+def replayed(oscillator: Oscillator, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
+    """As ``replay``, and the initial state (states,) that it ran from."""
     core = core_of(oscillator)
     values = np.array(list(oscillator.values().values()))
     peak = float(np.max(np.abs(recording.response))) / natural_frequency(recording) ** QUANTITIES.index(
@@ -84,4 +130,6 @@ def replay(oscillator: Oscillator, recording: Recording) -> np.ndarray:
     def simulator(initial: np.ndarray, n: int) -> np.ndarray:
         return core.record(values, initial, force, n, recording.dt, step, start=recording.start)
 
-    return simulator(initial_state(simulator, recording), recording.n)
+    size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
+    initial = initial_state(simulator, recording, core.equations.inner, size)
+    return simulator(initial, recording.n), initial

@@ -204,6 +204,8 @@ class Law:
         sentence: what it is, for an engineer.
         source: where the law comes from.
         curves: what it does to backbone and damping curve.
+        proper: ``proper(values, omega0)`` tells whether these values are what the name stands for, where another law has
+            the same equation (a stop is stiffer than the spring, a clearance is not); None: always.
     """
 
     name: str
@@ -216,6 +218,7 @@ class Law:
     force: Force | None = None
     drive: Path | None = None
     record: Path | None = None
+    proper: Callable[[Mapping[str, float], float], bool] | None = None
 
     def in_words(self, shown: Callable[[str], str]) -> str:
         """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""

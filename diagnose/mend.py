@@ -1,0 +1,116 @@
+"""The improvement shown with the artefact: the mended model as an FMU, run under FMPy on every recording."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import DashpotError
+from ..export.fmu import export_fmu
+from ..export.fmu_run import FmuRun
+from ..identify.decays import find_decays
+from ..identify.hilbert import noise_level
+from ..identify.replay import force_of, replayed
+from ..model import Oscillator
+from ..recording.recording import Recording
+from .result import RecordFit
+
+
+def pieces(recording: Recording) -> list[Recording]:
+    """What can be simulated of a recording: all of it where the force is known, else its free decays."""
+    if recording.force is not None and np.any(recording.force):
+        return [recording]
+    return [recording.slice(decay.start, decay.stop) for decay in find_decays(recording)]
+
+
+def record_fits(
+    before: Oscillator,
+    after: Oscillator | None,
+    recordings: Sequence[Recording],
+    *,
+    holdout: bool,
+    fmu: Path | None = None,
+) -> list[RecordFit]:
+    """Free runs of the family's best and of the mended model along recordings.
+
+    Args:
+        before: best of the given family.
+        after: mended model; None where nothing was mended.
+        recordings: what they are held against.
+        holdout: whether no parameter was fitted to them.
+        fmu: the mended model exported; its response is then the FMU's under FMPy.
+    """
+    run = FmuRun(fmu) if fmu is not None and after is not None else None
+    try:
+        return [fit for r in recordings if (fit := _fit(before, after, r, holdout, run)) is not None]
+    finally:
+        if run is not None:
+            run.__exit__(None, None, None)
+
+
+def exported(model: Oscillator, path: Path) -> Path | None:
+    """The model as an FMU; None where this machine has no compiler."""
+    try:
+        return export_fmu(model, path)
+    except DashpotError:
+        return None
+
+
+def _fit(
+    before: Oscillator, after: Oscillator | None, recording: Recording, holdout: bool, run: FmuRun | None
+) -> RecordFit | None:
+    times, forces, measured, old, new, variances = [], [], [], [], [], []
+    for piece in pieces(recording):
+        first, _ = replayed(before, piece)
+        second = first
+        model = before
+        if after is not None:
+            model = after
+            second, initial = replayed(after, piece)
+            if run is not None:
+                second = run.record(force_of(piece), piece.n, piece.dt, initial, piece.start)
+        times.append(piece.time)
+        measured.append(np.asarray(piece.response, float))
+        forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))
+        old.append(first)
+        new.append(second)
+        variances.append(np.full(piece.n, _noise(model, piece) ** 2))
+    if not times:
+        return None
+    y, first, second = (np.concatenate(parts) for parts in (measured, old, new))
+    spread = max(float(np.std(y)), np.finfo(float).tiny)
+
+    def nrmse(simulated: np.ndarray) -> float:
+        return float(np.sqrt(np.mean((simulated - y) ** 2))) / spread
+
+    force = np.concatenate(forces)
+    return RecordFit(
+        recording.name,
+        holdout,
+        nrmse(first),
+        nrmse(second),
+        float(np.sqrt(np.mean(np.concatenate(variances)))) / spread,
+        np.concatenate(times),
+        y,
+        first,
+        second,
+        force if np.any(force) else None,
+    )
+
+
+def _noise(model: Oscillator, recording: Recording) -> float:
+    """Rms that noise alone leaves: the sensor's, and that of the force as the model passes some more of it on."""
+    sensor = noise_level(np.asarray(recording.response, float), recording.fs)
+    force = force_of(recording)
+    if force is None or recording.force is None:
+        return sensor
+    from dataclasses import replace
+
+    level = noise_level(np.asarray(recording.force, float), recording.fs)
+    random = np.random.default_rng(0)
+    noisy = replace(recording, force=np.asarray(recording.force) + level * random.standard_normal(recording.n))
+    difference = replayed(model, noisy)[0] - replayed(model, recording)[0]
+    moved = float(np.sqrt(np.mean(difference**2)))
+    return float(np.hypot(sensor, moved)) if np.isfinite(moved) else sensor

@@ -1,0 +1,107 @@
+"""Whether what a model leaves over is noise.
+
+The noise's level comes from the highest frequencies of the signals, so that noise which is not white leaves more
+than that without any physics behind it. Physics moves with the rig: what grows with the motion, or bursts out
+at some instant, is a mismatch; what goes on alike whether the rig moves much or little is noise of another colour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..identify.likelihood import equivalent_resonance
+from .fitting import Data, Fitted
+
+#: What is left may exceed the noise by this factor: the noise itself is estimated.
+ABOVE_NOISE = 1.1
+#: Windows of this many cycles are compared ...
+_CYCLES = 6.0
+#: ... at this level of significance (one record in two thousand).
+_CHANCE = 5e-4
+#: A window with this many times the median power is a burst: no noise of a few degrees of freedom gets there.
+_BURST = 30.0
+_FEWEST = 12
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """One segment: rms of what is left over that of the noise, and whether it moves with the rig.
+
+    Attributes:
+        file: recording.
+        ratio: rms of the residual over that expected of sensor and force noise.
+        with_motion: rank correlation of its power with the motion's, 0 where it is not significant.
+        burst_s: time of a burst, or None.
+    """
+
+    file: str
+    ratio: float
+    with_motion: float
+    burst_s: float | None
+
+    @property
+    def is_mismatch(self) -> bool:
+        """Whether it is more than noise."""
+        return self.ratio > ABOVE_NOISE and (self.with_motion > 0 or self.burst_s is not None)
+
+
+def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
+    """What a fitted model leaves in each segment."""
+    from scipy.stats import spearmanr
+
+    found = []
+    omega = fitted.model.omega0.value
+    for i, (segment, residual) in enumerate(zip(data.segments, fitted.residuals, strict=True)):
+        name = data.recordings[segment.recording].name
+        ratio = float(np.sqrt(np.mean(residual**2))) / expected(fitted, data, i)
+        size = max(4, round(_CYCLES * 2 * np.pi / omega / segment.dt))
+        count = segment.n // size
+        if count < _FEWEST:
+            size = max(4, size // 3)
+            count = segment.n // size
+        if count < _FEWEST or not np.isfinite(ratio):
+            found.append(Leftover(name, ratio, float(ratio > 3.0 * ABOVE_NOISE), None))
+            continue
+        power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
+        motion = segment.response[: count * size] - residual[: count * size]
+        moved = np.std(motion.reshape(count, size), axis=1)
+        correlation, chance = spearmanr(power, moved)
+        significant = correlation > 0 and chance < _CHANCE
+        loudest = int(np.argmax(power))
+        burst = power[loudest] > _BURST * float(np.median(power))
+        found.append(
+            Leftover(
+                name,
+                ratio,
+                float(correlation) if significant else 0.0,
+                segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
+            )
+        )
+    return tuple(found)
+
+
+def expected(fitted: Fitted, data: Data, index: int) -> float:
+    """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment."""
+    segment = data.segments[index]
+    variance = data.sensor[index] ** 2
+    values = fitted.model.values()
+    if segment.force is not None and data.force[index] > 0:
+        resonance = equivalent_resonance(segment, values, fitted.model.response.quantity)
+        variance += (data.force[index] / values["mass"]) ** 2 * float(np.mean(resonance))
+    return max(float(np.sqrt(variance)), 1e-9 * float(np.std(segment.response)), np.finfo(float).tiny)
+
+
+def sentence(left: Sequence[Leftover]) -> str | None:
+    """What stays beyond the noise, in words; None where nothing does."""
+    bad = sorted((one for one in left if one.is_mismatch), key=lambda one: -one.ratio)
+    if not bad:
+        return None
+    parts = []
+    for one in bad[:3]:
+        how = "growing with the motion" if one.with_motion > 0 else f"in a burst at {one.burst_s:.4g} s"
+        parts.append(f"{one.ratio:.3g} times the noise in {one.file}, {how}")
+    more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further stretches"
+    return f"there remains {'; '.join(parts)}{more}"
