@@ -17,6 +17,8 @@ from .errors import BadInput, DashpotError
 if TYPE_CHECKING:
     from .recording import Recording
 
+_FILE = click.Path(path_type=Path)
+
 _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--time", metavar="COLUMN", help="Column of the time, by name or number."),
     click.option("--force", metavar="COLUMN", help="Column of the force; none: leave it out."),
@@ -36,6 +38,27 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
 def _with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say how a recording is to be read."""
     return functools.reduce(lambda wrapped, option: option(wrapped), reversed(_RECORDING_OPTIONS), command)
+
+
+def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[Path, ...]) -> None:
+    from .model.laws.user import load_law_file
+
+    for file in files:
+        load_law_file(file)
+
+
+def _with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option that adds laws to the library before the command reads a model."""
+    return click.option(
+        "--law",
+        metavar="FILE.py",
+        type=_FILE,
+        multiple=True,
+        expose_value=False,
+        is_eager=True,
+        callback=_load_laws,
+        help="Python file with laws of your own; it is run. May be given several times.",
+    )(command)
 
 
 def _read(files: tuple[Path, ...], options: dict[str, Any]) -> list[Recording]:
@@ -74,10 +97,17 @@ def _print_json(value: Any) -> None:
     click.echo(json.dumps(value, indent=2, ensure_ascii=False))
 
 
-_FILE = click.Path(path_type=Path)
+class _Commands(click.Group):
+    """A group that shows the whole first sentence of each command."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands, each with its sentence."""
+        rows = [(name, command.get_short_help_str(1000)) for name, command in sorted(self.commands.items())]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
 
 
-@click.group(context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
 @click.version_option(__version__, prog_name="dashpot")
 def cli() -> None:
     """Recordings of a vibrating thing in; a model you can believe, an FMU and CasADi functions you can use, out."""
@@ -111,6 +141,10 @@ def identify(
     from .writing import replacing
 
     _outputs([output] if report is None else [output, report], recordings)
+    if output.suffix in (".fmu", ".casadi", ".csv", ".html"):
+        raise BadInput(
+            f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
+        )
     found = find(_read(recordings, options), name=name or output.stem, progress=_say)
     for note in found.notes:
         _say(f"note: {note}")
@@ -131,6 +165,7 @@ def identify(
 @cli.command()
 @click.argument("model", type=_FILE)
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@_with_laws
 def show(model: Path, as_json: bool) -> None:
     """Parameters with their errors, equation and validity."""
     from .model.file import load
@@ -148,6 +183,7 @@ def show(model: Path, as_json: bool) -> None:
 @click.argument("model", type=_FILE)
 @click.argument("recording", type=_FILE)
 @click.option("-o", "--output", type=_FILE, required=True, help="CSV file to write (.csv or .csv.gz).")
+@_with_laws
 @_with_recordings
 def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
     """Response of a model to the force of a recording, event-exact."""
@@ -187,6 +223,7 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 @click.option(
     "--step", type=float, default=1e-3, show_default=True, metavar="S", help="Sample time of the CasADi step."
 )
+@_with_laws
 def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) -> None:
     """Write the model as an FMU (.fmu) or as CasADi functions (.casadi)."""
     from .export import check_suffix

@@ -1,6 +1,7 @@
 """What an oscillator is: force laws, parameters, units, the model file."""
 
+from .law import Law, LawParameter
 from .oscillator import Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter
 
-__all__ = ["Oscillator", "Parameter", "Provenance", "Range", "Response", "Term"]
+__all__ = ["Law", "LawParameter", "Oscillator", "Parameter", "Provenance", "Range", "Response", "Term"]

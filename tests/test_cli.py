@@ -314,6 +314,20 @@ def test_a_nasty_name_is_harmless_everywhere(capsys, tmp_path, decay, monkeypatc
     assert not Path("owned").exists()
 
 
+def test_the_list_of_commands_is_not_cut(capsys):
+    _, out, _ = run(capsys, "-h")
+    assert "..." not in out.partition("Commands:")[2]
+    assert "exit code 1 where they differ." in " ".join(out.split())
+
+
+@pytest.mark.parametrize("name", ["rig.fmu", "rig.casadi", "rig.csv", "rig.html"])
+def test_identify_writes_a_model_file_and_nothing_else(capsys, tmp_path, decay, name):
+    code, _, err = run(capsys, "identify", decay, "-o", tmp_path / name)
+    assert code == 2
+    assert "identify writes a model file; name it .yaml" in err
+    assert not (tmp_path / name).exists()
+
+
 def test_no_arguments_show_what_there_is(capsys):
     code, out, err = run(capsys)
     assert code in (0, 2)

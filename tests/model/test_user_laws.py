@@ -1,0 +1,137 @@
+"""Laws of a user's own: the example of docs/laws.md, and everything that can be wrong with such a file."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot.cli import main
+from dashpot.errors import BadInput
+from dashpot.model import Oscillator
+from dashpot.model.describing import equivalent_stiffness
+from dashpot.model.file import save
+from dashpot.model.laws import LIBRARY, user
+from dashpot.model.laws.user import load_law_file
+
+ROOT = Path(__file__).resolve().parents[2]
+EXAMPLE = re.findall(r"```python\n(.*?)```", (ROOT / "docs/laws.md").read_text(encoding="utf-8"), re.DOTALL)[0]
+
+
+@pytest.fixture(autouse=True)
+def library(monkeypatch):
+    """What a test loads is forgotten after it."""
+    before = dict(LIBRARY)
+    monkeypatch.setattr(user, "_loaded", {})
+    yield
+    LIBRARY.clear()
+    LIBRARY.update(before)
+
+
+@pytest.fixture
+def write(tmp_path):
+    def to(text, name="magnet.py"):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        return tmp_path / name
+
+    return to
+
+
+PLAIN = {"mass": 0.3, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 3.0, "dry": 0.0}
+
+
+def magnet():
+    return Oscillator.from_values({**PLAIN, "magnet.strength": 20.0, "magnet.reach": 5e-3}, effects=("magnet",))
+
+
+def test_the_example_becomes_part_of_the_library(write):
+    (law,) = load_law_file(write(EXAMPLE))
+    assert LIBRARY["magnet"] is law
+    small = equivalent_stiffness(magnet(), np.array([1e-5]), 60.0)
+    assert small == pytest.approx([60.0**2 + 20.0 / 5e-3], rel=1e-4)
+    assert load_law_file(write(EXAMPLE)) == (law,)  # again: the same
+
+
+def test_every_command_takes_it(write, tmp_path, capsys):
+    path = str(write(EXAMPLE))
+    load_law_file(path)
+    save(magnet(), tmp_path / "rig.yaml")
+    LIBRARY.pop("magnet")
+    user._loaded.clear()
+    rig = str(tmp_path / "rig.yaml")
+    main(["show", rig, "--law", path])
+    assert "strength x / reach exp(-(x / reach)²)" in capsys.readouterr().out
+    main(["export", rig, str(tmp_path / "rig.fmu"), str(tmp_path / "rig.casadi"), "--law", path])
+    time = np.arange(400) * 2e-3
+    rows = "\n".join(f"{t:.6g},{np.sin(60 * t):.9g},{1e-3 * t * np.cos(60 * t):.9g}" for t in time)
+    (tmp_path / "force.csv").write_text(f"time_s,force_N,displacement_m\n{rows}\n")
+    main(["simulate", rig, str(tmp_path / "force.csv"), "-o", str(tmp_path / "out.csv"), "--law", path])
+    assert (tmp_path / "out.csv").is_file()
+
+
+def test_without_its_file_the_model_is_refused(write, tmp_path, capsys):
+    load_law_file(write(EXAMPLE))
+    save(magnet(), tmp_path / "rig.yaml")
+    LIBRARY.pop("magnet")
+    with pytest.raises(SystemExit) as ended:
+        main(["show", str(tmp_path / "rig.yaml")])
+    assert ended.value.code == 2
+    assert "'magnet' is not in the library of laws" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('name="magnet"', 'name="viscoelastic"', "law 'viscoelastic': there is one of that name already"),
+        ('name="magnet"', 'name="My Magnet"', "name must be of small letters"),
+        ('path="restoring"', 'path="spring"', "path 'spring' is not known; use one of restoring"),
+        ("force=pull,", "", "give one of force, drive and record"),
+        ("force=pull,", "force=pull, drive=pull,", "give one of force, drive and record"),
+        ('source="a dipole\'s field near its axis, fitted by a bell"', 'source=""', "source is empty"),
+        ('"force per unit mass at the reach, times e"', '" "', "parameter 'strength': description is empty"),
+        ('"X/s2"', '"N/kg"', "parameter 'strength': unit 'N/kg' has N, kg; write it with X"),
+        ('"X/s2"', '"X//s"', "parameter 'strength': unit"),
+        ("lower=1e-9, probes=(0.1, 0.3, 1.0)", "lower=1.0, upper=0.0, probes=(0.1,)", "bounds 1 and 0 hold nothing"),
+        ("lower=1e-9, probes=(0.1, 0.3, 1.0)", "lower=1e-9", "give probes, the values at which to look"),
+        ("{strength} x / {reach}", "{power} x / {reach}", "equation has {power}, which is no parameter"),
+        ("{strength} x / {reach}", "x / {reach}", "parameter 'strength': equation does not show it"),
+        ('p["strength"]', 'p["strenth"]', "line 9: law 'magnet': KeyError: 'strenth'; correct the file"),
+        ("return p", "q = motion.state('q', 'X'); return q * p", "its state 'q' has no rate; call motion.rate"),
+        ("return p", "return ca.vertcat(1, 2) * p", "it gives 2 by 1 numbers; return a single expression"),
+        ("import casadi as ca\n", "import casadi as ca\n  x\n", "line 8: not Python (unindent"),
+        ("LAW = Law(", "1 / 0\nLAW = Law(", "line 12: ZeroDivisionError: division by zero; correct the file"),
+        ("LAW = Law(", "raise SystemExit(3)\nLAW = Law(", "line 12: SystemExit: 3; correct the file"),
+        ("LAW = Law(", "LAW = dict(", "defines no Law; write LAW = Law"),
+    ],
+)
+def test_what_is_wrong_is_said_with_its_place(old, new, said, write):
+    assert old in EXAMPLE
+    before = dict(LIBRARY)
+    path = write(EXAMPLE.replace(old, new, 1))
+    with pytest.raises(BadInput) as caught:
+        load_law_file(path)
+    assert str(caught.value).startswith(f"{path}")
+    assert said in str(caught.value)
+    assert before == LIBRARY
+
+
+def test_a_file_that_is_none_is_said(tmp_path, write):
+    with pytest.raises(BadInput, match="cannot be read"):
+        load_law_file(tmp_path / "missing.py")
+    (tmp_path / "bytes.py").write_bytes(b"\xff\xfe\x00")
+    with pytest.raises(BadInput, match="is not UTF-8 text"):
+        load_law_file(tmp_path / "bytes.py")
+    path = write(EXAMPLE)
+    load_law_file(path)
+    path.write_text(EXAMPLE + "\n# changed\n")
+    with pytest.raises(BadInput, match="start Python again"):
+        load_law_file(path)
+
+
+def test_a_bad_file_ends_the_command_with_code_two(write, tmp_path, capsys):
+    save(Oscillator.from_values(PLAIN), tmp_path / "rig.yaml")
+    with pytest.raises(SystemExit) as ended:
+        main(["show", str(tmp_path / "rig.yaml"), "--law", str(write("LAW = 1 +", "bad.py"))])
+    assert ended.value.code == 2
+    assert "bad.py, line 1: not Python" in capsys.readouterr().err
