@@ -18,6 +18,8 @@ from .smoothing import amplitude_of
 if TYPE_CHECKING:
     from ..model import Oscillator
 
+#: What the description of a start value ends with that each run has for itself: a phase.
+OWN = ", another in each run"
 #: Longest internal step, s, of a model that neither swings nor decays.
 _STILL_STEP = 1e-3
 #: Names that are a word of C or a device of Windows, so that no file or function can bear them.
@@ -158,7 +160,8 @@ def _inner_starts(oscillator: Oscillator, eq: Equations) -> list[Variable]:
         leader = eq.follows[i]
         beyond = "" if leader is None else f", beyond {('x0', 'v0')[leader]}"
         unit = units.compose(state.unit, response.displacement_unit, oscillator.force_unit, response.unit)
-        found.append(Variable(f"{name}0", "initial", i, unit, f"{law}: start value of its {own}{beyond}", 0.0))
+        text = f"{law}: start value of its {own}{beyond}{OWN if state.free else ''}"
+        found.append(Variable(f"{name}0", "initial", i, unit, text, 0.0))
     return found
 
 

@@ -8,7 +8,7 @@ import re
 import shutil
 import zipfile
 import zlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -16,7 +16,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
+from ..model.law import InnerState
 from ..simulate.force import Force
+from .description import OWN
 
 #: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
 _LINES = 8
@@ -44,6 +46,19 @@ def _starts(variables: Sequence[Any]) -> list[str]:
     fixed = [v.name for v in variables if v.causality == "parameter" and v.variability == "fixed"]
     inner = [name for name in fixed if "." in name and name.endswith("0")]
     return [*(name for name in ("x0", "v0") if name in fixed), *inner]
+
+
+def _inner(variables: Mapping[str, Any], name: str) -> InnerState:
+    """What a start value is, from what the FMU says of it: its size by its unit, and whether each run has its own."""
+    unit = _unit(variables[name])
+    known = {_unit(variables[of]): template for of, template in (("F", "Q"), ("v0", "X/s"), ("x0", "X"))}
+    free = str(variables[name].description or "").endswith(OWN)
+    return InnerState(name, "rad" if free else known.get(unit, "1"), free=free)
+
+
+def _unit(variable: Any) -> str | None:
+    """Unit of a variable; None where the FMU states none."""
+    return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
 
 
 class FmuRun:
@@ -80,9 +95,11 @@ class FmuRun:
         self.variables = variables
         #: Names of the start values: x0, v0, then those of the inner states.
         self.starts = _starts(description.modelVariables)
+        #: What the start values of the inner states are.
+        self.inner = tuple(_inner(variables, name) for name in self.starts[2:])
         self._output = outputs[0].valueReference
         #: Unit of the first output; None where the FMU states none.
-        self.unit: str | None = outputs[0].unit or (outputs[0].declaredType.unit if outputs[0].declaredType else None)
+        self.unit: str | None = _unit(outputs[0])
         self._force = variables["F"].valueReference
         self._slope = variables["F_rate"].valueReference if "F_rate" in variables else None
         self._cubic = "dashpot" in (description.generationTool or "") and bool(

@@ -182,7 +182,8 @@ def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
     def simulate(state: np.ndarray, n: int) -> np.ndarray:
         return run.record(force, n, recording.dt, state, recording.start)
 
-    initial = initial_state(simulate, recording)
+    size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
+    initial = initial_state(simulate, recording, run.inner, size)
     simulated = simulate(initial, recording.n)
     sensor = noise_level(np.asarray(recording.response, float), recording.fs)
     return simulated, float(np.hypot(sensor, _force_noise(run, recording, force, initial, simulated)))

@@ -135,3 +135,29 @@ def test_the_json_holds_what_the_design_says(fmu):
     result = verify(fmu, [replace(recording(), name="a.csv")]).as_json()
     assert set(result) == {"fmu", "recordings", "pass"}
     assert set(result["recordings"][0]) == {"file", "nrmse", "noise_floor", "backbone_max_error_hz", "pass"}
+
+
+@pytest.mark.parametrize(
+    ("effect", "start"),
+    [("viscoelastic", (5e-3, 0.0, -3e-3)), ("hysteresis", (5e-3, 0.2, 1e-3)), ("tonal-disturbance", (0.0, 0.0, 2.0))],
+)
+def test_a_recording_that_starts_with_a_memory_is_followed(tmp_path, with_law, effect, start):
+    model = with_law(effect)
+    core, p = core_of(model), np.array(list(model.values().values()))
+    t = np.arange(4000) / FS
+    force = np.sin(2 * np.pi * (8.0 * t + 1.5 * t**2))
+    driven = smooth_force(force, 1 / FS, 40.0)
+    x = core.record(p, np.array(start), driven, t.size, 1 / FS, internal_step(model, model.values(), 9e-3), start=1.5)
+    noise = NOISE * np.random.default_rng(0).standard_normal(t.size)
+    record = Recording(name="burst.csv", fs=FS, response=x + noise, force=force, start=1.5)
+    export(model, tmp_path / "rig.fmu")
+    (check,) = verify(tmp_path / "rig.fmu", [record]).recordings
+    assert check.nrmse < 1.1 * check.noise_floor
+
+
+def test_more_start_values_than_the_fmu_has_are_refused(fmu):
+    with FmuRun(fmu) as run:
+        assert run.starts == ["x0", "v0"]
+        run.record(None, 3, 1 / FS, np.array([1e-3, 0.0, 0.0]))
+        with pytest.raises(BadInput, match="3 start values where the FMU has 2 to set"):
+            run.record(None, 3, 1 / FS, np.array([1e-3, 0.0, 1e-3]))
