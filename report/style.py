@@ -106,6 +106,8 @@ def svg(figure: Any, key: str, title: str) -> str:
     text = re.sub(r'\bid="', f'id="{key}-', text)
     text = re.sub(r'(xlink:href="#|url\(#)', rf"\1{key}-", text)
     text = re.sub(r'(\b(?:d|points|transform|x|y)=")([^"]*)"', _rounded, text)
+    text = re.sub(r"font-family: [^;\"]*; ?", "", text)  # that of the head holds for all
+    text = re.sub(r' transform="rotate\(-0 [^"]*"', "", text)
     text = re.sub(r"font: ([^\"';]*?)(\d[\d.]*px) [^;\"]*", r"font-size: \2; \1", text)
     text = re.sub(r'style="font-size: ([\d.]+px); (\d+ |bold |italic )', r'style="font-size: \1; font-weight: \2', text)
     text = re.sub(r"\n\s*", "\n", text)

@@ -1,0 +1,113 @@
+"""The report of a diagnosis: what is missing from a model, where it shows, and what to do next, as one HTML page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from ..model.show import warnings as model_warnings
+from .before_after import response_section
+from .blocks import Block, Items, Section, Text, page
+from .display import full_stop, pretty_unit
+from .effects import considered_section, effects_section, shift_section
+from .location import location_section
+from .mended_curves import curves_section
+from .missing_force import force_section
+from .next_experiment import experiment_section
+from .provenance import files_text, recordings_table
+
+if TYPE_CHECKING:
+    from ..diagnose.result import Diagnosis
+
+#: How each verdict is shown: a shape and words that come before the sentence, and the colour.
+VERDICTS = {
+    "consistent": ("✓ Consistent.", "good"),
+    "missing-physics": ("◆ Missing physics.", "note"),
+    "unexplained": ("▲ Unexplained.", "bad"),
+}
+
+
+def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> str:
+    """The report as HTML text: no script, nothing loaded from elsewhere, the same text for the same diagnosis.
+
+    Args:
+        diagnosis: what ``diagnose`` returns.
+        files: names of the files written beside the page.
+    """
+    sections = [
+        response_section(diagnosis),
+        location_section(diagnosis),
+        force_section(diagnosis),
+        effects_section(diagnosis),
+        considered_section(diagnosis),
+        shift_section(diagnosis),
+        curves_section(diagnosis),
+        experiment_section(diagnosis),
+        Section("What remains, and what to know", tuple(_remainder(diagnosis))),
+        Section("Where the numbers come from", tuple(_provenance(diagnosis, files))),
+    ]
+    mark, tone = VERDICTS.get(diagnosis.verdict, ("", "note"))
+    lead = (
+        Text(full_stop(diagnosis.sentence), tone, mark),
+        Text(next_step(diagnosis, files), lead="What to do next:"),
+    )
+    software = diagnosis.model.identified.software or "dashpot"
+    return page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead, footer=f"Made by {software}.")
+
+
+def next_step(diagnosis: Diagnosis, files: Sequence[str] = ()) -> str:
+    """What a person should do with the verdict, in one or two sentences."""
+    again = "; to be surer, make the next experiment below" if _planned(diagnosis) else ""
+    if diagnosis.verdict == "consistent":
+        return f"use the model as it is, within what the recordings covered{again}."
+    if diagnosis.verdict == "missing-physics":
+        mended = next((name for name in files if name.endswith(".yaml")), "")
+        names = " and ".join(dict.fromkeys(e.effect for e in diagnosis.effects)) or "the effect"
+        twins = dict.fromkeys(name for e in diagnosis.effects for name in e.indistinguishable_from)
+        doubt = (
+            f" These recordings cannot tell it from {', '.join(twins)}: make the next experiment before you rely on "
+            "the name."
+            if twins
+            else ""
+        )
+        return f"use the mended model{f' ({mended})' if mended else ''}, and look for {names} in the rig.{doubt}"
+    where = " where it is said to fail below" if diagnosis.location is not None else ""
+    plan = ", make the next experiment" if _planned(diagnosis) else ""
+    return f"do not rely on the model{where}; look at the rig there{plan}, and diagnose again."
+
+
+def _planned(diagnosis: Diagnosis) -> bool:
+    return diagnosis.experiment is not None and diagnosis.experiment.kind != "none"
+
+
+def remarks(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """Notes of the diagnosis and warnings about the mended model, each once and with its full stop."""
+    notes = [*diagnosis.notes, *model_warnings(diagnosis.model)]
+    return tuple(dict.fromkeys(full_stop(note) for note in notes if note.strip()))
+
+
+def _remainder(diagnosis: Diagnosis) -> list[Block]:
+    if diagnosis.remainder:
+        rest = Text(full_stop(diagnosis.remainder), "bad")
+    else:
+        model = "mended" if diagnosis.effects else "given"
+        rest = Text(f"Nothing stays beyond the noise: the {model} model reproduces these recordings.", "good")
+    notes = remarks(diagnosis)
+    return [rest, *([Text("Take note:"), Items(notes)] if notes else [])]
+
+
+def _provenance(diagnosis: Diagnosis, files: Sequence[str]) -> list[Block]:
+    model = diagnosis.model
+    found = model.identified
+    unit = pretty_unit(model.response.unit)
+    force = pretty_unit(model.force_unit) if any(r.force is not None for r in diagnosis.records) else "none recorded"
+    held = [r.file for r in diagnosis.records if r.holdout]
+    blocks: list[Block] = [
+        *recordings_table(found),
+        Text(
+            "Held out: " + (", ".join(held) if held else "no recording; the noise is judged on the training ones") + "."
+        ),
+        Text(f"Method: {found.method or 'not stated'}. Software: {found.software or 'not stated'}."),
+        Text(f"Response: {model.response.quantity} in {unit}; force: {force}."),
+    ]
+    return [*blocks, *files_text(files)]

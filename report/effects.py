@@ -1,0 +1,209 @@
+"""What is missing, by name: the laws with their numbers, what else was tried, how the old parameters had been bent."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from ..errors import BadInput
+from ..model.laws import find
+from .blocks import Block, Cell, Section, Table, Text
+from .display import full_stop, number, percent_text, pretty_unit, typeset, value_text
+from .location import PATHS
+from .parameters import equation_blocks
+
+if TYPE_CHECKING:
+    from ..diagnose.result import Considered, Diagnosis, Effect
+    from ..model import Parameter
+    from ..model.law import Law
+
+#: A parameter counts as bent from here on, in standard errors.
+BENT = 3.0
+
+
+def effects_section(diagnosis: Diagnosis) -> Section:
+    """Each effect as a card with its parameters, and the mended equation of motion."""
+    if not diagnosis.effects:
+        why = {
+            "consistent": "None: the recordings support no effect beyond the given model.",
+            "unexplained": "None of the library brings the held-out recordings down to their noise, so none is named.",
+        }
+        return Section("What is missing", (Text(why.get(diagnosis.verdict, "No effect is named."), "note"),))
+    blocks: list[Block] = []
+    for effect in diagnosis.effects:
+        blocks += effect_blocks(effect)
+    blocks.append(Text("The mended equation of motion, in letters and with its numbers:"))
+    return Section("What is missing", (*blocks, *equation_blocks(diagnosis.model)))
+
+
+def effect_blocks(effect: Effect) -> list[Block]:
+    """What the effect is, in words, and its parameters."""
+    law = _law(effect.law)
+    rows: list[tuple[str | Cell, ...]] = []
+    if law is None:
+        rows.append(("What it is", f"A law of your own, {effect.law}."))
+    else:
+        rows.append(("What it is", law.sentence))
+    rows.append(("Where in the rig", f"{PATHS.get(effect.path, effect.path).capitalize()} (path: {effect.path})"))
+    if law is not None:
+        what = "Term per unit mass" if law.force else "What it changes"
+        rows.append((what, law.in_words(lambda name: name)))
+        rows.append(("Backbone, damping curve", law.curves or "Not stated."))
+        rows.append(("Literature", full_stop(law.source)))
+    if effect.indistinguishable_from:
+        rows.append(("Cannot be told from", ", ".join(effect.indistinguishable_from)))
+        rows.append(("What would tell", full_stop(effect.separated_by) if effect.separated_by else "Not known."))
+    else:
+        rows.append(("Cannot be told from", "Nothing else in the library: these recordings single it out."))
+        if effect.separated_by:
+            rows.append(("To be surer still", full_stop(effect.separated_by)))
+    words = {p.name: p.description for p in law.parameters} if law else {}
+    numbers = []
+    for name, p in effect.parameters.items():
+        value, error = value_text(p)
+        share = 100 * p.std / abs(p.value) if p.std is not None and p.value else None
+        numbers.append((name, value, error, percent_text(share), pretty_unit(p.unit), words.get(name, "")))
+    head = ("Parameter", "Value", "± std error", "±", "Unit", "Meaning")
+    return [Table((effect.law, ""), tuple(rows)), Table(head, tuple(numbers), (1, 2, 3))]
+
+
+def _law(name: str) -> Law | None:
+    """The law of that name; None for one that this library does not have (a user's own)."""
+    try:
+        return find(name)
+    except BadInput:
+        return None
+
+
+def considered_section(diagnosis: Diagnosis) -> Section:
+    """What was tried and not taken, the closest first."""
+    title = "What was considered, and why not"
+    if not diagnosis.considered:
+        return Section(title, (Text("No other law was tried.", "note"),))
+    rows = tuple(
+        (one.effect, _known(one.holdout_nrmse), _bic(one.delta_bic), one.why_not) for one in by_rank(diagnosis)
+    )
+    held = [r for r in diagnosis.records if r.holdout]
+    took = f" The model that was taken leaves {number(max(r.nrmse_after for r in held))} at most." if held else ""
+    caption = (
+        "Sorted by what each leaves of the held-out recordings (NRMSE). ΔBIC: Bayesian information criterion less that "
+        f"of the model without the effect; the more negative, the more the training recordings ask for it.{took}"
+    )
+    return Section(title, (Table(("Effect", "Held-out NRMSE", "ΔBIC", "Why not"), rows, (1, 2), caption),))
+
+
+def by_rank(diagnosis: Diagnosis) -> list[Considered]:
+    """The laws that were tried, the least held-out NRMSE first, then the least BIC; those without numbers last."""
+
+    def rank(one: Considered) -> tuple[float, float]:
+        error = one.holdout_nrmse
+        known = error is not None and math.isfinite(error)
+        bic = one.delta_bic if math.isfinite(one.delta_bic) else math.inf
+        return (error if known and error is not None else math.inf, bic)
+
+    return sorted(diagnosis.considered, key=rank)
+
+
+def _known(value: float | None) -> str | Cell:
+    return number(value) if value is not None and math.isfinite(value) else Cell("not run", "quiet")
+
+
+def _bic(value: float) -> str:
+    if not math.isfinite(value):
+        return number(value)
+    return typeset(f"{value:+.1f}" if abs(value) < 100 else f"{value:+.0f}")
+
+
+@dataclass(frozen=True)
+class Shift:
+    """One parameter of the given family before and after mending.
+
+    Attributes:
+        name: of the parameter.
+        before, after: with standard errors.
+        errors: (before - after) in standard errors of ``after``; None where that has none.
+        percent: (before - after) in percent of ``after``; None where that is zero.
+    """
+
+    name: str
+    before: Parameter
+    after: Parameter
+    errors: float | None
+    percent: float | None
+
+    @property
+    def bent(self) -> bool:
+        """Whether the shift is beyond what the standard error allows."""
+        return self.errors is not None and abs(self.errors) > BENT
+
+
+def shifts(diagnosis: Diagnosis) -> tuple[Shift, ...]:
+    """How far each parameter had been bent, in the model's order."""
+    after = diagnosis.model.parameters()
+    found = []
+    for name, old in diagnosis.before.parameters().items():
+        if name not in after:
+            continue
+        new = after[name]
+        apart = old.value - new.value
+        sure = new.std is not None and math.isfinite(new.std) and new.std > 0 and math.isfinite(apart)
+        errors = apart / new.std if sure and new.std else None
+        percent = 100 * apart / abs(new.value) if math.isfinite(apart) and new.value else None
+        found.append(Shift(name, old, new, errors, percent))
+    return tuple(found)
+
+
+def shift_section(diagnosis: Diagnosis) -> Section:
+    """The given model's parameters before and after mending."""
+    title = "How the missing physics had bent the old parameters"
+    if not diagnosis.effects:
+        return Section(title, (Text("Nothing was mended, so no parameter has moved.", "note"),))
+    found = shifts(diagnosis)
+    words = diagnosis.before.descriptions()
+    rows: list[tuple[str | Cell, ...]] = []
+    for one in found:
+        value, error = value_text(one.after)
+        rows.append(
+            (
+                one.name,
+                number(one.before.value, _digits(value)),
+                value,
+                error or Cell("–", "quiet"),
+                errors_cell(one),
+                Cell(typeset(f"{one.percent:+.2g} %") if abs(one.percent) < 99.5 else typeset(f"{one.percent:+.0f} %"))
+                if one.percent is not None
+                else "",
+                pretty_unit(one.after.unit),
+                words.get(one.name, ""),
+            )
+        )
+    head = ("Parameter", "Before", "After", "± std error", "Shift / std error", "Shift", "Unit", "Meaning")
+    caption = (
+        f"Before: the given model fitted to the same recordings. Shift: before less after; beyond {BENT:g} standard "
+        "errors a parameter had been standing in for what was missing."
+    )
+    return Section(title, (Text(_bent_sentence(found)), Table(head, tuple(rows), (1, 2, 3, 4, 5), caption)))
+
+
+def errors_cell(one: Shift) -> Cell:
+    """The shift in standard errors, coloured where it is beyond what they allow."""
+    if one.errors is None:
+        return Cell("–", "quiet")
+    text = f"{one.errors:+.1f}" if abs(one.errors) < 100 else f"{one.errors:+.0f}"
+    return Cell(typeset(text), "bad" if one.bent else "")
+
+
+def _digits(text: str) -> int:
+    """Significant digits of a printed number, at least three."""
+    return max(sum(c.isdigit() for c in text.partition("·")[0].lstrip("−0.")), 3)
+
+
+def _bent_sentence(found: Sequence[Shift]) -> str:
+    bent = sorted((one for one in found if one.bent), key=lambda one: -abs(one.errors or 0.0))
+    if not bent:
+        return f"No parameter had been bent by more than {BENT:g} standard errors."
+    first = bent[0]
+    more = f", {', '.join(one.name for one in bent[1:])} as well" if len(bent) > 1 else ""
+    return f"{first.name} had been bent most, by {number(abs(first.errors or 0.0))} standard errors{more}."

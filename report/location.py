@@ -1,0 +1,145 @@
+"""Where a model fails: the ranges against what was recorded, and the harmonics of what it leaves over."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..model import units
+from .blocks import Block, Section, Table, Text, picture
+from .display import Scale, full_stop, number, percent_text, scale_of
+from .style import BEFORE, GRID, MEASURED, drawing, svg
+
+if TYPE_CHECKING:
+    from ..diagnose.result import Diagnosis, Location
+
+#: Path of a law, as an engineer says it.
+PATHS = {
+    "restoring": "in the spring",
+    "dissipation": "in the damping",
+    "memory": "in a force that remembers the motion before",
+    "inertia": "in a further mass that moves along",
+    "excitation": "between the recorded force and the mass",
+    "measurement": "between the mass and the record",
+    "either": "in the path of the force or in that of the record",
+    "environment": "from outside, or changing with time",
+}
+_MOST_HARMONICS = 12
+
+
+@dataclass(frozen=True)
+class _Range:
+    """One range: where the model fails, and what was recorded altogether (None where that is not known)."""
+
+    name: str
+    scale: Scale
+    found: tuple[float, float]
+    whole: tuple[float, float] | None
+
+
+def location_section(diagnosis: Diagnosis) -> Section:
+    """Statement, ranges as picture and table, harmonic shares."""
+    title = "Where the given model fails"
+    place = diagnosis.location
+    if place is None:
+        return Section(title, (Text("Nowhere beyond the noise of these recordings.", "good"),))
+    blocks: list[Block] = [Text(full_stop(place.statement), "note")]
+    ranges = _ranges(diagnosis, place)
+    shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}
+    if ranges or shares:
+        told = [
+            *(["Left: where the mismatch lies (coloured) within what was recorded (grey)"] if ranges else []),
+            *(["Right: its power by harmonics of the motion (0: its mean)"] if shares else []),
+        ]
+        caption = ". ".join(told if len(told) > 1 else [told[0].partition(": ")[2].capitalize()]) + "."
+        blocks.append(picture(lambda: location_figure(ranges, shares), caption))
+    rows = [
+        (r.name, *_ends(r.found, r.scale), *(_ends(r.whole, r.scale) if r.whole else ("", "")), r.scale.unit)
+        for r in ranges
+    ]
+    if rows:
+        head = ("Range", "Fails from", "to", "Recorded from", "to", "Unit")
+        blocks.append(Table(head, tuple(rows), (1, 2, 3, 4)))
+    blocks.append(Text(f"It lies {PATHS.get(place.path, f'in the path “{place.path}”')} (path: {place.path})."))
+    if place.recordings:
+        blocks.append(Text("It shows in " + ", ".join(place.recordings) + "."))
+    return Section(title, tuple(blocks))
+
+
+def _ends(ends: tuple[float, float], scale: Scale) -> tuple[str, str]:
+    return number(ends[0] * scale.factor), number(ends[1] * scale.factor)
+
+
+def _ranges(diagnosis: Diagnosis, place: Location) -> list[_Range]:
+    """The ranges that are known; those without extent or with ends that are no numbers are left out."""
+    model = diagnosis.model
+    unit = model.response.displacement_unit
+    signals = {model.response.quantity: [r.measured for r in diagnosis.records]}
+    signals.setdefault("displacement", [one.displacement for one in diagnosis.latent])
+    signals.setdefault("velocity", [one.velocity for one in diagnosis.latent])
+    named = [r for r in diagnosis.records if r.file in place.recordings] or diagnosis.records
+    entries = [
+        ("Displacement", unit, place.displacement, _extent(signals["displacement"])),
+        ("Velocity", units.compose("X/s", unit), place.velocity, _extent(signals["velocity"])),
+        ("Amplitude", unit, place.amplitude, model.amplitude and (model.amplitude.min, model.amplitude.max)),
+        ("Frequency", "Hz", place.frequency_hz, model.frequency and (model.frequency.min, model.frequency.max)),
+        ("Time", "s", place.time_s, _extent([r.time for r in named])),
+    ]
+    return [
+        _Range(name, _scale(one, found, whole), (float(found[0]), float(found[1])), whole)
+        for name, one, found, whole in entries
+        if all(math.isfinite(v) for v in found) and found[0] < found[1]
+    ]
+
+
+def _scale(unit: str, found: tuple[float, float], whole: tuple[float, float] | None) -> Scale:
+    if unit == "s":  # seconds are read off beside the time histories
+        return Scale(1.0, "s")
+    return scale_of(unit, np.array([*found, *(whole or ())]))
+
+
+def _extent(signals: Iterable[np.ndarray]) -> tuple[float, float] | None:
+    ends = [(float(np.nanmin(s)), float(np.nanmax(s))) for s in signals if np.any(np.isfinite(s))]
+    return (min(low for low, _ in ends), max(high for _, high in ends)) if ends else None
+
+
+def location_figure(ranges: list[_Range], shares: dict[int, float], key: str = "location") -> str:
+    """SVG of the ranges as bars one below the other, and of the harmonic shares beside them."""
+    rows = max(len(ranges), 1)
+    with drawing(height=max(0.62 * rows + 0.35, 2.3)) as figure:
+        columns = [2.0, 1.0] if ranges and shares else [1.0]
+        parts = figure.subfigures(1, len(columns), width_ratios=columns, squeeze=False)[0]
+        if ranges:
+            for axes, one in zip(parts[0].subplots(rows, 1, squeeze=False)[:, 0], ranges, strict=True):
+                _bar(axes, one)
+        if shares:
+            axes = parts[-1].subplots()
+            orders = list(shares)[:_MOST_HARMONICS]
+            bars = axes.bar([str(o) for o in orders], [100 * shares[o] for o in orders], color=BEFORE, width=0.6)
+            axes.bar_label(bars, [percent_text(100 * shares[o]) for o in orders], padding=2, fontsize=9)
+            axes.grid(visible=False, axis="x")
+            axes.set_xlabel("Harmonic of the motion [order]")
+            axes.set_ylabel("Share of the mismatch [%]")
+        said = ", ".join(f"{r.name.lower()} {' to '.join(_ends(r.found, r.scale))} {r.scale.unit}" for r in ranges)
+        return svg(figure, key, f"Where the model fails: {said or 'harmonics'}")
+
+
+def _bar(axes: Any, one: _Range) -> None:
+    low, high = (v * one.scale.factor for v in one.found)
+    if one.whole is not None:
+        start, stop = (v * one.scale.factor for v in one.whole)
+        axes.barh(0, stop - start, left=start, height=0.5, color=GRID, edgecolor=MEASURED, linewidth=0.6)
+        low_view, high_view = min(start, low), max(stop, high)
+    else:
+        low_view, high_view = low, high
+    axes.barh(0, high - low, left=low, height=0.5, color=BEFORE)
+    margin = 0.02 * (high_view - low_view)
+    axes.set_xlim(low_view - margin, high_view + margin)
+    axes.set_yticks([])
+    axes.grid(visible=False)
+    axes.spines["left"].set_visible(False)
+    axes.set_ylabel(one.scale.label(one.name), rotation=0, ha="right", va="center")

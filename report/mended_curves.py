@@ -1,0 +1,113 @@
+"""Backbone and damping curve of the given and of the mended model."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import BadInput
+from ..model.describing import natural_motion
+from ..model.laws import LIBRARY
+from .blocks import Section, Text, picture
+from .display import scale_of
+from .style import AFTER, BEFORE, drawing, legend_below, log_ticks, svg
+
+if TYPE_CHECKING:
+    from ..diagnose.result import Diagnosis
+    from ..model import Oscillator
+
+_POINTS = 160
+#: A model that states no range is drawn over two decades below the largest motion.
+_DECADES = 100.0
+#: Narrower than this part of its frequency a backbone is drawn straight.
+_STRAIGHT = 0.002
+
+
+def curves_section(diagnosis: Diagnosis) -> Section:
+    """The picture, or why there is none."""
+    reach = _reach(diagnosis)
+    title = "Backbone and damping curve"
+    if reach is None:
+        return Section(title, (Text("No picture here: no amplitude of the motion is known.", "note"),))
+    outside = [e.effect for e in diagnosis.effects if e.law in LIBRARY and LIBRARY[e.law].force is None]
+    outside += [e.effect for e in diagnosis.effects if e.path == "environment" and e.effect not in outside]
+    note = (
+        f" Of {', '.join(outside)} nothing shows here; what differs is how its absence had bent the parameters."
+        if outside
+        else ""
+    )
+    after = diagnosis.model if diagnosis.effects else None
+    caption = (
+        "Natural frequency and damping over amplitude, as a free decay or a slow sweep shows them (describing "
+        f"functions): {'before (dashed) and after (full line)' if after else 'the model'}.{note}"
+    )
+    return Section(title, (picture(lambda: curves_figure(diagnosis.before, after, *reach), caption),))
+
+
+def _reach(diagnosis: Diagnosis) -> tuple[float, float] | None:
+    """Least and largest amplitude to draw, in the displacement's unit."""
+    model = diagnosis.model
+    for valid in (model.amplitude, diagnosis.before.amplitude):
+        if valid is not None and valid.max > 0 and math.isfinite(valid.max):
+            low = valid.min if 0 < valid.min < valid.max else valid.max / _DECADES
+            return low, valid.max
+    moved = [one.displacement for one in diagnosis.latent]
+    if model.response.quantity == "displacement":
+        moved += [r.measured for r in diagnosis.records]
+    top = max((float(np.nanmax(np.abs(x), initial=0.0)) for x in moved), default=0.0)
+    return (top / _DECADES, top) if top > 0 else None
+
+
+def curves_figure(
+    before: Oscillator, after: Oscillator | None, low: float, top: float, key: str = "mended-curves"
+) -> str:
+    """SVG of amplitude over natural frequency, and of damping over amplitude.
+
+    Args:
+        before, after: the models; one only where ``after`` is None.
+        low, top: amplitudes, in the displacement's unit.
+        key: name of the picture within its page.
+
+    Raises:
+        BadInput: where neither model swings freely at any of these amplitudes.
+    """
+    amplitude = np.geomspace(low, top, _POINTS)
+    pairs = [(before, {"color": BEFORE, "linestyle": "--", "linewidth": 2.2, "label": "before" if after else "model"})]
+    if after is not None:
+        pairs.append((after, {"color": AFTER, "linestyle": "-", "label": "after"}))
+    scale = scale_of(before.response.displacement_unit, top)
+    shown = amplitude * scale.factor
+    lines: list[tuple[np.ndarray, np.ndarray, dict[str, Any]]] = []
+    for model, style in pairs:
+        omega, damping = natural_motion(model, amplitude)
+        if np.any(np.isfinite(omega)):
+            lines.append((omega / (2 * np.pi), damping, style))
+    if not lines:
+        raise BadInput("neither model swings freely at the amplitudes recorded")
+    with drawing(height=3.7) as figure:
+        backbone, curve = figure.subplots(1, 2)
+        for frequency, damping, style in lines:
+            backbone.plot(frequency, shown, **style)
+            curve.plot(shown, damping, **style)
+        seen = np.concatenate([frequency for frequency, _, _ in lines])
+        lowest, highest = float(np.nanmin(seen)), float(np.nanmax(seen))
+        margin = 0.06 * (highest - lowest) + _STRAIGHT * highest
+        backbone.set_xlim(lowest - margin, highest + margin)
+        backbone.set_ylim(0, None)
+        backbone.ticklabel_format(axis="x", useOffset=False)
+        backbone.set_xlabel("Frequency [Hz]")
+        backbone.set_ylabel(scale.label("Amplitude"))
+        backbone.set_title("Backbone")
+        curve.set_xscale("log")
+        log_ticks(curve.xaxis)
+        heights = np.concatenate([damping for _, damping, _ in lines])
+        if np.nanmin(heights) >= 0:
+            curve.set_ylim(0, 1.1 * float(np.nanmax(heights)) or 1.0)
+        curve.set_xlabel(scale.label("Amplitude"))
+        curve.set_ylabel("Damping h [1/s]")
+        curve.set_title("Damping curve")
+        legend_below(figure, *backbone.get_legend_handles_labels(), columns=2)
+        title = f"Natural frequency in Hz and damping in 1/s over amplitude in {scale.unit}, before and after"
+        return svg(figure, key, title)

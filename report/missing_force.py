@@ -1,0 +1,147 @@
+"""The force that a model lacks: as a smoother finds it that knows no law, and as the named effects make it."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..export.render import plain_text
+from ..model import units
+from .blocks import Block, Section, Text, picture
+from .display import Scale, scale_of
+from .style import AFTER, LIGHT, MEASURED, drawing, legend_below, svg
+from .time_history import samples_a_cycle
+
+if TYPE_CHECKING:
+    from ..diagnose.result import Diagnosis, LatentForce
+
+_BINS = 41
+_FEWEST = 5
+_CYCLES = 10.0
+_POINTS = 600
+_PICTURES = 3
+
+
+def force_section(diagnosis: Diagnosis) -> Section:
+    """A picture for each recording that shows the missing force best."""
+    title = "The missing force"
+    shown = [one for one in diagnosis.latent if one.force.size > 1 and np.any(np.isfinite(one.force))][:_PICTURES]
+    if not shown:
+        why = "nothing is missing" if diagnosis.verdict == "consistent" else "it was not reconstructed"
+        return Section(title, (Text(f"There is no missing force to show: {why}.", "note"),))
+    blocks: list[Block] = [
+        Text(
+            "Per unit mass and positive where it opposes a positive motion, as inside the bracket of the equation. It "
+            "was found by a smoother that knows no law. Where the band of the spread is narrow the force is a "
+            "function of that variable; where it is wide something else decides it: the other variable, time, or the "
+            "motion before."
+        )
+    ]
+    unit = diagnosis.model.response.displacement_unit
+    for i, one in enumerate(shown):
+        named = " Line: the named effects along the same motion, averaged alike." if one.named is not None else ""
+        caption = (
+            f"{plain_text(one.file)}: mean of the missing force over displacement and over velocity, with its spread "
+            f"(light) and the smoother's standard error (dark); below, a stretch of it over time (thick grey).{named}"
+        )
+        blocks.append(picture(lambda one=one, i=i: force_figure(one, unit, f"missing-{i + 1}"), caption))
+    return Section(title, tuple(blocks))
+
+
+def force_figure(latent: LatentForce, unit: str, key: str = "missing") -> str:
+    """SVG of the missing force over displacement, over velocity and over time.
+
+    Args:
+        latent: force with its standard deviation along one recording.
+        unit: of the displacement.
+        key: name of the picture within its page.
+    """
+    force, std = np.asarray(latent.force, float), np.asarray(latent.std, float)
+    named = None if latent.named is None else np.asarray(latent.named, float)
+    up = scale_of(units.compose("X/s2", unit), force)
+    name = plain_text(latent.file)
+    with drawing(height=5.6) as figure:
+        axes = figure.subplot_mosaic([["x", "v"], ["t", "t"]])
+        for at, one, what, symbol in (
+            (axes["x"], latent.displacement, "Displacement", "X"),
+            (axes["v"], latent.velocity, "Velocity", "X/s"),
+        ):
+            across = scale_of(units.compose(symbol, unit), one)
+            _over(at, np.asarray(one, float) * across.factor, force, std, named, up)
+            at.set_xlabel(across.label(what))
+            at.set_ylabel(up.label("Force per unit mass"))
+            at.set_title(f"Over {what.lower()}")
+        _stretch(axes["t"], latent, force, std, named, up)
+        axes["t"].set_title(f"Over time, {name}")
+        handles: dict[str, Any] = {}
+        for one in axes.values():
+            for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
+                handles.setdefault(label, handle)
+        legend_below(figure, list(handles.values()), list(handles), columns=4)
+        title = f"{name}: missing force per unit mass in {up.unit} over displacement, velocity and time"
+        return svg(figure, key, title)
+
+
+def _over(axes: Any, at: np.ndarray, force: np.ndarray, std: np.ndarray, named: np.ndarray | None, up: Scale) -> None:
+    """Means over bins of ``at``; the band of the spread is the standard deviation of what falls into the bin."""
+    there = np.isfinite(at) & np.isfinite(force)
+    if not there.any():
+        return
+    low, high = float(at[there].min()), float(at[there].max())
+    if not high > low:
+        return
+    place = np.clip(((at[there] - low) / (high - low) * _BINS).astype(int), 0, _BINS - 1)
+    count = np.bincount(place, minlength=_BINS)
+    full = count >= _FEWEST
+    if not full.any():
+        return
+
+    def mean(values: np.ndarray) -> np.ndarray:
+        return np.bincount(place, np.nan_to_num(values[there]), _BINS)[full] / count[full] * up.factor
+
+    middle = (low + (np.arange(_BINS) + 0.5) * (high - low) / _BINS)[full]
+    centre = mean(force)
+    spread = np.sqrt(np.maximum(mean(force**2) / up.factor - (centre / up.factor) ** 2, 0.0)) * up.factor
+    error = np.sqrt(np.maximum(mean(std**2) / up.factor, 0.0)) * up.factor
+    axes.fill_between(
+        middle, centre - spread, centre + spread, color=LIGHT, alpha=0.3, linewidth=0, label="spread in the bin"
+    )
+    axes.fill_between(
+        middle, centre - error, centre + error, color=MEASURED, alpha=0.4, linewidth=0, label="± standard error"
+    )
+    axes.plot(middle, centre, **_FOUND)
+    if named is not None:
+        axes.plot(middle, mean(named), **_NAMED)
+
+
+_FOUND: dict[str, Any] = {
+    "color": MEASURED,
+    "linestyle": "none",
+    "marker": "o",
+    "markersize": 3.0,
+    "label": "missing force",
+}
+_NAMED: dict[str, Any] = {"color": AFTER, "linewidth": 1.6, "label": "named effects"}
+
+
+def _stretch(
+    axes: Any, latent: LatentForce, force: np.ndarray, std: np.ndarray, named: np.ndarray | None, up: Scale
+) -> None:
+    """Some cycles around where the missing force is largest beside its uncertainty."""
+    size = np.nan_to_num(np.abs(force - np.nanmedian(force)))
+    sure = size / np.where(np.isfinite(std) & (std > 0), std, np.inf)
+    middle = int(np.argmax(sure if np.any(sure > 0) else size))
+    cycle = samples_a_cycle(np.nan_to_num(np.asarray(latent.displacement, float)), middle)
+    half = max(int(_CYCLES / 2 * cycle), 2)
+    start = min(max(middle - half, 0), max(force.size - 2 * half, 0))
+    view = slice(start, start + 2 * half + 1, max(1, 2 * half // _POINTS))
+    time = np.asarray(latent.time, float)[view]
+    centre, error = force[view] * up.factor, np.nan_to_num(std[view]) * up.factor
+    axes.fill_between(time, centre - error, centre + error, color=MEASURED, alpha=0.4, linewidth=0)
+    axes.plot(time, centre, color=MEASURED, linewidth=2.6, alpha=0.45)
+    if named is not None:
+        axes.plot(time, named[view] * up.factor, **_NAMED)
+    axes.margins(x=0)
+    axes.set_xlabel("Time [s]")
+    axes.set_ylabel(up.label("Force per unit mass"))

@@ -1,0 +1,103 @@
+"""The recording to make next: what to play, how it looks, and which models it would tell apart."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .blocks import Block, Section, Table, Text, picture
+from .decimate import draw_signal, envelope
+from .display import full_stop, number, scale_of, times_text
+from .style import AFTER, LIGHT, MEASURED, drawing, log_ticks, svg
+
+if TYPE_CHECKING:
+    from ..diagnose.result import Diagnosis, Experiment
+    from ..model import Oscillator
+
+_PAIRS = 12
+_LINES = 500
+
+
+def experiment_section(diagnosis: Diagnosis) -> Section:
+    """Sentence, numbers, picture of the force, pairs of models that it separates."""
+    title = "The next experiment"
+    plan = diagnosis.experiment
+    if plan is None or plan.kind == "none":
+        words = full_stop(plan.sentence) if plan and plan.sentence.strip() else "None is needed to settle the question."
+        return Section(title, (Text(words, "note"),))
+    model = diagnosis.model
+    blocks: list[Block] = [Text(full_stop(plan.sentence), "note")]
+    facts = _facts(plan, model)
+    if facts:
+        blocks.append(Table(("What to play", ""), facts))
+    if plan.signal is not None and plan.signal.size > 8 and math.isfinite(plan.fs) and plan.fs > 0:
+        unit = _force_unit(model)
+        caption = "The force to play, over time and as a spectrum (band shaded)."
+        blocks.append(picture(lambda: experiment_figure(plan, unit), caption))
+    pairs = sorted(plan.separates, key=lambda pair: -pair[2] if math.isfinite(pair[2]) else math.inf)
+    if pairs:
+        rows = tuple(
+            (one, other, times_text(times) if math.isfinite(times) else "unknown")
+            for one, other, times in pairs[:_PAIRS]
+        )
+        more = f" {len(pairs) - _PAIRS} further pairs are left out." if len(pairs) > _PAIRS else ""
+        caption = f"How far apart the two would be in this recording, as a multiple of its noise.{more}"
+        blocks.append(Table(("It tells", "from", "Times the noise"), rows, (2,), caption))
+    return Section(title, tuple(blocks))
+
+
+def _force_unit(model: Oscillator) -> str:
+    return model.force_unit if model.mass is not None else f"{model.response.displacement_unit}/s2"
+
+
+def _facts(plan: Experiment, model: Oscillator) -> tuple[tuple[str, str], ...]:
+    """Level, band and length as far as they are known."""
+    decay = plan.kind == "decay"
+    found = [("Kind", plan.kind)]
+    if math.isfinite(plan.level) and plan.level > 0:
+        scale = scale_of(model.response.displacement_unit if decay else _force_unit(model), plan.level)
+        found.append(
+            ("Release from" if decay else "Largest force", f"{number(plan.level * scale.factor)} {scale.unit}")
+        )
+    low, high = plan.band_hz
+    if math.isfinite(low) and math.isfinite(high) and high > 0 and not decay:
+        found.append(("Band", f"{number(low)} to {number(high)} Hz" if high > low else f"{number(high)} Hz"))
+    if math.isfinite(plan.seconds) and plan.seconds > 0:
+        found.append(("Length", f"{number(plan.seconds)} s"))
+    if plan.signal is not None and math.isfinite(plan.fs) and plan.fs > 0:
+        found.append(("Sampled at", f"{number(plan.fs, 5)} Hz"))
+    return tuple(found)
+
+
+def experiment_figure(plan: Experiment, unit: str, key: str = "experiment") -> str:
+    """SVG of the force to play over time, and of its amplitude spectral density; ``unit`` is the force's."""
+    signal = np.nan_to_num(np.asarray(plan.signal, float))
+    time = np.arange(signal.size) / plan.fs
+    scale = scale_of(unit, signal)
+    with drawing(height=2.7) as figure:
+        over, spectrum = figure.subplots(1, 2, width_ratios=[1.5, 1])
+        draw_signal(over, time, signal * scale.factor, MEASURED)
+        over.set_xlabel("Time [s]")
+        over.set_ylabel(scale.label("Force"))
+        over.set_title("Force to play")
+        f = np.fft.rfftfreq(signal.size, 1 / plan.fs)
+        density = np.abs(np.fft.rfft(signal)) * math.sqrt(2 / (signal.size * plan.fs)) * scale.factor
+        top = float(density.max())
+        low, high = plan.band_hz
+        edge = 1.6 * high if math.isfinite(high) and high > 0 else plan.fs / 2
+        view = f <= max(edge, 4 * f[1])
+        lines = envelope(f[view], density[view], _LINES)  # the strongest line of each stretch
+        spectrum.plot(lines.time, np.where(lines.high > 1e-4 * top, lines.high, np.nan), color=AFTER, linewidth=1.1)
+        if math.isfinite(low) and math.isfinite(high) and high > low:
+            spectrum.axvspan(low, high, color=LIGHT, alpha=0.22, linewidth=0)
+        if top > 0:
+            spectrum.set_yscale("log")
+            spectrum.set_ylim(1e-4 * top, 2 * top)
+            log_ticks(spectrum.yaxis)
+        spectrum.margins(x=0)
+        spectrum.set_xlabel("Frequency [Hz]")
+        spectrum.set_ylabel(f"Spectral density [{scale.unit}/√Hz]")
+        spectrum.set_title("Its spectrum")
+        return svg(figure, key, f"Force to play in {scale.unit} over {time[-1]:.4g} s, and its spectrum")
