@@ -185,7 +185,7 @@ def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude
     found = np.concatenate(rates) if rates else np.zeros(1)
     size = np.abs(found)
     slow = 3.0 * values["omega0"] if eq.inner or count > 2 else np.inf
-    decays = np.abs(found.real) > _DAMPED * size
+    decays = np.abs(np.real(found)) > _DAMPED * size
     steps = np.where(size <= slow, STEPS_PER_PERIOD, _FAST_STEPS_PER_PERIOD) / (2 * np.pi)
     pace = float(np.max(np.where(decays & (size > slow / 3.0), _STEPS_PER_DECAY, steps) * size, initial=0.0))
     if not np.isfinite(pace) or pace <= 0.0:
