@@ -204,8 +204,8 @@ class Law:
         sentence: what it is, for an engineer.
         source: where the law comes from.
         curves: what it does to backbone and damping curve.
-        proper: ``proper(values, omega0)`` tells whether these values are what the name stands for, where another law has
-            the same equation (a stop is stiffer than the spring, a clearance is not); None: always.
+        proper: ``proper(values, omega0)`` tells whether these values are what the name stands for, where another law
+            has the same equation (a stop is stiffer than the spring, a clearance is not); None: always.
     """
 
     name: str
