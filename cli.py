@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import json
+import os
 import sys
-from collections.abc import Callable, Iterable
+import tempfile
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -242,6 +245,74 @@ def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) ->
 
 
 @cli.command()
+@click.argument("model", type=_FILE)
+@click.argument("recordings", nargs=-1, required=True, type=_FILE)
+@click.option(
+    "--holdout",
+    multiple=True,
+    type=_FILE,
+    metavar="REC",
+    help="Recording to judge by, of another level or kind; may be given several times.",
+)
+@click.option("-o", "--output", type=_FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
+@click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON.")
+@_with_laws
+@_with_recordings
+def diagnose(
+    model: Path,
+    recordings: tuple[Path, ...],
+    holdout: tuple[Path, ...],
+    output: Path,
+    as_json: bool,
+    **options: Any,
+) -> None:
+    """Find the physics that a model lacks and recordings show; exit code 1 where something stays unexplained."""
+    from .diagnose import diagnose as find
+    from .diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder, write_folder
+    from .model.file import load
+    from .report.diagnosis_page import diagnosis_page
+    from .report.diagnosis_text import describe
+
+    check_folder(output)
+    files = (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT)
+    _outputs([output / name for name in files], [model, *recordings, *holdout])
+    oscillator = load(model)
+    training, held = _read(recordings, options), _read(holdout, options)
+    with tempfile.TemporaryDirectory() as scratch, _progress() as progress:
+        artefact = Path(scratch) / FMU
+        found = find(oscillator, training, held, fmu=artefact, progress=progress)
+        fmu = artefact.read_bytes() if artefact.exists() else None
+    page = diagnosis_page(found, files=tuple(name for name in files if name != REPORT and (fmu or name != FMU)))
+    written = write_folder(output, found, page, fmu)
+    if as_json:
+        _print_json(found.as_json())
+    else:
+        click.echo(describe(found))
+    _say(f"written: {', '.join(str(path) for path in written)}")
+    if found.verdict == "unexplained":
+        sys.exit(1)
+
+
+@contextlib.contextmanager
+def _progress() -> Iterator[Callable[[str, float], None]]:
+    """A bar on a terminal, one line a stage elsewhere; yields what takes the stage and the part that is done."""
+    if sys.stderr.isatty():
+        bar: Any = click.progressbar(length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: item)
+        with bar:
+            yield lambda what, part: bar.update(max(0, round(1000 * part) - bar.pos), what)
+    else:
+        said: list[str] = []
+
+        def say(what: str, part: float) -> None:
+            line = f"{round(100 * part):3d} % {what}"
+            if not said or said[-1] != line:
+                said.append(line)
+                _say(line)
+
+        yield say
+
+
+@cli.command()
 @click.argument("fmu", type=_FILE)
 @click.argument("recordings", nargs=-1, required=True, type=_FILE)
 @click.option("--json", "json_file", type=_FILE, metavar="OUT.json", help="File for the result.")
@@ -264,6 +335,8 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **op
 
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: expected errors become one line on stderr and exit code 2."""
+    # the simulations have threads of their own; those of the linear algebra would only stand in their way
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     try:
         cli(arguments, prog_name="dashpot", standalone_mode=False)
     except click.exceptions.Abort:

@@ -176,7 +176,11 @@ def _family(search: Search, model: Oscillator, recordings: Sequence[Recording]) 
     values = {name: getattr(estimate, name) for name in ("mass", "omega0", "cubic", "preload", "viscous", "dry")}
     known = model.parameters()
     start = model.with_parameters(
-        {name: replace(known[name], value=value) for name, value in values.items() if name in known and value is not None}
+        {
+            name: replace(known[name], value=value)
+            for name, value in values.items()
+            if name in known and value is not None
+        }
     )
     other = search.best_of_family(start)
     return other if other.likelihood > family.likelihood else family
@@ -310,9 +314,7 @@ def _verdict(
     return "missing-physics" if excess[1] < (1.0 - _EXPLAINED) * excess[0] else "unexplained"
 
 
-def _sentence(
-    verdict: Verdict, effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]
-) -> str:
+def _sentence(verdict: Verdict, effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]) -> str:
     """The verdict for a person."""
     if verdict == "consistent":
         return "Nothing is missing: the model reproduces every recording to within its noise."
@@ -331,7 +333,9 @@ def _sentence(
             f"in {worst.file} (noise {100 * worst.noise_floor:.3g} %)"
         )
     if verdict == "unexplained":
-        return f"Something is missing that the library only touches, nearest {' and '.join(named)}{figures}; {remainder}."
+        return (
+            f"Something is missing that the library only touches, nearest {' and '.join(named)}{figures}; {remainder}."
+        )
     tail = f"; {remainder}" if remainder else ""
     return f"Missing: {' and '.join(named)}{figures}{tail}."
 

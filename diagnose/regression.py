@@ -228,7 +228,7 @@ class Regression:
 def _probes(law: Law, scales: Scales) -> list[dict[str, float]]:
     from .screen import probes
 
-    return [{k: v for k, v in probe.items()} for probe in probes(law, scales)]
+    return [dict(probe.items()) for probe in probes(law, scales)]
 
 
 @cache
@@ -241,5 +241,3 @@ def _soft_sign(y: np.ndarray, slope: np.ndarray, dt: float) -> np.ndarray:
     """Mean of sgn over each sample's interval, so that the instant of a sign change counts."""
     reach = np.abs(slope) * dt / 2
     return np.clip(y / np.where(reach > 0, reach, 1e-300), -1, 1)
-
-

@@ -100,9 +100,7 @@ class Screen:
         self.weighed = weighed
         self.inverse = pseudo_inverse(normal)
 
-    def starts(
-        self, laws: Sequence[Law] | None = None, progress: Callable[[], None] = lambda: None
-    ) -> list[Start]:
+    def starts(self, laws: Sequence[Law] | None = None, progress: Callable[[], None] = lambda: None) -> list[Start]:
         """The best start of each law, the largest gain first; laws that do not simulate are left out."""
         there = {term.law.effect for term in self.fitted.model.terms}
         wanted = [law for law in (laws or LIBRARY.values()) if law.effect not in there and self.applies(law)]
@@ -176,7 +174,9 @@ class Screen:
         if names:
             # the base parameters alone might gain something too: that is not the law's merit
             moved = dict(zip(names, (float(s) for s in strength), strict=True))
-            return _Step(law, values | moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength))
+            return _Step(
+                law, values | moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength)
+            )
         part = float(strength[0])
         if len(law.parameters) == 1 and _LEAST < part < 1 / _LEAST:
             (parameter,) = law.parameters

@@ -16,8 +16,10 @@ from ..errors import DashpotError
 from ..model import Oscillator
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
-from .fitting import Data, Fitted, Structure, noise_spectra, shapes_of, with_term, without_term
+from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, shapes_of, with_term, without_term
+from .lines import residual_lines
 from .regression import Guess, Regression
+from .remainder import expected
 from .screen import Screen
 
 #: A law is fitted where it promises at least this gain of log-likelihood; three parameters gain 6 once in 130 by chance.
@@ -34,11 +36,17 @@ INDISTINGUISHABLE = 5.0
 _FINALISTS = 6
 #: ... of those that are within this part of the best gain after a few steps.
 _NEAR = 0.1
+#: ... and, once one law has reached the noise, within this part of its gain.
+_HALFWAY = 0.4
 _FEW_STEPS = 3
 #: A law that gains less than this is compared with a family that has been searched for again.
 _CLOSE_CALL = 200.0
 #: Laws that each of the two screens sends to be fitted.
-_CANDIDATES = 7
+_LEADING = 7
+#: ... and this many altogether are.
+_CANDIDATES = 9
+#: A family that leaves this many times the noise is too far off for its derivatives to tell all.
+_FAR = 1.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,7 +103,9 @@ class Trial:
         if not self.supported:
             if self.gain <= ACCEPT_TRAIN:
                 return "what it gains on the training recordings does not pay for its parameters"
-            return f"it gains {self.gain:.4g} on the training recordings and {self.holdout_gain:.4g} on the held-out ones"
+            return (
+                f"it gains {self.gain:.4g} on the training recordings and {self.holdout_gain:.4g} on the held-out ones"
+            )
         if best is None:
             return "it gains something, but less than a tenth of the noise in every recording"
         return f"{best.effect} gains {best.score - self.score:.4g} more in log-likelihood"
@@ -167,12 +177,16 @@ class Search:
                 early.append((best.likelihood, effect, best))
             self.progress(f"{effect}", 0.3 + 0.3 * (i + 1) / len(starts))
         early.sort(key=lambda one: -one[0])
-        trials = []
-        goal = early[0][0] - fitted.likelihood if early else 0.0
+        trials: list[Trial] = []
+        near = max(self._ratios(fitted)) <= _FAR
+        bar = ACCEPT_TRAIN / 2 if near else _NEAR * (early[0][0] - fitted.likelihood) if early else 0.0
         for i, (value, effect, one) in enumerate(early):
-            finished = i < _FINALISTS and value - fitted.likelihood > _NEAR * goal
-            final = self.finish(one) if finished else one
-            trials.append(self.trial(effect, final, fitted, before, finished=finished))
+            trial = self.trial(effect, one, fitted, before, finished=False)
+            if i < _FINALISTS and (trial.gain if near else value - fitted.likelihood) > bar:
+                trial = self.trial(effect, self.finish(one), fitted, before, finished=True)
+                if max(self._ratios(trial.fitted)) <= _FAR:  # nothing can do much better than reach the noise
+                    bar = max(bar, _HALFWAY * (trial.fitted.likelihood - fitted.likelihood))
+            trials.append(trial)
             self.progress(f"{effect}", 0.6 + 0.4 * (i + 1) / len(early))
         round_ = Round(fitted, before, _ordered(trials))
         best = round_.best
@@ -239,26 +253,50 @@ class Search:
         """For each law worth a fit the models to start from."""
         present = {term.law.effect for term in fitted.model.terms}
         laws = [law for law in self.laws if law.effect not in present]
-        self.progress("regression on the measured motion", 0.02)
-        regression = Regression(self.data, fitted.model)
-        plain = regression.plain()
-        guesses = {guess.effect: guess for guess in regression.guesses(laws)}
-        self.progress("score of every law", 0.1)
-        screen = Screen(fitted, self.data)
-        scored = {start.effect: start for start in screen.starts(laws)}
-        by_score = {name: max(s.promise, s.gain) for name, s in scored.items()}
-        by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
-        chosen = {*_leading(by_score), *_leading(by_motion)}
-        starts: dict[str, list[tuple[Oscillator, np.ndarray]]] = {}
-        for law in laws:
-            if law.name not in chosen:
-                continue
-            models = starts.setdefault(law.name, [])
-            if by_score.get(law.name, 0.0) > WORTH_A_FIT:
-                models.append((scored[law.name].model, scored[law.name].initial))
-            if by_motion.get(law.name, 0.0) > WORTH_A_FIT:
-                models.append((self._guessed(fitted.model, law, guesses[law.name]), fitted.initial))
-        return starts
+        self.progress("score of every law", 0.02)
+        self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
+        scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}
+        gains = {name: max(start.promise, start.gain) for name, start in scored.items()}
+        near = max(self._ratios(fitted)) <= _FAR
+        starts = {
+            name: [(scored[name].gain, scored[name].model, scored[name].initial)]
+            for name in _leading(gains)
+            if not near or gains[name] > self._cost(find(name)) + ACCEPT_TRAIN / 2
+        }
+        # close to the truth the score tells all; far from it the base model has bent itself around what is missing
+        if not near:
+            self.progress("regression on the measured motion", 0.2)
+            regression = Regression(self.data, fitted.model)
+            plain = regression.plain()
+            guesses = {guess.effect: guess for guess in regression.guesses(laws)}
+            by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
+            for name in _leading(by_motion):
+                model = self._guessed(fitted.model, find(name), guesses[name])
+                gain = self._worth(model, fitted)
+                starts.setdefault(name, []).append((gain, model, fitted.initial))
+        ordered = sorted(starts, key=lambda name: -max(start[0] for start in starts[name]))
+        return {name: [(model, initial) for _, model, initial in starts[name]] for name in ordered[:_CANDIDATES]}
+
+    def _cost(self, law: Law) -> float:
+        """What the parameters of a law must gain to pay for themselves, those of its shape left aside."""
+        return 0.5 * sum(not p.shape for p in law.parameters) * math.log(self.data.points)
+
+    def _ratios(self, fitted: Fitted) -> list[float]:
+        """What is left in each segment over the noise."""
+        return [
+            float(np.sqrt(np.mean(residual**2))) / expected(fitted, self.data, i)
+            for i, residual in enumerate(fitted.residuals)
+        ]
+
+    def _worth(self, model: Oscillator, fitted: Fitted) -> float:
+        """Gain of log-likelihood of a model as it is."""
+        try:
+            structure = Structure(model, self.data)
+            state = structure.problem.settle(structure.state(fitted.initial))
+            residuals = structure.problem.residuals(state)
+        except DashpotError:
+            return -np.inf
+        return likelihood(residuals, model, self.data) - fitted.likelihood
 
     def _guessed(self, model: Oscillator, law: Law, guess: Guess) -> Oscillator:
         own = {p.name: guess.values[f"{law.name}.{p.name}"] for p in law.parameters}
@@ -304,4 +342,4 @@ def _without_states(fitted: Fitted, effect: str) -> np.ndarray:
 def _leading(gains: dict[str, float]) -> list[str]:
     """The laws with the largest promised gains, as far as they are worth a fit."""
     best = sorted(gains, key=lambda name: -gains[name])
-    return [name for name in best[:_CANDIDATES] if gains[name] > WORTH_A_FIT]
+    return [name for name in best[:_LEADING] if gains[name] > WORTH_A_FIT]

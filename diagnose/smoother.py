@@ -37,6 +37,8 @@ _LEAST_NOISE = 1e-4
 #: Standard deviations are found at this many places and interpolated: they change slowly.
 _PLACES = 24
 _TRIALS = 45
+#: A sign that noise hides is another one only after this part of a cycle.
+_LASTING = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +50,7 @@ class Smoothed:
         displacement, velocity: (n,) smoothed motion, in the model's units.
         force, std: (n,) missing force per unit mass, positive where it opposes a positive motion, and its standard
             deviation; the uncertainty of the model's parameters is not in it.
+        noise: (n,) what the smoother would make of a recording with nothing but its noise.
         drive: (n,) recorded force per unit mass, zero in a free decay.
         moving: (n,) whether the mass moves; at rest friction takes any value, and signs mean nothing.
         strength: standard deviation of the latent force that is most likely.
@@ -59,10 +62,43 @@ class Smoothed:
     velocity: np.ndarray
     force: np.ndarray
     std: np.ndarray
+    noise: np.ndarray
     drive: np.ndarray
     moving: np.ndarray
     strength: float
     memory: float
+
+
+@dataclass(frozen=True, eq=False)
+class _System:
+    """The penalised least-squares problem of one stretch: (n, 3) states, z[k + 1] = phi z[k] + given + w."""
+
+    band: np.ndarray
+    carried: np.ndarray
+    inverse: np.ndarray
+    h: np.ndarray
+    seen: np.ndarray
+    given: np.ndarray
+    force_noise: float
+    prior: float
+
+    def right(self, seen: np.ndarray, given: np.ndarray) -> np.ndarray:
+        """(3 n,) right-hand side of the normal equations."""
+        right = self.h * seen[:, None]
+        right[1:] += np.einsum("kc,kca->ka", given, self.inverse)
+        right[:-1] -= np.einsum("kac,kc->ka", self.carried, given)
+        return right.ravel()
+
+    def noise(self, seed: int) -> np.ndarray:
+        """The same for sensor and force noise alone."""
+        random = np.random.default_rng(seed)
+        kick = self.force_noise * random.standard_normal(self.given.shape[0])
+        given = np.column_stack([kick / 2, kick, np.zeros_like(kick)])
+        return self.right(random.standard_normal(self.seen.size), given)
+
+    def constant(self) -> float:
+        """What the misfit holds whatever the states are."""
+        return float(self.seen @ self.seen) + float(np.einsum("ka,kab,kb->", self.given, self.inverse, self.given))
 
 
 class Smoother:
@@ -101,11 +137,16 @@ class Smoother:
     def _follow(self, raw: np.ndarray) -> None:
         """A spline along the measured displacement, and its derivatives on a finer grid."""
         from scipy.interpolate import make_interp_spline
-        from scipy.signal import savgol_filter
+        from scipy.signal import savgol_coeffs, savgol_filter
 
         step = max(int(self.period / self.dt / _KNOTS), 1)
-        if step > 1 and self.n > 4 * step:  # a quartic over two steps loses nothing that one knot a step can follow
-            raw = np.asarray(savgol_filter(raw, max(2 * step + 1, 7), 4))
+        noise = np.array([1.0, 1.0 / self.dt])
+        span = max(2 * step + 1, 7)
+        if step > 1 and self.n > 2 * span:  # a quartic over two steps loses nothing that one knot a step can follow
+            raw = np.asarray(savgol_filter(raw, span, 4))
+            gains = [savgol_coeffs(span, 4, deriv=k, delta=self.dt) for k in (0, 1)]
+            noise = np.array([np.sqrt(np.sum(gain**2)) for gain in gains])
+        self.spread = noise * self.sensor * (self.period / (2 * np.pi)) ** self.order
         points = np.unique(np.r_[np.arange(0, self.n - step // 2, step), self.n - 1])
         spline = make_interp_spline(points * self.dt, raw[points], k=5)
         fine = np.arange((self.n - 1) * _PARTS + 1) * (self.dt / _PARTS)
@@ -124,9 +165,28 @@ class Smoother:
         for term in self.model.terms:
             if term.law.drive is not None:
                 drive = term_force(term, motion, self.dt / _PARTS) / mass
-        force, self.stiffness, self.damping = OwnForce(self.model)(motion, self.dt / _PARTS)
+        own = OwnForce(self.model)
+        force, self.stiffness, self.damping = own(motion, self.dt / _PARTS)
+        self.unsure = self._unsure(own, motion)
         self.known = drive - force
         self.excess = self.known - self.a
+
+    def _unsure(self, own: OwnForce, motion: np.ndarray) -> np.ndarray:
+        """(n - 1,) variance of the speed that a sample adds where noise hides the sign of displacement or velocity.
+
+        There friction and preload take any value between their two; at rest they do so for long.
+        """
+        motion = motion[::_PARTS][:-1]
+        total = np.zeros(motion.shape[0])
+        for i in (0, 1):
+            sides = []
+            for sign in (-1.0, 1.0):
+                beside = motion.copy()
+                beside[:, i] = sign * 1e-9 * float(np.max(np.abs(motion[:, i])))
+                sides.append(own(beside, self.dt)[0])
+            doubt = np.exp(-0.5 * (motion[:, i] / self.spread[i]) ** 2)
+            total += ((sides[1] - sides[0]) * self.dt * doubt) ** 2
+        return total * max(_LASTING * self.period / self.dt, 1.0)
 
     @cached_property
     def input(self) -> np.ndarray:
@@ -135,7 +195,7 @@ class Smoother:
         ahead = 1.0 - np.arange(_PARTS + 1) / _PARTS
         view = np.lib.stride_tricks.sliding_window_view(self.excess, _PARTS + 1)[::_PARTS]
         moment = [view @ (weights * ahead**k) * self.dt ** (k + 1) for k in range(4)]
-        k, c = self.stiffness[: -1 : _PARTS], self.damping[: -1 : _PARTS]
+        k, c = self.stiffness[:-1:_PARTS], self.damping[:-1:_PARTS]
         x = moment[1] - c * moment[2] / 2 - k * moment[3] / 6
         v = moment[0] - c * moment[1] - (k - c**2) * moment[2] / 2
         return np.column_stack([x, v, np.zeros_like(x)])
@@ -156,20 +216,17 @@ class Smoother:
             phi = phi + term
         return phi
 
-    def _system(
-        self, strength: float, memory: float, first: int, last: int
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, float]:
-        """Banded precision matrix, right-hand side, what is constant in the misfit, and the prior's log-determinant.
-
-        States are in units of the sensor's noise of a displacement, time in samples.
-        """
+    def _system(self, strength: float, memory: float, first: int, last: int) -> _System:
+        """States are in units of the displacement that the noise of one sample amounts to, time in samples."""
         dt, n = self.dt, last - first
-        unit = self.sensor * (dt**self.order)  # displacement that the noise of one sample amounts to
+        unit = self.sensor * (dt**self.order)
         phi = self._blocks(memory, first, last)
         spread = 2.0 * strength**2 / memory * dt**5 / unit**2
         q = spread * np.array([[1 / 20, 1 / 8, -1 / 6], [1 / 8, 1 / 3, -1 / 2], [-1 / 6, -1 / 2, 1.0]])
-        noise = (self.force_noise * dt**2 / unit) ** 2
-        q[:2, :2] += noise * np.array([[1 / 3, 1 / 2], [1 / 2, 1.0]])
+        noise = self.force_noise * dt**2 / unit
+        kick = noise**2 + self.unsure[first : last - 1, None, None] * (dt / unit) ** 2
+        q = np.tile(q, (n - 1, 1, 1))
+        q[:, :2, :2] += kick * np.array([[1 / 3, 1 / 2], [1 / 2, 1.0]])
         inverse = np.linalg.inv(q)
         reach = 0.1 * float(np.max(np.abs(self.x))) / unit
         rate = 2 * np.pi * dt / self.period
@@ -177,44 +234,45 @@ class Smoother:
         places = slice(first * _PARTS, (last - 1) * _PARTS + 1, _PARTS)
         h = np.zeros((n, 3))
         along = (self.x, self.v, self.known)[self.order][places]
-        seen = (self.response[first:last] - along) / self.sensor
-        if self.order == 0:
-            h[:, 0] = 1.0
-        elif self.order == 1:
-            h[:, 1] = 1.0
+        if self.order < 2:
+            h[:, self.order] = 1.0
         else:
             h[:] = np.column_stack([-self.stiffness[places] * dt**2, -self.damping[places] * dt, -np.ones(n)])
-        given = self.input[first : last - 1] * np.array([1.0, dt, 0.0]) / unit
-        carried = np.einsum("kba,bc->kac", phi, inverse)  # phi' Q^-1
+        carried = np.einsum("kba,kbc->kac", phi, inverse)  # phi' Q^-1
         diagonal = h[:, :, None] * h[:, None, :]
         diagonal[1:] += inverse
         diagonal[:-1] += carried @ phi
         diagonal[0] += np.diag(1.0 / begin)
-        right = h * seen[:, None]
-        right[1:] += given @ inverse
-        right[:-1] -= np.einsum("kac,kc->ka", carried, given)
         band = np.zeros((6, 3 * n))
         for i in range(3):
             for j in range(3):
                 if i >= j:
                     band[i - j, j::3] = diagonal[:, i, j]
                 band[3 + i - j, j : 3 * (n - 1) : 3] = -carried[:, j, i]
-        constant = float(seen @ seen) + float(np.einsum("ka,ab,kb->", given, inverse, given))
-        prior = (n - 1) * np.linalg.slogdet(inverse)[1] - float(np.sum(np.log(begin)))
-        return band, right.ravel(), np.array([constant]), float(prior)
+        return _System(
+            band,
+            carried,
+            inverse,
+            h,
+            (self.response[first:last] - along) / self.sensor,
+            self.input[first : last - 1] * np.array([1.0, dt, 0.0]) / unit,
+            noise,
+            float(np.sum(np.linalg.slogdet(inverse)[1]) - np.sum(np.log(begin))),
+        )
 
     def log_likelihood(self, strength: float, memory: float, first: int, last: int) -> float:
         """Logarithm of the likelihood of the samples from ``first`` to ``last``, but for a constant."""
         from scipy.linalg import cho_solve_banded, cholesky_banded
 
-        band, right, constant, prior = self._system(strength, memory, first, last)
+        system = self._system(strength, memory, first, last)
         try:
-            factor = cholesky_banded(band, lower=True, check_finite=False)
+            factor = cholesky_banded(system.band, lower=True, check_finite=False)
         except np.linalg.LinAlgError:
             return -np.inf
+        right = system.right(system.seen, system.given)
         states = cho_solve_banded((factor, True), right, check_finite=False)
-        misfit = float(constant[0]) - float(right @ states)
-        value = -0.5 * (misfit + 2 * float(np.sum(np.log(factor[0]))) - prior)
+        misfit = system.constant() - float(right @ states)
+        value = -0.5 * (misfit + 2 * float(np.sum(np.log(factor[0]))) - system.prior)
         return value if np.isfinite(value) else -np.inf
 
     def most_likely(self, first: int, last: int) -> tuple[float, float]:
@@ -238,7 +296,7 @@ class Smoother:
         s, m = (float(np.exp(np.clip(p, *b))) for p, b in zip(found.x, bounds, strict=True))
         return scale * s, m
 
-    def loudest(self, samples: int) -> tuple[int, int]:
+    def loudest(self, samples: int = _STRETCH) -> tuple[int, int]:
         """First and last of the samples that move most."""
         if self.n <= samples:
             return 0, self.n
@@ -252,10 +310,12 @@ class Smoother:
         from scipy.linalg import cho_solve_banded, cholesky_banded
 
         last = self.n if last is None else last
-        strength, memory = self.most_likely(*self.loudest(_STRETCH)) if prior is None else prior
-        band, right, _, _ = self._system(strength, memory, first, last)
-        factor = cholesky_banded(band, lower=True, check_finite=False)
-        states = cho_solve_banded((factor, True), right, check_finite=False).reshape(-1, 3)
+        strength, memory = self.most_likely(*self.loudest()) if prior is None else prior
+        system = self._system(strength, memory, first, last)
+        factor = cholesky_banded(system.band, lower=True, check_finite=False)
+        right = np.column_stack([system.right(system.seen, system.given), system.noise(first)])
+        solved = cho_solve_banded((factor, True), right, check_finite=False)
+        states = solved[:, 0].reshape(-1, 3)
         unit = self.sensor * self.dt**self.order
         n = last - first
         places = np.unique(np.linspace(0, n - 1, min(_PLACES, n)).astype(int))
@@ -271,6 +331,7 @@ class Smoother:
             velocity=self.v[here] + states[:, 1] * unit / self.dt,
             force=states[:, 2] * unit / self.dt**2,
             std=std,
+            noise=solved[2::3, 1] * unit / self.dt**2,
             drive=self.drive[first:last],
             moving=self.moving[first:last],
             strength=strength,

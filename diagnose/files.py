@@ -1,0 +1,66 @@
+"""A diagnosis as files in one folder: all of them or none."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import BadInput
+from ..model.file import dumps
+from ..writing import replacing, writable
+from .result import Diagnosis, Experiment
+
+DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT = (
+    "diagnosis.json",
+    "model.yaml",
+    "model.fmu",
+    "next_experiment.csv",
+    "report.html",
+)
+
+
+def check_folder(folder: Path) -> None:
+    """Make sure that the files can be written, before long work is done for them; raises BadInput."""
+    if folder.exists() and not folder.is_dir():
+        raise BadInput(f"{folder}: is a file; name a folder for the diagnosis")
+    for name in (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT):
+        writable(folder / name)
+
+
+def write_folder(folder: Path, diagnosis: Diagnosis, report: str, fmu: bytes | None) -> list[Path]:
+    """Write what a diagnosis says; returns the paths written.
+
+    Args:
+        folder: made where it is missing.
+        diagnosis: the outcome.
+        report: the HTML page.
+        fmu: the mended model as an FMU; None where nothing was mended or nothing could be compiled.
+    """
+    texts: Mapping[str, str | bytes | None] = {
+        DIAGNOSIS: json.dumps(diagnosis.as_json(), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+        MODEL: dumps(diagnosis.model),
+        FMU: fmu,
+        EXPERIMENT: experiment_csv(diagnosis.experiment),
+        REPORT: report,
+    }
+    written = []
+    for name, text in texts.items():
+        if text is None:
+            (folder / name).unlink(missing_ok=True)  # that of an earlier diagnosis would not belong to this one
+            continue
+        with replacing(folder / name) as temporary:
+            temporary.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8"))
+        written.append(folder / name)
+    return written
+
+
+def experiment_csv(experiment: Experiment | None) -> str | None:
+    """The force to play as CSV with the columns time_s and force; None where there is none."""
+    if experiment is None or experiment.signal is None:
+        return None
+    time = np.arange(experiment.signal.size) / experiment.fs
+    rows = (f"{t:.9g},{f:.9g}\n" for t, f in zip(time, experiment.signal, strict=True))
+    return "time_s,force\n" + "".join(rows)

@@ -1,0 +1,22 @@
+"""Numbers in sentences: few digits, and a unit of the size of the thing."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+
+
+def quantity(value: float, unit: str) -> str:
+    """A value with its unit, in thousandths where that reads better: ``4.1 mm``."""
+    if unit in ("m", "m/s", "N"):
+        for size, prefix in _PREFIXES:
+            if abs(value) >= 0.5 * size:
+                return f"{value / size:.3g} {prefix}{unit}"
+    return f"{value:.3g} {unit}"
+
+
+def spoken(names: Sequence[str]) -> str:
+    """``a, b and c``."""
+    names = list(names)
+    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)

@@ -1,0 +1,91 @@
+"""The whole diagnosis, blind, on rigs made by an integrator of their own."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from dashpot.diagnose import diagnose
+from dashpot.errors import BadInput
+from dashpot.model.file import dumps, loads
+from dashpot.recording import Recording
+
+
+@pytest.mark.parametrize("effect", ["clearance", "quadratic-drag", "actuator-saturation", "tonal-disturbance"])
+def test_a_concealed_effect_is_named_and_mended(rig, effect, tmp_path):
+    case = rig("single", effect)
+    found = diagnose(case.model, case.training, case.holdout, fmu=tmp_path / "mended.fmu")
+    assert found.verdict == "missing-physics"
+    assert found.effects[0].effect == effect
+    assert (tmp_path / "mended.fmu").stat().st_size > 0
+    for record in found.records:
+        if record.holdout:
+            floor = case.truth["recordings"][record.file]["noise_floor"]
+            assert record.nrmse_after < 1.15 * floor
+            assert record.nrmse_after < record.nrmse_before
+    assert loads(dumps(found.model)).values() == found.model.values()
+
+
+@pytest.mark.parametrize("noise", ["white", "ar1", "quantised"])
+def test_noise_is_not_physics(rig, noise):
+    case = rig("none", noise=noise)
+    found = diagnose(case.model, case.training, case.holdout)
+    assert found.effects == ()
+    assert found.verdict == "consistent"
+
+
+def test_the_file_of_a_diagnosis_has_the_agreed_form(rig):
+    case = rig("single", "quadratic-drag")
+    document = json.loads(json.dumps(diagnose(case.model, case.training, case.holdout).as_json(), allow_nan=False))
+    assert document["format"] == "dashpot-diagnosis/1"
+    assert {"verdict", "effects", "location", "fit", "parameter_shift", "considered", "next_experiment"} <= set(
+        document
+    )
+    assert [set(row) for row in document["fit"]["holdout"]] == [
+        {"file", "nrmse_before", "nrmse_after", "noise_floor"}
+    ] * len(case.holdout)
+    assert document["effects"][0]["parameters"]["coefficient"]["unit"] == "1/m"
+    assert {
+        "path",
+        "statement",
+        "displacement",
+        "velocity",
+        "amplitude",
+        "frequency_hz",
+        "time_s",
+        "recordings",
+    } <= set(document["location"])
+    # what drag does not explain, dry friction had to: it comes back
+    assert document["parameter_shift"]["dry"]["std"] > 0
+    considered = {row["effect"] for row in document["considered"]}
+    assert "cubic-damping" in considered
+    assert "quadratic-drag" not in considered
+
+
+def test_without_held_out_recordings_the_end_of_each_is_held_out(rig):
+    case = rig("single", "quadratic-drag")
+    found = diagnose(case.model, case.training)
+    assert any("no recording was held out" in note for note in found.notes)
+    assert any(record.holdout for record in found.records)
+
+
+def test_recordings_of_another_rig_are_refused(rig):
+    case, other = rig("single", "quadratic-drag"), rig("none")
+    with pytest.raises(BadInput, match="not of the model's rig"):
+        diagnose(other.model, case.training, case.holdout)
+
+
+def test_recordings_too_quiet_to_carry_anything_are_refused(rig):
+    case = rig("none")
+    random = np.random.default_rng(0)
+    quiet = Recording(name="quiet", fs=500.0, response=1e-6 * random.standard_normal(5000))
+    with pytest.raises(BadInput, match="quiet"):
+        diagnose(case.model, [quiet], case.holdout)
+
+
+def test_another_quantity_is_refused(rig):
+    case = rig("none")
+    speed = Recording(name="speed", fs=500.0, response=np.ones(50), quantity="velocity", unit="m/s")
+    with pytest.raises(BadInput, match="--quantity"):
+        diagnose(case.model, [speed])

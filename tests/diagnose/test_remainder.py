@@ -1,0 +1,55 @@
+"""What is left over: noise of any colour is none of it physics, what moves with the rig is."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.diagnose.fitting import Structure, data_of
+from dashpot.diagnose.remainder import leftovers, sentence
+from scipy.signal import lfilter
+
+
+@pytest.fixture(scope="module")
+def fitted():
+    from .conftest import concealed
+
+    case = concealed("none")
+    data = data_of(case.training, case.model)
+    return data, Structure(case.model, data).fit(settle=True)
+
+
+def coloured(random, n):
+    return lfilter([1.0], [1.0, -0.95], random.standard_normal(n))
+
+
+def stepped(random, n):
+    return np.round(random.standard_normal(n)) * 1.0
+
+
+@pytest.mark.parametrize("noise", [coloured, stepped])
+def test_noise_of_any_colour_is_no_mismatch(fitted, noise):
+    data, fit = fitted
+    random = np.random.default_rng(3)
+    residuals = tuple(5 * np.std(r) * noise(random, r.size) for r in fit.residuals)
+    assert max(one.ratio for one in leftovers(replace(fit, residuals=residuals), data)) > 2
+    assert sentence(leftovers(replace(fit, residuals=residuals), data)) is None
+
+
+def test_what_grows_with_the_motion_is_a_mismatch(fitted):
+    data, fit = fitted
+    residuals = tuple(
+        r + 0.02 * (segment.response - r) for r, segment in zip(fit.residuals, data.segments, strict=True)
+    )
+    said = sentence(leftovers(replace(fit, residuals=residuals), data))
+    assert said is not None
+    assert "growing with the motion" in said
+
+
+def test_a_burst_is_a_mismatch(fitted):
+    data, fit = fitted
+    first = fit.residuals[0].copy()
+    first[5000:5200] += 50 * np.std(first)
+    left = leftovers(replace(fit, residuals=(first, *fit.residuals[1:])), data)
+    assert left[0].burst_s == pytest.approx(data.segments[0].time + 5100 * data.segments[0].dt, rel=0.05)
