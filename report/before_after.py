@@ -30,6 +30,9 @@ _FEW_CYCLES = 40
 _CYCLES, _POINTS, _DOTS = 8.0, 600, 120
 #: A model that runs away does not set the view: so many times the measured motion is shown of it.
 _ROOM = 2.0
+_LOST = 1e4
+#: Less than this part of a simulation has no spectrum worth showing.
+_WHOLE = 0.95
 #: More recordings than these stand in the table only, so that the page stays small.
 _PICTURES = 8
 
@@ -37,14 +40,15 @@ _PICTURES = 8
 def response_section(diagnosis: Diagnosis) -> Section:
     """Tables for held-out and for training recordings, and a picture for each, the held-out ones first."""
     records = diagnosis.records
+    mended = bool(diagnosis.effects)
+    title = "Measured, before and after" if mended else "Measured and simulated"
     if not records:
-        return Section("Measured, before and after", (Text("No recording was compared.", "note"),))
+        return Section(title, (Text("No recording was compared.", "note"),))
     held, train = ([r for r in records if r.holdout is wanted] for wanted in (True, False))
-    blocks: list[Block] = [Text(fit_sentence(records))]
+    blocks: list[Block] = [Text(fit_sentence(records, mended))]
     for some, what in ((held, "Held out: no parameter was fitted to these."), (train, "Used for the fit.")):
         if some:
-            blocks.append(fit_table(some, what))
-    mended = bool(diagnosis.effects)
+            blocks.append(fit_table(some, what, mended))
     shown = [*held, *sorted(train, key=lambda r: -_excess(r))][:_PICTURES]
     for i, r in enumerate(shown):
         caption = _caption(r, mended)
@@ -54,10 +58,10 @@ def response_section(diagnosis: Diagnosis) -> Section:
     rest = [r.file for r in records if r not in shown]
     if rest:
         blocks.append(Text(f"Without a picture, in the table only: {', '.join(rest)}."))
-    return Section("Measured, before and after", tuple(blocks))
+    return Section(title, tuple(blocks))
 
 
-def fit_sentence(records: Sequence[RecordFit]) -> str:
+def fit_sentence(records: Sequence[RecordFit], mended: bool) -> str:
     """How much is left before and after, in the worst recording that counts: a held-out one where there is one."""
     held = [r for r in records if r.holdout]
     some = held or list(records)
@@ -65,9 +69,10 @@ def fit_sentence(records: Sequence[RecordFit]) -> str:
     of = "the held-out recordings" if held else "the recordings, none of which was held out"
     which = f"Worst of {of}, {worst.file}" if len(some) > 1 else f"{worst.file}{' (held out)' if held else ''}"
     before, after, floor = (_share(v) for v in (worst.nrmse_before, worst.nrmse_after, worst.noise_floor))
-    return (
-        f"{which}: the old model leaves {before} of the motion, the new one {after}, where noise alone makes {floor}."
+    left = (
+        f"the old model leaves {before} of the motion, the new one {after}" if mended else f"the model leaves {before}"
     )
+    return f"{which}: {left}, where noise alone makes {floor}."
 
 
 def _share(nrmse: float) -> str:
@@ -84,28 +89,32 @@ def _excess(record: RecordFit) -> float:
     return ratio if math.isfinite(ratio) else math.inf
 
 
-def fit_table(records: Sequence[RecordFit], what: str) -> Table:
-    """NRMSE before and after, noise floor and their ratio, the latter coloured by the limit that verify sets."""
+def fit_table(records: Sequence[RecordFit], what: str, mended: bool) -> Table:
+    """NRMSE before and after (one where nothing was mended), noise floor, ratio coloured by the limit of verify."""
     rows: list[tuple[str | Cell, ...]] = []
     for r in records:
         ratio = ratio_to_floor(r)
         tone = "" if not math.isfinite(ratio) else "good" if ratio <= NOISE_RATIO else "bad"
         words = times_text(ratio) if math.isfinite(ratio) else "unknown"
-        rows.append((r.file, *(number(v) for v in (r.nrmse_before, r.nrmse_after, r.noise_floor)), Cell(words, tone)))
-    head = ("Recording", "NRMSE before", "NRMSE after", "Noise floor", "After / floor")
+        left = (r.nrmse_before, r.nrmse_after) if mended else (r.nrmse_before,)
+        rows.append((r.file, *(number(v) for v in (*left, r.noise_floor)), Cell(words, tone)))
+    two, one = (
+        ("NRMSE before", "NRMSE after", "Noise floor", "After / floor"),
+        ("NRMSE", "Noise floor", "NRMSE / floor"),
+    )
+    head = ("Recording", *(two if mended else one))
     caption = f"{what} NRMSE: rms(simulated − measured) / std(measured), simulated freely over the whole recording."
-    return Table(head, tuple(rows), (1, 2, 3, 4), caption)
+    return Table(head, tuple(rows), tuple(range(1, len(head))), caption)
 
 
 def _caption(record: RecordFit, mended: bool) -> str:
-    name = plain_text(record.file)
-    held = ", held out" if record.holdout else ", used for the fit"
-    second = ", after (full line)" if mended else ""
-    noise = "; the spectra show at which frequency it lies" if record.time.size > 1 else ""
+    held = "held out" if record.holdout else "used for the fit"
+    lines = "before (dashed), after (full line)" if mended else "the model (full line)"
+    left = f"{number(record.nrmse_before)} before, {number(record.nrmse_after)} after"
     return (
-        f"{name}{held}: measured (grey; close up, dots), before (dashed){second}. Below: what is left, against the "
-        f"noise floor{noise}. NRMSE {number(record.nrmse_before)} before, {number(record.nrmse_after)} after, "
-        f"noise floor {number(record.noise_floor)}."
+        f"{plain_text(record.file)}, {held}: measured (grey; close up, dots), {lines}. Below: what is left, against "
+        "the noise floor; the spectra show at which frequency it lies. "
+        f"NRMSE {left if mended else number(record.nrmse_before)}, noise floor {number(record.noise_floor)}."
     )
 
 
@@ -150,10 +159,12 @@ def response_figure(record: RecordFit, model: Oscillator, mended: bool, key: str
 
 def _sides(record: RecordFit, mended: bool) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """What was simulated, and how it is drawn; one model only where nothing was mended."""
-    before = {"color": BEFORE, "linestyle": "--", "linewidth": 1.5, "label": "before" if mended else "model"}
-    after = {"color": AFTER, "linestyle": "-", "linewidth": 1.1, "label": "after"}
-    pairs = [(record.before, before), (record.after, after)] if mended else [(record.before, before)]
-    return [(np.asarray(signal, float), style) for signal, style in pairs]
+    before = {"color": BEFORE, "linestyle": "--", "linewidth": 1.5, "label": "before"}
+    after = {"color": AFTER, "linestyle": "-", "linewidth": 1.1, "label": "after" if mended else "model"}
+    pairs = [(record.before, before), (record.after, after)] if mended else [(record.before, after)]
+    # of a model that ran away only the beginning can be drawn
+    most = _LOST * float(np.nanmax(np.abs(record.measured), initial=0.0))
+    return [(np.where(np.abs(signal) <= most, signal, np.nan), style) for signal, style in pairs]
 
 
 def _differ_most(record: RecordFit, mended: bool, cycle: int) -> int | None:
@@ -225,7 +236,7 @@ def _residuals(axes: Any, record: RecordFit, sides: Any, cycle: float, unit: str
     bins = int(np.clip(measured.size / cycle, 20, _ACROSS))
     floor = record.noise_floor * float(np.nanstd(measured))
     bands = [envelope(record.time, signal - measured, bins) for signal, _ in sides]
-    scale = scale_of(unit, np.concatenate([band.rms for band in bands]))
+    scale = scale_of(unit, np.concatenate([*(band.rms for band in bands), [floor]]))
     seen = []
     for band, (_, style) in zip(bands, sides, strict=True):
         rms = np.where(band.rms > 0, band.rms, np.nan) * scale.factor
@@ -249,6 +260,8 @@ def _spectra(axes: Any, record: RecordFit, sides: Any, unit: str, natural: float
     axes.plot(f, response * scale.factor, color=MEASURED, alpha=0.45, linewidth=2.0)
     seen = [response * scale.factor]
     for signal, style in sides:
+        if np.mean(np.isfinite(signal)) < _WHOLE:
+            continue
         density = spectral_density(signal - old.measured, old.fs, natural)[1] * scale.factor
         axes.plot(f, np.where(density > 0, density, np.nan), **style)
         seen.append(density)

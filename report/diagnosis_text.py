@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _WIDTH = 100
 #: Longest lists; the page has all.
 _RECORDS, _EFFECTS, _PARAMETERS, _BENT, _NOTES = 6, 2, 5, 5, 3
-_NAME = 40
+_NAME = 30
 
 
 def describe(diagnosis: Diagnosis) -> str:
@@ -33,7 +33,7 @@ def describe(diagnosis: Diagnosis) -> str:
             lines += _effect(effect)
         if len(diagnosis.effects) > _EFFECTS:
             lines += _wrapped("and " + ", ".join(e.law for e in diagnosis.effects[_EFFECTS:]), "  ", 2)
-    if diagnosis.location is not None:
+    if diagnosis.location is not None and diagnosis.location.statement.strip():
         lines += ["", "Where", *_wrapped(full_stop(diagnosis.location.statement), "  ", 3)]
     if diagnosis.records:
         lines += ["", *_recordings(diagnosis)]
@@ -72,7 +72,8 @@ def _effect(effect: Effect) -> list[str]:
 
 def _value(parameter: Parameter) -> str:
     value, error = value_text(parameter)
-    return f"{value}{f' ± {error}' if error else ''} {plain_text(parameter.unit)}"
+    unit = "" if parameter.unit == "1" else f" {plain_text(parameter.unit)}"
+    return f"{value}{f' ± {error}' if error else ''}{unit}"
 
 
 def _recordings(diagnosis: Diagnosis) -> list[str]:
@@ -92,7 +93,7 @@ def _recordings(diagnosis: Diagnosis) -> list[str]:
         lines.append(f"  {name:<{max(width, 19) - 2}}" + "".join(f"{cell:>14}" for cell in cells) + held)
     if len(records) > len(shown):
         lines.append(f"  and {len(records) - len(shown)} more")
-    return [*lines, *_wrapped(fit_sentence(records), "  ", 2)]
+    return [*lines, *_wrapped(fit_sentence(records, bool(diagnosis.effects)), "  ", 2)]
 
 
 def _rank(record: RecordFit) -> float:

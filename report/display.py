@@ -79,7 +79,7 @@ def value_text(parameter: Parameter) -> tuple[str, str]:
 def full_stop(text: str) -> str:
     """``text`` as a sentence with its full stop; the first letter stays, as it may be a parameter's name."""
     text = text.strip()
-    return text if text.endswith((".", "!", "?")) else text + "."
+    return text if not text or text.endswith((".", "!", "?")) else text + "."
 
 
 def percent_text(share: float | None) -> str:

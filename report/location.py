@@ -47,7 +47,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
     place = diagnosis.location
     if place is None:
         return Section(title, (Text("Nowhere beyond the noise of these recordings.", "good"),))
-    blocks: list[Block] = [Text(full_stop(place.statement), "note")]
+    blocks: list[Block] = [Text(full_stop(place.statement) or "No statement was made.", "note")]
     ranges = _ranges(diagnosis, place)
     shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}
     if ranges or shares:

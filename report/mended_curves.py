@@ -74,9 +74,10 @@ def curves_figure(
         BadInput: where neither model swings freely at any of these amplitudes.
     """
     amplitude = np.geomspace(low, top, _POINTS)
-    pairs = [(before, {"color": BEFORE, "linestyle": "--", "linewidth": 2.2, "label": "before" if after else "model"})]
+    full: dict[str, Any] = {"color": AFTER, "linestyle": "-", "label": "after" if after else "model"}
+    pairs = [(before, {"color": BEFORE, "linestyle": "--", "linewidth": 2.2, "label": "before"} if after else full)]
     if after is not None:
-        pairs.append((after, {"color": AFTER, "linestyle": "-", "label": "after"}))
+        pairs.append((after, full))
     scale = scale_of(before.response.displacement_unit, top)
     shown = amplitude * scale.factor
     lines: list[tuple[np.ndarray, np.ndarray, dict[str, Any]]] = []

@@ -98,7 +98,10 @@ def _over(axes: Any, at: np.ndarray, force: np.ndarray, std: np.ndarray, named: 
         return
 
     def mean(values: np.ndarray) -> np.ndarray:
-        return np.bincount(place, np.nan_to_num(values[there]), _BINS)[full] / count[full] * up.factor
+        known = np.isfinite(values[there])
+        total = np.bincount(place[known], values[there][known], _BINS)[full]
+        many = np.bincount(place[known], minlength=_BINS)[full]
+        return np.where(many > 0, total / np.maximum(many, 1), np.nan) * up.factor
 
     middle = (low + (np.arange(_BINS) + 0.5) * (high - low) / _BINS)[full]
     centre = mean(force)
