@@ -151,8 +151,8 @@ def orders(rows: Rows) -> tuple[dict[int, float], tuple[float, float]]:
         if not np.all(np.isfinite(s.phase)):
             continue
         blocks = rows.part(rows.block, i)
-        turns = np.exp(1j * np.arange(1, ORDERS) * s.phase[:, None])
-        columns = np.column_stack([np.ones(s.n), turns.real, turns.imag])
+        turns = np.arange(1, ORDERS) * s.phase[:, None]
+        columns = np.column_stack([np.ones(s.n), np.cos(turns), np.sin(turns)])
         signals = np.column_stack([rows.part(rows.left, i), rows.part(rows.silent, i)])
         for block in np.unique(blocks):
             here = blocks == block

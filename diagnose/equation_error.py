@@ -21,8 +21,6 @@ _DENSITY = 16.0
 #: Cycles that count as one independent piece of evidence: longer than the smoother's memory and the resonance's.
 BLOCK_CYCLES = 4.0
 _MARGIN_CYCLES = 1.0
-#: A missing force of this part of the likely one is none.
-_NONE = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,20 +62,20 @@ class Stretch:
 
 
 def equation_error(model: Oscillator, data: Data) -> tuple[list[Stretch], float]:
-    """The stretches of all segments that move, and the gain of log-likelihood that a missing force brings in them.
+    """The stretches of all segments that move, and what a missing force gains: log-likelihood a sample, in the mean.
 
     The strength and memory of the missing force are those of the segment where it is strongest: with one prior for
     all of them, quiet and loud recordings can be compared.
     """
-    smoothers, priors, evidence = [], [], 0.0
+    smoothers, priors, evidence, samples = [], [], 0.0, 0
     for i in range(len(data.segments)):
         smoother = Smoother(model, data, i)
         smoothers.append(smoother)
         loudest = smoother.loudest()
         strength, memory = smoother.most_likely(*loudest)
         priors.append((strength, memory))
-        none = smoother.log_likelihood(_NONE * strength, memory, *loudest)
-        evidence += max(smoother.log_likelihood(strength, memory, *loudest) - none, 0.0)
+        evidence += smoother.evidence(strength, memory, *loudest)
+        samples += loudest[1] - loudest[0]
     prior = max(priors)
     found = []
     for segment, smoother in zip(data.segments, smoothers, strict=True):
@@ -85,7 +83,7 @@ def equation_error(model: Oscillator, data: Data) -> tuple[list[Stretch], float]
         stretch = _stretch(data.recordings[segment.recording].name, segment.force is not None, smoothed, smoother)
         if stretch is not None:
             found.append(stretch)
-    return found, evidence
+    return found, evidence / max(samples, 1)
 
 
 def _stretch(name: str, driven: bool, smoothed: Smoothed, smoother: Smoother) -> Stretch | None:

@@ -13,8 +13,8 @@ from .result import Location
 from .statement import how_far_off, in_which_recordings, what_it_follows
 from .symptoms import Symptoms, symptoms
 
-#: Gain of log-likelihood that a missing force must bring: its strength and memory gain this much once in 20,000.
-_EVIDENCE = 10.0
+#: Log-likelihood a sample that a missing force must gain: less is 2 % of the noise's power, which is known no better.
+_EVIDENCE = 0.01
 
 
 def locate(fitted: Fitted, data: Data) -> Location:

@@ -39,6 +39,8 @@ _PLACES = 24
 _TRIALS = 45
 #: A sign that noise hides is another one only after this part of a cycle.
 _LASTING = 0.1
+#: A missing force of this part of the spring's is none.
+_NONE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,6 +128,7 @@ class Smoother:
         self.period = 2 * np.pi / model.omega0.value
         raw = displacement(recording)[segment.start : segment.stop]
         self._follow(raw)
+        self.scale = float(np.std(self.x)) * model.omega0.value**2
         force = np.zeros(self.n)
         if driven and recording.force is not None:
             force = np.asarray(recording.force, float)[segment.start : segment.stop] / mass
@@ -279,13 +282,12 @@ class Smoother:
         """Strength and memory of the latent force that make a stretch most likely (Nelder and Mead 1965)."""
         from scipy.optimize import minimize
 
-        scale = float(np.std(self.x)) * (2 * np.pi / self.period) ** 2
-        bounds = (np.log(1e-6), np.log(10.0)), (np.log(3 * self.dt), np.log(20 * self.period))
+        bounds = (np.log(_NONE), np.log(10.0)), (np.log(3 * self.dt), np.log(20 * self.period))
 
         def cost(point: np.ndarray) -> float:
             s, m = (np.exp(np.clip(p, *b)) for p, b in zip(point, bounds, strict=True))
             outside = sum(max(b[0] - p, p - b[1], 0.0) for p, b in zip(point, bounds, strict=True))
-            value = self.log_likelihood(scale * s, m, first, last)
+            value = self.log_likelihood(self.scale * s, m, first, last)
             return (1e30 if not np.isfinite(value) else -value) + outside
 
         start = np.array([np.log(0.01), np.log(self.period / 6)])
@@ -294,7 +296,14 @@ class Smoother:
             cost, start, method="Nelder-Mead", options={"maxfev": _TRIALS, "initial_simplex": simplex, "fatol": 0.1}
         )
         s, m = (float(np.exp(np.clip(p, *b))) for p, b in zip(found.x, bounds, strict=True))
-        return scale * s, m
+        return self.scale * s, m
+
+    def evidence(self, strength: float, memory: float, first: int, last: int) -> float:
+        """Gain of log-likelihood of a stretch over that without a missing force."""
+        none = self.log_likelihood(_NONE * self.scale, memory, first, last)
+        if not np.isfinite(none):
+            return 0.0
+        return max(self.log_likelihood(strength, memory, first, last) - none, 0.0)
 
     def loudest(self, samples: int = _STRETCH) -> tuple[int, int]:
         """First and last of the samples that move most."""

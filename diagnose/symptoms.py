@@ -82,9 +82,7 @@ def _kind(explains: dict[str, float]) -> str:
         return "tone"
     if best < _TELLING:
         return "unknown"
-    for name in (*_ORDER, *_GENERAL):
-        if explains.get(name, -1.0) >= _PLAINER * best:
-            break
+    name = next(one for one in (*_ORDER, *_GENERAL) if explains.get(one, -1.0) >= _PLAINER * best)
     if name == "displacement and velocity":
         return max(("displacement", "velocity", "damping by position"), key=lambda one: explains[one])
     return name
