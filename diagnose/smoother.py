@@ -158,21 +158,25 @@ class Smoother:
 
     def _balance(self, mass: float) -> None:
         """What the equation of motion lacks along the spline, and the slopes of the model's force there."""
+        motion, step = self.along(mass)
+        drive = motion[:, 3] / mass
+        for term in self.model.terms:
+            if term.law.drive is not None:
+                drive = term_force(term, np.column_stack([motion[:, :3], drive * mass]), step) / mass
+        own = OwnForce(self.model)
+        force, self.stiffness, self.damping = own(motion, step)
+        self.unsure = self._unsure(own, motion)
+        self.known = drive - force
+        self.excess = self.known - self.a
+
+    def along(self, mass: float) -> tuple[np.ndarray, float]:
+        """(m, 4) displacement, velocity, time and recorded force along the measured motion, and their step in s."""
         from scipy.interpolate import CubicSpline
 
         drive = np.zeros(self.fine.size)
         if np.any(self.drive):
             drive = np.asarray(CubicSpline(np.arange(self.n) * self.dt, self.drive)(self.fine))
-        time = self.time[0] + self.fine
-        motion = np.column_stack([self.x, self.v, time, drive * mass])
-        for term in self.model.terms:
-            if term.law.drive is not None:
-                drive = term_force(term, motion, self.dt / _PARTS) / mass
-        own = OwnForce(self.model)
-        force, self.stiffness, self.damping = own(motion, self.dt / _PARTS)
-        self.unsure = self._unsure(own, motion)
-        self.known = drive - force
-        self.excess = self.known - self.a
+        return np.column_stack([self.x, self.v, self.time[0] + self.fine, drive * mass]), self.dt / _PARTS
 
     def _unsure(self, own: OwnForce, motion: np.ndarray) -> np.ndarray:
         """(n - 1,) variance of the speed that a sample adds where noise hides the sign of displacement or velocity.
