@@ -16,8 +16,13 @@ from ..simulate.along import Along
 
 @cache
 def along_law(effect: str) -> Along:
-    """A law of the library in C, for evaluation along a motion; built once."""
-    return Along(find(effect))
+    """A law of the library in C, for evaluation along a motion; built once.
+
+    Without strengths: ``Along`` would give the derivatives with respect to these, which leave out what else it does.
+    """
+    law = find(effect)
+    plain = tuple(replace(parameter, strength=False) for parameter in law.parameters)
+    return Along(replace(law, parameters=plain))
 
 
 def numbers(term: Term) -> dict[str, float]:
@@ -26,14 +31,11 @@ def numbers(term: Term) -> dict[str, float]:
 
 
 def term_force(term: Term, motion: np.ndarray, dt: float) -> np.ndarray:
-    """(n,) force per unit mass of one term along a motion (n, 4) as ``Along`` takes it; for a law on the force's path
-    the force that arrives; inner states begin where they follow, phases at zero."""
-    values = numbers(term)
-    rows = along_law(term.effect)(values, motion, dt)
-    strengths = [p.name for p in term.law.parameters if p.strength]
-    if term.law.force is None or not strengths:
-        return rows[0]
-    return np.asarray(np.array([values[name] for name in strengths]) @ rows)
+    """(n,) force per unit mass of one term along a motion (n, 4) as ``Along`` takes it.
+
+    For a law on the force's path the force that arrives. Inner states begin where they follow, phases at zero.
+    """
+    return along_law(term.effect)(numbers(term), motion, dt)[0]
 
 
 class OwnForce:
