@@ -46,9 +46,11 @@ def response_section(diagnosis: Diagnosis) -> Section:
         return Section(title, (Text("No recording was compared.", "note"),))
     held, train = ([r for r in records if r.holdout is wanted] for wanted in (True, False))
     blocks: list[Block] = [Text(fit_sentence(records, mended))]
-    for some, what in ((held, "Held out: no parameter was fitted to these."), (train, "Used for the fit.")):
-        if some:
-            blocks.append(fit_table(some, what, mended))
+    how = "NRMSE: rms(simulated − measured) / std(measured), simulated freely over the whole recording."
+    if held:
+        blocks.append(fit_table(held, f"Held out: no parameter was fitted to these. {how}", mended))
+    if train:
+        blocks.append(fit_table(train, "Used for the fit." if held else f"Used for the fit. {how}", mended))
     shown = [*held, *sorted(train, key=lambda r: -_excess(r))][:_PICTURES]
     for i, r in enumerate(shown):
         caption = _caption(r, mended)
@@ -70,7 +72,9 @@ def fit_sentence(records: Sequence[RecordFit], mended: bool) -> str:
     which = f"Worst of {of}, {worst.file}" if len(some) > 1 else f"{worst.file}{' (held out)' if held else ''}"
     before, after, floor = (_share(v) for v in (worst.nrmse_before, worst.nrmse_after, worst.noise_floor))
     left = (
-        f"the old model leaves {before} of the motion, the new one {after}" if mended else f"the model leaves {before}"
+        f"the old model leaves {before} of the motion, the new one {after}"
+        if mended
+        else f"the model leaves {before} of the motion"
     )
     return f"{which}: {left}, where noise alone makes {floor}."
 
@@ -89,7 +93,7 @@ def _excess(record: RecordFit) -> float:
     return ratio if math.isfinite(ratio) else math.inf
 
 
-def fit_table(records: Sequence[RecordFit], what: str, mended: bool) -> Table:
+def fit_table(records: Sequence[RecordFit], caption: str, mended: bool) -> Table:
     """NRMSE before and after (one where nothing was mended), noise floor, ratio coloured by the limit of verify."""
     rows: list[tuple[str | Cell, ...]] = []
     for r in records:
@@ -103,7 +107,6 @@ def fit_table(records: Sequence[RecordFit], what: str, mended: bool) -> Table:
         ("NRMSE", "Noise floor", "NRMSE / floor"),
     )
     head = ("Recording", *(two if mended else one))
-    caption = f"{what} NRMSE: rms(simulated − measured) / std(measured), simulated freely over the whole recording."
     return Table(head, tuple(rows), tuple(range(1, len(head))), caption)
 
 

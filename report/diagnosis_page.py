@@ -64,13 +64,10 @@ def next_step(diagnosis: Diagnosis, files: Sequence[str] = ()) -> str:
         mended = next((name for name in files if name.endswith(".yaml")), "")
         names = " and ".join(dict.fromkeys(e.effect for e in diagnosis.effects)) or "the effect"
         twins = dict.fromkeys(name for e in diagnosis.effects for name in e.indistinguishable_from)
-        doubt = (
-            f" These recordings cannot tell it from {', '.join(twins)}: make the next experiment before you rely on "
-            "the name."
-            if twins
-            else ""
-        )
-        return f"use the mended model{f' ({mended})' if mended else ''}, and look for {names} in the rig.{doubt}"
+        how = "make the next experiment" if _planned(diagnosis) else "record what would tell"
+        named = f"use the mended model{f' ({mended})' if mended else ''}, and look for {names} in the rig."
+        doubt = f" These recordings cannot tell it from {', '.join(twins)}: {how} before you rely on the name."
+        return named + (doubt if twins else "")
     where = " where it is said to fail below" if diagnosis.location is not None else ""
     plan = ", make the next experiment" if _planned(diagnosis) else ""
     return f"do not rely on the model{where}; look at the rig there{plan}, and diagnose again."
@@ -89,6 +86,8 @@ def remarks(diagnosis: Diagnosis) -> tuple[str, ...]:
 def _remainder(diagnosis: Diagnosis) -> list[Block]:
     if diagnosis.remainder:
         rest = Text(full_stop(diagnosis.remainder), "bad")
+    elif diagnosis.verdict == "unexplained":
+        rest = Text("What the model leaves over stays unexplained; it is shown above.", "bad")
     else:
         model = "mended" if diagnosis.effects else "given"
         rest = Text(f"Nothing stays beyond the noise: the {model} model reproduces these recordings.", "good")

@@ -27,10 +27,10 @@ def effects_section(diagnosis: Diagnosis) -> Section:
     """Each effect as a card with its parameters, and the mended equation of motion."""
     if not diagnosis.effects:
         why = {
-            "consistent": "None: the recordings support no effect beyond the given model.",
+            "consistent": "Nothing: the recordings support no effect beyond the given model.",
             "unexplained": "None of the library brings the held-out recordings down to their noise, so none is named.",
         }
-        return Section("What is missing", (Text(why.get(diagnosis.verdict, "No effect is named."), "note"),))
+        return Section("What is missing", (Text(why.get(diagnosis.verdict, "No effect is named.")),))
     blocks: list[Block] = []
     for effect in diagnosis.effects:
         blocks += effect_blocks(effect)
@@ -81,12 +81,13 @@ def considered_section(diagnosis: Diagnosis) -> Section:
     """What was tried and not taken, the closest first."""
     title = "What was considered, and why not"
     if not diagnosis.considered:
-        return Section(title, (Text("No other law was tried.", "note"),))
+        return Section(title, (Text("No other law was tried."),))
     rows = tuple(
         (one.effect, _known(one.holdout_nrmse), _bic(one.delta_bic), one.why_not) for one in by_rank(diagnosis)
     )
     held = [r for r in diagnosis.records if r.holdout]
-    took = f" The model that was taken leaves {number(max(r.nrmse_after for r in held))} at most." if held else ""
+    which = "model that was taken" if diagnosis.effects else "given model"
+    took = f" The {which} leaves {number(max(r.nrmse_after for r in held))} at most." if held else ""
     caption = (
         "Sorted by what each leaves of the held-out recordings (NRMSE). ΔBIC: Bayesian information criterion less that "
         f"of the model without the effect; the more negative, the more the training recordings ask for it.{took}"
@@ -159,7 +160,7 @@ def shift_section(diagnosis: Diagnosis) -> Section:
     """The given model's parameters before and after mending."""
     title = "How the missing physics had bent the old parameters"
     if not diagnosis.effects:
-        return Section(title, (Text("Nothing was mended, so no parameter has moved.", "note"),))
+        return Section(title, (Text("Nothing was mended, so no parameter has moved."),))
     found = shifts(diagnosis)
     words = diagnosis.before.descriptions()
     rows: list[tuple[str | Cell, ...]] = []

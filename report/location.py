@@ -46,7 +46,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
     title = "Where the given model fails"
     place = diagnosis.location
     if place is None:
-        return Section(title, (Text("Nowhere beyond the noise of these recordings.", "good"),))
+        return Section(title, (Text("Nowhere beyond the noise of these recordings."),))
     blocks: list[Block] = [Text(full_stop(place.statement) or "No statement was made.", "note")]
     ranges = _ranges(diagnosis, place)
     shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}

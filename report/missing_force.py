@@ -29,7 +29,7 @@ def force_section(diagnosis: Diagnosis) -> Section:
     shown = [one for one in diagnosis.latent if one.force.size > 1 and np.any(np.isfinite(one.force))][:_PICTURES]
     if not shown:
         why = "nothing is missing" if diagnosis.verdict == "consistent" else "it was not reconstructed"
-        return Section(title, (Text(f"There is no missing force to show: {why}.", "note"),))
+        return Section(title, (Text(f"There is no missing force to show: {why}."),))
     blocks: list[Block] = [
         Text(
             "Per unit mass and positive where it opposes a positive motion, as inside the bracket of the equation. It "

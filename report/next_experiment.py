@@ -25,8 +25,9 @@ def experiment_section(diagnosis: Diagnosis) -> Section:
     title = "The next experiment"
     plan = diagnosis.experiment
     if plan is None or plan.kind == "none":
-        words = full_stop(plan.sentence) if plan and plan.sentence.strip() else "None is needed to settle the question."
-        return Section(title, (Text(words, "note"),))
+        settled = diagnosis.verdict != "unexplained" and not any(e.indistinguishable_from for e in diagnosis.effects)
+        words = "None is needed to settle the question." if settled else "None was worked out."
+        return Section(title, (Text(full_stop(plan.sentence) if plan and plan.sentence.strip() else words),))
     model = diagnosis.model
     blocks: list[Block] = [Text(full_stop(plan.sentence), "note")]
     facts = _facts(plan, model)
@@ -89,15 +90,15 @@ def experiment_figure(plan: Experiment, unit: str, key: str = "experiment") -> s
         edge = 1.6 * high if math.isfinite(high) and high > 0 else plan.fs / 2
         view = f <= max(edge, 4 * f[1])
         lines = envelope(f[view], density[view], _LINES)  # the strongest line of each stretch
-        spectrum.plot(lines.time, np.where(lines.high > 1e-4 * top, lines.high, np.nan), color=AFTER, linewidth=1.1)
+        spectrum.plot(lines.time, np.where(lines.high > 1e-3 * top, lines.high, np.nan), color=AFTER, linewidth=1.1)
         if math.isfinite(low) and math.isfinite(high) and high > low:
             spectrum.axvspan(low, high, color=LIGHT, alpha=0.22, linewidth=0)
         if top > 0:
             spectrum.set_yscale("log")
-            spectrum.set_ylim(1e-4 * top, 2 * top)
+            spectrum.set_ylim(1e-3 * top, 2 * top)
             log_ticks(spectrum.yaxis)
-        spectrum.margins(x=0)
+        spectrum.set_xlim(0, f[view][-1])
         spectrum.set_xlabel("Frequency [Hz]")
-        spectrum.set_ylabel(f"Spectral density [{scale.unit}/√Hz]")
+        spectrum.set_ylabel(f"Density [{scale.unit}/√Hz]")
         spectrum.set_title("Its spectrum")
         return svg(figure, key, f"Force to play in {scale.unit} over {time[-1]:.4g} s, and its spectrum")

@@ -4,12 +4,24 @@ import math
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dashpot.diagnose.result import (
+    Considered,
+    Diagnosis,
+    Effect,
+    Experiment,
+    LatentForce,
+    Location,
+    RecordFit,
+)
 from dashpot.export.verify import Backbone, RecordingCheck, Verification
 from dashpot.identify import Identification, identify
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator, Parameter, Response
+from dashpot.model.laws import LIBRARY
+from dashpot.model.oscillator import Provenance, Range
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force
@@ -105,3 +117,201 @@ def verified() -> Callable[..., Verification]:
         return Verification("rig.fmu", tuple(checks))
 
     return make
+
+
+# Diagnoses made by hand --------------------------------------------------------------------------------------------
+
+BENCH_FS = 400.0
+BENCH_OMEGA = 2 * math.pi * 12.0
+GIVEN = {"mass": 0.3, "omega0": BENCH_OMEGA, "viscous": 5.0, "dry": 0.02, "cubic": 4e5, "preload": 0.05}
+
+
+def record(file: str, *, holdout: bool = False, seconds: float = 20.0, forced: bool = True, size: float = 5e-3):
+    """A swell of a sine; the model before is a fifth too large in its middle, the one after right to the noise."""
+    t = np.arange(int(seconds * BENCH_FS)) / BENCH_FS
+    swell = np.exp(-(((t - seconds / 2) / (seconds / 6)) ** 2)) if forced else np.exp(-t / (seconds / 6))
+    true = size * swell * np.cos(BENCH_OMEGA * t)
+    noise = 0.01 * size * np.random.default_rng(3).standard_normal(t.size)
+    force = np.cos(BENCH_OMEGA * t) if forced else None
+    return RecordFit(file, holdout, 0.21, 0.021, 0.0204, t, true + noise, true * (1 + 0.2 * swell), true, force)
+
+
+def sure(model: Oscillator, share: float = 1e-3) -> Oscillator:
+    """The same oscillator with standard errors."""
+    errors = {n: Parameter(p.value, share * abs(p.value), p.unit) for n, p in model.parameters().items()}
+    return model.with_parameters(errors)
+
+
+def mended(before: Oscillator, law: str) -> Oscillator:
+    """``before`` with a law of the library, with plain numbers, and a better viscous damping."""
+    numbers = {p.name: min(max(0.5 if p.unit != "X" else 2e-3, p.lower), p.upper) for p in LIBRARY[law].parameters}
+    values = {k: v for k, v in before.values().items() if "." not in k} | {f"{law}.{k}": v for k, v in numbers.items()}
+    values["viscous"] *= 0.9
+    found = Oscillator.from_values(
+        values, name=before.name, response=before.response, force_unit=before.force_unit, effects=(law,)
+    )
+    return replace(
+        sure(found),
+        amplitude=before.amplitude,
+        frequency=before.frequency,
+        identified=Provenance(({"file": "sweep.csv", "kind": "sweep", "sha256": "ab" * 32},), "ml", "dashpot 0.1.0"),
+    )
+
+
+def given(quantity: str = "displacement", unit: str = "m", *, mass: bool = True) -> Oscillator:
+    """The model that was given, in any unit."""
+    values = GIVEN if mass else {k: v for k, v in GIVEN.items() if k != "mass"}
+    model = Oscillator.from_values(values, name="bench", response=Response(quantity, unit))
+    inner = model.response.displacement_unit
+    return replace(sure(model), amplitude=Range(2e-4, 6e-3, inner), frequency=Range(8, 16, "Hz"))
+
+
+def latent(one: RecordFit) -> LatentForce:
+    """A force of the speed, with some scatter."""
+    v = np.gradient(one.measured, one.time)
+    force = 2 * v * np.abs(v)
+    off = 0.02 * np.sin(np.arange(v.size))
+    return LatentForce(one.file, one.time, one.measured, v, force + off, np.full(v.size, 0.02), force)
+
+
+def missing(law: str = "quadratic-drag", before: Oscillator | None = None) -> Diagnosis:
+    """A diagnosis that named an effect."""
+    before = before or given()
+    forced = before.mass is not None
+    model = mended(before, law)
+    records = (
+        record("sweep.csv", forced=forced),
+        record("decay.csv", forced=False, seconds=6.0),
+        record("multisine.csv", holdout=True, forced=forced),
+    )
+    effect = Effect(
+        LIBRARY[law].effect,
+        law,
+        LIBRARY[law].path,
+        model.terms[0].parameters,
+        ("cubic-damping",),
+        "a record at three times the amplitude",
+    )
+    place = Location(
+        "dissipation",
+        "Too little damping above 4 mm",
+        (-5e-3, 5e-3),
+        (-0.3, 0.3),
+        (4e-3, 6e-3),
+        (11.0, 13.0),
+        (8.0, 12.0),
+        ("sweep.csv",),
+        {1: 0.9, 3: 0.1},
+    )
+    considered = (
+        Considered("stribeck", None, 3.25, "not supported"),
+        Considered("hysteresis", 0.19, -12.0, "leaves nine times the noise"),
+        Considered("cubic-damping", 0.022, -900.0, "as good, but not better"),
+        Considered("viscoelastic", math.nan, math.nan, "its fit did not come to rest"),
+    )
+    t = np.arange(4000) / BENCH_FS
+    plan = Experiment(
+        "Play a sweep from 8 to 16 Hz at 2.5 N",
+        "sweep",
+        2.5,
+        (8.0, 16.0),
+        10.0,
+        (("quadratic-drag", "stribeck", 4.0), ("quadratic-drag", "cubic-damping", 12.0)),
+        2.5 * np.sin(2 * math.pi * (8 * t + 0.4 * t**2)),
+        BENCH_FS,
+    )
+    return Diagnosis(
+        "missing-physics",
+        "The damping lacks a force that grows with the square of the speed",
+        (effect,),
+        place,
+        before,
+        model,
+        records,
+        considered,
+        plan,
+        None,
+        (latent(records[0]),),
+        ("A gap of one sample was closed",),
+    )
+
+
+def consistent() -> Diagnosis:
+    """Nothing is missing: no effect, no place, no force, no plan."""
+    found = missing()
+    records = tuple(replace(r, before=r.after, nrmse_before=r.nrmse_after) for r in found.records)
+    return replace(
+        found,
+        verdict="consistent",
+        sentence="The model explains the recordings to their noise",
+        effects=(),
+        location=None,
+        model=found.before,
+        records=records,
+        experiment=None,
+        latent=(),
+        notes=(),
+    )
+
+
+def unexplained() -> Diagnosis:
+    """Something is missing, and no law of the library is it."""
+    found = missing()
+    records = tuple(replace(r, after=r.before, nrmse_after=r.nrmse_before) for r in found.records)
+    return replace(
+        found,
+        verdict="unexplained",
+        sentence="No law of the library explains what is left",
+        effects=(),
+        model=found.before,
+        records=records,
+        remainder="Ten times the noise is left in multisine.csv",
+        latent=(replace(found.latent[0], named=None),),
+    )
+
+
+def nothing_known() -> Diagnosis:
+    """Numbers that are not there wherever one can be missing."""
+    found = missing()
+    lost = found.records[0].before.copy()
+    lost[500:] = np.nan
+    gone = replace(found.records[0], before=lost, nrmse_before=math.nan, noise_floor=math.nan)
+    wild = replace(found.records[1], before=found.records[1].before * 1e200, nrmse_before=math.inf, noise_floor=0.0)
+    empty = replace(found.records[2], before=np.full(lost.size, np.nan), after=np.full(lost.size, np.nan))
+    none = (math.nan, math.nan)
+    place = Location("odd", "", none, none, (0.0, 0.0), none, none, (), {})
+    poor = {
+        name: Parameter(p.value, None if name == "dry" else math.nan, p.unit)
+        for name, p in found.model.parameters().items()
+    }
+    poor["cubic"] = Parameter(math.nan, 1.0, poor["cubic"].unit)
+    poor["preload"] = Parameter(0.0, 0.0, poor["preload"].unit)
+    unknown = {"strength": Parameter(math.nan, None, "1"), "other": Parameter(1.0, math.inf, "1")}
+    effect = replace(found.effects[0], law="my-own-law", effect="my-own-law", parameters=unknown)
+    force = replace(found.latent[0], std=np.full(lost.size, np.nan), named=np.full(lost.size, np.nan))
+    silent = replace(found.latent[0], force=np.full(lost.size, np.nan))
+    plan = Experiment("", "multisine", math.nan, none, math.nan, (("a", "b", math.nan),), np.zeros(100), math.nan)
+    return replace(
+        found,
+        effects=(effect,),
+        location=place,
+        model=replace(
+            found.before.with_parameters({k: v for k, v in poor.items() if "." not in k}),
+            amplitude=None,
+            frequency=None,
+        ),
+        before=replace(found.before, amplitude=None),
+        records=(gone, wild, empty),
+        latent=(force, silent),
+        experiment=plan,
+        remainder="",
+    )
+
+
+@pytest.fixture(scope="session")
+def hand_made() -> SimpleNamespace:
+    """What makes diagnoses by hand, and one of each verdict."""
+    verdicts = {"missing-physics": missing, "consistent": consistent, "unexplained": unexplained}
+    return SimpleNamespace(
+        record=record, given=given, latent=latent, missing=missing, nothing_known=nothing_known, verdicts=verdicts
+    )

@@ -1,0 +1,54 @@
+"""The diagnosis in words: what it must hold, in few lines."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import pytest
+from dashpot.report.diagnosis_text import describe
+
+SAID = {"missing-physics": "◆ Missing physics.", "consistent": "✓ Consistent.", "unexplained": "▲ Unexplained."}
+
+
+@pytest.mark.parametrize("verdict", SAID)
+def test_the_text_holds_what_it_must(verdict, hand_made) -> None:
+    found = hand_made.verdicts[verdict]()
+    text = describe(found)
+    assert len(text.splitlines()) <= 40
+    assert max(len(line) for line in text.splitlines()) <= 100
+    assert text.startswith(SAID[verdict])
+    for r in found.records:
+        assert re.search(rf"{r.file} .*0\.021.*0\.0204", text) or verdict == "unexplained"
+    assert re.search(r"multisine\.csv .* held out", text)
+    if verdict == "missing-physics":
+        assert "coefficient  0.50000 ± 0.00050 1/m" in text
+        assert "Not told from cubic-damping; it would take a record at three times the amplitude." in text
+        assert "viscous  5 → 4.5000 ± 0.0045 1/s  (by 111 standard errors, 11 %)" in text
+        assert "dry " not in text
+        assert "A gap of one sample was closed." in text
+    if verdict != "consistent":
+        assert "Too little damping above 4 mm." in text
+        assert "Play a sweep from 8 to 16 Hz at 2.5 N." in text
+    if verdict == "unexplained":
+        assert "Remains: Ten times the noise is left in multisine.csv." in text
+
+
+def test_the_text_stays_short_however_much_there_is_to_say(hand_made) -> None:
+    found = hand_made.missing()
+    words = "something of great length that goes on and on " * 20
+    effect = replace(found.effects[0], separated_by=words)
+    records = tuple(replace(found.records[i % 3], file=f"{i}-{'x' * 80}.csv") for i in range(30))
+    found = replace(
+        found,
+        sentence=words,
+        effects=(effect,) * 6,
+        location=replace(found.location, statement=words),
+        records=records,
+        experiment=replace(found.experiment, sentence=words),
+        remainder=words,
+        notes=tuple(f"{i} {words}" for i in range(9)),
+    )
+    lines = describe(found).splitlines()
+    assert len(lines) <= 55
+    assert max(len(line) for line in lines) <= 100
