@@ -30,7 +30,9 @@ _SMALL = 1e-2
 #: An onset or a speed this many times beyond where the law is looked for has left the recordings.
 _FENCE = 10.0
 #: The search simulates with longer steps than the model that is delivered: its error stays far below any noise.
-_COARSER = 1.6
+_COARSER = 3.0
+#: ... and with a force that is interpolated to 1e-5 up to the resonance and to 1e-4 at twice that.
+_FORCE_BAND = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +91,7 @@ def data_of(recordings: Sequence[Recording], model: Oscillator, lines: Sequence[
     Raises:
         BadInput: where nothing in them can be fitted.
     """
-    segments = cut(recordings, model.omega0.value)
+    segments = cut(recordings, model.omega0.value, _FORCE_BAND)
     if model.mass is None:
         segments = tuple(segment for segment in segments if segment.force is None)
     if not segments:

@@ -201,8 +201,12 @@ class Regression:
             normal, right, power, count = normal + a.T @ a, right + a.T @ b, power + float(b @ b), count + b.size
         matrix, vector = np.asarray(normal), np.asarray(right)
         used = np.diag(matrix) > 0
-        size = np.sqrt(np.where(used, np.diag(matrix), 1.0))
-        solved = np.linalg.lstsq(matrix / np.outer(size, size), vector / size, rcond=1e-10)[0] / size
+        solved = _least_squares(matrix, vector, used)
+        # what comes out beyond its bound, beside the law's first strength, stays at it: a contact without damping
+        for place, p in zip(range(self._base + 1, self._base + len(strengths)), strengths[1:], strict=False):
+            if law.force is not None and not p.lower <= solved[place] <= p.upper:
+                used[place] = False
+                solved = _least_squares(matrix, vector, used)
         misfit = (power - float(vector @ solved)) / count
         if not np.isfinite(misfit) or solved[2] <= 0 or (self.forced and not -solved[0] > 0):
             return None
@@ -229,6 +233,15 @@ def _probes(law: Law, scales: Scales) -> list[dict[str, float]]:
     from .screen import probes
 
     return [dict(probe.items()) for probe in probes(law, scales)]
+
+
+def _least_squares(matrix: np.ndarray, vector: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Solution of the normal equations in the columns that are used; zero in the others."""
+    solved = np.zeros(vector.size)
+    size = np.sqrt(np.diag(matrix)[used])
+    normal = matrix[np.ix_(used, used)] / np.outer(size, size)
+    solved[used] = np.linalg.lstsq(normal, vector[used] / size, rcond=1e-10)[0] / size
+    return solved
 
 
 @cache

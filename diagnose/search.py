@@ -16,6 +16,7 @@ from ..errors import DashpotError
 from ..model import Oscillator
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
+from ..simulate.core import internal_step
 from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, shapes_of, with_term, without_term
 from .lines import residual_lines
 from .regression import Guess, Regression
@@ -39,6 +40,8 @@ _NEAR = 0.1
 #: ... and, once one law has reached the noise, within this part of its gain.
 _HALFWAY = 0.4
 _FEW_STEPS = 3
+#: A law whose simulation takes this many times as many steps is given fewer of the search's.
+_SLOW = 4.0
 #: A law that gains less than this is compared with a family that has been searched for again.
 _CLOSE_CALL = 200.0
 #: Laws that each of the two screens sends to be fitted.
@@ -156,7 +159,7 @@ class Search:
 
     def best_of_family(self, model: Oscillator) -> Fitted:
         """The parameters of a model's own structure that suit the training recordings best."""
-        fitted = Structure(model, self.data).fit(settle=True, most=40)
+        fitted = Structure(model, self.data).fit(settle=True, most=15)
         return self._polish(fitted, ())
 
     def judge(self, model: Oscillator) -> Fitted:
@@ -171,7 +174,11 @@ class Search:
         self.progress("fitting the laws that promise most", 0.3)
         early: list[tuple[float, str, Fitted]] = []
         for i, (effect, models) in enumerate(starts.items()):
-            found = [f for m, initial in models if (f := self._fit(m, initial, _FEW_STEPS)) is not None]
+            if self._slowness(models[0][0], fitted.model) > _SLOW:  # the better start alone, and fewer steps
+                models, steps = models[:1], _FEW_STEPS - 1
+            else:
+                steps = _FEW_STEPS
+            found = [f for m, initial in models if (f := self._fit(m, initial, steps)) is not None]
             if found:
                 best = max(found, key=lambda f: f.likelihood)
                 early.append((best.likelihood, effect, best))
@@ -276,6 +283,14 @@ class Search:
                 starts.setdefault(name, []).append((gain, model, fitted.initial))
         ordered = sorted(starts, key=lambda name: -max(start[0] for start in starts[name]))
         return {name: [(model, initial) for _, model, initial in starts[name]] for name in ordered[:_CANDIDATES]}
+
+    def _slowness(self, model: Oscillator, base: Oscillator) -> float:
+        """How many times as many internal steps a model takes."""
+        length = self.data.scales.length
+        try:
+            return internal_step(base, base.values(), length) / internal_step(model, model.values(), length)
+        except DashpotError:
+            return np.inf
 
     def _cost(self, law: Law) -> float:
         """What the parameters of a law must gain to pay for themselves, those of its shape left aside."""

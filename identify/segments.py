@@ -67,7 +67,7 @@ class Segment:
         )
 
 
-def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
+def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORCE_BAND) -> tuple[Segment, ...]:
     """Segments of all recordings.
 
     A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
@@ -77,6 +77,7 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
     Args:
         recordings: with or without force.
         omega0: natural frequency, rad/s, to judge lengths and the force's interpolation.
+        force_band: the force is interpolated finely enough up to this multiple of the natural frequency.
     """
     found: list[Segment] = []
     for index, recording in enumerate(recordings):
@@ -87,7 +88,7 @@ def cut(recordings: Sequence[Recording], omega0: float) -> tuple[Segment, ...]:
         if force is not None and np.any(force):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-        highest = FORCE_BAND * omega0 / (2 * np.pi)
+        highest = force_band * omega0 / (2 * np.pi)
         for start, stop, forced in sorted(ends):
             if stop - start < shortest:
                 continue

@@ -38,11 +38,11 @@ LAW = Law(
             "Q/X",
             "contact stiffness",
             lower=0.0,
-            probes=(100.0,),
+            probes=(30.0,),
             size=lambda s: (s.mass or 1.0) * s.omega**2,
         ),
         LawParameter(
-            "damping", "Q.s/X", "contact damping", lower=0.0, probes=(2.0,), size=lambda s: (s.mass or 1.0) * s.omega
+            "damping", "Q.s/X", "contact damping", lower=0.0, probes=(1.0,), size=lambda s: (s.mass or 1.0) * s.omega
         ),
         LawParameter("guide", "1/s", "damping of the actuator's own guide per its mass", probes=(0.0,), shape=True),
     ),

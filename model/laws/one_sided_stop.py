@@ -23,7 +23,7 @@ LAW = Law(
             "where the contact begins; negative: on the negative side",
             probes=(-0.85, -0.65, -0.45, -0.25, 0.25, 0.45, 0.65, 0.85),
         ),
-        LawParameter("damping", "1/s", "contact damping per unit mass", lower=0.0, probes=(0.0,), shape=True),
+        LawParameter("damping", "1/s", "contact damping per unit mass", strength=True, lower=0.0),
     ),
     force=_contact,
     equation="({stiffness} (x - {position}) + {damping} x' beyond {position})",

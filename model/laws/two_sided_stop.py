@@ -16,7 +16,7 @@ LAW = Law(
     parameters=(
         LawParameter("stiffness", "1/s2", "contact stiffness per unit mass", strength=True, lower=0.0),
         LawParameter("position", "X", "where the contact begins", lower=0.0, probes=(0.25, 0.45, 0.65, 0.85)),
-        LawParameter("damping", "1/s", "contact damping per unit mass", lower=0.0, probes=(0.0,), shape=True),
+        LawParameter("damping", "1/s", "contact damping per unit mass", strength=True, lower=0.0),
         LawParameter("offset", "X", "middle between the stops", probes=(0.0,), shape=True),
     ),
     force=_contact,

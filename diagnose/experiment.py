@@ -1,0 +1,318 @@
+"""The next recording to make: the one in which the models that survived differ most, in units of the noise.
+
+Two models differ in a recording by what is left of the difference of their responses when either may re-tune all its
+parameters and initial states to imitate the other (T-optimal design: Atkinson and Fedorov 1975, linearised). With one
+model left the recording is chosen that shrinks its parameters' errors most (D-optimal).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import DashpotError
+from ..identify.likelihood import equivalent_resonance
+from ..identify.noise_spectrum import NoiseSpectrum
+from ..identify.output_error import OutputError, State
+from ..identify.segments import FORCE_BAND, Segment
+from ..model import Oscillator
+from ..simulate.core import core_of, internal_step
+from ..simulate.force import smooth_force
+from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
+from .fitting import Data, parameter_bounds, parameter_sizes
+from .result import Experiment
+from .wording import quantity, spoken
+
+#: Models that are compared: the first, and its closest rivals.
+_MODELS = 4
+#: Samples a cycle in the simulations.
+_DENSITY = 60.0
+_SMALL = 1e-2
+#: A difference of so many standard deviations of the noise tells two models apart.
+_TELLS = 5.0
+#: Going beyond what was recorded has to pay: as if the difference were smaller by this factor.
+_DARING = 0.7
+#: A parameter whose error exceeds this part of it is poorly known.
+_POOR = 0.1
+_FINALISTS = 3
+_STEPS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class _Played:
+    """One model under all excitations: responses (n,), and whitened these and their derivatives (k, n).
+
+    None where the simulation fails.
+    """
+
+    problem: OutputError
+    state: State
+    raw: tuple[np.ndarray, ...]
+    noise: tuple[NoiseSpectrum | None, ...]
+    responses: tuple[np.ndarray | None, ...]
+    derivatives: tuple[np.ndarray | None, ...]
+    peaks: tuple[float, ...]
+
+    def imitates(self, other: _Played, i: int) -> float:
+        """How far this model stays from another's response when all its parameters are fitted to it, times the noise."""
+        noise = other.noise[i]
+        if noise is None or self.responses[i] is None:
+            return 0.0
+        segment = replace(self.problem.segments[i], response=other.raw[i])
+        p = self.problem
+        alone = OutputError(p.core, (segment,), p.free, p.scale, p.state_scale, p.max_step, p.bounds)
+        start = State(self.state.values, self.state.initial[i : i + 1])
+        return float(np.sqrt(2.0 * alone.search(start, (noise,), tolerance=0.5, most=_STEPS).cost))
+
+
+def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Limits | None = None) -> Experiment:
+    """Choose the next recording.
+
+    Args:
+        models: names and models with their values, the best first, then its rivals.
+        data: what was recorded: noise, levels and band.
+        limits: what may be asked of the rig; what was recorded where None. Up to 1.5 times as much is considered.
+    """
+    names = list(models)[:_MODELS]
+    if not names:
+        return _nothing("no model is left to choose an experiment for")
+    first = models[names[0]]
+    natural = first.omega0.value / (2 * np.pi)
+    limits = limits or limits_of(data, first)
+    plans = candidates(limits, natural)
+    fs = max(recording.fs for recording in data.recordings)
+    rate = min(fs, _DENSITY * natural)
+    played: dict[str, _Played] = {}
+    for name in names:
+        try:
+            played[name] = _play(models[name], first, plans, data, rate, fs)
+        except (DashpotError, np.linalg.LinAlgError):
+            continue
+    if names[0] not in played:
+        return _nothing(f"{names[0]} does not simulate beyond the recordings, so no experiment can be planned with it")
+    safe = [i for i in range(len(plans)) if _safe(i, played, limits)]
+    rivals = [name for name in names[1:] if name in played]
+    if rivals:
+        return _separating(names[0], rivals, played, plans, safe, first, fs)
+    return _sharpening(names[0], first, played[names[0]], plans, safe, fs)
+
+
+def _play(
+    model: Oscillator, reference: Oscillator, plans: Sequence[Excitation], data: Data, rate: float, fs: float
+) -> _Played:
+    """Simulate one model under all excitations; noise as the reference passes it on, the same for all models."""
+    core = core_of(model)
+    scales = data.scales
+    segments, initial = [], np.zeros((len(plans), core.states))
+    for i, plan in enumerate(plans):
+        samples = plan.signal(rate)
+        natural = model.omega0.value / (2 * np.pi)
+        force = None if plan.kind == "decay" else smooth_force(samples, 1 / rate, FORCE_BAND * natural)
+        zero = np.zeros(samples.size)
+        segments.append(Segment(0, 0, samples.size, zero, force, 1 / rate, 0.0, rests=force is not None))
+        if force is None:
+            initial[i, 0] = plan.level
+    inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]
+    sizes = np.array([_SMALL * scales.length, _SMALL * scales.length * scales.omega, *inner])
+    values = np.array(list(model.values().values()))
+    step = internal_step(model, model.values(), BEYOND * scales.length) * 1.6
+    parameters = range(values.size)
+    problem = OutputError(
+        core, segments, tuple(parameters), parameter_sizes(model, scales), sizes, step, parameter_bounds(model, scales)
+    )
+    state = State(values, initial)
+    residuals = problem.residuals(state)
+    derivatives = problem.derivatives(state, [np.where(np.isfinite(r), r, 0.0) for r in residuals])
+    noises, responses, slopes, peaks = [], [], [], []
+    for i, segment in enumerate(segments):
+        fine = np.all(np.isfinite(residuals[i]))
+        noise = _noise(segment, -residuals[i], reference, data, rate / fs) if fine else None
+        noises.append(noise)
+        responses.append(None if noise is None else noise.whiten(-residuals[i]))
+        slopes.append(None if noise is None else noise.whiten(derivatives[i]))
+        order = ("displacement", "velocity", "acceleration").index(model.response.quantity)
+        peaks.append(float(np.max(np.abs(residuals[i]))) / scales.omega**order if fine else np.inf)
+    raw = tuple(-residual for residual in residuals)
+    return _Played(problem, state, raw, tuple(noises), tuple(responses), tuple(slopes), tuple(peaks))
+
+
+def _noise(segment: Segment, response: np.ndarray, model: Oscillator, data: Data, thinned: float) -> NoiseSpectrum:
+    """Sensor noise, and force noise through the resonance; fewer samples than recorded count for as much."""
+    sensor = float(np.median(data.sensor)) ** 2 * thinned
+    if sensor <= 0.0:
+        sensor = (1e-4 * data.scales.response) ** 2
+    density = np.full(segment.n // 2 + 1, sensor)
+    if segment.force is not None and model.mass is not None and np.any(response):
+        force = max(data.force) ** 2 * thinned
+        heard = replace(segment, response=response)
+        density = density + force / model.mass.value**2 * equivalent_resonance(
+            heard, model.values(), model.response.quantity
+        )
+    return NoiseSpectrum(density, segment.n)
+
+
+def _safe(i: int, played: Mapping[str, _Played], limits: Limits) -> bool:
+    """Whether no model expects the rig to move farther than it may."""
+    return all(one.peaks[i] <= 1.05 * BEYOND * limits.displacement for one in played.values())
+
+
+def _apart(one: _Played, other: _Played, i: int) -> float:
+    """By how many times the noise two models differ, the more easily imitated direction counting."""
+    a, b = one.responses[i], other.responses[i]
+    if a is None or b is None:
+        return 0.0
+    found = []
+    for rival in (one, other):
+        slopes = rival.derivatives[i]
+        found.append(float(np.linalg.norm(_off(a - b, slopes))))
+    return min(found)
+
+
+def _off(difference: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
+    """What of the difference the slopes cannot imitate."""
+    if slopes is None:
+        return difference
+    size = np.linalg.norm(slopes, axis=1)
+    rows = slopes[size > 0] / size[size > 0, None]
+    if not rows.size:
+        return difference
+    basis, _ = np.linalg.qr(rows.T)
+    return difference - basis @ (basis.T @ difference)
+
+
+def _separating(
+    name: str,
+    rivals: Sequence[str],
+    played: Mapping[str, _Played],
+    plans: Sequence[Excitation],
+    safe: Sequence[int],
+    model: Oscillator,
+    fs: float,
+) -> Experiment:
+    """The experiment that tells the first model from the rival nearest to it.
+
+    A few are chosen by linearised imitation; in these the rivals are fitted to the first model's response.
+    """
+
+    def worth(i: int, differ: Mapping[str, float]) -> float:
+        return min(differ.values()) * (_DARING if plans[i].relative > 1.0 else 1.0)
+
+    linear = {i: {rival: _apart(played[name], played[rival], i) for rival in rivals} for i in safe}
+    leading = sorted(safe, key=lambda i: -worth(i, linear[i]))[:_FINALISTS]
+    fitted = {i: {r: min(linear[i][r], played[r].imitates(played[name], i)) for r in rivals} for i in leading}
+    if not fitted:
+        return _nothing("every excitation that would tell the models apart moves the rig farther than it may go")
+    best = max(fitted, key=lambda i: worth(i, fitted[i]))
+    names = [name, *rivals]
+    pairs = [(a, b) for j, a in enumerate(names) for b in names[j + 1 :]]
+    separates = tuple((a, b, fitted[best][b] if a == name else _apart(played[a], played[b], best)) for a, b in pairs)
+    told = [(b, z) for a, b, z in separates if a == name]
+    clear = [b for b, z in told if z >= _TELLS]
+    not_told = [b for b, z in told if z < _TELLS]
+    if not clear:
+        largest = max(z for _, z in told)
+        return Experiment(
+            sentence=f"No recording within {BEYOND:g} times the present levels tells {name} from "
+            f"{spoken(rivals)} (at most {largest:.2g} times the noise, either re-tuned): measure the part itself, or with less noise.",
+            kind="none",
+            level=0.0,
+            band_hz=(0.0, 0.0),
+            seconds=0.0,
+            separates=separates,
+            signal=None,
+            fs=fs,
+        )
+    least = min(z for b, z in told if b in clear)
+    why = f"{name} then differs from {spoken(clear)} by {least:.2g} times the noise or more, however it is re-tuned"
+    if not_told:
+        why += f"; it does not tell {name} from {spoken(not_told)}"
+    return _experiment(plans[best], model, why, separates, fs)
+
+
+def _sharpening(
+    name: str,
+    model: Oscillator,
+    played: _Played,
+    plans: Sequence[Excitation],
+    safe: Sequence[int],
+    fs: float,
+) -> Experiment:
+    """With one model left: the experiment that shrinks the errors of its parameters most."""
+    parameters = model.parameters()
+    count = len(parameters)
+    size = np.array([abs(p.value) if p.value else 1.0 for p in parameters.values()])
+    std = np.array([p.std if p.std else np.inf for p in parameters.values()])
+    prior = np.diag(np.where(np.isfinite(std), (size / np.maximum(std, 1e-300)) ** 2, 1e-12))
+    best, most, after = -1, -np.inf, std / size
+    for i in safe:
+        slopes = played.derivatives[i]
+        if slopes is None:
+            continue
+        rows = np.stack([_off(row, slopes[count:]) for row in slopes[:count]]) * size[:, None]
+        information = prior + rows @ rows.T
+        gain = float(np.linalg.slogdet(information)[1]) * (1.0 if plans[i].relative <= 1.0 else _DARING)
+        if gain > most:
+            best, most = i, gain
+            after = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information, hermitian=True)), 0.0))
+    if best < 0:
+        return _nothing("every excitation that is worth a recording moves the rig farther than it may go")
+    before = std / size
+    if not np.any(np.isfinite(before)):
+        why = f"{name} explains everything so far; this would test it hardest"
+        return _experiment(plans[best], model, why, (), fs)
+    poor = [k for k in range(count) if np.isfinite(before[k]) and before[k] > _POOR and after[k] < 0.7 * before[k]]
+    if poor:
+        k = max(poor, key=lambda k: before[k] / after[k])
+        named = list(parameters)[k]
+        why = f"it brings the error of {named} from {100 * before[k]:.2g} to about {100 * after[k]:.2g} %"
+    else:
+        k = int(np.argmax(np.where(np.isfinite(before), before / np.maximum(after, 1e-300), 0.0)))
+        named = list(parameters)[k]
+        why = f"{name} explains everything so far; this tests it where it was not and sharpens {named} most"
+    return _experiment(plans[best], model, why, (), fs)
+
+
+def _experiment(
+    plan: Excitation,
+    model: Oscillator,
+    why: str,
+    separates: tuple[tuple[str, str, float], ...],
+    fs: float,
+) -> Experiment:
+    decay = plan.kind == "decay"
+    unit = model.response.displacement_unit if decay else model.force_unit
+    level = quantity(plan.level, unit)
+    times = f"{plan.relative:.2g} times the largest so far"
+    low, high = plan.band_hz
+    what = {
+        "sweep": f"Sweep from {low:.3g} to {high:.3g} Hz with {level} peak ({times})",
+        "multisine": f"Play a multisine of random phases from {low:.3g} to {high:.3g} Hz with {level} peak ({times})",
+        "sine": f"Drive at {low:.3g} Hz with {level} peak ({times}) and stop at half time to let it ring down",
+        "decay": f"Release it at {level} ({times}) and let it ring down",
+    }[plan.kind]
+    length = f"over {plan.seconds:.3g} s" if plan.kind == "sweep" else f"for {plan.seconds:.3g} s"
+    return Experiment(
+        sentence=f"{what}, {length}: {why}.",
+        kind=plan.kind,
+        level=plan.level,
+        band_hz=(min(low, high), max(low, high)),
+        seconds=plan.seconds,
+        separates=separates,
+        signal=None if decay else plan.signal(fs),
+        fs=fs,
+    )
+
+
+def _nothing(sentence: str) -> Experiment:
+    return Experiment(
+        sentence=sentence[0].upper() + sentence[1:] + ".",
+        kind="none",
+        level=0.0,
+        band_hz=(0.0, 0.0),
+        seconds=0.0,
+        separates=(),
+        signal=None,
+        fs=0.0,
+    )
