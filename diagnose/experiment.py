@@ -8,20 +8,14 @@ model left the recording is chosen that shrinks its parameters' errors most (D-o
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import DashpotError
-from ..identify.likelihood import equivalent_resonance
-from ..identify.noise_spectrum import NoiseSpectrum
-from ..identify.output_error import OutputError, State
-from ..identify.segments import FORCE_BAND, Segment
 from ..model import Oscillator
-from ..simulate.core import core_of, internal_step
-from ..simulate.force import smooth_force
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
-from .fitting import Data, parameter_bounds, parameter_sizes
+from .fitting import Data
+from .rehearsal import Played, apart, off, rehearse
 from .result import Experiment
 from .wording import quantity, spoken
 
@@ -29,7 +23,6 @@ from .wording import quantity, spoken
 _MODELS = 4
 #: Samples a cycle in the simulations.
 _DENSITY = 60.0
-_SMALL = 1e-2
 #: A difference of so many standard deviations of the noise tells two models apart.
 _TELLS = 5.0
 #: Going beyond what was recorded has to pay: as if the difference were smaller by this factor.
@@ -37,34 +30,6 @@ _DARING = 0.7
 #: A parameter whose error exceeds this part of it is poorly known.
 _POOR = 0.1
 _FINALISTS = 3
-_STEPS = 8
-
-
-@dataclass(frozen=True, eq=False)
-class _Played:
-    """One model under all excitations: responses (n,), and whitened these and their derivatives (k, n).
-
-    None where the simulation fails.
-    """
-
-    problem: OutputError
-    state: State
-    raw: tuple[np.ndarray, ...]
-    noise: tuple[NoiseSpectrum | None, ...]
-    responses: tuple[np.ndarray | None, ...]
-    derivatives: tuple[np.ndarray | None, ...]
-    peaks: tuple[float, ...]
-
-    def imitates(self, other: _Played, i: int) -> float:
-        """How far this model stays from another's response when all its parameters are fitted to it, times the noise."""
-        noise = other.noise[i]
-        if noise is None or self.responses[i] is None:
-            return 0.0
-        segment = replace(self.problem.segments[i], response=other.raw[i])
-        p = self.problem
-        alone = OutputError(p.core, (segment,), p.free, p.scale, p.state_scale, p.max_step, p.bounds)
-        start = State(self.state.values, self.state.initial[i : i + 1])
-        return float(np.sqrt(2.0 * alone.search(start, (noise,), tolerance=0.5, most=_STEPS).cost))
 
 
 def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Limits | None = None) -> Experiment:
@@ -84,10 +49,10 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
     plans = candidates(limits, natural)
     fs = max(recording.fs for recording in data.recordings)
     rate = min(fs, _DENSITY * natural)
-    played: dict[str, _Played] = {}
+    played: dict[str, Played] = {}
     for name in names:
         try:
-            played[name] = _play(models[name], first, plans, data, rate, fs)
+            played[name] = rehearse(models[name], first, plans, data, rate, fs)
         except (DashpotError, np.linalg.LinAlgError):
             continue
     if names[0] not in played:
@@ -99,93 +64,15 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
     return _sharpening(names[0], first, played[names[0]], plans, safe, fs)
 
 
-def _play(
-    model: Oscillator, reference: Oscillator, plans: Sequence[Excitation], data: Data, rate: float, fs: float
-) -> _Played:
-    """Simulate one model under all excitations; noise as the reference passes it on, the same for all models."""
-    core = core_of(model)
-    scales = data.scales
-    segments, initial = [], np.zeros((len(plans), core.states))
-    for i, plan in enumerate(plans):
-        samples = plan.signal(rate)
-        natural = model.omega0.value / (2 * np.pi)
-        force = None if plan.kind == "decay" else smooth_force(samples, 1 / rate, FORCE_BAND * natural)
-        zero = np.zeros(samples.size)
-        segments.append(Segment(0, 0, samples.size, zero, force, 1 / rate, 0.0, rests=force is not None))
-        if force is None:
-            initial[i, 0] = plan.level
-    inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]
-    sizes = np.array([_SMALL * scales.length, _SMALL * scales.length * scales.omega, *inner])
-    values = np.array(list(model.values().values()))
-    step = internal_step(model, model.values(), BEYOND * scales.length) * 1.6
-    parameters = range(values.size)
-    problem = OutputError(
-        core, segments, tuple(parameters), parameter_sizes(model, scales), sizes, step, parameter_bounds(model, scales)
-    )
-    state = State(values, initial)
-    residuals = problem.residuals(state)
-    derivatives = problem.derivatives(state, [np.where(np.isfinite(r), r, 0.0) for r in residuals])
-    noises, responses, slopes, peaks = [], [], [], []
-    for i, segment in enumerate(segments):
-        fine = np.all(np.isfinite(residuals[i]))
-        noise = _noise(segment, -residuals[i], reference, data, rate / fs) if fine else None
-        noises.append(noise)
-        responses.append(None if noise is None else noise.whiten(-residuals[i]))
-        slopes.append(None if noise is None else noise.whiten(derivatives[i]))
-        order = ("displacement", "velocity", "acceleration").index(model.response.quantity)
-        peaks.append(float(np.max(np.abs(residuals[i]))) / scales.omega**order if fine else np.inf)
-    raw = tuple(-residual for residual in residuals)
-    return _Played(problem, state, raw, tuple(noises), tuple(responses), tuple(slopes), tuple(peaks))
-
-
-def _noise(segment: Segment, response: np.ndarray, model: Oscillator, data: Data, thinned: float) -> NoiseSpectrum:
-    """Sensor noise, and force noise through the resonance; fewer samples than recorded count for as much."""
-    sensor = float(np.median(data.sensor)) ** 2 * thinned
-    if sensor <= 0.0:
-        sensor = (1e-4 * data.scales.response) ** 2
-    density = np.full(segment.n // 2 + 1, sensor)
-    if segment.force is not None and model.mass is not None and np.any(response):
-        force = max(data.force) ** 2 * thinned
-        heard = replace(segment, response=response)
-        density = density + force / model.mass.value**2 * equivalent_resonance(
-            heard, model.values(), model.response.quantity
-        )
-    return NoiseSpectrum(density, segment.n)
-
-
-def _safe(i: int, played: Mapping[str, _Played], limits: Limits) -> bool:
+def _safe(i: int, played: Mapping[str, Played], limits: Limits) -> bool:
     """Whether no model expects the rig to move farther than it may."""
     return all(one.peaks[i] <= 1.05 * BEYOND * limits.displacement for one in played.values())
-
-
-def _apart(one: _Played, other: _Played, i: int) -> float:
-    """By how many times the noise two models differ, the more easily imitated direction counting."""
-    a, b = one.responses[i], other.responses[i]
-    if a is None or b is None:
-        return 0.0
-    found = []
-    for rival in (one, other):
-        slopes = rival.derivatives[i]
-        found.append(float(np.linalg.norm(_off(a - b, slopes))))
-    return min(found)
-
-
-def _off(difference: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
-    """What of the difference the slopes cannot imitate."""
-    if slopes is None:
-        return difference
-    size = np.linalg.norm(slopes, axis=1)
-    rows = slopes[size > 0] / size[size > 0, None]
-    if not rows.size:
-        return difference
-    basis, _ = np.linalg.qr(rows.T)
-    return difference - basis @ (basis.T @ difference)
 
 
 def _separating(
     name: str,
     rivals: Sequence[str],
-    played: Mapping[str, _Played],
+    played: Mapping[str, Played],
     plans: Sequence[Excitation],
     safe: Sequence[int],
     model: Oscillator,
@@ -199,7 +86,7 @@ def _separating(
     def worth(i: int, differ: Mapping[str, float]) -> float:
         return min(differ.values()) * (_DARING if plans[i].relative > 1.0 else 1.0)
 
-    linear = {i: {rival: _apart(played[name], played[rival], i) for rival in rivals} for i in safe}
+    linear = {i: {rival: apart(played[name], played[rival], i) for rival in rivals} for i in safe}
     leading = sorted(safe, key=lambda i: -worth(i, linear[i]))[:_FINALISTS]
     fitted = {i: {r: min(linear[i][r], played[r].imitates(played[name], i)) for r in rivals} for i in leading}
     if not fitted:
@@ -207,15 +94,18 @@ def _separating(
     best = max(fitted, key=lambda i: worth(i, fitted[i]))
     names = [name, *rivals]
     pairs = [(a, b) for j, a in enumerate(names) for b in names[j + 1 :]]
-    separates = tuple((a, b, fitted[best][b] if a == name else _apart(played[a], played[b], best)) for a, b in pairs)
+    separates = tuple((a, b, fitted[best][b] if a == name else apart(played[a], played[b], best)) for a, b in pairs)
     told = [(b, z) for a, b, z in separates if a == name]
     clear = [b for b, z in told if z >= _TELLS]
     not_told = [b for b, z in told if z < _TELLS]
     if not clear:
         largest = max(z for _, z in told)
+        sentence = (
+            f"No recording within {BEYOND:g} times the present levels tells {name} from {spoken(rivals)} (at most "
+            f"{largest:.2g} times the noise, either re-tuned): measure the part itself, or with less noise."
+        )
         return Experiment(
-            sentence=f"No recording within {BEYOND:g} times the present levels tells {name} from "
-            f"{spoken(rivals)} (at most {largest:.2g} times the noise, either re-tuned): measure the part itself, or with less noise.",
+            sentence=sentence,
             kind="none",
             level=0.0,
             band_hz=(0.0, 0.0),
@@ -234,7 +124,7 @@ def _separating(
 def _sharpening(
     name: str,
     model: Oscillator,
-    played: _Played,
+    played: Played,
     plans: Sequence[Excitation],
     safe: Sequence[int],
     fs: float,
@@ -250,7 +140,7 @@ def _sharpening(
         slopes = played.derivatives[i]
         if slopes is None:
             continue
-        rows = np.stack([_off(row, slopes[count:]) for row in slopes[:count]]) * size[:, None]
+        rows = np.stack([off(row, slopes[count:]) for row in slopes[:count]]) * size[:, None]
         information = prior + rows @ rows.T
         gain = float(np.linalg.slogdet(information)[1]) * (1.0 if plans[i].relative <= 1.0 else _DARING)
         if gain > most:
@@ -284,7 +174,7 @@ def _experiment(
     decay = plan.kind == "decay"
     unit = model.response.displacement_unit if decay else model.force_unit
     level = quantity(plan.level, unit)
-    times = f"{plan.relative:.2g} times the largest so far"
+    times = "as much as ever so far" if plan.relative == 1.0 else f"{plan.relative:.2g} times the largest so far"
     low, high = plan.band_hz
     what = {
         "sweep": f"Sweep from {low:.3g} to {high:.3g} Hz with {level} peak ({times})",
