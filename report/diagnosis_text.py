@@ -108,11 +108,10 @@ def _bent(diagnosis: Diagnosis) -> list[str]:
     width = max((len(one.name) for one in found), default=0)
     lines = []
     for one in found[:_BENT]:
-        share = "" if one.percent is None else f", {number(one.percent, 2)} %"
-        times = number(one.errors or 0.0, 3)
+        share = f", {one.percent_text}" if one.percent_text else ""
         lines.append(
             f"  {one.name:<{width}}  {number(one.before.value, 4)} → {_value(one.after)}  "
-            f"(by {times} standard errors{share})"
+            f"(by {one.errors_text} standard errors{share})"
         )
     return [*lines, *([f"  and {len(found) - _BENT} more"] if len(found) > _BENT else [])]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,6 +22,10 @@ if TYPE_CHECKING:
 
 #: A parameter counts as bent from here on, in standard errors.
 BENT = 3.0
+#: Laws that were not run, so many for one and the same reason, stand together in one sentence.
+_ALIKE = 4
+#: A percentage beyond this says only that the parameter is near zero.
+_FAR = 999.0
 
 
 def effects_section(diagnosis: Diagnosis) -> Section:
@@ -56,7 +61,7 @@ def effect_blocks(effect: Effect) -> list[Block]:
         rows.append(("Cannot be told from", ", ".join(effect.indistinguishable_from)))
         rows.append(("What would tell", full_stop(effect.separated_by) if effect.separated_by else "Not known."))
     else:
-        rows.append(("Cannot be told from", "Nothing else in the library: these recordings single it out."))
+        rows.append(("Cannot be told from", "No other law of the library does as well on these recordings."))
         if effect.separated_by:
             rows.append(("To be surer still", full_stop(effect.separated_by)))
     words = {p.name: p.description for p in law.parameters} if law else {}
@@ -82,8 +87,13 @@ def considered_section(diagnosis: Diagnosis) -> Section:
     title = "What was considered, and why not"
     if not diagnosis.considered:
         return Section(title, (Text("No other law was tried."),))
+    ranked = by_rank(diagnosis)
+    same = Counter(one.why_not for one in ranked if _unknown(one.holdout_nrmse))
+    alike = [why for why, count in same.items() if count >= _ALIKE]
     rows = tuple(
-        (one.effect, _known(one.holdout_nrmse), _bic(one.delta_bic), one.why_not) for one in by_rank(diagnosis)
+        (one.effect, _known(one.holdout_nrmse), _bic(one.delta_bic), one.why_not)
+        for one in ranked
+        if not (one.why_not in alike and _unknown(one.holdout_nrmse))
     )
     held = [r for r in diagnosis.records if r.holdout]
     which = "model that was taken" if diagnosis.effects else "given model"
@@ -92,7 +102,13 @@ def considered_section(diagnosis: Diagnosis) -> Section:
         "Sorted by what each leaves of the held-out recordings (NRMSE). ΔBIC: Bayesian information criterion less that "
         f"of the model without the effect; the more negative, the more the training recordings ask for it.{took}"
     )
-    return Section(title, (Table(("Effect", "Held-out NRMSE", "ΔBIC", "Why not"), rows, (1, 2), caption),))
+    blocks: list[Block] = []
+    if rows:
+        blocks.append(Table(("Effect", "Held-out NRMSE", "ΔBIC", "Why not"), rows, (1, 2), caption))
+    for why in alike:
+        names = ", ".join(one.effect for one in ranked if one.why_not == why and _unknown(one.holdout_nrmse))
+        blocks.append(Text(f"{names}.", lead=f"Not run, as {why}:"))
+    return Section(title, tuple(blocks))
 
 
 def by_rank(diagnosis: Diagnosis) -> list[Considered]:
@@ -107,8 +123,12 @@ def by_rank(diagnosis: Diagnosis) -> list[Considered]:
     return sorted(diagnosis.considered, key=rank)
 
 
+def _unknown(value: float | None) -> bool:
+    return value is None or not math.isfinite(value)
+
+
 def _known(value: float | None) -> str | Cell:
-    return number(value) if value is not None and math.isfinite(value) else Cell("not run", "quiet")
+    return Cell("not run", "quiet") if value is None or not math.isfinite(value) else number(value)
 
 
 def _bic(value: float) -> str:
@@ -138,6 +158,20 @@ class Shift:
     def bent(self) -> bool:
         """Whether the shift is beyond what the standard error allows."""
         return self.errors is not None and abs(self.errors) > BENT
+
+    @property
+    def errors_text(self) -> str:
+        """The shift in standard errors with its sign; empty where it is not known."""
+        if self.errors is None:
+            return ""
+        return typeset(f"{self.errors:+.1f}" if abs(self.errors) < 99.95 else f"{self.errors:+.0f}")
+
+    @property
+    def percent_text(self) -> str:
+        """The shift in percent with its sign; empty where it is not known or says nothing."""
+        if self.percent is None or abs(self.percent) > _FAR:
+            return ""
+        return typeset(f"{self.percent:+.2g} %" if abs(self.percent) < 99.5 else f"{self.percent:+.0f} %")
 
 
 def shifts(diagnosis: Diagnosis) -> tuple[Shift, ...]:
@@ -173,9 +207,7 @@ def shift_section(diagnosis: Diagnosis) -> Section:
                 value,
                 error or Cell("–", "quiet"),
                 errors_cell(one),
-                Cell(typeset(f"{one.percent:+.2g} %") if abs(one.percent) < 99.5 else typeset(f"{one.percent:+.0f} %"))
-                if one.percent is not None
-                else "",
+                one.percent_text,
                 pretty_unit(one.after.unit),
                 words.get(one.name, ""),
             )
@@ -192,8 +224,7 @@ def errors_cell(one: Shift) -> Cell:
     """The shift in standard errors, coloured where it is beyond what they allow."""
     if one.errors is None:
         return Cell("–", "quiet")
-    text = f"{one.errors:+.1f}" if abs(one.errors) < 100 else f"{one.errors:+.0f}"
-    return Cell(typeset(text), "bad" if one.bent else "")
+    return Cell(one.errors_text, "bad" if one.bent else "")
 
 
 def _digits(text: str) -> int:
@@ -207,4 +238,4 @@ def _bent_sentence(found: Sequence[Shift]) -> str:
         return f"No parameter had been bent by more than {BENT:g} standard errors."
     first = bent[0]
     more = f", {', '.join(one.name for one in bent[1:])} as well" if len(bent) > 1 else ""
-    return f"{first.name} had been bent most, by {number(abs(first.errors or 0.0))} standard errors{more}."
+    return f"{first.name} had been bent most, by {first.errors_text[1:]} standard errors{more}."

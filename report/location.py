@@ -29,6 +29,8 @@ PATHS = {
     "environment": "from outside, or changing with time",
 }
 _MOST_HARMONICS = 12
+#: Shares from here on are written above their bars.
+_LABELLED = 0.005
 
 
 @dataclass(frozen=True)
@@ -47,7 +49,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
     place = diagnosis.location
     if place is None:
         return Section(title, (Text("Nowhere beyond the noise of these recordings."),))
-    blocks: list[Block] = [Text(full_stop(place.statement) or "No statement was made.", "note")]
+    blocks: list[Block] = [Text(full_stop(place.statement) or "not stated.", "note", "Where:")]
     ranges = _ranges(diagnosis, place)
     shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}
     if ranges or shares:
@@ -120,7 +122,12 @@ def location_figure(ranges: list[_Range], shares: dict[int, float], key: str = "
             axes = parts[-1].subplots()
             orders = list(shares)[:_MOST_HARMONICS]
             bars = axes.bar([str(o) for o in orders], [100 * shares[o] for o in orders], color=BEFORE, width=0.6)
-            axes.bar_label(bars, [percent_text(100 * shares[o]) for o in orders], padding=2, fontsize=9)
+            axes.bar_label(
+                bars,
+                [percent_text(100 * shares[o]) if shares[o] >= _LABELLED else "" for o in orders],
+                padding=2,
+                fontsize=9,
+            )
             axes.grid(visible=False, axis="x")
             axes.set_xlabel("Harmonic of the motion [order]")
             axes.set_ylabel("Share of the mismatch [%]")

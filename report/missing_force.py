@@ -21,12 +21,15 @@ _FEWEST = 5
 _CYCLES = 10.0
 _POINTS = 600
 _PICTURES = 3
+#: Standard errors that a force must exceed somewhere to be worth a picture.
+_SURE = 3.0
 
 
 def force_section(diagnosis: Diagnosis) -> Section:
     """A picture for each recording that shows the missing force best."""
     title = "The missing force"
-    shown = [one for one in diagnosis.latent if one.force.size > 1 and np.any(np.isfinite(one.force))][:_PICTURES]
+    usable = [one for one in diagnosis.latent if one.force.size > 1 and np.any(np.isfinite(one.force))]
+    shown = [one for one in usable if _rises(one)][:_PICTURES] or usable[:1]
     if not shown:
         why = "nothing is missing" if diagnosis.verdict == "consistent" else "it was not reconstructed"
         return Section(title, (Text(f"There is no missing force to show: {why}."),))
@@ -46,7 +49,17 @@ def force_section(diagnosis: Diagnosis) -> Section:
             f"(light) and the smoother's standard error (dark); below, a stretch of it over time (thick grey).{named}"
         )
         blocks.append(picture(lambda one=one, i=i: force_figure(one, unit, f"missing-{i + 1}"), caption))
+    quiet = [one.file for one in usable if not _rises(one)]
+    if quiet and len(quiet) < len(usable):
+        blocks.append(Text(f"In {', '.join(quiet)} it does not rise above its uncertainty."))
     return Section(title, tuple(blocks))
+
+
+def _rises(latent: LatentForce) -> bool:
+    """Whether the force is anywhere beyond what its standard error explains; also where that is not known."""
+    force, std = np.asarray(latent.force, float), np.asarray(latent.std, float)
+    known = np.isfinite(force) & (std > 0)
+    return not known.any() or bool(np.max(np.abs(force[known]) / std[known]) > _SURE)
 
 
 def force_figure(latent: LatentForce, unit: str, key: str = "missing") -> str:

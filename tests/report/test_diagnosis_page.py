@@ -6,6 +6,7 @@ import re
 from dataclasses import replace
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 from dashpot.diagnose.result import Considered
 from dashpot.model.laws import LIBRARY
@@ -13,8 +14,9 @@ from dashpot.model.oscillator import Provenance, Term
 from dashpot.report.blocks import page
 from dashpot.report.diagnosis_page import diagnosis_page
 from dashpot.report.diagnosis_text import describe
-from dashpot.report.effects import by_rank, effects_section, shifts
+from dashpot.report.effects import by_rank, considered_section, effects_section, shifts
 from dashpot.report.mended_curves import curves_section
+from dashpot.report.missing_force import force_section
 
 NASTY = "\"; // <script>alert(1)</script> $x^{2 & 'ü' \x00\ud800\x1b[31m {{ 7*7 }} @import url(http://x)"
 
@@ -154,6 +156,26 @@ def test_bent_parameters_are_counted_in_standard_errors(hand_made, whole_text) -
     assert "viscous had been bent most, by 111 standard errors" in text
     assert "5.0000 4.5000" not in text  # as many digits as the error carries
     assert re.search(r"viscous 5 4\.5000 0\.0045 \+111 \+11 %", text)
+
+
+def test_laws_that_were_not_run_for_one_reason_stand_together(hand_made) -> None:
+    many = tuple(Considered(name, None, 0.0, "nothing asks for it") for name in ("one", "two", "three", "four"))
+    found = replace(hand_made.missing(), considered=(*many, Considered("five", 0.2, -3.0, "nothing asks for it")))
+    text = stands_alone(page("Considered", [considered_section(found)])).text
+    assert "Not run, as nothing asks for it: one, two, three, four." in text
+    assert "five 0.2 −3.0 nothing asks for it" in text
+
+
+def test_a_force_within_its_uncertainty_has_no_picture(hand_made) -> None:
+    found = hand_made.missing()
+    loud = found.latent[0]
+    quiet = replace(loud, file="quiet.csv", std=np.full(loud.force.size, 1e3))
+    text = stands_alone(page("Force", [force_section(replace(found, latent=(quiet, loud)))])).text
+    assert "In quiet.csv it does not rise above its uncertainty." in text
+    assert "sweep.csv: missing force per unit mass" in text
+    assert "quiet.csv: missing force" not in text
+    alone = stands_alone(page("Force", [force_section(replace(found, latent=(quiet,)))])).text
+    assert "quiet.csv: missing force per unit mass" in alone
 
 
 @pytest.mark.parametrize("law", LIBRARY)

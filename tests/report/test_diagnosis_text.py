@@ -24,7 +24,7 @@ def test_the_text_holds_what_it_must(verdict, hand_made) -> None:
     if verdict == "missing-physics":
         assert "coefficient  0.50000 ± 0.00050 1/m" in text
         assert "Not told from cubic-damping; it would take a record at three times the amplitude." in text
-        assert "viscous  5 → 4.5000 ± 0.0045 1/s  (by 111 standard errors, 11 %)" in text
+        assert "viscous  5 → 4.5000 ± 0.0045 1/s  (by +111 standard errors, +11 %)" in text
         assert "dry " not in text
         assert "A gap of one sample was closed." in text
     if verdict != "consistent":
