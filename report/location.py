@@ -49,7 +49,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
     place = diagnosis.location
     if place is None:
         return Section(title, (Text("Nowhere beyond the noise of these recordings."),))
-    blocks: list[Block] = [Text(full_stop(place.statement) or "not stated.", "note", "Where:")]
+    blocks: list[Block] = [Text(full_stop(place.statement) or "not stated.", "note", "It fails:")]
     ranges = _ranges(diagnosis, place)
     shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}
     if ranges or shares:

@@ -35,7 +35,8 @@ def experiment_section(diagnosis: Diagnosis) -> Section:
         blocks.append(Table(("What to play", ""), facts))
     if plan.signal is not None and plan.signal.size > 8 and math.isfinite(plan.fs) and plan.fs > 0:
         unit = _force_unit(model)
-        caption = "The force to play, over time and as a spectrum (band shaded)."
+        band = " (band shaded)" if plan.band_hz[1] > plan.band_hz[0] else ""
+        caption = f"The force to play, over time and as a spectrum{band}."
         blocks.append(picture(lambda: experiment_figure(plan, unit), caption))
     pairs = sorted(plan.separates, key=lambda pair: -pair[2] if math.isfinite(pair[2]) else math.inf)
     if pairs:
