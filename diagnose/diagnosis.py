@@ -12,6 +12,7 @@ import numpy as np
 
 from .. import __version__
 from ..errors import BadInput
+from ..identify.decays import find_decays
 from ..identify.excitation import band_of
 from ..identify.identification import belong_together
 from ..identify.output_error import pseudo_inverse
@@ -85,7 +86,7 @@ def diagnose(
     _same_quantity(model, [*recordings, *holdout])
     if not holdout:
         recordings, holdout = _split(recordings)
-        notes.append("no recording was held out, so the last third of each is: judge with a recording of another level")
+        notes.append("no recording was held out, so the end of each is: judge with a recording of another level")
     progress("best of the given family", 0.0)
     data = data_of(recordings, model)
     search = Search(data, data, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
@@ -162,6 +163,9 @@ def _split(recordings: Sequence[Recording]) -> tuple[list[Recording], list[Recor
     training, ends = [], []
     for recording in recordings:
         at = int(_TRAINING_PART * recording.n)
+        if recording.force is None or not np.any(recording.force):
+            for decay in find_decays(recording)[:1]:  # its quiet half is a recording of another level
+                at = (decay.start + decay.stop) // 2
         training.append(replace(recording.slice(0, at), name=recording.name))
         ends.append(replace(recording.slice(at, recording.n), name=f"{recording.name}, its end"))
     return training, ends
@@ -257,8 +261,8 @@ def _stranger(found: _Found, search: Search, left: Sequence[Leftover], training:
         words.append(f"{there.mass.value:.4g} {there.mass.unit} instead of {here.mass.value:.4g} {here.mass.unit}")
     names = ", ".join(recording.name for recording in search.holdout.recordings)
     return (
-        f"the held-out recordings ({names}) agree with a model of their own ({', '.join(words)}) and not with the one of "
-        "the training recordings: they are of another rig, or the rig was changed between; no effect is named"
+        f"the held-out recordings ({names}) agree with a model of their own ({', '.join(words)}) and not with the one "
+        "of the training recordings: they are of another rig, or the rig was changed between; no effect is named"
     )
 
 
@@ -329,8 +333,8 @@ def _sentence(verdict: Verdict, effects: Sequence[Effect], remainder: str | None
     if held:
         worst = max(held, key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300))
         figures = (
-            f"; with it the held-out error falls from {100 * worst.nrmse_before:.3g} to {100 * worst.nrmse_after:.3g} % "
-            f"in {worst.file} (noise {100 * worst.noise_floor:.3g} %)"
+            f"; with it the held-out error falls from {100 * worst.nrmse_before:.3g} to {100 * worst.nrmse_after:.3g} "
+            f"% in {worst.file} (noise {100 * worst.noise_floor:.3g} %)"
         )
     if verdict == "unexplained":
         return (

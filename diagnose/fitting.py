@@ -158,7 +158,7 @@ def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:
 
 
 def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
-    """(2, parameters) lowest and highest values: a law's own, and for its onsets and speeds ten times beyond its probes."""
+    """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes."""
     known = {"mass": (1e-300, np.inf), "omega0": (1e-300, np.inf)}
     for term in model.terms:
         for p in term.law.parameters:
@@ -242,6 +242,8 @@ class Structure:
         state = self.state(initial)
         if settle or initial is None:
             state = self.problem.settle(state)
+        if not all(np.all(np.isfinite(residual)) for residual in self.problem.residuals(state)):
+            raise BadInput("the model does not simulate with its start values; check the units of force and response")
         outcome = self.problem.search(state, noise, tolerance=tolerance, most=most)
         model = with_values(self.model, outcome.state.values)
         return Fitted(

@@ -28,6 +28,8 @@ def locate(fitted: Fitted, data: Data) -> Location:
         data: what it was fitted to.
     """
     model = fitted.model
+    if not np.all(np.isfinite(list(model.values().values()))):
+        return _everywhere(data, model, "the place cannot be told: the model has values that are no numbers")
     try:
         stretches, evidence = equation_error(model, data)
     except (DashpotError, np.linalg.LinAlgError) as problem:
@@ -46,7 +48,7 @@ def locate(fitted: Fitted, data: Data) -> Location:
 
 def _everywhere(data: Data, model: Oscillator, statement: str) -> Location:
     """The widest ranges, with an honest sentence."""
-    length, speed = data.scales.length, data.scales.length * model.omega0.value
+    length, speed = data.scales.length, data.scales.length * data.scales.omega
     nyquist = max(0.5 * r.fs for r in data.recordings)
     return Location(
         path="unknown",

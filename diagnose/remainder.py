@@ -68,7 +68,8 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
         power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
         motion = segment.response[: count * size] - residual[: count * size]
         moved = np.std(motion.reshape(count, size), axis=1)
-        correlation, chance = spearmanr(power, moved)
+        ranked = spearmanr(power, moved)
+        correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
         significant = correlation > 0 and chance < _CHANCE
         loudest = int(np.argmax(power))
         burst = power[loudest] > _BURST * float(np.median(power))
@@ -76,7 +77,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
             Leftover(
                 name,
                 ratio,
-                float(correlation) if significant else 0.0,
+                correlation if significant else 0.0,
                 segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
             )
         )

@@ -164,10 +164,10 @@ class Screen:
             return None
         residuals, jacobians = self.weighed.residuals, self.weighed.jacobians
         columns = [np.stack([direction[i] for direction in weighed]) for i in range(len(residuals))]
-        gradient = sum(j @ r for j, r in zip(jacobians, residuals, strict=True))
-        cross = sum(j @ c.T for j, c in zip(jacobians, columns, strict=True))
-        own = sum(c @ c.T for c in columns)
-        right = sum(c @ r for c, r in zip(columns, residuals, strict=True))
+        gradient = np.sum([j @ r for j, r in zip(jacobians, residuals, strict=True)], axis=0)
+        cross = np.sum([j @ c.T for j, c in zip(jacobians, columns, strict=True)], axis=0)
+        own = np.sum([c @ c.T for c in columns], axis=0)
+        right = np.sum([c @ r for c, r in zip(columns, residuals, strict=True)], axis=0)
         schur = own - cross.T @ self.inverse @ cross
         free = right - cross.T @ self.inverse @ gradient
         strength = pseudo_inverse(schur) @ free

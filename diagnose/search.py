@@ -23,7 +23,7 @@ from .regression import Guess, Regression
 from .remainder import expected
 from .screen import Screen
 
-#: A law is fitted where it promises at least this gain of log-likelihood; three parameters gain 6 once in 130 by chance.
+#: A law is fitted where it promises this gain of log-likelihood; three parameters gain 6 by chance once in 130.
 WORTH_A_FIT = 6.0
 #: ... and accepted where, its parameters paid for, it gains at least this much on the training recordings
 ACCEPT_TRAIN = 5.0
@@ -222,7 +222,7 @@ class Search:
         return other if other.likelihood > fitted.likelihood + 0.5 else None
 
     def reconsidered(self, chain: list[Trial], rounds: Sequence[Round]) -> tuple[list[Trial], Fitted]:
-        """With a further effect in, whether the earlier ones are still needed, or a rival does better in their place."""
+        """With a further effect in, the earlier ones that are still needed, and the model with these."""
         current = chain[-1].fitted
         kept = list(chain)
         for trial in chain[:-1]:
