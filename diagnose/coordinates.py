@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from .equation_error import Stretch
-from .explanations import Rows, hats, nodes_of, solve
+from .explanations import Rows
 
 #: A range is reported where the excess is beyond this many of its standard errors ...
 SIGNIFICANT = 3.0
@@ -22,79 +20,6 @@ _LINE = 25.0
 #: In the other recordings the same frequency is asked for, not any.
 _SAME_LINE = 8.0
 _LONG_CYCLES = 80.0
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """The missing force as a function of one coordinate, less what the family's own terms can tell of it.
-
-    Attributes:
-        at: (m,) values of the coordinate.
-        force: (m,) per unit mass.
-        std: (m,) from block to block.
-    """
-
-    at: np.ndarray
-    force: np.ndarray
-    std: np.ndarray
-
-    @property
-    def notable(self) -> np.ndarray:
-        """(m,) where the force stands out of its errors and is not small beside its largest."""
-        clear = np.abs(self.force) > SIGNIFICANT * self.std
-        largest = np.max(np.abs(self.force), initial=0.0, where=clear)
-        return clear & (np.abs(self.force) > 3 * _NOTABLE * largest)
-
-
-def curve_of(rows: Rows, values: np.ndarray, own: tuple[int, ...]) -> Curve:
-    """The missing force over a coordinate.
-
-    The family's terms in that coordinate can be added at will, since a fit bends them. Those are taken that leave the
-    force small at most places (least absolute deviations), so that a force with an onset stays where it acts.
-
-    Args:
-        rows: the regression.
-        values: (n,) coordinate.
-        own: columns of ``rows.base`` that are functions of it.
-    """
-    nodes = nodes_of(values, _BINS)
-    free = hats(values, nodes)
-    count = free.sum(axis=0)
-    other = [i for i in range(rows.base.shape[1]) if i not in own]
-    columns = np.hstack([rows.base[:, other], free * rows.weight[:, None]])
-    size = np.linalg.norm(columns, axis=0)
-    columns = columns / np.where(size > 0, size, 1.0)
-    solution = solve(columns, rows.target)
-    left = rows.target - columns @ solution
-    scores = np.zeros((int(rows.block.max()) + 1, columns.shape[1]))
-    np.add.at(scores, rows.block, columns * left[:, None])
-    bread = np.linalg.pinv(columns.T @ columns, rcond=1e-8)
-    spread = np.sqrt(np.maximum(np.diag(bread @ (scores.T @ scores) @ bread), 0.0))
-    scale = np.where(size > 0, size, 1.0)[len(other) :]
-    force, std = solution[len(other) :] / scale, spread[len(other) :] / scale
-    kept = (count > 20) & (std > 0)
-    if np.count_nonzero(kept) < 8:
-        return Curve(nodes[kept], np.zeros(np.count_nonzero(kept)), np.ones(np.count_nonzero(kept)))
-    shapes = []
-    for i in own:
-        plain = rows.base[:, i] / rows.weight
-        shapes.append(np.linalg.lstsq(free[:, kept], plain, rcond=None)[0])
-    at, force, std = nodes[kept], force[kept], std[kept]
-    return Curve(at, force - _least_absolute(np.array(shapes).T, force, std), std)
-
-
-def _least_absolute(shapes: np.ndarray, force: np.ndarray, std: np.ndarray) -> np.ndarray:
-    """(m,) combination of the shapes that leaves the smallest sum of absolute deviations, reweighted least squares."""
-    floor = max(float(np.median(std)), 1e-300)
-    size = np.maximum(np.linalg.norm(shapes, axis=0), 1e-300)
-    weight = 1.0 / np.maximum(std, 0.2 * floor)
-    fitted = np.zeros_like(force)
-    for _ in range(60):
-        root = np.sqrt(weight)
-        part = np.linalg.lstsq(shapes / size * root[:, None], force * root, rcond=1e-8)[0]
-        fitted = shapes / size @ part
-        weight = 1.0 / np.maximum(std, 0.2 * floor) / np.maximum(np.abs(force - fitted) / np.maximum(std, floor), 1.0)
-    return fitted
 
 
 def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) -> tuple[float, float] | None:

@@ -38,11 +38,12 @@ def locate(fitted: Fitted, data: Data) -> Location:
         return _everywhere(
             data, model, "the place cannot be told: the recordings move too little or for too few cycles"
         )
+    off = how_far_off(fitted, data)
     if evidence < _EVIDENCE:
-        return _everywhere(data, model, "nothing stands out of the noise in any recording")
+        return _everywhere(data, model, f"no missing force stands out of the noise in any recording{off}")
     found = symptoms(stretches)
     if not found.here:
-        return _everywhere(data, model, "too little stands out of the noise in any one recording to tell where")
+        return _everywhere(data, model, f"too little stands out of the noise in any one recording to tell where{off}")
     return _location(found, data, fitted)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..model import Oscillator
 from ..model.units import compose
-from .coordinates import Curve, curve_of, where_it_is
+from .coordinates import where_it_is
 from .explanations import KINDS, Rows, explained, idle, solve
 from .fitting import Data, Fitted
 from .symptoms import LOCKED, Symptoms, with_kind
@@ -60,28 +60,14 @@ def _over_displacement(rows: Rows, unit: str, full: tuple[float, float]) -> tupl
             "sets in there",
             (low, high),
         )
-    curve = curve_of(rows, x, (0, 1, 2))
-    even, odd = _gain(rows, x**2, x**4), _gain(rows, x**5, np.abs(x) * x)
-    lopsided = even > odd
+    lopsided = _gain(rows, x**2, x**4) > _gain(rows, x**5, np.abs(x) * x)
     growing = _slope(rows, x**2 if lopsided else x**5)
-    where = _span(curve, unit)
+    where = "at every displacement, more the larger it is"
     if lopsided:
         stiffer = "positive" if growing > 0 else "negative"
-        return f"{where}, a spring force that is not alike on both sides (stiffer on the {stiffer} one)", full
+        return f"{where}: a spring force that is not alike on both sides (stiffer on the {stiffer} one)", full
     bend = "stiffens" if growing > 0 else "gives way"
-    return f"{where}, alike on both sides, whatever the speed: a spring that {bend} otherwise than its cubic term", full
-
-
-def _span(curve: Curve, unit: str) -> str:
-    notable = curve.at[curve.notable]
-    if not notable.size:
-        return "at every displacement"
-    inner = float(np.min(np.abs(notable)))
-    return (
-        "at every displacement"
-        if inner < 0.3 * float(np.max(np.abs(curve.at)))
-        else (f"at displacements beyond {quantity(inner, unit)}")
-    )
+    return f"{where}, alike on both sides: a spring that {bend} otherwise than its cubic term", full
 
 
 def _over_velocity(rows: Rows, found: Symptoms, unit: str) -> str:
@@ -112,8 +98,12 @@ def _over_velocity(rows: Rows, found: Symptoms, unit: str) -> str:
         more = "more" if _slope(rows, np.sign(v) * np.exp(-np.abs(v) / speed)) > 0 else "less"
         low = quantity(2 * speed, compose("X/s", unit))
         return f"at every displacement, {more} friction at speeds below about {low} than above"
-    word = "faster" if _slope(rows, v * np.abs(v)) > 0 else "less"
-    return f"at every displacement, a resistance that grows {word} with speed than viscous damping"
+    if _slope(rows, v * np.abs(v)) > 0:
+        return (
+            "at every displacement, a resistance that grows faster with speed than dry and viscous friction (a drag, or "
+            "friction that falls with speed first)"
+        )
+    return "at every displacement, a resistance that grows less with speed than dry and viscous friction"
 
 
 def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) -> str:
@@ -142,7 +132,7 @@ def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) ->
             f"as time passes: the stiffness {word} by about {100 * abs(change):.2g} % in {longest:.3g} s of a recording"
         )
     if found.kind == "force":
-        return "where a force acts, and following it rather than the motion: between the recorded force and the mass"
+        return f"where a force acts, and following it rather than the motion: {_over_force(rows)}"
     if found.kind == "sensor":
         return (
             "at large displacements, as a sensor that is not straight would show it: in the record, not in the motion"
@@ -162,6 +152,17 @@ def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) ->
         f"at amplitudes from {quantity(low, unit)} to {quantity(high, unit)}, most in order {strongest} of the motion, "
         "following neither displacement, velocity, force nor time alone"
     )
+
+
+def _over_force(rows: Rows) -> str:
+    """What happens between the recorded force and the mass, as far as its shape tells."""
+    force, rate = rows.joined(lambda s: s.drive), rows.joined(lambda s: s.drive_rate)
+    turning = np.clip(rate / max(0.1 * float(np.std(rate)), 1e-300), -1.0, 1.0)
+    bend = np.abs(force) * force
+    if _gain(rows, turning) > max(_gain(rows, bend), _gain(rows, force**3)):
+        return "it holds back when the force turns (play or friction between the recorded force and the mass)"
+    word = "less" if _slope(rows, bend) > 0 else "more"
+    return f"of large forces {word} arrives than in proportion"
 
 
 def in_which_recordings(found: Symptoms, names: list[str]) -> str:

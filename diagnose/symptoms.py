@@ -15,8 +15,21 @@ from .explanations import KINDS, Rows, explained, idle, rows_of, shares, solve
 _ORDER = ("constant", "delay", "time", "displacement", "velocity", "damping by position", "sensor", "force")
 _GENERAL = ("displacement and velocity", "memory")
 _PLAINER = 0.9
+#: Kinds that hold another one within them, or lie within it.
+_RELATED = {
+    "constant": ("displacement", "velocity", "force", "displacement and velocity"),
+    "delay": ("force",),
+    "force": ("delay", "constant"),
+    "displacement": ("constant", "displacement and velocity"),
+    "velocity": ("constant", "displacement and velocity"),
+    "damping by position": ("displacement and velocity",),
+    "displacement and velocity": ("constant", "displacement", "velocity", "damping by position"),
+}
 #: A kind that explains less of the excess than this has not found it.
 _TELLING = 0.35
+#: ... unless it explains at least this part, and so many times as much as any kind that has nothing to do with it.
+_FAINT = 0.12
+_AHEAD = 1.4
 #: With less than this share in step with the motion, the motion does not make the force.
 LOCKED = 0.4
 _PATHS = {
@@ -81,7 +94,10 @@ def _kind(explains: dict[str, float]) -> str:
     if explains.get("tone", 0.0) > _TELLING:
         return "tone"
     if best < _TELLING:
-        return "unknown"
+        leader = max(explains, key=lambda one: explains[one])
+        strangers = [share for one, share in explains.items() if one not in (leader, *_RELATED.get(leader, ()))]
+        if best < _FAINT or best < _AHEAD * max(strangers, default=0.0):
+            return "unknown"
     name = next(one for one in (*_ORDER, *_GENERAL) if explains.get(one, -1.0) >= _PLAINER * best)
     if name == "displacement and velocity":
         return max(("displacement", "velocity", "damping by position"), key=lambda one: explains[one])

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.coordinates import _least_absolute
 from dashpot.diagnose.explanations import hats
 from dashpot.diagnose.fitting import Fitted, Structure, data_of
 from dashpot.diagnose.locate import locate
@@ -80,15 +79,6 @@ def test_a_model_that_does_not_move_gives_the_widest_ranges(rig):
     where = locate(Fitted(broken, np.zeros((3, 2)), nothing, -np.inf, (), np.zeros((0, 0))), data)
     assert where.path == "unknown"
     assert where.displacement == (-data.scales.length, data.scales.length)
-
-
-def test_the_familys_terms_leave_a_force_with_an_onset_where_it_acts():
-    at = np.linspace(-1.0, 1.0, 21)
-    stop = np.maximum(at - 0.7, 0.0)
-    shapes = np.column_stack([at, at**3])
-    bent = stop + shapes @ np.array([0.3, -0.4])
-    left = bent - _least_absolute(shapes, bent, np.full(21, 0.01))
-    assert np.max(np.abs(left - stop)) < 0.02
 
 
 def test_hats_interpolate_straight_lines():
