@@ -20,6 +20,8 @@ _LINE = 25.0
 #: In the other recordings the same frequency is asked for, not any.
 _SAME_LINE = 8.0
 _LONG_CYCLES = 80.0
+#: A force from outside has one size; recordings cut and fade it by less than this.
+_STEADY = 0.5
 
 
 def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) -> tuple[float, float] | None:
@@ -112,6 +114,8 @@ def tone(rows: Rows) -> tuple[float, float] | None:
         if not np.any(near) or np.max(level[near]) < _SAME_LINE:
             return None
         amplitudes.append(float(np.max(size[near])))
+    if min(amplitudes) < _STEADY * max(amplitudes):
+        return None  # it grows with the excitation: a second body that rings
     return float(frequency[best]), float(np.median(amplitudes))
 
 

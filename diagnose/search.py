@@ -174,10 +174,11 @@ class Search:
         self.progress("fitting the laws that promise most", 0.3)
         early: list[tuple[float, str, Fitted]] = []
         for i, (effect, models) in enumerate(starts.items()):
-            if self._slowness(models[0][0], fitted.model) > _SLOW:  # the better start alone, and fewer steps
+            steps = _FEW_STEPS
+            if find(effect).rugged:
+                models, steps = models[:1], 2 * _FEW_STEPS
+            elif self._slowness(models[0][0], fitted.model) > _SLOW:  # the better start alone, and fewer steps
                 models, steps = models[:1], _FEW_STEPS - 1
-            else:
-                steps = _FEW_STEPS
             found = [f for m, initial in models if (f := self._fit(m, initial, steps)) is not None]
             if found:
                 best = max(found, key=lambda f: f.likelihood)
@@ -277,7 +278,8 @@ class Search:
             plain = regression.plain()
             guesses = {guess.effect: guess for guess in regression.guesses(laws)}
             by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
-            for name in _leading(by_motion):
+            rugged = [law.name for law in laws if law.rugged and law.name in guesses]
+            for name in dict.fromkeys((*_leading(by_motion), *rugged)):
                 model = self._guessed(fitted.model, find(name), guesses[name])
                 gain = self._worth(model, fitted)
                 starts.setdefault(name, []).append((gain, model, fitted.initial))

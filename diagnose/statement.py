@@ -100,8 +100,8 @@ def _over_velocity(rows: Rows, found: Symptoms, unit: str) -> str:
         return f"at every displacement, {more} friction at speeds below about {low} than above"
     if _slope(rows, v * np.abs(v)) > 0:
         return (
-            "at every displacement, a resistance that grows faster with speed than dry and viscous friction (a drag, or "
-            "friction that falls with speed first)"
+            "at every displacement, a resistance that grows faster with speed than dry and viscous friction (a drag, "
+            "or friction that falls with speed first)"
         )
     return "at every displacement, a resistance that grows less with speed than dry and viscous friction"
 

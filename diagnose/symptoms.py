@@ -13,7 +13,8 @@ from .explanations import KINDS, Rows, explained, idle, rows_of, shares, solve
 
 #: Kinds of coordinates, the plainest first: a less plain one has to explain more than this part beyond the plainer one.
 _ORDER = ("constant", "delay", "time", "displacement", "velocity", "damping by position", "sensor", "force")
-_GENERAL = ("displacement and velocity", "memory")
+#: A memory is so general that it imitates a function of displacement and velocity well, with fewer terms.
+_GENERAL = {"displacement and velocity": 0.8, "memory": 1.0}
 _PLAINER = 0.9
 #: Kinds that hold another one within them, or lie within it.
 _RELATED = {
@@ -91,14 +92,15 @@ def symptoms(stretches: Sequence[Stretch]) -> Symptoms:
 
 def _kind(explains: dict[str, float]) -> str:
     best = max(explains.values())
-    if explains.get("tone", 0.0) > _TELLING:
+    if explains.get("tone", 0.0) > max(_TELLING, _PLAINER * best):
         return "tone"
     if best < _TELLING:
         leader = max(explains, key=lambda one: explains[one])
         strangers = [share for one, share in explains.items() if one not in (leader, *_RELATED.get(leader, ()))]
         if best < _FAINT or best < _AHEAD * max(strangers, default=0.0):
             return "unknown"
-    name = next(one for one in (*_ORDER, *_GENERAL) if explains.get(one, -1.0) >= _PLAINER * best)
+    part = dict.fromkeys(_ORDER, _PLAINER) | _GENERAL
+    name = next(one for one in part if explains.get(one, -1.0) >= part[one] * best)
     if name == "displacement and velocity":
         return max(("displacement", "velocity", "damping by position"), key=lambda one: explains[one])
     return name

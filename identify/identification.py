@@ -87,7 +87,7 @@ def identify(
 
 
 def belong_together(recordings: Sequence[Recording]) -> None:
-    """Raises BadInput where recordings cannot be of one rig, one quantity and one unit of force, or one is there twice."""
+    """Raises BadInput where recordings cannot be of one rig, quantity and unit of force, or one is there twice."""
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
     first = recordings[0]

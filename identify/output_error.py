@@ -352,8 +352,8 @@ def _damped(normal: np.ndarray, damping: float) -> np.ndarray:
 
 def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
     """Inverse of a symmetric information matrix in the scale of its own diagonal; directions without information: 0."""
-    if not matrix.size:
-        return matrix
+    if not matrix.size or not np.all(np.isfinite(matrix)):
+        return np.zeros_like(matrix)
     diagonal = np.diag(matrix)
     size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
     eigenvalues, vectors = np.linalg.eigh(matrix / np.outer(size, size))

@@ -219,6 +219,7 @@ class Law:
     drive: Path | None = None
     record: Path | None = None
     proper: Callable[[Mapping[str, float], float], bool] | None = None
+    rugged: bool = False
 
     def in_words(self, shown: Callable[[str], str]) -> str:
         """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""

@@ -17,19 +17,28 @@ static void dp_call(int (*function)(const double **, double **, int *, double *,
     function(arg, res, 0, 0, 0);
 }
 
-/* n points dt apart; motion: displacement, velocity, time and force at each (n * 4); z0: inner states at the first one;
- * out: the law's values at each (n * DP_VALUES). */
-DP_EXPORT void dp_along(const double *p, const double *z0, long n, double dt, const double *motion, double *out) {
-    double z[DP_INNER + 1], first[DP_INNER + 1], second[DP_INNER + 1], trial[DP_INNER + 1];
+/* n points dt apart; motion: displacement, velocity, time and force at each (n * 4), straight lines between them; z0:
+ * inner states at the first one; parts: steps from point to point; out: the law's values at each (n * DP_VALUES). */
+DP_EXPORT void dp_along(const double *p, const double *z0, long n, double dt, int parts, const double *motion,
+                        double *out) {
+    double z[DP_INNER + 1], first[DP_INNER + 1], second[DP_INNER + 1], trial[DP_INNER + 1], here[4], there[4];
+    const double h = dt / parts;
     long i;
-    int k;
+    int k, part;
     memcpy(z, z0, DP_INNER * sizeof *z);
     for (i = 0; i < n; ++i, motion += 4, out += DP_VALUES) {
         dp_call(dp_value, z, motion, p, out);
         if (DP_INNER == 0 || i + 1 == n) continue;
-        dp_call(dp_rates, z, motion, p, first);
-        for (k = 0; k < DP_INNER; ++k) trial[k] = z[k] + dt * first[k];
-        dp_call(dp_rates, trial, motion + 4, p, second);
-        for (k = 0; k < DP_INNER; ++k) z[k] += 0.5 * dt * (first[k] + second[k]);
+        for (part = 0; part < parts; ++part) {
+            for (k = 0; k < 4; ++k) {
+                const double slope = (motion[4 + k] - motion[k]) / parts;
+                here[k] = motion[k] + part * slope;
+                there[k] = here[k] + slope;
+            }
+            dp_call(dp_rates, z, here, p, first);
+            for (k = 0; k < DP_INNER; ++k) trial[k] = z[k] + h * first[k];
+            dp_call(dp_rates, trial, there, p, second);
+            for (k = 0; k < DP_INNER; ++k) z[k] += 0.5 * h * (first[k] + second[k]);
+        }
     }
 }
