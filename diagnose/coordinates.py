@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from .equation_error import Stretch
@@ -22,6 +24,21 @@ _SAME_LINE = 8.0
 _LONG_CYCLES = 80.0
 #: A force from outside has one size; recordings cut and fade it by less than this.
 _STEADY = 0.5
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line in the spectrum of the missing force.
+
+    Attributes:
+        frequency_hz, amplitude: where it is, and how strong (per unit mass).
+        steady: whether it is as strong in all recordings, as a force from outside is; a second body rings the more
+            the harder it is driven.
+    """
+
+    frequency_hz: float
+    amplitude: float
+    steady: bool
 
 
 def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) -> tuple[float, float] | None:
@@ -96,8 +113,8 @@ def orders(rows: Rows) -> tuple[dict[int, float], tuple[float, float]]:
     return {k: float(excess[k] / total) for k in range(ORDERS)}, (float(parts[0]), float(parts[1]))
 
 
-def tone(rows: Rows) -> tuple[float, float] | None:
-    """Frequency in Hz and amplitude (per unit mass) of a line that all long recordings have in common, or None."""
+def line_in(rows: Rows) -> Line | None:
+    """The line that all long recordings have in common, or None."""
     spectra = [_spectrum(rows, i) for i, s in enumerate(rows.stretches) if _long(s)]
     if not spectra:
         return None
@@ -114,9 +131,8 @@ def tone(rows: Rows) -> tuple[float, float] | None:
         if not np.any(near) or np.max(level[near]) < _SAME_LINE:
             return None
         amplitudes.append(float(np.max(size[near])))
-    if min(amplitudes) < _STEADY * max(amplitudes):
-        return None  # it grows with the excitation: a second body that rings
-    return float(frequency[best]), float(np.median(amplitudes))
+    steady = min(amplitudes) > _STEADY * max(amplitudes)
+    return Line(float(frequency[best]), float(np.median(amplitudes)), steady)
 
 
 def _long(s: Stretch) -> bool:

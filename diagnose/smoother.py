@@ -25,9 +25,12 @@ from ..model import Oscillator
 from ..model.oscillator import QUANTITIES
 from .fitting import Data
 from .own_force import OwnForce, term_force
+from .penalised import PenalisedStates
 
 #: Samples on which strength and memory of the latent force are found.
 _STRETCH = 3000
+#: Recordings with at least twice as many samples a cycle are averaged to about this: no harmonic is lost.
+_DENSE = 64.0
 #: Points a cycle of the spline along the measured motion, which only has to be near it: five harmonics pass.
 _KNOTS = 14.0
 #: Parts of a sample interval at which the model's force is evaluated, so that the instant of a sign change counts.
@@ -71,38 +74,6 @@ class Smoothed:
     memory: float
 
 
-@dataclass(frozen=True, eq=False)
-class _System:
-    """The penalised least-squares problem of one stretch: (n, 3) states, z[k + 1] = phi z[k] + given + w."""
-
-    band: np.ndarray
-    carried: np.ndarray
-    inverse: np.ndarray
-    h: np.ndarray
-    seen: np.ndarray
-    given: np.ndarray
-    force_noise: float
-    prior: float
-
-    def right(self, seen: np.ndarray, given: np.ndarray) -> np.ndarray:
-        """(3 n,) right-hand side of the normal equations."""
-        right = self.h * seen[:, None]
-        right[1:] += np.einsum("kc,kca->ka", given, self.inverse)
-        right[:-1] -= np.einsum("kac,kc->ka", self.carried, given)
-        return right.ravel()
-
-    def noise(self, seed: int) -> np.ndarray:
-        """The same for sensor and force noise alone."""
-        random = np.random.default_rng(seed)
-        kick = self.force_noise * random.standard_normal(self.given.shape[0])
-        given = np.column_stack([kick / 2, kick, np.zeros_like(kick)])
-        return self.right(random.standard_normal(self.seen.size), given)
-
-    def constant(self) -> float:
-        """What the misfit holds whatever the states are."""
-        return float(self.seen @ self.seen) + float(np.einsum("ka,kab,kb->", self.given, self.inverse, self.given))
-
-
 class Smoother:
     """The smoother of one segment.
 
@@ -116,23 +87,23 @@ class Smoother:
         segment = data.segments[index]
         recording = data.recordings[segment.recording]
         self.model = model
-        self.dt, self.n = segment.dt, segment.n
-        self.time = segment.time + np.arange(self.n) * self.dt
+        self.period = 2 * np.pi / model.omega0.value
         self.order = QUANTITIES.index(recording.quantity)
-        self.response = np.asarray(segment.response, float)
-        spread = float(np.std(self.response))
-        self.sensor = max(data.sensor[index], _LEAST_NOISE * spread, np.finfo(float).tiny)
         mass = 1.0 if model.mass is None else model.mass.value
         driven = segment.force is not None and recording.force is not None
-        self.force_noise = data.force[index] / mass if driven else 0.0
-        self.period = 2 * np.pi / model.omega0.value
-        raw = displacement(recording)[segment.start : segment.stop]
-        self._follow(raw)
+        cut = slice(segment.start, segment.stop)
+        thin = max(int(self.period / segment.dt / _DENSE), 1)
+        self.dt, self.n = segment.dt * thin, segment.n // thin
+        self.time = segment.time + 0.5 * (thin - 1) * segment.dt + np.arange(self.n) * self.dt
+        self.response = _thinned(np.asarray(segment.response, float), thin)
+        self.drive = np.zeros(self.n)
+        if driven:
+            self.drive = _thinned(np.asarray(recording.force, float)[cut], thin) / mass
+        self.force_noise = data.force[index] / mass / np.sqrt(thin) if driven else 0.0
+        least = _LEAST_NOISE * float(np.std(self.response))
+        self.sensor = max(data.sensor[index] / np.sqrt(thin), least, np.finfo(float).tiny)
+        self._follow(_thinned(displacement(recording)[cut], thin))
         self.scale = float(np.std(self.x)) * model.omega0.value**2
-        force = np.zeros(self.n)
-        if driven and recording.force is not None:
-            force = np.asarray(recording.force, float)[segment.start : segment.stop] / mass
-        self.drive = force
         self._balance(mass)
         still = resting(self.response, self.sensor, max(int(self.period / self.dt), 2))
         self.moving = ~still
@@ -223,7 +194,7 @@ class Smoother:
             phi = phi + term
         return phi
 
-    def _system(self, strength: float, memory: float, first: int, last: int) -> _System:
+    def _system(self, strength: float, memory: float, first: int, last: int) -> PenalisedStates:
         """States are in units of the displacement that the noise of one sample amounts to, time in samples."""
         dt, n = self.dt, last - first
         unit = self.sensor * (dt**self.order)
@@ -256,7 +227,7 @@ class Smoother:
                 if i >= j:
                     band[i - j, j::3] = diagonal[:, i, j]
                 band[3 + i - j, j : 3 * (n - 1) : 3] = -carried[:, j, i]
-        return _System(
+        return PenalisedStates(
             band,
             carried,
             inverse,
@@ -269,18 +240,7 @@ class Smoother:
 
     def log_likelihood(self, strength: float, memory: float, first: int, last: int) -> float:
         """Logarithm of the likelihood of the samples from ``first`` to ``last``, but for a constant."""
-        from scipy.linalg import cho_solve_banded, cholesky_banded
-
-        system = self._system(strength, memory, first, last)
-        try:
-            factor = cholesky_banded(system.band, lower=True, check_finite=False)
-        except np.linalg.LinAlgError:
-            return -np.inf
-        right = system.right(system.seen, system.given)
-        states = cho_solve_banded((factor, True), right, check_finite=False)
-        misfit = system.constant() - float(right @ states)
-        value = -0.5 * (misfit + 2 * float(np.sum(np.log(factor[0]))) - system.prior)
-        return value if np.isfinite(value) else -np.inf
+        return self._system(strength, memory, first, last).log_likelihood()
 
     def most_likely(self, first: int, last: int) -> tuple[float, float]:
         """Strength and memory of the latent force that make a stretch most likely (Nelder and Mead 1965)."""
@@ -350,3 +310,8 @@ class Smoother:
             strength=strength,
             memory=memory,
         )
+
+
+def _thinned(signal: np.ndarray, factor: int) -> np.ndarray:
+    """(n // factor,) means of ``factor`` samples each."""
+    return signal[: signal.size // factor * factor].reshape(-1, factor).mean(axis=1) if factor > 1 else signal

@@ -25,10 +25,15 @@ Ranges = dict[str, tuple[float, float]]
 def what_it_follows(found: Symptoms, model: Oscillator, ranges: Ranges) -> tuple[str, Ranges]:
     """The first half of the sentence, and the ranges that it narrows."""
     rows, unit = found.rows, model.response.displacement_unit
-    if found.kind == "tone" and found.line is not None:
-        pull = quantity(found.line[1], compose("X/s2", unit))
-        what = f"at {found.line[0]:.4g} Hz, whatever the motion: a force of {pull} per unit mass that was not recorded"
-        return what, {"frequency_hz": (found.line[0], found.line[0])}
+    if found.kind in ("tone", "ringing") and found.line is not None:
+        line = found.line
+        pull = quantity(line.amplitude, compose("X/s2", unit))
+        what = f"at {line.frequency_hz:.4g} Hz, "
+        if line.steady:
+            what += f"whatever the motion: a force of {pull} per unit mass that was not recorded"
+        else:
+            what += f"more where the rig moves more, about {pull} per unit mass: a second body that rings"
+        return what, {"frequency_hz": (line.frequency_hz, line.frequency_hz)}
     if found.kind == "displacement":
         what, acts = _over_displacement(rows, unit, ranges["displacement"])
         return what, {"displacement": acts}

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .coordinates import orders, tone, where_it_is
+from .coordinates import Line, line_in, orders, where_it_is
 from .equation_error import Stretch
 from .explanations import KINDS, Rows, explained, idle, rows_of, shares, solve
 
@@ -38,6 +38,7 @@ _PATHS = {
     "delay": "excitation",
     "time": "environment",
     "tone": "environment",
+    "ringing": "inertia",
     "displacement": "restoring",
     "velocity": "dissipation",
     "damping by position": "dissipation",
@@ -56,7 +57,7 @@ class Symptoms:
         kind: the coordinate that it follows, or ``unknown``.
         shares: for each kind the share of the excess that it explains.
         here: names of the recordings in which it is beyond the noise.
-        line: frequency in Hz and amplitude of a tone in it.
+        line: a line in its spectrum.
         orders: share of each harmonic order of the motion.
         first: parts of the first order in phase with displacement and with velocity.
     """
@@ -65,7 +66,7 @@ class Symptoms:
     kind: str
     shares: dict[str, float]
     here: tuple[str, ...]
-    line: tuple[float, float] | None
+    line: Line | None
     orders: dict[int, float]
     first: tuple[float, float]
 
@@ -79,9 +80,9 @@ def symptoms(stretches: Sequence[Stretch]) -> Symptoms:
     """What the missing force of some stretches follows."""
     rows = rows_of(stretches)
     explains = shares(rows)
-    line = tone(rows)
+    line = line_in(rows)
     if line is not None:
-        explains["tone"] = _tone_share(rows, line[0])
+        explains["tone" if line.steady else "ringing"] = _line_share(rows, line.frequency_hz)
     here = [s.name for s, beyond in zip(stretches, where_it_is(rows), strict=True) if beyond]
     by_order, first = orders(rows)
     kind = _kind(explains)
@@ -92,8 +93,9 @@ def symptoms(stretches: Sequence[Stretch]) -> Symptoms:
 
 def _kind(explains: dict[str, float]) -> str:
     best = max(explains.values())
-    if explains.get("tone", 0.0) > max(_TELLING, _PLAINER * best):
-        return "tone"
+    for name in ("tone", "ringing"):
+        if explains.get(name, 0.0) > max(_TELLING, _PLAINER * best):
+            return name
     if best < _TELLING:
         leader = max(explains, key=lambda one: explains[one])
         strangers = [share for one, share in explains.items() if one not in (leader, *_RELATED.get(leader, ()))]
@@ -106,7 +108,7 @@ def _kind(explains: dict[str, float]) -> str:
     return name
 
 
-def _tone_share(rows: Rows, frequency: float) -> float:
+def _line_share(rows: Rows, frequency: float) -> float:
     columns = np.zeros((rows.target.size, 2 * len(rows.stretches)))
     edges = np.cumsum([0, *(s.n for s in rows.stretches)])
     for i, s in enumerate(rows.stretches):
