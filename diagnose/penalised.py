@@ -9,7 +9,7 @@ import numpy as np
 
 @dataclass(frozen=True, eq=False)
 class PenalisedStates:
-    """The problem of one stretch: states z (n, 3), z[k + 1] = phi[k] z[k] + given[k] + w[k], seen[k] = h[k] z[k] + e[k].
+    """The problem of one stretch, states z: z[k + 1] = phi[k] z[k] + given[k] + w[k], seen[k] = h[k] z[k] + e[k].
 
     Attributes:
         band: (6, 3 n) lower bands of the precision matrix of all states.
