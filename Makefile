@@ -1,14 +1,14 @@
 # Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check benchmark setup clean distclean
+.PHONY: help demo test check proof benchmark setup clean distclean
 
 # Folders that another workspace put on Python's path must not reach into .venv.
 unexport PYTHONPATH PYTHONHOME
 # The type checker is the version installed in .venv; it need not look for a newer one.
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
-# Further arguments for pytest, for example: make test ARGS="-k backbone"
+# Further arguments for pytest or the proof, for example: make test ARGS="-k backbone"
 ARGS ?=
 
 help: ## list these commands
@@ -31,6 +31,10 @@ check: ## set up, then check style, types and structure
 	.venv/bin/pytest tests/test_structure.py || status=1; \
 	exit $$status
 
+proof: ## set up, then the blind proof of the diagnosis (an hour or two; ARGS="--short 8" for a taste); results in proof/
+	@sh .ci/setup dev
+	@.venv/bin/python -P -m dashpot.examples.concealed.proof -o proof $(ARGS)
+
 benchmark: ## set up, then print accuracy and speed
 	@sh .ci/setup dev
 	@.venv/bin/python benchmarks/run.py
@@ -39,7 +43,7 @@ setup: ## set up .venv for development, nothing else
 	@sh .ci/setup dev
 
 clean: ## remove what the commands made, but for .venv
-	@rm -rf build dist demo dashpot.egg-info .pytest_cache .ruff_cache
+	@rm -rf build dist demo proof dashpot.egg-info .pytest_cache .ruff_cache
 	@find . -name .venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean ## remove .venv as well

@@ -147,7 +147,7 @@ class Regression:
             return None
         guess = min(found, key=lambda one: one.misfit)
         moving = [p for p in law.parameters if not p.strength and not p.shape]
-        for factor in (1.35, 1.15):
+        for factor in (1.35, 1.15) if len(moving) < 3 else (1.35,):
             for _ in range(_REFINEMENTS):
                 before = guess
                 for p in moving:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..errors import DashpotError
+from ..identify.noise_spectrum import NoiseSpectrum
 from ..model import Oscillator
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
@@ -50,6 +51,8 @@ _LEADING = 7
 _CANDIDATES = 9
 #: A family that leaves this many times the noise is too far off for its derivatives to tell all.
 _FAR = 1.2
+#: Above this many times the noise something may be left for the shape of a law to explain.
+_SHAPES_MATTER = 1.02
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,20 +176,21 @@ class Search:
         starts = self._starts(fitted)
         self.progress("fitting the laws that promise most", 0.3)
         early: list[tuple[float, str, Fitted]] = []
+        near = max(self._ratios(fitted)) <= _FAR
+        noise = noise_spectra(fitted.residuals, fitted.model, self.data) if near else None
         for i, (effect, models) in enumerate(starts.items()):
             steps = _FEW_STEPS
             if find(effect).rugged:
                 models, steps = models[:1], 2 * _FEW_STEPS
             elif self._slowness(models[0][0], fitted.model) > _SLOW:  # the better start alone, and fewer steps
                 models, steps = models[:1], _FEW_STEPS - 1
-            found = [f for m, initial in models if (f := self._fit(m, initial, steps)) is not None]
+            found = [f for m, initial in models if (f := self._fit(m, initial, steps, noise=noise)) is not None]
             if found:
                 best = max(found, key=lambda f: f.likelihood)
                 early.append((best.likelihood, effect, best))
             self.progress(f"{effect}", 0.3 + 0.3 * (i + 1) / len(starts))
         early.sort(key=lambda one: -one[0])
         trials: list[Trial] = []
-        near = max(self._ratios(fitted)) <= _FAR
         bar = ACCEPT_TRAIN / 2 if near else _NEAR * (early[0][0] - fitted.likelihood) if early else 0.0
         for i, (value, effect, one) in enumerate(early):
             trial = self.trial(effect, one, fitted, before, finished=False)
@@ -245,10 +249,12 @@ class Search:
         )
 
     def finish(self, fitted: Fitted) -> Fitted:
-        """Fit to the end: first with the shape of its laws as it is, then the shape too where that gains."""
+        """Fit to the end: first the shape of its laws as it is, then that too where more than noise is left."""
         shapes = tuple(name for name in shapes_of(fitted.model) if name not in fitted.free)
-        done = self._polish(self._fit(fitted.model, fitted.initial, 12, shapes) or fitted, shapes)
-        if not shapes:
+        if max(self._ratios(fitted)) > _FAR:
+            fitted = self._fit(fitted.model, fitted.initial, 12, shapes) or fitted
+        done = self._polish(fitted, shapes)
+        if not shapes or max(self._ratios(done)) < _SHAPES_MATTER:
             return done
         freed = self._fit(done.model, done.initial, 12, ())
         if freed is None:
@@ -324,21 +330,26 @@ class Search:
         )
 
     def _fit(
-        self, model: Oscillator, initial: np.ndarray, most: int, fixed: Sequence[str] | None = None
+        self,
+        model: Oscillator,
+        initial: np.ndarray,
+        most: int,
+        fixed: Sequence[str] | None = None,
+        noise: Sequence[NoiseSpectrum] | None = None,
     ) -> Fitted | None:
         try:
             structure = Structure(model, self.data, shapes_of(model) if fixed is None else fixed)
-            fitted = structure.fit(initial, most=most, settle=True)
+            fitted = structure.fit(initial, noise=noise, most=most, settle=True)
         except DashpotError:
             return None
         return fitted if fitted.finite and np.isfinite(fitted.likelihood) else None
 
     def _polish(self, fitted: Fitted, fixed: Sequence[str]) -> Fitted:
         """Further steps, every frequency weighed by the noise that is left there."""
-        for most in (8, 8):
+        for most in (8, 4):
             noise = noise_spectra(fitted.residuals, fitted.model, self.data)
             again = Structure(fitted.model, self.data, fixed).fit(fitted.initial, noise=noise, most=most)
-            if not again.finite or again.likelihood < fitted.likelihood + 0.1:
+            if not again.finite or again.likelihood < fitted.likelihood + 0.5:
                 return again if again.likelihood > fitted.likelihood else fitted
             fitted = again
         return fitted
