@@ -204,7 +204,7 @@ def how_far_off(fitted: Fitted, data: Data) -> str:
         times = float(np.sqrt(np.mean(residual**2))) / max(sensor, 1e-300)
         if np.isfinite(times) and times > worst:
             worst, name = times, data.recordings[segment.recording].name
-    return f" (the simulated response is off by up to {worst:.2g} times the sensor noise, in {name})" if name else ""
+    return f" (response off by up to {worst:.2g} times the noise, in {name})" if name else ""
 
 
 def _gain(rows: Rows, *columns: np.ndarray) -> float:
