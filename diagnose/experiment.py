@@ -150,7 +150,7 @@ def _sharpening(
         return _nothing("every excitation that is worth a recording moves the rig farther than it may go")
     before = std / size
     if not np.any(np.isfinite(before)):
-        why = f"{name} explains everything so far; this would test it hardest"
+        why = f"no rival of {name} is left; this would test it hardest"
         return _experiment(plans[best], model, why, (), fs)
     poor = [k for k in range(count) if np.isfinite(before[k]) and before[k] > _POOR and after[k] < 0.7 * before[k]]
     if poor:
@@ -160,7 +160,7 @@ def _sharpening(
     else:
         k = int(np.argmax(np.where(np.isfinite(before), before / np.maximum(after, 1e-300), 0.0)))
         named = list(parameters)[k]
-        why = f"{name} explains everything so far; this tests it where it was not and sharpens {named} most"
+        why = f"no rival of {name} is left; this tests it hardest and sharpens {named} most"
     return _experiment(plans[best], model, why, (), fs)
 
 
