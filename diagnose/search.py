@@ -180,9 +180,7 @@ class Search:
         noise = noise_spectra(fitted.residuals, fitted.model, self.data) if near else None
         for i, (effect, models) in enumerate(starts.items()):
             steps = _FEW_STEPS
-            if find(effect).rugged:
-                models, steps = models[:1], 2 * _FEW_STEPS
-            elif self._slowness(models[0][0], fitted.model) > _SLOW:  # the better start alone, and fewer steps
+            if self._slowness(models[0][0], fitted.model) > _SLOW:  # the better start alone, and fewer steps
                 models, steps = models[:1], _FEW_STEPS - 1
             found = [f for m, initial in models if (f := self._fit(m, initial, steps, noise=noise)) is not None]
             if found:
@@ -199,7 +197,9 @@ class Search:
                 if max(self._ratios(trial.fitted)) <= _FAR:  # nothing can do much better than reach the noise
                     bar = max(bar, _HALFWAY * (trial.fitted.likelihood - fitted.likelihood))
             trials.append(trial)
-            self.progress(f"{effect}", 0.6 + 0.4 * (i + 1) / len(early))
+            self.progress(f"{effect}", 0.6 + 0.3 * (i + 1) / len(early))
+        if not near and not any(t.finished and max(self._ratios(t.fitted)) <= _FAR for t in trials):
+            trials += self._rugged(fitted, before)
         round_ = Round(fitted, before, _ordered(trials))
         best = round_.best
         if best is None or best.gain > _CLOSE_CALL:
@@ -211,6 +211,21 @@ class Search:
         lost, lost_holdout = again.likelihood - fitted.likelihood, judged.likelihood - before.likelihood
         moved = [replace(t, gain=t.gain - lost, holdout_gain=t.holdout_gain - lost_holdout) for t in trials]
         return Round(again, judged, _ordered(moved))
+
+    def _rugged(self, fitted: Fitted, before: Fitted) -> list[Trial]:
+        """The laws with too many side valleys to be screened, fitted at length where nothing else explains."""
+        present = {term.law.effect for term in fitted.model.terms}
+        regression = Regression(self.data, fitted.model)
+        found = []
+        for law in self.laws:
+            guess = regression.best(law) if law.rugged and law.effect not in present else None
+            if guess is None:
+                continue
+            self.progress(law.name, 0.9)
+            one = self._fit(self._guessed(fitted.model, law, guess), fitted.initial, 2 * _FEW_STEPS)
+            if one is not None and one.likelihood > fitted.likelihood:
+                found.append(self.trial(law.name, self.finish(one), fitted, before, finished=True))
+        return found
 
     def _family_again(self, fitted: Fitted, best: Trial) -> Fitted | None:
         """The model without the law, fitted again from where the law led the others; None where that gains nothing.
@@ -266,7 +281,7 @@ class Search:
     def _starts(self, fitted: Fitted) -> dict[str, list[tuple[Oscillator, np.ndarray]]]:
         """For each law worth a fit the models to start from."""
         present = {term.law.effect for term in fitted.model.terms}
-        laws = [law for law in self.laws if law.effect not in present]
+        laws = [law for law in self.laws if law.effect not in present and not law.rugged]
         self.progress("score of every law", 0.02)
         self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
         scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}
@@ -284,8 +299,7 @@ class Search:
             plain = regression.plain()
             guesses = {guess.effect: guess for guess in regression.guesses(laws)}
             by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
-            rugged = [law.name for law in laws if law.rugged and law.name in guesses]
-            for name in dict.fromkeys((*_leading(by_motion), *rugged)):
+            for name in _leading(by_motion):
                 model = self._guessed(fitted.model, find(name), guesses[name])
                 gain = self._worth(model, fitted)
                 starts.setdefault(name, []).append((gain, model, fitted.initial))

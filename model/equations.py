@@ -88,12 +88,12 @@ def equations(oscillator: Oscillator) -> Equations:
     value = {name: p[i] for i, name in enumerate(names)}
     motion = Motion(x=x, v=v, t=t, recorded=oscillator.response.quantity)
     terms = [(term.law, {n: value[f"{term.effect}.{n}"] for n in term.parameters}) for term in oscillator.terms]
-    state_names = ["displacement", "velocity"]
+    owners: list[str] = []  # the law of each inner state
 
     def ask(law: Law, own: Mapping[str, Expression], *signal: Expression) -> Expression:
         made: Any = law.force or law.drive or law.record
         result = made(motion, own, *signal)
-        state_names.extend(f"{law.name}.{state.name}" for state in motion.states[len(state_names) - 2 :])
+        owners.extend([law.name] * (len(motion.states) - len(owners)))
         return result
 
     drive = u
@@ -108,11 +108,16 @@ def equations(oscillator: Oscillator) -> Equations:
         if law.record:
             recorded = ask(law, own, recorded)
 
+    # in the order of the terms, whatever their paths: a model with one more term has its states at the end
+    rank = [term.effect for term in oscillator.terms]
+    order = sorted(range(len(owners)), key=lambda i: rank.index(owners[i]))
+    inner_states = [motion.states[i] for i in order]
+
     s = ca.vertcat(*motion.signs) if motion.signs else ca.SX(0, 1)
     g = ca.vertcat(*motion.surfaces) if motion.surfaces else ca.SX(0, 1)
-    scalars = ca.vertcat(x, v, *motion.symbols)
+    scalars = ca.vertcat(x, v, *(motion.symbols[i] for i in order))
     z = ca.SX.sym("z", scalars.numel())
-    zdot = ca.vertcat(v, acceleration, *motion.rates)
+    zdot = ca.vertcat(v, acceleration, *(motion.rates[i] for i in order))
     y = ca.vertcat(recorded, x, v, acceleration)
     zdot, g, y = ca.substitute([zdot, g, y], [scalars], [z])
     g_rate = ca.jtimes(g, z, zdot) + ca.jtimes(g, t, ca.SX(1)) + ca.jtimes(g, u, u_rate)
@@ -129,9 +134,9 @@ def equations(oscillator: Oscillator) -> Equations:
         y=y,
         kinds=tuple(_kind(g[i], z, t, u) for i in range(g.numel())),
         parameter_names=names,
-        state_names=tuple(state_names),
-        inner=tuple(motion.states),
-        reaches=ca.vertcat(ca.SX(0, 1), *motion.reaches),
+        state_names=("displacement", "velocity", *(f"{owners[i]}.{motion.states[i].name}" for i in order)),
+        inner=tuple(inner_states),
+        reaches=ca.vertcat(ca.SX(0, 1), *(motion.reaches[i] for i in order)),
     )
 
 

@@ -6,6 +6,10 @@
 #define DP_EXPORT __attribute__((visibility("default")))
 #endif
 
+/* More events a sample than this, all through a recording, are chatter and no motion of a machine: a fit that tries such
+ * values is told so at once instead of waiting for it. */
+#define DP_CHATTER 4
+
 /* n samples dt apart; the force is a cubic in each of `fine` equal parts of a sample interval (force: 4 coefficients a
  * part, (n - 1) * fine parts, or null for a free motion). Writes the response y (n) and, where not null, the states
  * z (n * DP_NZ, sample by sample). Returns the number of samples written; fewer than n: it failed there. */
@@ -21,7 +25,7 @@ DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const dou
     dp_start(&e, p, z0, t0, max_step);
     for (i = 0; i < n; ++i) {
         for (j = 0; i > 0 && j < fine; ++j, piece += force ? 4 : 0) {
-            if (dp_advance_along(&e, piece, step) != DP_OK) return i;
+            if (dp_advance_along(&e, piece, step) != DP_OK || e.events > DP_CHATTER * (i + 500)) return i;
             u = e.node_u;
         }
         dp_outputs(&e, u, out);
