@@ -297,7 +297,9 @@ def diagnose(
 def _progress() -> Iterator[Callable[[str, float], None]]:
     """A bar on a terminal, one line a stage elsewhere; yields what takes the stage and the part that is done."""
     if sys.stderr.isatty():
-        bar: Any = click.progressbar(length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or ""))
+        bar: Any = click.progressbar(
+            length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or "")
+        )
         with bar:
             yield lambda what, part: bar.update(max(0, round(1000 * part) - bar.pos), what)
     else:

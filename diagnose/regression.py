@@ -183,6 +183,8 @@ class Regression:
         normal, right, power, count = 0.0, 0.0, 0.0, 0
         along = along_of(law)
         values = {p.name: float(probe.get(p.name, 1.0)) for p in law.parameters}
+        for p in strengths[:1]:
+            values[p.name] = 1.0  # a contact is there: its derivatives are those of one that pushes
         for rows in self.rows:
             columns = rows.columns
             if law.force is not None or rows.driven:

@@ -8,8 +8,8 @@ def _contact(motion, p) -> Expression:
 
     side = ca.if_else(p["position"] < 0, -1, 1)
     depth = side * motion.x - ca.fabs(p["position"])
-    touching = 0.5 * (1 + motion.sign(depth))
-    return side * touching * (p["stiffness"] * depth + p["damping"] * side * motion.v)
+    push = p["stiffness"] * depth + p["damping"] * side * motion.v
+    return side * 0.5 * (1 + motion.sign(depth)) * motion.beyond(push)  # it pushes and never pulls
 
 
 LAW = Law(

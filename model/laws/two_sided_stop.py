@@ -4,10 +4,13 @@ from ..law import Expression, Law, LawParameter
 
 
 def _contact(motion, p) -> Expression:
-    x = motion.x - p["offset"]
-    above, below = x - p["position"], -x - p["position"]
-    on_top, at_bottom = (0.5 * (1 + motion.sign(depth)) for depth in (above, below))
-    return p["stiffness"] * (on_top * above - at_bottom * below) + p["damping"] * (on_top + at_bottom) * motion.v
+    def push(side: int) -> Expression:
+        """Of one contact, which never pulls."""
+        depth = side * (motion.x - p["offset"]) - p["position"]
+        law = p["stiffness"] * depth + p["damping"] * side * motion.v
+        return 0.5 * (1 + motion.sign(depth)) * motion.beyond(law)
+
+    return push(1) - push(-1)
 
 
 LAW = Law(
