@@ -23,7 +23,7 @@ _CYCLES = 6.0
 _CHANCE = 5e-4
 #: A window with this many times the median power is a burst: no noise of a few degrees of freedom gets there.
 _BURST = 30.0
-_FEWEST = 12
+_FEWEST = 6
 
 
 @dataclass(frozen=True)
@@ -63,13 +63,15 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
             size = max(4, size // 3)
             count = segment.n // size
         if count < _FEWEST or not np.isfinite(ratio):
-            found.append(Leftover(name, ratio, float(ratio > 3.0 * ABOVE_NOISE), None))
+            found.append(Leftover(name, ratio, float(not np.isfinite(ratio)), None))  # too short to tell by itself
             continue
         power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
         motion = segment.response[: count * size] - residual[: count * size]
         moved = np.std(motion.reshape(count, size), axis=1)
-        ranked = spearmanr(power, moved)
-        correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
+        correlation, chance = 0.0, 1.0
+        if np.ptp(power) > 0 and np.ptp(moved) > 0:
+            ranked = spearmanr(power, moved)
+            correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
         significant = correlation > 0 and chance < _CHANCE
         loudest = int(np.argmax(power))
         burst = power[loudest] > _BURST * float(np.median(power))

@@ -12,7 +12,7 @@ from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
 
 
-@pytest.mark.parametrize("effect", ["clearance", "quadratic-drag", "actuator-saturation", "tonal-disturbance"])
+@pytest.mark.parametrize("effect", ["clearance", "quadratic-drag", "tonal-disturbance"])
 def test_a_concealed_effect_is_named_and_mended(rig, effect, tmp_path):
     case = rig("single", effect)
     found = diagnose(case.model, case.training, case.holdout, fmu=tmp_path / "mended.fmu")
