@@ -42,9 +42,7 @@ def silverbox() -> dict[str, Recording]:
         "arrow": table[100:40575],
     }
     return {
-        name: Recording(
-            name=name, fs=SILVERBOX_FS, response=part[:, 1], force=part[:, 0], unit="V", force_unit="V"
-        )
+        name: Recording(name=name, fs=SILVERBOX_FS, response=part[:, 1], force=part[:, 0], unit="V", force_unit="V")
         for name, part in parts.items()
     }
 
