@@ -99,12 +99,15 @@ def expected(fitted: Fitted, data: Data, index: int) -> float:
 
 def sentence(left: Sequence[Leftover]) -> str | None:
     """What stays beyond the noise, in words; None where nothing does."""
-    bad = sorted((one for one in left if one.is_mismatch), key=lambda one: -one.ratio)
+    worst: dict[str, Leftover] = {}
+    for one in sorted((one for one in left if one.is_mismatch), key=lambda one: one.ratio):
+        worst[one.file] = one
+    bad = sorted(worst.values(), key=lambda one: -one.ratio)
     if not bad:
         return None
     parts = []
     for one in bad[:3]:
         how = "growing with the motion" if one.with_motion > 0 else f"in a burst at {one.burst_s:.4g} s"
         parts.append(f"{one.ratio:.3g} times the noise in {one.file}, {how}")
-    more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further stretches"
+    more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recordings"
     return f"there remains {'; '.join(parts)}{more}"
