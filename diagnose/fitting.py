@@ -31,7 +31,9 @@ _SMALL = 1e-2
 _FENCE = 10.0
 #: The search simulates with longer steps than the model that is delivered: its error stays far below any noise.
 _COARSER = 3.0
-#: ... and with a force that is interpolated to 1e-5 up to the resonance and to 1e-4 at twice that.
+#: A motion so fast that a sample interval takes more steps than this is nothing that the recordings could show.
+_FINEST = 40.0
+#: The force is interpolated more coarsely there too: to 1e-5 up to the resonance, to 1e-4 at twice that.
 _FORCE_BAND = 1.0
 
 
@@ -202,7 +204,7 @@ class Structure:
             tuple(names.index(name) for name in self.free),
             parameter_sizes(model, scales),
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
-            internal_step(model, model.values(), length) * _COARSER,
+            max(internal_step(model, model.values(), length) * _COARSER, min(s.dt for s in data.segments) / _FINEST),
             parameter_bounds(model, scales),
         )
         self.values = np.array(list(model.values().values()))
