@@ -193,7 +193,9 @@ class Structure:
         self.model = model
         self.data = data
         names = tuple(model.parameters())
-        self.free = tuple(name for name in names if name not in fixed)
+        # free motion says nothing of the mass
+        driven = any(segment.force is not None for segment in data.segments)
+        self.free = tuple(name for name in names if name not in fixed and (driven or name != "mass"))
         core = core_of(model)
         scales = data.scales
         inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]

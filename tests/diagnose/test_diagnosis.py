@@ -89,3 +89,11 @@ def test_another_quantity_is_refused(rig):
     speed = Recording(name="speed", fs=500.0, response=np.ones(50), quantity="velocity", unit="m/s")
     with pytest.raises(BadInput, match="--quantity"):
         diagnose(case.model, [speed])
+
+
+def test_decays_alone_leave_the_mass_of_the_model_as_it_is(rig):
+    case = rig("none")
+    found = diagnose(case.model, [case.training[2]])
+    assert found.before.values()["mass"] == case.model.values()["mass"]
+    assert found.before.omega0.value == pytest.approx(case.model.omega0.value, rel=0.01)
+    assert found.effects == ()
