@@ -12,7 +12,6 @@ import numpy as np
 
 from .. import __version__
 from ..errors import BadInput
-from ..identify.decays import find_decays
 from ..identify.excitation import band_of
 from ..identify.identification import belong_together
 from ..identify.output_error import pseudo_inverse
@@ -26,6 +25,7 @@ from .fitting import Data, Fitted, Structure, data_of, noise_spectra
 from .latent import latent_forces
 from .locate import locate
 from .mend import exported, record_fits
+from .recordings import carries, same_quantity, split, why_unused
 from .remainder import Leftover, leftovers
 from .remainder import sentence as remainder_sentence
 from .result import Considered, Diagnosis, Effect, RecordFit, Verdict
@@ -36,8 +36,6 @@ _OTHER_FREQUENCY = 1.3
 _OTHER_MASS = 2.0
 #: A family that leaves this part of the motion has started in the wrong place.
 _LOST = 0.5
-#: Of a record that is to be split the first part trains.
-_TRAINING_PART = 2.0 / 3.0
 #: The effects count as an explanation where they take away this part of what was left beyond the noise.
 _EXPLAINED = 0.75
 _DRAWS = 30
@@ -83,18 +81,30 @@ def diagnose(
     notes: list[str] = []
     recordings, holdout = list(recordings), list(holdout)
     belong_together([*recordings, *holdout])
-    _same_quantity(model, [*recordings, *holdout])
+    same_quantity(model, [*recordings, *holdout])
+    unused = [why_unused(r, model) for r in (*recordings, *holdout) if not carries(r, model)]
+    notes += [f"{why}; it was left out" for why in unused]
+    recordings, holdout = ([r for r in group if carries(r, model)] for group in (recordings, holdout))
+    if not recordings:
+        raise BadInput(
+            f"no recording can carry a diagnosis ({'; '.join(unused)}); record a decay of at least ten cycles or a "
+            "sweep through the resonance"
+        )
     if not holdout:
-        recordings, holdout = _split(recordings)
-        notes.append("no recording was held out, so the end of each is: judge with a recording of another level")
+        recordings, holdout = split(recordings, model)
+        notes.append(
+            "no recording was held out, so the end of each that can spare it is: judge with one of another level"
+            if holdout
+            else "nothing could be held out: what is named rests on the recordings that it was fitted to; judge with "
+            "a recording of another level"
+        )
     progress("best of the given family", 0.0)
     data = data_of(recordings, model)
     search = Search(data, data, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     family = _family(search, model, recordings)
     _same_rig(model, family.model)
-    judged = data_of(holdout, family.model)
+    judged = data_of(holdout, family.model) if holdout else data
     search.holdout = judged
-    notes += _unused(recordings, data) + _unused(holdout, judged)
     found = _search(search, family, progress)
     left = (*leftovers(found.final, data), *leftovers(search.judge(found.final.model), judged))
     before_left = (*leftovers(found.family, data), *leftovers(search.judge(found.family.model), judged))
@@ -149,28 +159,6 @@ def _survivors(found: _Found, best: Oscillator) -> dict[str, Oscillator]:
     return models
 
 
-def _same_quantity(model: Oscillator, recordings: Sequence[Recording]) -> None:
-    for recording in recordings:
-        if (recording.quantity, recording.unit) != (model.response.quantity, model.response.unit):
-            raise BadInput(
-                f"{recording.name}: records {recording.quantity} in {recording.unit}, the model is of "
-                f"{model.response.quantity} in {model.response.unit}; say what the column is with --quantity and --unit"
-            )
-
-
-def _split(recordings: Sequence[Recording]) -> tuple[list[Recording], list[Recording]]:
-    """The beginning of each recording to learn from, its end to be judged on."""
-    training, ends = [], []
-    for recording in recordings:
-        at = int(_TRAINING_PART * recording.n)
-        if recording.force is None or not np.any(recording.force):
-            for decay in find_decays(recording)[:1]:  # its quiet half is a recording of another level
-                at = (decay.start + decay.stop) // 2
-        training.append(replace(recording.slice(0, at), name=recording.name))
-        ends.append(replace(recording.slice(at, recording.n), name=f"{recording.name}, its end"))
-    return training, ends
-
-
 def _family(search: Search, model: Oscillator, recordings: Sequence[Recording]) -> Fitted:
     """Best of the family, from the model's values or, where these lead nowhere, from the Hilbert transform's."""
     family = search.best_of_family(model)
@@ -213,15 +201,6 @@ def _same_rig(given: Oscillator, found: Oscillator) -> None:
             f"the recordings are not of the model's rig: they show {found.omega0.value / (2 * math.pi):.4g} Hz{mass}, "
             f"the model has {given.omega0.value / (2 * math.pi):.4g} Hz{given_mass}; identify a model from them first"
         )
-
-
-def _unused(recordings: Sequence[Recording], data: Data) -> list[str]:
-    used = {segment.recording for segment in data.segments}
-    return [
-        f"{recording.name}: neither a decay nor a driven stretch of ten cycles above its noise; it was left out"
-        for i, recording in enumerate(recordings)
-        if i not in used
-    ]
 
 
 def _search(search: Search, family: Fitted, progress: Callable[[str, float], None]) -> _Found:

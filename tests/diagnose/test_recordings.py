@@ -1,0 +1,64 @@
+"""Which recordings can carry a diagnosis, and what is said of the others."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.diagnose import diagnose
+from dashpot.diagnose.recordings import carries, split, why_unused
+from dashpot.errors import BadInput
+from dashpot.recording import Recording
+
+
+def noise(n: int, fs: float = 500.0, **more) -> Recording:
+    return Recording(name="noise", fs=fs, response=1e-6 * np.random.default_rng(0).standard_normal(n), **more)
+
+
+def test_a_recording_that_is_too_quiet_is_named(rig):
+    model = rig("none").model
+    quiet = noise(20000)
+    assert not carries(quiet, model)
+    assert why_unused(quiet, model).startswith("noise: too quiet")
+
+
+def test_a_recording_that_is_too_short_is_named(rig):
+    case = rig("none")
+    few = case.training[0].slice(0, 40)
+    assert not carries(few, case.model)
+    assert "too short" in why_unused(few, case.model)
+    assert "cycles" in why_unused(few, case.model)
+
+
+def test_a_driven_recording_needs_a_mass(rig):
+    case = rig("none")
+    free = replace(case.model, mass=None)
+    assert carries(case.training[0], case.model)
+    assert not carries(case.training[0], free)
+    assert "no mass" in why_unused(case.training[0], free)
+
+
+def test_recordings_of_which_none_can_be_used_are_refused_one_by_one(rig):
+    case = rig("none")
+    few = replace(case.training[0].slice(0, 40), name="few")
+    with pytest.raises(BadInput, match=r"few: too short.*noise: too quiet"):
+        diagnose(case.model, [few, noise(20000)], case.holdout)
+
+
+def test_one_that_cannot_be_used_among_others_is_left_out_and_named(rig):
+    case = rig("none")
+    found = diagnose(case.model, [*case.training, noise(20000)], case.holdout)
+    assert any("noise: too quiet" in note and "left out" in note for note in found.notes)
+    assert "noise" not in {record.file for record in found.records}
+    assert found.effects == ()
+
+
+def test_split_keeps_whole_what_cannot_spare_its_end(rig):
+    case = rig("none")
+    whole = case.training[0]
+    training, ends = split([whole], case.model)
+    assert [r.n for r in (*training, *ends)] == [whole.n * 2 // 3, whole.n - whole.n * 2 // 3]
+    short = replace(whole.slice(0, round(4 * 2 * np.pi / case.model.omega0.value * whole.fs)), name="short")
+    assert carries(short, case.model)
+    assert split([short], case.model) == ([short], [])
