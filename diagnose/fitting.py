@@ -18,9 +18,9 @@ from ..identify.noise_spectrum import NoiseSpectrum, estimate
 from ..identify.output_error import OutputError, State
 from ..identify.segments import Segment, cut
 from ..model import Oscillator
-from ..model.law import Scales
+from ..model.law import Law, Scales
 from ..model.laws import find
-from ..model.oscillator import QUANTITIES
+from ..model.oscillator import QUANTITIES, Term
 from ..model.parameter import Parameter
 from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
@@ -138,6 +138,18 @@ def with_term(model: Oscillator, effect: str, values: Mapping[str, float]) -> Os
 def without_term(model: Oscillator, effect: str) -> Oscillator:
     """The model without one of its effects."""
     return replace(model, terms=tuple(term for term in model.terms if term.effect != effect))
+
+
+def renamed(fitted: Fitted, effect: str, law: Law) -> Fitted:
+    """The same fit with one effect under the name of a law of the same equation, its parameters in the same order."""
+    names = [p.name for p in law.parameters]
+    (old,) = [term for term in fitted.model.terms if term.effect == effect]
+    new = Term(law.name, dict(zip(names, old.parameters.values(), strict=True)))
+    terms = tuple(new if term is old else term for term in fitted.model.terms)
+    free = dict(zip((f"{effect}.{n}" for n in old.parameters), (f"{law.name}.{n}" for n in names), strict=True))
+    return replace(
+        fitted, model=replace(fitted.model, terms=terms), free=tuple(free.get(name, name) for name in fitted.free)
+    )
 
 
 def with_values(model: Oscillator, values: np.ndarray) -> Oscillator:

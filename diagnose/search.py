@@ -18,7 +18,7 @@ from ..model import Oscillator
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
 from ..simulate.core import internal_step
-from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, shapes_of, with_term, without_term
+from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, renamed, shapes_of, with_term, without_term
 from .lines import residual_lines
 from .regression import Guess, Regression
 from .remainder import expected
@@ -93,7 +93,7 @@ class Trial:
         if law.proper is None:
             return True
         values = self.fitted.model.values()
-        return law.proper({p.name: values[f"{law.name}.{p.name}"] for p in law.parameters}, values["omega0"])
+        return law.proper({p.name: values[f"{law.name}.{p.name}"] for p in law.parameters}, values)
 
     def matters(self, before: Fitted, before_holdout: Fitted) -> bool:
         """Whether it takes away at least a hundredth of the noise's power in some segment: a tenth of its size."""
@@ -112,6 +112,8 @@ class Trial:
             return (
                 f"it gains {self.gain:.4g} on the training recordings and {self.holdout_gain:.4g} on the held-out ones"
             )
+        if not self.proper:
+            return "it fits, with values that are not what its name stands for"
         if best is None:
             return "it gains something, but less than a tenth of the noise in every recording"
         return f"{best.effect} gains {best.score - self.score:.4g} more in log-likelihood"
@@ -134,7 +136,12 @@ class Round:
         top = max(trial.score for trial in good)
         return max(
             (trial for trial in good if trial.score > top - INDISTINGUISHABLE),
-            key=lambda trial: (trial.proper, -len(trial.fitted.free), round(trial.score, 1)),
+            key=lambda trial: (
+                trial.proper,
+                -len(trial.fitted.free),
+                find(trial.effect).twin is not None,  # of two names for one thing the one that says more
+                round(trial.score, 1),
+            ),
         )
 
     def rivals(self, chosen: Trial) -> tuple[str, ...]:
@@ -200,6 +207,7 @@ class Search:
             self.progress(f"{effect}", 0.6 + 0.3 * (i + 1) / len(early))
         if not near and not any(t.finished and max(self._ratios(t.fitted)) <= _FAR for t in trials):
             trials += self._rugged(fitted, before)
+        trials += [twin for trial in trials for twin in self._twins(trial)]
         round_ = Round(fitted, before, _ordered(trials))
         best = round_.best
         if best is None or best.gain > _CLOSE_CALL:
@@ -211,6 +219,11 @@ class Search:
         lost, lost_holdout = again.likelihood - fitted.likelihood, judged.likelihood - before.likelihood
         moved = [replace(t, gain=t.gain - lost, holdout_gain=t.holdout_gain - lost_holdout) for t in trials]
         return Round(again, judged, _ordered(moved))
+
+    def _twins(self, trial: Trial) -> list[Trial]:
+        """The same fit under the names of the more special laws with the same equation."""
+        laws = [law for law in self.laws if law.twin == trial.effect]
+        return [replace(trial, effect=law.name, fitted=renamed(trial.fitted, trial.effect, law)) for law in laws]
 
     def _rugged(self, fitted: Fitted, before: Fitted) -> list[Trial]:
         """The laws with too many side valleys to be screened, fitted at length where nothing else explains."""
@@ -280,8 +293,8 @@ class Search:
 
     def _starts(self, fitted: Fitted) -> dict[str, list[tuple[Oscillator, np.ndarray]]]:
         """For each law worth a fit the models to start from."""
-        present = {term.law.effect for term in fitted.model.terms}
-        laws = [law for law in self.laws if law.effect not in present and not law.rugged]
+        present = {name for term in fitted.model.terms for name in (term.law.effect, term.law.twin)}
+        laws = [law for law in self.laws if law.effect not in present and not law.rugged and not law.twin]
         self.progress("score of every law", 0.02)
         self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
         scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}

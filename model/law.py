@@ -204,8 +204,11 @@ class Law:
         sentence: what it is, for an engineer.
         source: where the law comes from.
         curves: what it does to backbone and damping curve.
-        proper: ``proper(values, omega0)`` tells whether these values are what the name stands for, where another law
-            has the same equation (a stop is stiffer than the spring, a clearance is not); None: always.
+        proper: ``proper(values, base)``, with the values of Eq. 17 as ``base``, tells whether these values are what the
+            name stands for, where another law has the same equation (a stop is stiffer than the spring, a clearance is
+            not); None: always.
+        rugged: whether its likelihood has too many side valleys for a start from a screen.
+        twin: name of a more general law with the same equation and parameters; this one is then not fitted by itself.
     """
 
     name: str
@@ -218,8 +221,9 @@ class Law:
     force: Force | None = None
     drive: Path | None = None
     record: Path | None = None
-    proper: Callable[[Mapping[str, float], float], bool] | None = None
+    proper: Callable[[Mapping[str, float], Mapping[str, float]], bool] | None = None
     rugged: bool = False
+    twin: str | None = None
 
     def in_words(self, shown: Callable[[str], str]) -> str:
         """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""

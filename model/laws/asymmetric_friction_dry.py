@@ -6,11 +6,14 @@ LAW = Law(
     name="asymmetric-friction/dry",
     path="dissipation",
     parameters=(
-        LawParameter("dry", "X/s2", "half the difference of the dry friction of both directions", strength=True),
+        LawParameter("dry", "X/s2", "half of what dry friction backwards is larger than forwards", strength=True),
     ),
-    force=lambda motion, p: p["dry"],
-    equation="{dry}",
+    force=lambda motion, p: -p["dry"],
+    equation="-{dry}",
     sentence="Dry friction that is larger in one direction: for every motion the same as a constant force.",
-    source="d + a forwards and d - a backwards is d sgn(v) + a, also at rest",
+    source="d - a forwards and d + a backwards is d sgn(v) - a, also at rest",
     curves="As of a constant force.",
+    # friction is negative in neither direction
+    proper=lambda p, base: abs(p["dry"]) <= base["dry"],
+    twin="constant-force",
 )

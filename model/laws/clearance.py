@@ -15,5 +15,5 @@ LAW = Law(
     source="Feldman 2011, Hilbert Transform Applications in Mechanical Vibration, chapter on piecewise springs",
     curves="The backbone is flat up to the gap and rises beyond it towards sqrt(omega0² + stiffness), with a corner "
     "at the gap; the damping curve stays.",
-    proper=lambda p, omega0: p["stiffness"] <= omega0**2,
+    proper=lambda p, base: p["stiffness"] <= base["omega0"] ** 2,
 )

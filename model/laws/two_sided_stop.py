@@ -29,5 +29,5 @@ LAW = Law(
     source="Shaw and Holmes 1983; contact as a spring and damper (Goldsmith 1960)",
     curves="The backbone is flat up to the position and rises steeply beyond it; contact damping lifts the damping "
     "curve there.",
-    proper=lambda p, omega0: p["stiffness"] > omega0**2,
+    proper=lambda p, base: p["stiffness"] > base["omega0"] ** 2,
 )
