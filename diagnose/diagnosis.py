@@ -29,7 +29,8 @@ from .recordings import carries, same_quantity, split, why_unused
 from .remainder import Leftover, leftovers
 from .remainder import sentence as remainder_sentence
 from .result import Considered, Diagnosis, Effect, RecordFit, Verdict
-from .search import Round, Search, Trial
+from .search import Search
+from .trials import Round, Trial
 
 #: A rig whose natural frequency or mass is off by more than this factor is another rig.
 _OTHER_FREQUENCY = 1.3

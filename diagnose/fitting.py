@@ -71,7 +71,6 @@ class Fitted:
         residuals: measured minus simulated, one (n,) array a segment.
         likelihood: log-likelihood, concentrated over a noise spectrum of each segment.
         free: names of the parameters that were fitted.
-        information: (k, k) of these, initial states eliminated.
     """
 
     model: Oscillator
@@ -79,7 +78,6 @@ class Fitted:
     residuals: tuple[np.ndarray, ...]
     likelihood: float
     free: tuple[str, ...]
-    information: np.ndarray
 
     @property
     def finite(self) -> bool:
@@ -149,6 +147,18 @@ def renamed(fitted: Fitted, effect: str, law: Law) -> Fitted:
     free = dict(zip((f"{effect}.{n}" for n in old.parameters), (f"{law.name}.{n}" for n in names), strict=True))
     return replace(
         fitted, model=replace(fitted.model, terms=terms), free=tuple(free.get(name, name) for name in fitted.free)
+    )
+
+
+def generalised(model: Oscillator, effect: str) -> Oscillator:
+    """The model with one effect as its more general twin, whose further parameters are zero."""
+    law = find(effect)
+    assert law.twin is not None
+    values = model.values()
+    own = [values[f"{effect}.{p.name}"] for p in law.parameters]
+    names = [p.name for p in find(law.twin).parameters]
+    return with_term(
+        without_term(model, effect), law.twin, dict.fromkeys(names, 0.0) | dict(zip(names, own, strict=False))
     )
 
 
@@ -260,7 +270,7 @@ class Structure:
             state = self.problem.settle(state)
         if not all(np.all(np.isfinite(residual)) for residual in self.problem.residuals(state)):
             raise BadInput("the model does not simulate with its start values; check the units of force and response")
-        outcome = self.problem.search(state, noise, tolerance=tolerance, most=most)
+        outcome = self.problem.search(state, noise, tolerance=tolerance, most=most, informed=False)
         model = with_values(self.model, outcome.state.values)
         return Fitted(
             model,
@@ -268,7 +278,6 @@ class Structure:
             outcome.residuals,
             likelihood(outcome.residuals, model, self.data),
             self.free,
-            outcome.information,
         )
 
 

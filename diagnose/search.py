@@ -18,22 +18,26 @@ from ..model import Oscillator
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
 from ..simulate.core import internal_step
-from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, renamed, shapes_of, with_term, without_term
+from .fitting import (
+    Data,
+    Fitted,
+    Structure,
+    generalised,
+    likelihood,
+    noise_spectra,
+    renamed,
+    shapes_of,
+    with_term,
+    without_term,
+)
 from .lines import residual_lines
 from .regression import Guess, Regression
 from .remainder import expected
 from .screen import Screen
+from .trials import ACCEPT_TRAIN, INDISTINGUISHABLE, Round, Trial, ordered
 
 #: A law is fitted where it promises this gain of log-likelihood; three parameters gain 6 by chance once in 130.
 WORTH_A_FIT = 6.0
-#: ... and accepted where, its parameters paid for, it gains at least this much on the training recordings
-ACCEPT_TRAIN = 5.0
-#: ... and this much on the held-out ones.
-ACCEPT_HOLDOUT = 3.0
-#: ... and where it takes away this part of the power of what is left.
-MATTERS = 0.01
-#: Laws whose log-likelihoods over all recordings differ by less than this cannot be told apart.
-INDISTINGUISHABLE = 5.0
 #: Fitted to the end are this many laws ...
 _FINALISTS = 6
 #: ... of those that are within this part of the best gain after a few steps.
@@ -53,102 +57,6 @@ _CANDIDATES = 9
 _FAR = 1.2
 #: Above this many times the noise something may be left for the shape of a law to explain.
 _SHAPES_MATTER = 1.02
-
-
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """One law put in, fitted and judged.
-
-    Attributes:
-        effect: the law's name.
-        fitted: on the training recordings.
-        holdout: the same parameters on the held-out ones.
-        gain: of log-likelihood on the training recordings, over the model without it, its parameters paid for (half
-            the difference of the Bayesian information criterion).
-        holdout_gain: on the held-out ones.
-        finished: whether it was fitted to the end or dropped on the way.
-    """
-
-    effect: str
-    fitted: Fitted
-    holdout: Fitted | None
-    gain: float
-    holdout_gain: float
-    finished: bool
-
-    @property
-    def supported(self) -> bool:
-        """Whether both kinds of recordings ask for it."""
-        return self.gain > ACCEPT_TRAIN and self.holdout_gain > ACCEPT_HOLDOUT
-
-    @property
-    def score(self) -> float:
-        """What it gains on all recordings together."""
-        return self.gain + self.holdout_gain
-
-    @property
-    def proper(self) -> bool:
-        """Whether the law, as it was fitted, is what its name stands for."""
-        law = find(self.effect)
-        if law.proper is None:
-            return True
-        values = self.fitted.model.values()
-        return law.proper({p.name: values[f"{law.name}.{p.name}"] for p in law.parameters}, values)
-
-    def matters(self, before: Fitted, before_holdout: Fitted) -> bool:
-        """Whether it takes away at least a hundredth of the noise's power in some segment: a tenth of its size."""
-        pairs = [*zip(before.residuals, self.fitted.residuals, strict=True)]
-        if self.holdout is not None:
-            pairs += zip(before_holdout.residuals, self.holdout.residuals, strict=True)
-        return any(np.mean(old**2) > (1.0 + MATTERS) * np.mean(new**2) for old, new in pairs)
-
-    def why_not(self, best: Trial | None) -> str:
-        """Why this law was not taken, beside the best of its round."""
-        if not self.finished:
-            return f"after a few steps it gains {self.gain:.4g} in log-likelihood, too little beside the best to go on"
-        if not self.supported:
-            if self.gain <= ACCEPT_TRAIN:
-                return "what it gains on the training recordings does not pay for its parameters"
-            return (
-                f"it gains {self.gain:.4g} on the training recordings and {self.holdout_gain:.4g} on the held-out ones"
-            )
-        if not self.proper:
-            return "it fits, with values that are not what its name stands for"
-        if best is None:
-            return "it gains something, but less than a tenth of the noise in every recording"
-        return f"{best.effect} gains {best.score - self.score:.4g} more in log-likelihood"
-
-
-@dataclass(frozen=True, eq=False)
-class Round:
-    """The library tried on one model: trials, the best first."""
-
-    before: Fitted
-    before_holdout: Fitted
-    trials: tuple[Trial, ...]
-
-    @property
-    def best(self) -> Trial | None:
-        """The law to take: asked for by all recordings, and large enough to matter."""
-        good = [trial for trial in self.trials if trial.supported and trial.matters(self.before, self.before_holdout)]
-        if not good:
-            return None
-        top = max(trial.score for trial in good)
-        return max(
-            (trial for trial in good if trial.score > top - INDISTINGUISHABLE),
-            key=lambda trial: (
-                trial.proper,
-                -len(trial.fitted.free),
-                find(trial.effect).twin is not None,  # of two names for one thing the one that says more
-                round(trial.score, 1),
-            ),
-        )
-
-    def rivals(self, chosen: Trial) -> tuple[str, ...]:
-        """Other effects that the recordings cannot tell from the chosen one."""
-        own = find(chosen.effect).effect
-        near = [t for t in self.trials if t.supported and t.proper and t.score > chosen.score - INDISTINGUISHABLE]
-        return tuple(dict.fromkeys(e for t in near if (e := find(t.effect).effect) != own))
 
 
 @dataclass(eq=False)
@@ -207,8 +115,8 @@ class Search:
             self.progress(f"{effect}", 0.6 + 0.3 * (i + 1) / len(early))
         if not near and not any(t.finished and max(self._ratios(t.fitted)) <= _FAR for t in trials):
             trials += self._rugged(fitted, before)
-        trials += [twin for trial in trials for twin in self._twins(trial)]
-        round_ = Round(fitted, before, _ordered(trials))
+        trials = self._with_twins(trials, fitted, before)
+        round_ = Round(fitted, before, ordered(trials))
         best = round_.best
         if best is None or best.gain > _CLOSE_CALL:
             return round_
@@ -218,12 +126,26 @@ class Search:
         judged = self.judge(again.model)
         lost, lost_holdout = again.likelihood - fitted.likelihood, judged.likelihood - before.likelihood
         moved = [replace(t, gain=t.gain - lost, holdout_gain=t.holdout_gain - lost_holdout) for t in trials]
-        return Round(again, judged, _ordered(moved))
+        return Round(again, judged, ordered(moved))
 
-    def _twins(self, trial: Trial) -> list[Trial]:
-        """The same fit under the names of the more special laws with the same equation."""
-        laws = [law for law in self.laws if law.twin == trial.effect]
-        return [replace(trial, effect=law.name, fitted=renamed(trial.fitted, trial.effect, law)) for law in laws]
+    def _with_twins(self, trials: Sequence[Trial], fitted: Fitted, before: Fitted) -> list[Trial]:
+        """The same fits under the names of laws with the same equation, as far as their values suit these names."""
+        found = {trial.effect: trial for trial in trials}
+        for trial in trials:
+            for law in self.laws:
+                if law.twin == trial.effect and _only_a_name(law):
+                    found[law.name] = replace(trial, effect=law.name, fitted=renamed(trial.fitted, trial.effect, law))
+            general = find(trial.effect).twin
+            if general is None or trial.proper or not trial.supported:
+                continue
+            known = found.get(general)
+            if known is None or known.score < trial.score - INDISTINGUISHABLE:
+                noise = noise_spectra(trial.fitted.residuals, trial.fitted.model, self.data)
+                wider = generalised(trial.fitted.model, trial.effect)
+                one = self._fit(wider, trial.fitted.initial, _FEW_STEPS, noise=noise)
+                if one is not None:
+                    found[general] = self.trial(general, self.finish(one), fitted, before, finished=True)
+        return list(found.values())
 
     def _rugged(self, fitted: Fitted, before: Fitted) -> list[Trial]:
         """The laws with too many side valleys to be screened, fitted at length where nothing else explains."""
@@ -294,7 +216,7 @@ class Search:
     def _starts(self, fitted: Fitted) -> dict[str, list[tuple[Oscillator, np.ndarray]]]:
         """For each law worth a fit the models to start from."""
         present = {name for term in fitted.model.terms for name in (term.law.effect, term.law.twin)}
-        laws = [law for law in self.laws if law.effect not in present and not law.rugged and not law.twin]
+        laws = [law for law in self.laws if law.effect not in present and not law.rugged and not _only_a_name(law)]
         self.progress("score of every law", 0.02)
         self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
         scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}
@@ -382,16 +304,17 @@ class Search:
         return fitted
 
 
-def _ordered(trials: Sequence[Trial]) -> tuple[Trial, ...]:
-    return tuple(sorted(trials, key=lambda t: (-t.finished, -t.score)))
-
-
 def _without_states(fitted: Fitted, effect: str) -> np.ndarray:
     """Initial states of a model once the states of one of its laws are gone."""
     from ..model.equations import equations
 
     names = equations(fitted.model).state_names
     return fitted.initial[:, [i for i, name in enumerate(names) if not name.startswith(f"{effect}.")]]
+
+
+def _only_a_name(law: Law) -> bool:
+    """Whether a law has the parameters of its twin, all of them."""
+    return law.twin is not None and len(find(law.twin).parameters) == len(law.parameters)
 
 
 def _leading(gains: dict[str, float]) -> list[str]:

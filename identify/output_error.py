@@ -209,6 +209,7 @@ class OutputError:
         *,
         tolerance: float = 1e-3,
         most: int = _MOST_ITERATIONS,
+        informed: bool = True,
     ) -> Outcome:
         """Minimise the negative log-likelihood from ``state``.
 
@@ -219,6 +220,7 @@ class OutputError:
             tolerance: the search is over when the next step promises a smaller gain of log-likelihood; a gain of
                 0.5 is a step of one standard error.
             most: steps it may take.
+            informed: whether the information at the end is wanted where the last step was the last allowed.
         """
         residuals = self.residuals(state)
         cost = _cost(residuals, noise)
@@ -243,7 +245,8 @@ class OutputError:
                     better = cost - trial_cost > 0.25 * gain
                     damping = max(damping / 10.0, 1e-12) if better else damping * 2.0
                     state, residuals, cost = trial, trial_residuals, trial_cost
-                    blocks = self._blocks(state, residuals, noise)
+                    if informed or taken < most:
+                        blocks = self._blocks(state, residuals, noise)
                     break
                 damping *= 8.0
             else:

@@ -208,7 +208,8 @@ class Law:
             name stands for, where another law has the same equation (a stop is stiffer than the spring, a clearance is
             not); None: always.
         rugged: whether its likelihood has too many side valleys for a start from a screen.
-        twin: name of a more general law with the same equation and parameters; this one is then not fitted by itself.
+        twin: name of a more general law that begins with the same parameters and, its further ones zero, has the same
+            equation; where it has no further ones this law is not fitted by itself.
     """
 
     name: str

@@ -16,4 +16,5 @@ LAW = Law(
     curves="The backbone is flat up to the gap and rises beyond it towards sqrt(omega0² + stiffness), with a corner "
     "at the gap; the damping curve stays.",
     proper=lambda p, base: p["stiffness"] <= base["omega0"] ** 2,
+    twin="two-sided-stop",
 )
