@@ -1,8 +1,9 @@
 """Whether what a model leaves over is noise.
 
 The noise's level comes from the highest frequencies of the signals, so that noise which is not white leaves more
-than that without any physics behind it. Physics moves with the rig: what grows with the motion, or bursts out
-at some instant, is a mismatch; what goes on alike whether the rig moves much or little is noise of another colour.
+than that without any physics behind it. Physics moves with the rig: what grows with the motion, keeps step with its
+cycles, or bursts out at some instant, is a mismatch; what goes on alike whatever the rig does is noise of another
+colour.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..identify.likelihood import equivalent_resonance
+from ..identify.noise_spectrum import estimate
 from .fitting import Data, Fitted
 
 #: What is left may exceed the noise by this factor: the noise itself is estimated.
@@ -24,6 +26,12 @@ _CHANCE = 5e-4
 #: A window with this many times the median power is a burst: no noise of a few degrees of freedom gets there.
 _BURST = 30.0
 _FEWEST = 6
+#: Harmonics of the motion that what keeps step with it is looked for in ...
+_HARMONICS = 5
+#: ... its least share of the power ...
+_IN_STEP = 0.05
+#: ... and how many standard deviations it lies above what noise of the same spectrum has by chance.
+_BEYOND_CHANCE = 8.0
 
 
 @dataclass(frozen=True)
@@ -34,18 +42,20 @@ class Leftover:
         file: recording.
         ratio: rms of the residual over that expected of sensor and force noise.
         with_motion: rank correlation of its power with the motion's, 0 where it is not significant.
+        in_step: share of its power that repeats with the cycles of the motion, 0 where noise would have as much.
         burst_s: time of a burst, or None.
     """
 
     file: str
     ratio: float
     with_motion: float
+    in_step: float
     burst_s: float | None
 
     @property
     def is_mismatch(self) -> bool:
         """Whether it is more than noise."""
-        return self.ratio > ABOVE_NOISE and (self.with_motion > 0 or self.burst_s is not None)
+        return self.ratio > ABOVE_NOISE and (self.with_motion > 0 or self.in_step > 0 or self.burst_s is not None)
 
 
 def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
@@ -63,7 +73,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
             size = max(4, size // 3)
             count = segment.n // size
         if count < _FEWEST or not np.isfinite(ratio):
-            found.append(Leftover(name, ratio, float(not np.isfinite(ratio)), None))  # too short to tell by itself
+            found.append(Leftover(name, ratio, float(not np.isfinite(ratio)), 0.0, None))  # too short to tell by itself
             continue
         power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
         motion = segment.response[: count * size] - residual[: count * size]
@@ -80,10 +90,39 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
                 name,
                 ratio,
                 correlation if significant else 0.0,
+                keeps_step(segment.response - residual, residual),
                 segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
             )
         )
     return tuple(found)
+
+
+def keeps_step(motion: np.ndarray, residual: np.ndarray) -> float:
+    """Share of a residual's power that repeats with the cycles of a motion, whatever their amplitude and frequency.
+
+    The phase is that of the analytic signal (Gabor 1946); offset and each harmonic may have one part that is constant
+    and one that goes with the amplitude. Zero where noise of the residual's own spectrum would often reach that share.
+
+    Args:
+        motion: (n,) simulated response.
+        residual: (n,) what it leaves over.
+    """
+    from scipy.signal import hilbert
+
+    if not np.any(residual) or not np.ptp(motion) > 0:
+        return 0.0
+    analytic = np.asarray(hilbert(motion - np.mean(motion)))
+    amplitude = np.abs(analytic)
+    turn = analytic / np.maximum(amplitude, 1e-300)
+    waves = [part for k in range(1, _HARMONICS + 1) for part in ((turn**k).real, (turn**k).imag)]
+    columns = np.stack([np.ones_like(motion), *waves])
+    basis, _ = np.linalg.qr(np.vstack([columns, columns * (amplitude / np.max(amplitude))]).T)
+    power = float(residual @ residual)
+    share = float(np.sum((basis.T @ residual) ** 2)) / power
+    density = estimate(residual).density
+    chance = np.sum(np.abs(np.fft.rfft(basis, axis=0)) ** 2 * density[:, None], axis=0) * 2 / residual.size / power
+    limit = float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
+    return share if share > max(_IN_STEP, limit) else 0.0
 
 
 def expected(fitted: Fitted, data: Data, index: int) -> float:
@@ -107,7 +146,10 @@ def sentence(left: Sequence[Leftover]) -> str | None:
         return None
     parts = []
     for one in bad[:3]:
-        how = "growing with the motion" if one.with_motion > 0 else f"in a burst at {one.burst_s:.4g} s"
+        if one.with_motion > 0:
+            how = "growing with the motion"
+        else:
+            how = "in step with the motion" if one.in_step > 0 else f"in a burst at {one.burst_s:.4g} s"
         parts.append(f"{one.ratio:.3g} times the noise in {one.file}, {how}")
     more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recordings"
     return f"there remains {'; '.join(parts)}{more}"

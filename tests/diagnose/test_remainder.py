@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.fitting import Structure, data_of
-from dashpot.diagnose.remainder import leftovers, sentence
+from dashpot.diagnose.remainder import keeps_step, leftovers, sentence
 from scipy.signal import lfilter
 
 
@@ -45,6 +45,27 @@ def test_what_grows_with_the_motion_is_a_mismatch(fitted):
     said = sentence(leftovers(replace(fit, residuals=residuals), data))
     assert said is not None
     assert "growing with the motion" in said
+
+
+def test_what_keeps_step_with_the_motion_is_a_mismatch_however_large_the_motion_is(fitted):
+    data, fit = fitted
+    residuals = []
+    for segment, r in zip(data.segments, fit.residuals, strict=True):
+        speed = np.gradient(segment.response - r)
+        residuals.append(r + 1.5 * np.std(r) * np.sign(speed))  # as of play in the sensor
+    left = leftovers(replace(fit, residuals=tuple(residuals)), data)
+    assert all(one.in_step > 0.3 and one.is_mismatch for one in left)
+    assert "in step with the motion" in (sentence(left) or "") or any(one.with_motion for one in left)
+
+
+def test_noise_keeps_step_with_nothing(fitted):
+    data, fit = fitted
+    random = np.random.default_rng(8)
+    for segment, r in zip(data.segments, fit.residuals, strict=True):
+        motion = segment.response - r
+        for _ in range(20):
+            assert keeps_step(motion, random.standard_normal(r.size)) == 0.0
+            assert keeps_step(motion, coloured(random, r.size)) == 0.0
 
 
 def test_a_burst_is_a_mismatch(fitted):
