@@ -16,14 +16,14 @@ from ..identify.hilbert import noise_level
 from ..identify.likelihood import displacement_amplitude, equivalent_resonance, initial_states, typical_sizes
 from ..identify.noise_spectrum import NoiseSpectrum, estimate
 from ..identify.output_error import OutputError, State
-from ..identify.segments import Segment, cut
+from ..identify.segments import Segment, cut, starts_at_rest
 from ..model import Oscillator
 from ..model.law import Law, Scales
 from ..model.laws import find
 from ..model.oscillator import QUANTITIES, Term
 from ..model.parameter import Parameter
 from ..recording.recording import Recording
-from ..simulate.core import core_of, internal_step
+from ..simulate.core import Core, core_of, internal_step
 
 #: Finite differences and first steps of a law's parameter, as a part of its natural size.
 _SMALL = 1e-2
@@ -222,24 +222,39 @@ class Structure:
         scales = data.scales
         inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]
         length = scales.length
+        self.values = np.array(list(model.values().values()))
+        self.segments = self._at_rest(core)
         self.problem = OutputError(
             core,
-            data.segments,
+            self.segments,
             tuple(names.index(name) for name in self.free),
             parameter_sizes(model, scales),
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
             max(internal_step(model, model.values(), length) * _COARSER, min(s.dt for s in data.segments) / _FINEST),
             parameter_bounds(model, scales),
         )
-        self.values = np.array(list(model.values().values()))
+
+    def _at_rest(self, core: Core) -> tuple[Segment, ...]:
+        """The segments; where the sensor shows a mass at rest to be elsewhere than at zero, which begin at rest."""
+        rest = float(core.record(self.values, np.zeros(core.states), None, 1, 1.0, 1.0)[0])
+        if rest == 0.0 or not np.isfinite(rest):
+            return self.data.segments
+        omega = self.model.omega0.value
+        return tuple(
+            replace(s, rests=s.force is not None and starts_at_rest(s.response - rest, s.dt, omega, noise))
+            for s, noise in zip(self.data.segments, self.data.sensor, strict=True)
+        )
 
     def state(self, initial: np.ndarray | None) -> State:
         """A point of the search: initial states of a smaller model are completed with zeros."""
         states = self.problem.core.states
         own = np.zeros((len(self.data.segments), states))
         if initial is None:
-            initial = initial_states(self.data.segments, self.model)
+            initial = initial_states(self.segments, self.model)
         own[:, : initial.shape[1]] = initial[:, :states]
+        for segment, begin in zip(self.segments, own, strict=True):
+            if segment.rests:
+                begin[[i for i in range(states) if i not in self.problem.own(segment)]] = 0.0
         return State(self.values, own)
 
     def here(self, initial: np.ndarray | None = None) -> tuple[State, tuple[np.ndarray, ...]]:

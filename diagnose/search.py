@@ -47,7 +47,8 @@ _HALFWAY = 0.4
 _FEW_STEPS = 3
 #: A law whose simulation takes this many times as many steps is given fewer of the search's.
 _SLOW = 4.0
-#: A law that gains less than this is compared with a family that has been searched for again.
+#: A law that gains less than this, or whose other parameters alone gain something, is compared with a family that has
+#: been searched for again.
 _CLOSE_CALL = 200.0
 #: Laws that each of the two screens sends to be fitted.
 _LEADING = 7
@@ -118,7 +119,9 @@ class Search:
         trials = self._with_twins(trials, fitted, before)
         round_ = Round(fitted, before, ordered(trials))
         best = round_.best
-        if best is None or best.gain > _CLOSE_CALL:
+        if best is None:
+            return round_
+        if best.gain > _CLOSE_CALL and not self._worth(without_term(best.fitted.model, best.effect), fitted) > 0:
             return round_
         again = self._family_again(fitted, best)
         if again is None:

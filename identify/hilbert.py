@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
+from ..recording.resolution import converter_step
 
 KERNEL_CYCLES = 3.0  # shortest Blackman kernel that has its first zero one carrier frequency away
 
@@ -57,6 +58,8 @@ def dominant_frequency(x: np.ndarray, fs: float) -> float:
 def noise_level(x: np.ndarray, fs: float) -> float:
     """Standard deviation of the white noise on `x` (n,), from the median of the upper quarter of its spectrum.
 
+    It is at least that of the converter's steps, which a motion of few steps follows so slowly that it shows less.
+
     The signal must be sampled at 10 samples a cycle or more, so that it has nothing but noise up there.
     """
     from scipy.signal import welch
@@ -70,7 +73,7 @@ def noise_level(x: np.ndarray, fs: float) -> float:
     # periodograms averaged over few segments: the median lies below the mean (chi-square with about 2 K degrees)
     segments = max(1.0, 1.6 * x.size / size)
     median_to_mean = (1 - 1 / (9 * segments)) ** 3
-    return float(np.sqrt(np.median(top) / median_to_mean * fs / 2))
+    return max(float(np.sqrt(np.median(top) / median_to_mean * fs / 2)), converter_step(x) / np.sqrt(12.0))
 
 
 def analytic_signal(

@@ -61,12 +61,14 @@ def initial_state(
     scale = np.array([size, size * omega, *(scales.of(state.unit) for state in inner)])
     initial = np.zeros(scale.size)
     phases = [2 + i for i, state in enumerate(inner) if state.free]
-    if starts_at_rest(measured, recording.dt, omega, noise_level(measured, recording.fs)):
+    rest = float(simulator(initial, 1)[0])  # a sensor may show a mass at rest to be elsewhere than at zero
+    moved = measured - (rest if np.isfinite(rest) else 0.0)
+    if starts_at_rest(moved, recording.dt, omega, noise_level(measured, recording.fs)):
         own = phases
     else:
         own = list(range(scale.size))
         if recording.quantity == "displacement":
-            initial[:2] = first_motion(measured, recording.dt, omega)[0]
+            initial[:2] = first_motion(moved, recording.dt, omega)[0]
     if not own:
         return initial
     forced = recording.force is not None and bool(np.any(recording.force))

@@ -20,6 +20,15 @@ def fitted():
     return data, Structure(case.model, data).fit(settle=True)
 
 
+def with_residuals(data, fit, residuals):
+    """The same simulation of recordings that leave these residuals."""
+    segments = [
+        replace(s, response=s.response - old + new)
+        for s, old, new in zip(data.segments, fit.residuals, residuals, strict=True)
+    ]
+    return replace(fit, residuals=tuple(residuals)), replace(data, segments=tuple(segments))
+
+
 def coloured(random, n):
     return lfilter([1.0], [1.0, -0.95], random.standard_normal(n))
 
@@ -33,8 +42,9 @@ def test_noise_of_any_colour_is_no_mismatch(fitted, noise):
     data, fit = fitted
     random = np.random.default_rng(3)
     residuals = tuple(5 * np.std(r) * noise(random, r.size) for r in fit.residuals)
-    assert max(one.ratio for one in leftovers(replace(fit, residuals=residuals), data)) > 2
-    assert sentence(leftovers(replace(fit, residuals=residuals), data)) is None
+    left = leftovers(*with_residuals(data, fit, residuals))
+    assert max(one.ratio for one in left) > 2
+    assert sentence(left) is None
 
 
 def test_what_grows_with_the_motion_is_a_mismatch(fitted):
@@ -53,7 +63,7 @@ def test_what_keeps_step_with_the_motion_is_a_mismatch_however_large_the_motion_
     for segment, r in zip(data.segments, fit.residuals, strict=True):
         speed = np.gradient(segment.response - r)
         residuals.append(r + 1.5 * np.std(r) * np.sign(speed))  # as of play in the sensor
-    left = leftovers(replace(fit, residuals=tuple(residuals)), data)
+    left = leftovers(*with_residuals(data, fit, residuals))
     assert all(one.in_step > 0.3 and one.is_mismatch for one in left)
     assert "in step with the motion" in (sentence(left) or "") or any(one.with_motion for one in left)
 
