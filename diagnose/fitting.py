@@ -35,6 +35,8 @@ _COARSER = 3.0
 _FINEST = 40.0
 #: The force is interpolated more coarsely there too: to 1e-5 up to the resonance, to 1e-4 at twice that.
 _FORCE_BAND = 1.0
+#: Finite differences of a likelihood with many side valleys reach over these.
+_WIDE = 3e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -232,6 +234,7 @@ class Structure:
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
             max(internal_step(model, model.values(), length) * _COARSER, min(s.dt for s in data.segments) / _FINEST),
             parameter_bounds(model, scales),
+            **({"step": _WIDE} if any(term.law.rugged for term in model.terms) else {}),
         )
 
     def _at_rest(self, core: Core) -> tuple[Segment, ...]:

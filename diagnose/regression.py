@@ -29,7 +29,10 @@ _HARMONICS = 3.5
 _CYCLES = 8.0
 _OVERLAP = 2
 _DENSITY = 30.0
-_REFINEMENTS = 6
+#: A place is searched by factors: the first steps and the last, as logarithms, and how often it is solved a parameter.
+_STRIDE = 0.3
+_NEAR = 0.02
+_TRIES = 40
 #: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
 _BASE = 6
 _ABSURD = 1e100
@@ -104,7 +107,7 @@ class Regression:
         dt = 1 / (fs * factor)
         motion = np.column_stack([dense, speed, time, np.zeros_like(dense) if along is None else along])
         for law, values in self.present:
-            if law.drive is not None and along is not None:
+            if law.drive is not None:  # without a force too: an actuator of its own mass goes along
                 motion[:, 3] = along_of(law)(values, motion, dt)[0]
         columns = [fine.project(motion[:, 3])]
         columns += [
@@ -146,20 +149,42 @@ class Regression:
         if not found:
             return None
         guess = min(found, key=lambda one: one.misfit)
-        moving = [p for p in law.parameters if not p.strength and not p.shape]
-        for factor in (1.35, 1.15) if len(moving) < 3 else (1.35,):
-            for _ in range(_REFINEMENTS):
-                before = guess
-                for p in moving:
-                    for step in (factor, 1 / factor):
-                        here = {q.name: guess.values[f"{law.name}.{q.name}"] for q in law.parameters if not q.strength}
-                        here[p.name] = float(np.clip(here[p.name] * step, p.lower, p.upper))
-                        trial = self._solve(law, here)
-                        if trial is not None and trial.misfit < guess.misfit:
-                            guess = trial
-                if guess is before:
-                    break
-        return guess
+        return self._refined(law, guess)
+
+    def _refined(self, law: Law, guess: Guess) -> Guess:
+        """The best place around a guess: onsets, speeds and times move by factors (Nelder and Mead 1965)."""
+        from scipy.optimize import minimize
+
+        moving = [p for p in law.parameters if not p.strength and not p.shape and guess.values[f"{law.name}.{p.name}"]]
+        if not moving:
+            return guess
+        places = {q.name: guess.values[f"{law.name}.{q.name}"] for q in law.parameters if not q.strength}
+        best = guess
+
+        def misfit(factors: np.ndarray) -> float:
+            nonlocal best
+            here = dict(places)
+            for p, factor in zip(moving, np.exp(factors), strict=True):
+                here[p.name] = float(np.clip(places[p.name] * factor, p.lower, p.upper))
+            trial = self._solve(law, here)
+            if trial is None:
+                return _ABSURD
+            best = min(best, trial, key=lambda one: one.misfit)
+            return trial.misfit
+
+        n = len(moving)
+        minimize(
+            misfit,
+            np.zeros(n),
+            method="Nelder-Mead",
+            options={
+                "initial_simplex": np.vstack([np.zeros(n), _STRIDE * np.eye(n)]),
+                "maxfev": _TRIES * n,
+                "xatol": _NEAR,
+                "fatol": 1e-4 * guess.misfit,
+            },
+        )
+        return best
 
     def plain(self) -> float:
         """Misfit of the model's own family."""
@@ -187,16 +212,15 @@ class Regression:
             values[p.name] = 1.0  # a contact is there: its derivatives are those of one that pushes
         for rows in self.rows:
             columns = rows.columns
-            if law.force is not None or rows.driven:
-                made = along(values, rows.motion, 1.0 / rows.view.fs)
-                if not np.max(np.abs(made)) < _ABSURD:  # an unstable inner state, or none
-                    return None
-                projected = [rows.view.project(one).ravel() for one in made]
-                if law.drive is not None:
-                    columns = columns.copy()
-                    columns[:, 0] = projected[0]
-                else:
-                    columns = np.column_stack([columns, *projected])
+            made = along(values, rows.motion, 1.0 / rows.view.fs)
+            if not np.max(np.abs(made)) < _ABSURD:  # an unstable inner state, or none
+                return None
+            projected = [rows.view.project(one).ravel() for one in made]
+            if law.drive is not None:
+                columns = columns.copy()
+                columns[:, 0] = projected[0]
+            else:
+                columns = np.column_stack([columns, *projected])
             a = columns / rows.std[:, None]
             b = rows.target / rows.std
             a, b = np.concatenate([a.real, a.imag]), np.concatenate([b.real, b.imag])

@@ -45,6 +45,8 @@ _NEAR = 0.1
 #: ... and, once one law has reached the noise, within this part of its gain.
 _HALFWAY = 0.4
 _FEW_STEPS = 3
+#: Factors of two by which a parameter is moved at most, where steps alone would be caught.
+_PACES = 4
 #: A law whose simulation takes this many times as many steps is given fewer of the search's.
 _SLOW = 4.0
 #: A law that gains less than this, or whose other parameters alone gain something, is compared with a family that has
@@ -160,10 +162,31 @@ class Search:
             if guess is None:
                 continue
             self.progress(law.name, 0.9)
-            one = self._fit(self._guessed(fitted.model, law, guess), fitted.initial, 2 * _FEW_STEPS)
+            one = self._paced(self._guessed(fitted.model, law, guess), law, fitted.initial)
+            if one is not None:
+                one = self._fit(one.model, one.initial, 2 * _FEW_STEPS) or one
             if one is not None and one.likelihood > fitted.likelihood:
                 found.append(self.trial(law.name, self.finish(one), fitted, before, finished=True))
         return found
+
+    def _paced(self, model: Oscillator, law: Law, initial: np.ndarray) -> Fitted | None:
+        """A law's own parameters moved by factors of two as long as that helps, the others fitted to them each time.
+
+        The regression knows little of what happens faster than the rig's own motion, such as a contact's stiffness.
+        """
+        own = [f"{law.name}.{p.name}" for p in law.parameters]
+        best = self._fit(model, initial, _FEW_STEPS, own)
+        for name in (f"{law.name}.{p.name}" for p in law.parameters if not p.shape):
+            for factor in (2.0, 0.5):
+                for _ in range(_PACES):
+                    if best is None:
+                        return None
+                    moved = replace(best.model.parameters()[name], value=factor * best.model.values()[name])
+                    one = self._fit(best.model.with_parameters({name: moved}), best.initial, _FEW_STEPS - 1, own)
+                    if one is None or one.likelihood < best.likelihood:
+                        break
+                    best = one
+        return best
 
     def _family_again(self, fitted: Fitted, best: Trial) -> Fitted | None:
         """The model without the law, fitted again from where the law led the others; None where that gains nothing.

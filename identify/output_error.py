@@ -78,6 +78,7 @@ class OutputError:
         state_scale: (states,) typical displacement, velocity and inner states.
         max_step: longest internal step of the simulation, s.
         bounds: (2, parameters) lowest and highest values, where there are any.
+        step: of the finite differences, as a part of a value or of its typical size.
     """
 
     def __init__(
@@ -89,6 +90,7 @@ class OutputError:
         state_scale: np.ndarray,
         max_step: float,
         bounds: np.ndarray | None = None,
+        step: float = _STEP,
     ) -> None:
         self.core = core
         self.segments = tuple(segments)
@@ -97,6 +99,7 @@ class OutputError:
         self.state_scale = state_scale
         self.max_step = max_step
         self.bounds = bounds
+        self.step = step
         self._pool = _pool()
 
     def simulate(
@@ -150,7 +153,7 @@ class OutputError:
             own = k - len(self.free)
             here = state.initial[i, own] if own >= 0 else state.values[self.free[k]]
             size = self.state_scale[own] if own >= 0 else self.scale[self.free[k]]
-            ahead = (-_STEP if backward else _STEP) * max(abs(here), size)
+            ahead = (-self.step if backward else self.step) * max(abs(here), size)
             for step in (ahead, -ahead):
                 values, initial = state.values.copy(), state.initial[i].copy()
                 if own >= 0:
