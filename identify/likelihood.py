@@ -157,9 +157,11 @@ def equivalent_resonance(segment: Segment, value: Mapping[str, float], quantity:
     """
     omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
     order = QUANTITIES.index(quantity)
-    peak = np.sqrt(2) * float(np.std(segment.response)) / value["omega0"] ** order
+    tiny = np.finfo(float).tiny ** 0.25  # a search may have run to where nothing moves
+    omega0 = max(value["omega0"], tiny)
+    peak = max(np.sqrt(2) * float(np.std(segment.response)) / omega0**order, tiny)
     stiffness = value["omega0"] ** 2 + 0.75 * value["cubic"] * peak**2 + 4 * value["preload"] / (np.pi * peak)
-    damping = value["viscous"] + 4 * value["dry"] / (np.pi * value["omega0"] * peak)
+    damping = value["viscous"] + 4 * value["dry"] / (np.pi * omega0 * peak)
     return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order)
 
 
