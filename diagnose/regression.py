@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 
 import numpy as np
@@ -40,23 +40,31 @@ _ABSURD = 1e100
 
 @dataclass(frozen=True, eq=False)
 class _Rows:
-    """One segment on a dense grid, with its windows and what does not depend on the law."""
+    """One segment on a dense grid, with its windows and what does not depend on the law.
 
+    ``own`` are columns whose coefficients belong to this segment alone: forces of unknown phase.
+    """
+
+    segment: int
     view: Windows
     motion: np.ndarray
-    driven: bool
     columns: np.ndarray
+    own: np.ndarray
     target: np.ndarray
     std: np.ndarray
 
 
 @dataclass(frozen=True)
 class Guess:
-    """Values of all parameters, base and law, from the regression; ``misfit`` is its weighted mean square."""
+    """Values of all parameters, base and law, from the regression.
+
+    ``misfit`` is its weighted mean square, ``phases`` the phase of a periodic force in each segment, by its number.
+    """
 
     effect: str
     values: Mapping[str, float]
     misfit: float
+    phases: Mapping[int, float] = field(default_factory=dict)
 
 
 class Regression:
@@ -81,12 +89,19 @@ class Regression:
                 whole[segment.recording] = displacement(recording)
             x = whole[segment.recording][segment.start : segment.stop]
             force = None if segment.force is None else np.asarray(recording.force, float)[segment.start : segment.stop]
-            rows = self._prepare(x, force, recording.fs, segment.time, data.sensor[i], data.force[i])
+            rows = self._prepare(i, x, force, recording.fs, segment.time, data.sensor[i], data.force[i])
             if rows is not None:
                 self.rows.append(rows)
 
     def _prepare(
-        self, x: np.ndarray, force: np.ndarray | None, fs: float, start: float, noise: float, force_noise: float
+        self,
+        number: int,
+        x: np.ndarray,
+        force: np.ndarray | None,
+        fs: float,
+        start: float,
+        noise: float,
+        force_noise: float,
     ) -> _Rows | None:
         model = self.model
         f = model.omega0.value / (2 * np.pi)
@@ -117,8 +132,11 @@ class Regression:
             fine.project(_soft_sign(dense, speed, dt)),
             fine.project(_soft_sign(speed, np.gradient(speed, dt), dt)),
         ]
+        own = [np.zeros(view.starts.size * view.omega.size, complex)]
         for law, values in self.present:
-            if law.force is not None:
+            if along_of(law).phases:
+                own += _quadratures(law, values, motion, fine, dt)
+            elif law.force is not None:
                 columns += [fine.project(one) for one in along_of(law)(values, motion, dt)]
         w = view.omega
         gap = (model.omega0.value**2 - w**2) ** 2 + (model.viscous.value * w) ** 2 + (2 * w * view.width) ** 2
@@ -127,10 +145,11 @@ class Regression:
         quiet = scale**2 * gap + (force_noise / mass) ** 2
         std = np.sqrt(quiet * view.energy / fs)
         return _Rows(
+            number,
             fine,
             motion,
-            along is not None,
             np.stack([c.ravel() for c in columns], axis=-1),
+            np.stack(own, axis=-1),
             -view.project(x, 2).ravel(),
             np.tile(std, view.starts.size),
         )
@@ -206,24 +225,29 @@ class Regression:
     def _solve(self, law: Law, probe: Mapping[str, float]) -> Guess | None:
         strengths = [p for p in law.parameters if p.strength]
         normal, right, power, count = 0.0, 0.0, 0.0, 0
+        solutions: list[tuple[_Rows, np.ndarray, np.ndarray, np.ndarray]] = []
         along = along_of(law)
         values = {p.name: float(probe.get(p.name, 1.0)) for p in law.parameters}
         for p in strengths[:1]:
             values[p.name] = 1.0  # a contact is there: its derivatives are those of one that pushes
         for rows in self.rows:
-            columns = rows.columns
+            columns, own = rows.columns, rows.own
             made = along(values, rows.motion, 1.0 / rows.view.fs)
             if not np.max(np.abs(made)) < _ABSURD:  # an unstable inner state, or none
                 return None
             projected = [rows.view.project(one).ravel() for one in made]
-            if law.drive is not None:
+            if along.phases:
+                own = np.column_stack([own, *_quadratures(law, values, rows.motion, rows.view, 1.0 / rows.view.fs)])
+            elif law.drive is not None:
                 columns = columns.copy()
                 columns[:, 0] = projected[0]
             else:
                 columns = np.column_stack([columns, *projected])
-            a = columns / rows.std[:, None]
-            b = rows.target / rows.std
-            a, b = np.concatenate([a.real, a.imag]), np.concatenate([b.real, b.imag])
+            a, b, own = (_real(c, rows.std) for c in (columns, rows.target[:, None], own))
+            b = b[:, 0]
+            if np.any(own):
+                solutions.append((rows, own, a, b))
+                a, b = a - own @ _many(own, a), b - own @ _many(own, b)
             normal, right, power, count = normal + a.T @ a, right + a.T @ b, power + float(b @ b), count + b.size
         matrix, vector = np.asarray(normal), np.asarray(right)
         used = np.diag(matrix) > 0
@@ -241,6 +265,9 @@ class Regression:
         if self.forced and self.model.mass is not None:
             values["mass"] = -1.0 / float(solved[0])
         own = dict(probe) | {p.name: float(s) for p, s in zip(strengths, solved[self._base :], strict=False)}
+        phases: dict[int, float] = {}
+        if along.phases:
+            own[strengths[0].name], phases = _amplitude(solutions, solved)
         if not all(p.lower <= own[p.name] <= p.upper for p in law.parameters) or solved[1] < 0:
             return None  # the law would do the opposite of what it stands for
         for p in law.parameters:
@@ -249,10 +276,10 @@ class Regression:
         for present, old in self.present:
             for p in present.parameters:
                 values[f"{present.name}.{p.name}"] = old[p.name]
-                if present.force is not None and p.strength:
+                if present.force is not None and p.strength and not along_of(present).phases:
                     values[f"{present.name}.{p.name}"] = float(np.clip(solved[place], p.lower, p.upper))
                     place += 1
-        return Guess(law.name, values, misfit)
+        return Guess(law.name, values, misfit, phases)
 
 
 def _probes(law: Law, scales: Scales) -> list[dict[str, float]]:
@@ -268,6 +295,34 @@ def _least_squares(matrix: np.ndarray, vector: np.ndarray, used: np.ndarray) -> 
     normal = matrix[np.ix_(used, used)] / np.outer(size, size)
     solved[used] = np.linalg.lstsq(normal, vector[used] / size, rcond=1e-10)[0] / size
     return solved
+
+
+def _real(columns: np.ndarray, std: np.ndarray) -> np.ndarray:
+    """(2 n, m) weighed real and imaginary parts of (n, m)."""
+    weighed = columns / std[:, None]
+    return np.concatenate([weighed.real, weighed.imag])
+
+
+def _many(columns: np.ndarray, target: np.ndarray) -> np.ndarray:
+    return np.linalg.lstsq(columns, target, rcond=1e-10)[0]
+
+
+def _quadratures(
+    law: Law, values: Mapping[str, float], motion: np.ndarray, view: Windows, dt: float
+) -> list[np.ndarray]:
+    """A periodic force of unit amplitude as a cosine and as a sine from the segment's start."""
+    shifts = (0.0, -0.5 * np.pi)
+    return [view.project(one).ravel() for shift in shifts for one in along_of(law)(values, motion, dt, shift)]
+
+
+def _amplitude(
+    solutions: Sequence[tuple[_Rows, np.ndarray, np.ndarray, np.ndarray]], solved: np.ndarray
+) -> tuple[float, dict[int, float]]:
+    """Amplitude of a periodic force over all segments, and its phase in each."""
+    parts = {rows.segment: _many(own, b - a @ solved)[-2:] for rows, own, a, b in solutions}
+    weights = {rows.segment: float(np.sum(own[:, -2:] ** 2)) for rows, own, _, _ in solutions}
+    power = sum(weights[i] * float(part @ part) for i, part in parts.items()) / max(sum(weights.values()), 1e-300)
+    return float(np.sqrt(power)), {i: float(np.arctan2(-part[1], part[0])) for i, part in parts.items()}
 
 
 @cache

@@ -71,12 +71,14 @@ class Search:
         holdout: recordings that no parameter is fitted to.
         laws: the library, with the user's laws.
         progress: called with what is being done and which part of all is done.
+        by_motion: gain of each law in the last regression on the measured motion.
     """
 
     data: Data
     holdout: Data
     laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
+    by_motion: dict[str, float] = field(default_factory=dict, init=False)
 
     def best_of_family(self, model: Oscillator) -> Fitted:
         """The parameters of a model's own structure that suit the training recordings best."""
@@ -156,10 +158,12 @@ class Search:
         """The laws with too many side valleys to be screened, fitted at length where nothing else explains."""
         present = {term.law.effect for term in fitted.model.terms}
         regression = Regression(self.data, fitted.model)
+        plain = regression.plain()
         found = []
         for law in self.laws:
             guess = regression.best(law) if law.rugged and law.effect not in present else None
-            if guess is None:
+            # the measured motion knows no side valleys: what it speaks against is not worth a long search
+            if guess is None or regression.gain(plain, guess) < _HALFWAY * max(self.by_motion.values(), default=0.0):
                 continue
             self.progress(law.name, 0.9)
             one = self._paced(self._guessed(fitted.model, law, guess), law, fitted.initial)
@@ -259,11 +263,12 @@ class Search:
             regression = Regression(self.data, fitted.model)
             plain = regression.plain()
             guesses = {guess.effect: guess for guess in regression.guesses(laws)}
-            by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
+            self.by_motion = by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
             for name in _leading(by_motion):
                 model = self._guessed(fitted.model, find(name), guesses[name])
-                gain = self._worth(model, fitted)
-                starts.setdefault(name, []).append((gain, model, fitted.initial))
+                initial = self._phased(fitted.initial, guesses[name])
+                gain = self._worth(model, fitted, initial)
+                starts.setdefault(name, []).append((gain, model, initial))
         ordered = sorted(starts, key=lambda name: -max(start[0] for start in starts[name]))
         return {name: [(model, initial) for _, model, initial in starts[name]] for name in ordered[:_CANDIDATES]}
 
@@ -286,11 +291,17 @@ class Search:
             for i, residual in enumerate(fitted.residuals)
         ]
 
-    def _worth(self, model: Oscillator, fitted: Fitted) -> float:
+    def _phased(self, initial: np.ndarray, guess: Guess) -> np.ndarray:
+        """Initial states with the phases of a guess, where it has any."""
+        if not guess.phases:
+            return initial
+        return np.hstack([initial, [[guess.phases.get(i, 0.0)] for i in range(len(self.data.segments))]])
+
+    def _worth(self, model: Oscillator, fitted: Fitted, initial: np.ndarray | None = None) -> float:
         """Gain of log-likelihood of a model as it is."""
         try:
             structure = Structure(model, self.data)
-            state = structure.problem.settle(structure.state(fitted.initial))
+            state = structure.problem.settle(structure.state(fitted.initial if initial is None else initial))
             residuals = structure.problem.residuals(state)
         except DashpotError:
             return -np.inf

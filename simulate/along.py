@@ -52,6 +52,7 @@ class Along:
         if inner.numel():
             values, rates = ca.substitute([values, rates], [inner], [z])
         self.values = values.numel()
+        self.phases = any(state.free for state in motion.states)
         self.follows = [{"displacement": 0, "velocity": 1}.get(state.follows or "") for state in motion.states]
         arguments = [z, given_motion, p]
         generator = ca.CodeGenerator("law.c", {"casadi_int": "int", "with_header": False})
@@ -76,17 +77,21 @@ class Along:
             _DOUBLES,
         ]
 
-    def __call__(self, parameters: Mapping[str, float], motion: np.ndarray, dt: float) -> np.ndarray:
+    def __call__(
+        self, parameters: Mapping[str, float], motion: np.ndarray, dt: float, shift: np.ndarray | float = 0.0
+    ) -> np.ndarray:
         """(values, n) along a motion.
 
         Args:
             parameters: of the law, by name.
             motion: (n, 4) displacement, velocity, time, force at points ``dt`` apart, in order of time.
             dt: s.
+            shift: of the inner states at the first point from what they follow, (inner,) or one for all.
         """
         motion = np.ascontiguousarray(motion, float)
         p = np.array([parameters[parameter.name] for parameter in self.law.parameters])
         begin = np.array([0.0 if leader is None else motion[0, leader] for leader in self.follows] or [0.0])
+        begin += shift
         out = np.empty((motion.shape[0], self.values))
         parts = self._parts(begin, motion, p, dt)
         self._along(
