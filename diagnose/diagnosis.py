@@ -161,7 +161,11 @@ def _survivors(found: _Found, best: Oscillator) -> dict[str, Oscillator]:
 
 
 def _family(search: Search, model: Oscillator, recordings: Sequence[Recording]) -> Fitted:
-    """Best of the family, from the model's values or, where these lead nowhere, from the Hilbert transform's."""
+    """Best of the family, from the model's values or, where these lead nowhere, from others.
+
+    These are the Hilbert transform's, and both without what can hold the mass: where a simulated mass is held through
+    a whole recording, no parameter has a derivative there that would let it go.
+    """
     family = search.best_of_family(model)
     if _worst_nrmse(family, search.data) < _LOST:
         return family
@@ -175,8 +179,16 @@ def _family(search: Search, model: Oscillator, recordings: Sequence[Recording]) 
             if name in known and value is not None
         }
     )
-    other = search.best_of_family(start)
-    return other if other.likelihood > family.likelihood else family
+    starts = [start, *(_loose(one) for one in (family.model, start))]
+    return max([family, *(search.best_of_family(one) for one in starts)], key=lambda one: one.likelihood)
+
+
+def _loose(model: Oscillator) -> Oscillator:
+    """The model without dry friction and preload."""
+    known = model.parameters()
+    return model.with_parameters(
+        {name: replace(known[name], value=0.0) for name in ("dry", "preload") if name in known}
+    )
 
 
 def _worst_nrmse(fitted: Fitted, data: Data) -> float:
@@ -215,15 +227,14 @@ def _search(search: Search, family: Fitted, progress: Callable[[str, float], Non
         round_ = search.round(current)
         rounds.append(round_)
         if round_.best is None:
-            if not chain:
-                family = round_.before  # the trials may have led the family itself to a better place
+            current = round_.before  # the trials may have led the model itself to a better place
+            family = family if chain else current
             break
         chain.append(round_.best)
         current = round_.best.fitted
         if len(chain) > 1:
             chain, current = search.reconsidered(chain, rounds)
-    final = family if not chain else current
-    return _Found(family, final, tuple(chain), tuple(rounds))
+    return _Found(family, current, tuple(chain), tuple(rounds))
 
 
 def _stranger(found: _Found, search: Search, left: Sequence[Leftover], training: int) -> str | None:
@@ -311,9 +322,13 @@ def _sentence(verdict: Verdict, effects: Sequence[Effect], remainder: str | None
     held = [r for r in records if r.holdout and math.isfinite(r.nrmse_after)]
     figures = ""
     if held:
-        worst = max(held, key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300))
+        worst = max(
+            held,
+            key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300) if math.isfinite(r.nrmse_before) else math.inf,
+        )
+        before = f"{100 * worst.nrmse_before:.3g}" if math.isfinite(worst.nrmse_before) else "where nothing simulates"
         figures = (
-            f"; with it the held-out error falls from {100 * worst.nrmse_before:.3g} to {100 * worst.nrmse_after:.3g} "
+            f"; with it the held-out error falls from {before} to {100 * worst.nrmse_after:.3g} "
             f"% in {worst.file} (noise {100 * worst.noise_floor:.3g} %)"
         )
     if verdict == "unexplained":

@@ -56,6 +56,11 @@ _CLOSE_CALL = 200.0
 _LEADING = 7
 #: ... and this many altogether are.
 _CANDIDATES = 9
+#: So many of the best are fitted once more where they leave between so many times the noise ...
+_CONTENDERS = 3
+_CLOSE = 1.05
+#: ... and so many.
+_FAIR = 3.0
 #: A family that leaves this many times the noise is too far off for its derivatives to tell all.
 _FAR = 1.2
 #: Above this many times the noise something may be left for the shape of a law to explain.
@@ -86,9 +91,19 @@ class Search:
         return self._polish(fitted, ())
 
     def judge(self, model: Oscillator) -> Fitted:
-        """The held-out recordings under a model as it is; only initial states are found anew."""
-        everything = tuple(model.parameters())
-        return Structure(model, self.holdout, everything).fit(settle=True, tolerance=0.1)
+        """The held-out recordings under a model as it is; only initial states are found anew.
+
+        A recording through which the model does not simulate is not told at all.
+        """
+        structure = Structure(model, self.holdout, tuple(model.parameters()))
+        state, residuals = structure.here()
+        if all(np.all(np.isfinite(residual)) for residual in residuals):
+            return structure.fit(settle=True, tolerance=0.1)
+        told = tuple(
+            residual if np.all(np.isfinite(residual)) else segment.response
+            for segment, residual in zip(self.holdout.segments, residuals, strict=True)
+        )
+        return Fitted(model, state.initial, told, likelihood(told, model, self.holdout), ())
 
     def round(self, fitted: Fitted) -> Round:
         """Try the library on a fitted model."""
@@ -118,6 +133,7 @@ class Search:
                     bar = max(bar, _HALFWAY * (trial.fitted.likelihood - fitted.likelihood))
             trials.append(trial)
             self.progress(f"{effect}", 0.6 + 0.3 * (i + 1) / len(early))
+        trials = self._to_the_end(trials, fitted, before)
         if not near and not any(t.finished and max(self._ratios(t.fitted)) <= _FAR for t in trials):
             trials += self._rugged(fitted, before)
         trials = self._with_twins(trials, fitted, before)
@@ -134,6 +150,24 @@ class Search:
         lost, lost_holdout = again.likelihood - fitted.likelihood, judged.likelihood - before.likelihood
         moved = [replace(t, gain=t.gain - lost, holdout_gain=t.holdout_gain - lost_holdout) for t in trials]
         return Round(again, judged, ordered(moved))
+
+    def _to_the_end(self, trials: Sequence[Trial], fitted: Fitted, before: Fitted) -> list[Trial]:
+        """The trials; the best, where they have nearly reached the noise, fitted once more to be compared there."""
+        found = ordered(trials)
+        bar = _HALFWAY * found[0].score if found else 0.0
+        again = []
+        for i, trial in enumerate(found):
+            if (
+                i < _CONTENDERS
+                and trial.finished
+                and trial.score > bar
+                and _CLOSE < max(self._ratios(trial.fitted)) < _FAIR
+            ):
+                better = self.trial(trial.effect, self.finish(trial.fitted), fitted, before, finished=True)
+                again.append(better if better.gain > trial.gain else trial)
+            else:
+                again.append(trial)
+        return again
 
     def _with_twins(self, trials: Sequence[Trial], fitted: Fitted, before: Fitted) -> list[Trial]:
         """The same fits under the names of laws with the same equation, as far as their values suit these names."""

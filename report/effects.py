@@ -171,7 +171,7 @@ class Shift:
         """The shift in percent with its sign; empty where it is not known or says nothing."""
         if self.percent is None or abs(self.percent) > _FAR:
             return ""
-        return typeset(f"{self.percent:+.2g} %" if abs(self.percent) < 99.5 else f"{self.percent:+.0f} %")
+        return typeset(f"{self.percent:+.2g}" if abs(self.percent) < 99.5 else f"{self.percent:+.0f}") + " %"
 
 
 def shifts(diagnosis: Diagnosis) -> tuple[Shift, ...]:
