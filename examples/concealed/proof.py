@@ -3,6 +3,7 @@
 A process of its own makes the suite and prints the SHA-256 of the sealed truth. Then every rig is diagnosed with the
 installed commands, which get copies of its CSV files in a folder from which no path leads to the truth. Only when all
 are done is the seal opened, with the printed hash, and the score written: DIR/scoreboard.html and DIR/scoreboard.json.
+The whole proof then also diagnoses recordings that no generator of ours drew (recorded.py; not with --short).
 Started again, it goes on where it stopped; rigs without a diagnosis are tried again.
 """
 
@@ -21,6 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .make import options
+from .recorded import run
 from .recordings import HELD_OUT, TRAINING
 from .score import score, summary
 from .scoreboard import page
@@ -125,10 +127,18 @@ def diagnose_all(folder: Path, jobs: int, timeout: float) -> None:
             print(line, flush=True)
 
 
-def report(folder: Path, known: str) -> str:
+def diagnose_recorded(folder: Path) -> list[dict]:
+    """Outcomes of the recordings from elsewhere, kept in folder/recorded.json."""
+    kept = folder / "recorded.json"
+    if not kept.exists():
+        kept.write_text(json.dumps(run(), indent=1), encoding="utf-8")
+    return json.loads(kept.read_text(encoding="utf-8"))
+
+
+def report(folder: Path, known: str, recorded: Sequence[dict] = ()) -> str:
     """Open the seal, score, write scoreboard.json and scoreboard.html, and give the summary."""
     board = score(open_sealed(folder / "suite" / NAME, known), folder / "results")
-    board["sha256"] = known
+    board |= {"sha256": known, "recorded": list(recorded)}
     (folder / "scoreboard.json").write_text(json.dumps(board, indent=1), encoding="utf-8")
     (folder / "scoreboard.html").write_text(page(board, known), encoding="utf-8")
     return summary(board)
@@ -149,7 +159,8 @@ def main(arguments: list[str]) -> int:
         return 2
     print(f"SHA-256 of the sealed truth: {known}", flush=True)
     diagnose_all(given.output, given.jobs, given.timeout)
-    print(report(given.output, known))
+    recorded = [] if given.short or given.kinds or given.scale != "nominal" else diagnose_recorded(given.output)
+    print(report(given.output, known, recorded))
     print(given.output / "scoreboard.html")
     board = json.loads((given.output / "scoreboard.json").read_text(encoding="utf-8"))
     return 0 if all(one["met"] for one in board["targets"]) else 1

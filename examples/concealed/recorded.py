@@ -45,7 +45,7 @@ class Outcome:
     verdict: str
     sentence: str
     laws: tuple[str, ...]
-    records: tuple[tuple[str, bool, float, float, float], ...]
+    records: tuple[tuple[str, bool, float | None, float | None, float], ...]
     notes: tuple[str, ...]
     seconds: float
     tests: tuple[tuple[str, float, float, str], ...] = field(default=())
@@ -112,11 +112,16 @@ def _outcome(
         found.verdict,
         found.sentence,
         tuple(effect.law for effect in found.effects),
-        tuple((r.file, r.holdout, r.nrmse_before, r.nrmse_after, r.noise_floor) for r in found.records),
+        tuple((r.file, r.holdout, _known(r.nrmse_before), _known(r.nrmse_after), r.noise_floor) for r in found.records),
         tuple(found.notes),
         seconds,
         tuple(tests(found)),
     )
+
+
+def _known(value: float) -> float | None:
+    """None where nothing simulates."""
+    return value if np.isfinite(value) else None
 
 
 #: Each with the file that it needs, from the public ones.
@@ -145,7 +150,8 @@ def run(names: Sequence[str] = ()) -> list[dict]:
         print(f"{outcome.name} ({outcome.seconds:.0f} s): {outcome.sentence}", flush=True)
         for file_name, held_out, before, after, floor in outcome.records:
             kind = "held out" if held_out else "training"
-            print(f"    {kind} {file_name}: {100 * before:.3f} -> {100 * after:.3f} % (noise {100 * floor:.3f} %)")
+            figures = " -> ".join("no simulation" if v is None else f"{100 * v:.3f} %" for v in (before, after))
+            print(f"    {kind} {file_name}: {figures} (noise {100 * floor:.3f} %)")
         for what, before, after, unit in outcome.tests:
             print(f"    {what}: {before:.3f} -> {after:.3f} {unit}")
         for note in outcome.notes:

@@ -29,6 +29,7 @@ def page(board: dict[str, Any], sha256: str = "") -> str:
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters["percent"] = lambda value: "–" if value is None else f"{100 * value:.0f} %"
+    environment.filters["part"] = lambda value: "–" if value is None or value != value else f"{100 * value:.2f} %"
     environment.filters["ratio"] = lambda value: "–" if value is None else f"{value:.2f}"
     environment.filters["judged"] = judged
     text = Path(__file__).with_name("scoreboard.html.j2").read_text(encoding="utf-8")
