@@ -19,7 +19,7 @@ from ..identify.output_error import State, pseudo_inverse
 from ..model import Oscillator
 from ..model.law import Law, Scales
 from ..model.laws import LIBRARY
-from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, with_term, with_values
+from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, parameter_bounds, with_term, with_values
 
 #: Strength at which the derivative of a law is taken, in natural sizes: small beside the least friction that matters.
 _FEELER = 1e-5
@@ -197,6 +197,7 @@ class Screen:
                 numbers[p.name] = float(np.clip(numbers[p.name], p.lower, p.upper))
             moved = here.copy()
             moved[list(self.places)] += part * step.shift
+            moved = np.clip(moved, *parameter_bounds(self.fitted.model, self.data.scales))
             start = self._simulated(step.law, numbers, moved, step.promise, step.initial)
             if start is not None and (best is None or start.gain > best.gain):
                 best = start
