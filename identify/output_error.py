@@ -24,6 +24,8 @@ from .segments import Segment
 Block = tuple[np.ndarray, np.ndarray]
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
+#: A limited inner state begins at this part of its limit where it begins at it.
+_NEAR_REACH = 0.98
 _MOST_ITERATIONS = 40
 
 
@@ -65,6 +67,32 @@ class Outcome:
     residuals: tuple[np.ndarray, ...]
     iterations: int
     converged: bool
+
+
+def nearest_reach(
+    initial: np.ndarray, reaches: np.ndarray, own: Sequence[int], misfit: Callable[[np.ndarray], float]
+) -> np.ndarray:
+    """An initial state, its limited inner states where they suit best: as they are, or near either limit.
+
+    A contact that slides when a decay begins is at its limit, and has no derivative there that would lead to it.
+
+    Args:
+        initial: (states,).
+        reaches: (states,) the limits, 0 where there is none.
+        own: which of the states may be moved.
+        misfit: of an initial state; not-a-number where it does not simulate.
+    """
+    for k in own:
+        if not reaches[k] > 0:
+            continue
+        candidates = [initial]
+        for place in (-_NEAR_REACH * reaches[k], 0.0, _NEAR_REACH * reaches[k]):
+            moved = initial.copy()
+            moved[k] = place
+            candidates.append(moved)
+        values = [misfit(candidate) for candidate in candidates]
+        initial = candidates[int(np.nanargmin(values))] if np.any(np.isfinite(values)) else initial
+    return initial
 
 
 class OutputError:
@@ -185,6 +213,12 @@ class OutputError:
             if not own:
                 continue
             n = int(np.clip(cycles / rate / segment.dt * 2 * np.pi, 8, segment.n))
+
+            def misfit(candidate: np.ndarray, i: int = i, n: int = n) -> float:
+                left = self.segments[i].response[:n] - self.simulate(i, state.values, candidate, n)
+                return float(np.sum(left**2))
+
+            initial[i] = nearest_reach(initial[i], self.core.reaches(state.values), own, misfit)
             for _ in range(4):
                 base = self.simulate(i, state.values, initial[i], n)
                 rows = []

@@ -13,6 +13,7 @@ from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
 from ..simulate.force import Force, smooth_force
 from .hilbert import dominant_frequency, noise_level
+from .output_error import nearest_reach
 from .segments import FORCE_BAND, first_motion, starts_at_rest
 
 _ROUNDS = 4
@@ -41,7 +42,11 @@ def force_of(recording: Recording) -> Force | None:
 
 
 def initial_state(
-    simulator: Simulator, recording: Recording, inner: Sequence[InnerState] = (), force_size: float = 1.0
+    simulator: Simulator,
+    recording: Recording,
+    inner: Sequence[InnerState] = (),
+    force_size: float = 1.0,
+    reaches: np.ndarray | None = None,
 ) -> np.ndarray:
     """Displacement, velocity and inner states at the first sample that bring a simulation closest to the recording.
 
@@ -53,6 +58,7 @@ def initial_state(
         recording: what it should reproduce.
         inner: the model's inner states.
         force_size: typical force, for inner states that are forces.
+        reaches: (2 + inner,) how far the states can go, 0 without a limit; None where that is not known.
     """
     measured = np.asarray(recording.response, float)
     omega = natural_frequency(recording)
@@ -86,6 +92,8 @@ def initial_state(
         for k, turn in enumerate(turns):
             turn[phases] = 2 * np.pi * k / _PHASES
         initial = min(turns, key=lambda turn: misfit(turn, lengths[-1]))
+    if reaches is not None:
+        initial = nearest_reach(initial, reaches, own, lambda candidate: misfit(candidate, lengths[0]))
     for n in lengths:
         initial = _closest(simulator, measured[:n], initial, own, scale)
     return initial
@@ -133,5 +141,5 @@ def replayed(oscillator: Oscillator, recording: Recording) -> tuple[np.ndarray, 
         return core.record(values, initial, force, n, recording.dt, step, start=recording.start)
 
     size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
-    initial = initial_state(simulator, recording, core.equations.inner, size)
+    initial = initial_state(simulator, recording, core.equations.inner, size, core.reaches(values))
     return simulator(initial, recording.n), initial

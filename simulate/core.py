@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
+from functools import cached_property
 from importlib import resources
 from typing import TYPE_CHECKING
 
@@ -66,6 +67,16 @@ class Core:
         for i, leader in enumerate(self.equations.follows):
             z[i] += 0.0 if leader is None else z[leader]
         return z
+
+    def reaches(self, values: np.ndarray) -> np.ndarray:
+        """(states,) how far each inner state goes at these parameters; 0 where nothing limits it."""
+        return np.concatenate([np.zeros(2), np.array(self._reaches(values)).ravel()])
+
+    @cached_property
+    def _reaches(self) -> Expression:
+        import casadi as ca
+
+        return ca.Function("reaches", [self.equations.p], [self.equations.reaches])
 
     def initial(self, z: np.ndarray) -> np.ndarray:
         """What ``begin`` makes the states ``z`` of."""
