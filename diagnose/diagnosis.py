@@ -151,7 +151,7 @@ def _survivors(found: _Found, best: Oscillator) -> dict[str, Oscillator]:
     """The model and its closest rivals, by name."""
     models = {(best.terms[-1].effect if best.terms else "Eq. 17"): best}
     if found.chain:
-        last = found.round_of(found.chain[-1])
+        last = [round_ for round_ in found.rounds if set(round_.trials) & set(found.chain)][-1]
         finished = [t for t in last.trials if t.finished and t.effect not in models]
     else:
         finished = [t for t in found.rounds[-1].trials if t.finished]
@@ -233,7 +233,7 @@ def _search(search: Search, family: Fitted, progress: Callable[[str, float], Non
         chain.append(round_.best)
         current = round_.best.fitted
         if len(chain) > 1:
-            chain, current = search.reconsidered(chain, rounds)
+            chain, current = search.reconsidered(chain)
     return _Found(family, current, tuple(chain), tuple(rounds))
 
 

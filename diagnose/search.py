@@ -240,18 +240,24 @@ class Search:
         other = self._polish(other, shapes)
         return other if other.likelihood > fitted.likelihood + 0.5 else None
 
-    def reconsidered(self, chain: list[Trial], rounds: Sequence[Round]) -> tuple[list[Trial], Fitted]:
-        """With a further effect in, the earlier ones that are still needed, and the model with these."""
+    def reconsidered(self, chain: Sequence[Trial]) -> tuple[list[Trial], Fitted]:
+        """With a further effect in, those that are still needed, the most needed first, and the model with these."""
         current = chain[-1].fitted
-        kept = list(chain)
+        lost = {chain[-1].effect: chain[-1].gain}
         for trial in chain[:-1]:
             smaller = without_term(current.model, trial.effect)
-            reduced = self._fit(smaller, _without_states(current, trial.effect), 15)
+            noise = noise_spectra(current.residuals, current.model, self.data)
+            reduced = self._fit(smaller, _without_states(current, trial.effect), 15, noise=noise)
+            if reduced is not None:
+                reduced = self._polish(reduced, shapes_of(reduced.model))
             cost = 0.5 * len(find(trial.effect).parameters) * math.log(self.data.points)
-            if reduced is not None and reduced.likelihood > current.likelihood - cost - ACCEPT_TRAIN:
-                current = self._polish(reduced, shapes_of(reduced.model))
-                kept.remove(trial)
-        return kept, current
+            loss = np.inf if reduced is None else current.likelihood - reduced.likelihood - cost
+            if reduced is not None and loss < ACCEPT_TRAIN:
+                current = reduced
+            else:
+                lost[trial.effect] = loss
+        kept = [trial for trial in chain if trial.effect in lost]
+        return sorted(kept, key=lambda trial: -lost[trial.effect]), current
 
     def trial(self, effect: str, one: Fitted, fitted: Fitted, before: Fitted, *, finished: bool) -> Trial:
         """A fitted law against the model without it."""
