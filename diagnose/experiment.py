@@ -17,7 +17,7 @@ from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
 from .fitting import Data
 from .rehearsal import Played, apart, off, rehearse
 from .result import Experiment
-from .wording import quantity, spoken
+from .wording import figure, quantity, spoken
 
 #: Models that are compared: the first, and its closest rivals.
 _MODELS = 4
@@ -102,7 +102,7 @@ def _separating(
         largest = max(z for _, z in told)
         sentence = (
             f"No recording within {BEYOND:g} times the present levels tells {name} from {spoken(rivals)} (at most "
-            f"{largest:.2g} times the noise, either re-tuned): measure the part itself, or with less noise."
+            f"{figure(largest, 2)} times the noise, either re-tuned): measure the part itself, or with less noise."
         )
         return Experiment(
             sentence=sentence,
@@ -115,7 +115,10 @@ def _separating(
             fs=fs,
         )
     least = min(z for b, z in told if b in clear)
-    why = f"{name} then differs from {spoken(clear)} by {least:.2g} times the noise or more, however it is re-tuned"
+    why = (
+        f"{name} then differs from {spoken(clear)} by {figure(least, 2)} times the noise or more, "
+        "however it is re-tuned"
+    )
     if not_told:
         why += f"; it does not tell {name} from {spoken(not_told)}"
     return _experiment(plans[best], model, why, separates, fs)
@@ -156,7 +159,7 @@ def _sharpening(
     if poor:
         k = max(poor, key=lambda k: before[k] / after[k])
         named = list(parameters)[k]
-        why = f"it brings the error of {named} from {100 * before[k]:.2g} to about {100 * after[k]:.2g} %"
+        why = f"it brings the error of {named} from {figure(100 * before[k], 2)} to about {figure(100 * after[k], 2)} %"
     else:
         k = int(np.argmax(np.where(np.isfinite(before), before / np.maximum(after, 1e-300), 0.0)))
         named = list(parameters)[k]
@@ -174,15 +177,16 @@ def _experiment(
     decay = plan.kind == "decay"
     unit = model.response.displacement_unit if decay else model.force_unit
     level = quantity(plan.level, unit)
-    times = "as much as ever so far" if plan.relative == 1.0 else f"{plan.relative:.2g} times the largest so far"
+    times = "as much as ever so far" if plan.relative == 1.0 else f"{figure(plan.relative, 2)} times the largest so far"
     low, high = plan.band_hz
     what = {
-        "sweep": f"Sweep from {low:.3g} to {high:.3g} Hz with {level} peak ({times})",
-        "multisine": f"Play a multisine of random phases from {low:.3g} to {high:.3g} Hz with {level} peak ({times})",
-        "sine": f"Drive at {low:.3g} Hz with {level} peak ({times}) and stop at half time to let it ring down",
+        "sweep": f"Sweep from {figure(low)} to {figure(high)} Hz with {level} peak ({times})",
+        "multisine": f"Play a multisine of random phases from {figure(low)} to {figure(high)} Hz "
+        f"with {level} peak ({times})",
+        "sine": f"Drive at {figure(low)} Hz with {level} peak ({times}) and stop at half time to let it ring down",
         "decay": f"Release it at {level} ({times}) and let it ring down",
     }[plan.kind]
-    length = f"over {plan.seconds:.3g} s" if plan.kind == "sweep" else f"for {plan.seconds:.3g} s"
+    length = f"over {figure(plan.seconds)} s" if plan.kind == "sweep" else f"for {figure(plan.seconds)} s"
     return Experiment(
         sentence=f"{what}, {length}: {why}.",
         kind=plan.kind,

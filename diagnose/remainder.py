@@ -16,6 +16,7 @@ import numpy as np
 from ..identify.likelihood import equivalent_resonance
 from ..identify.noise_spectrum import estimate
 from .fitting import Data, Fitted
+from .wording import figure
 
 #: What is left may exceed the noise by this factor: the noise itself is estimated.
 ABOVE_NOISE = 1.1
@@ -150,6 +151,6 @@ def sentence(left: Sequence[Leftover]) -> str | None:
             how = "growing with the motion"
         else:
             how = "in step with the motion" if one.in_step > 0 else f"in a burst at {one.burst_s:.4g} s"
-        parts.append(f"{one.ratio:.3g} times the noise in {one.file}, {how}")
+        parts.append(f"{figure(one.ratio)} times the noise in {one.file}, {how}")
     more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recordings"
     return f"there remains {'; '.join(parts)}{more}"

@@ -10,7 +10,7 @@ from .coordinates import where_it_is
 from .explanations import KINDS, Rows, explained, idle, solve
 from .fitting import Data, Fitted
 from .symptoms import LOCKED, Symptoms, with_kind
-from .wording import quantity, spoken
+from .wording import figure, quantity, spoken
 
 #: Places at which an onset is looked for, in parts of the largest displacement.
 _ONSETS = np.linspace(0.1, 0.9, 17)
@@ -125,17 +125,16 @@ def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) ->
         late = _slope(rows, rows.joined(lambda s: s.drive_rate))
         order = "after" if late > 0 else "before"
         return (
-            f"where a force acts, in step with its rate of change: the motion comes {1e3 * abs(late):.3g} ms {order} "
-            "what the recorded force says (a delay or lag of actuator, sensor or clock)"
+            "where a force acts, in step with its rate of change: the motion comes "
+            f"{figure(1e3 * abs(late))} ms {order} what the recorded force says (a delay or lag of actuator, sensor or clock)"
         )
     if found.kind == "time":
         longest = max(float(np.ptp(s.time)) for s in rows.stretches)
         x, t = rows.joined(lambda s: s.x), rows.joined(lambda s: s.time)
         change = _slope(rows, x * t) * longest / model.omega0.value**2
         word = "grows" if change > 0 else "falls"
-        return (
-            f"as time passes: the stiffness {word} by about {100 * abs(change):.2g} % in {longest:.3g} s of a recording"
-        )
+        part = figure(100 * abs(change), 2)
+        return f"as time passes: the stiffness {word} by about {part} % in {figure(longest)} s of a recording"
     if found.kind == "force":
         return f"where a force acts, and following it rather than the motion: {_over_force(rows)}"
     if found.kind == "sensor":
@@ -204,7 +203,7 @@ def how_far_off(fitted: Fitted, data: Data) -> str:
         times = float(np.sqrt(np.mean(residual**2))) / max(sensor, 1e-300)
         if np.isfinite(times) and times > worst:
             worst, name = times, data.recordings[segment.recording].name
-    return f" (response off by up to {worst:.2g} times the noise, in {name})" if name else ""
+    return f" (response off by up to {figure(worst, 2)} times the noise, in {name})" if name else ""
 
 
 def _gain(rows: Rows, *columns: np.ndarray) -> float:

@@ -7,13 +7,18 @@ from collections.abc import Sequence
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
+def figure(value: float, digits: int = 3) -> str:
+    """A value to so many digits, written out: ``270`` and not ``2.7e+02``."""
+    return f"{float(f'{value:.{digits}g}'):.12g}"
+
+
 def quantity(value: float, unit: str) -> str:
     """A value with its unit, in thousandths where that reads better: ``4.1 mm``."""
     if unit in ("m", "m/s", "N"):
         for size, prefix in _PREFIXES:
             if abs(value) >= 0.5 * size:
-                return f"{value / size:.3g} {prefix}{unit}"
-    return f"{value:.3g} {unit}"
+                return f"{figure(value / size)} {prefix}{unit}"
+    return f"{figure(value)} {unit}"
 
 
 def spoken(names: Sequence[str]) -> str:
