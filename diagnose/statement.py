@@ -126,7 +126,8 @@ def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) ->
         order = "after" if late > 0 else "before"
         return (
             "where a force acts, in step with its rate of change: the motion comes "
-            f"{figure(1e3 * abs(late))} ms {order} what the recorded force says (a delay or lag of actuator, sensor or clock)"
+            f"{figure(1e3 * abs(late))} ms {order} what the recorded force says (a delay or lag of actuator, "
+            "sensor or clock)"
         )
     if found.kind == "time":
         longest = max(float(np.ptp(s.time)) for s in rows.stretches)

@@ -18,14 +18,13 @@ import numpy as np
 from ..simulate.core import STEPS_PER_PERIOD, Core
 from ..simulate.force import Force
 from .noise_spectrum import NoiseSpectrum, white
+from .reach import nearest_reach
 from .segments import Segment
 
 #: Normal matrix and gradient of one segment: shared parameters, then its initial state.
 Block = tuple[np.ndarray, np.ndarray]
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
-#: A limited inner state begins at this part of its limit where it begins at it.
-_NEAR_REACH = 0.98
 _MOST_ITERATIONS = 40
 
 
@@ -67,32 +66,6 @@ class Outcome:
     residuals: tuple[np.ndarray, ...]
     iterations: int
     converged: bool
-
-
-def nearest_reach(
-    initial: np.ndarray, reaches: np.ndarray, own: Sequence[int], misfit: Callable[[np.ndarray], float]
-) -> np.ndarray:
-    """An initial state, its limited inner states where they suit best: as they are, or near either limit.
-
-    A contact that slides when a decay begins is at its limit, and has no derivative there that would lead to it.
-
-    Args:
-        initial: (states,).
-        reaches: (states,) the limits, 0 where there is none.
-        own: which of the states may be moved.
-        misfit: of an initial state; not-a-number where it does not simulate.
-    """
-    for k in own:
-        if not reaches[k] > 0:
-            continue
-        candidates = [initial]
-        for place in (-_NEAR_REACH * reaches[k], 0.0, _NEAR_REACH * reaches[k]):
-            moved = initial.copy()
-            moved[k] = place
-            candidates.append(moved)
-        values = [misfit(candidate) for candidate in candidates]
-        initial = candidates[int(np.nanargmin(values))] if np.any(np.isfinite(values)) else initial
-    return initial
 
 
 class OutputError:

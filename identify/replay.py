@@ -13,7 +13,7 @@ from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
 from ..simulate.force import Force, smooth_force
 from .hilbert import dominant_frequency, noise_level
-from .output_error import nearest_reach
+from .reach import nearest_reach
 from .segments import FORCE_BAND, first_motion, starts_at_rest
 
 _ROUNDS = 4
@@ -94,7 +94,10 @@ def initial_state(
         initial = min(turns, key=lambda turn: misfit(turn, lengths[-1]))
     if reaches is not None:
         initial = nearest_reach(initial, reaches, own, lambda candidate: misfit(candidate, lengths[0]))
+    unlimited = [k for k in own if reaches is None or not reaches[k] > 0]
     for n in lengths:
+        if unlimited != own:  # a state at its limit has no derivative, and would spoil the step of the others
+            initial = _closest(simulator, measured[:n], initial, unlimited, scale)
         initial = _closest(simulator, measured[:n], initial, own, scale)
     return initial
 

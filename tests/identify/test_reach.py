@@ -1,0 +1,36 @@
+"""Inner states that begin at their limits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify.reach import nearest_reach
+from dashpot.identify.replay import replayed
+from dashpot.model import Oscillator
+from dashpot.recording import Recording
+from dashpot.simulate.core import core_of, internal_step
+
+BASE = {"mass": 0.3, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.5, "dry": 0.0}
+HYSTERESIS = {"stiffness": 900.0, "limit": 2e-4, "exponent": 10.0, "loading": 0.5}
+
+
+def test_only_limited_states_move_and_the_best_place_wins():
+    initial, reaches = np.array([1.0, 2.0, 0.1, 5.0]), np.array([0.0, 0.0, 1.0, 0.0])
+    found = nearest_reach(initial, reaches, (0, 1, 2, 3), lambda z: abs(z[2] + 1.0))
+    assert found == pytest.approx([1.0, 2.0, -0.98, 5.0])
+    kept = nearest_reach(initial, reaches, (0, 1, 2, 3), lambda z: abs(z[2] - 0.1))
+    assert np.array_equal(kept, initial)
+    assert np.array_equal(nearest_reach(initial, reaches, (0, 1), lambda z: abs(z[2])), initial)
+
+
+def test_a_decay_that_begins_sliding_is_replayed():
+    model = Oscillator.from_values(
+        BASE | {f"hysteresis.{name}": value for name, value in HYSTERESIS.items()}, effects=("hysteresis",)
+    )
+    core, values = core_of(model), np.array(list(model.values().values()))
+    start = np.array([4e-3, 0.0, 0.97 * HYSTERESIS["limit"]])
+    n, fs = 3000, 1000.0
+    clean = core.record(values, start, None, n, 1 / fs, internal_step(model, model.values(), 4e-3))
+    noise = 1e-6 * np.random.default_rng(2).standard_normal(n)
+    found, _ = replayed(model, Recording(name="decay", fs=fs, response=clean + noise))
+    assert np.sqrt(np.mean((found - clean) ** 2)) < 3e-6
