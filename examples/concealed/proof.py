@@ -3,7 +3,7 @@
 A process of its own makes the suite and prints the SHA-256 of the sealed truth. Then every rig is diagnosed with the
 installed commands, which get copies of its CSV files in a folder from which no path leads to the truth. Only when all
 are done is the seal opened, with the printed hash, and the score written: DIR/scoreboard.html and DIR/scoreboard.json.
-The whole proof then also diagnoses recordings that no generator of ours drew (recorded.py; not with --short).
+The whole proof then also diagnoses recordings that no generator of ours drew (benchmarks/recorded.py, in a checkout).
 Started again, it goes on where it stopped; rigs without a diagnosis are tried again.
 """
 
@@ -22,7 +22,6 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .make import options
-from .recorded import run
 from .recordings import HELD_OUT, TRAINING
 from .score import score, summary
 from .scoreboard import page
@@ -129,10 +128,10 @@ def diagnose_all(folder: Path, jobs: int, timeout: float) -> None:
 
 def diagnose_recorded(folder: Path) -> list[dict]:
     """Outcomes of the recordings from elsewhere, kept in folder/recorded.json."""
-    kept = folder / "recorded.json"
-    if not kept.exists():
-        kept.write_text(json.dumps(run(), indent=1), encoding="utf-8")
-    return json.loads(kept.read_text(encoding="utf-8"))
+    kept, script = folder / "recorded.json", Path(__file__).resolve().parents[2] / "benchmarks" / "recorded.py"
+    if not kept.exists() and script.exists():
+        subprocess.run([sys.executable, "-P", str(script), "-o", str(kept.resolve())], check=False)
+    return json.loads(kept.read_text(encoding="utf-8")) if kept.exists() else []
 
 
 def report(folder: Path, known: str, recorded: Sequence[dict] = ()) -> str:

@@ -76,7 +76,7 @@ def test_a_model_that_does_not_move_gives_the_widest_ranges(rig):
     data = data_of(case.training, case.model)
     nothing = tuple(np.full(s.n, np.nan) for s in data.segments)
     broken = case.model.with_parameters({"viscous": replace(case.model.viscous, value=float("nan"))})
-    where = locate(Fitted(broken, np.zeros((3, 2)), nothing, -np.inf, (), np.zeros((0, 0))), data)
+    where = locate(Fitted(broken, np.zeros((3, 2)), nothing, -np.inf, ()), data)
     assert where.path == "unknown"
     assert where.displacement == (-data.scales.length, data.scales.length)
 

@@ -1,6 +1,6 @@
 """Diagnoses of recordings that no generator of ours drew: the paper's stand with actuator backlash, and public ones.
 
-    python -m dashpot.examples.concealed.recorded [NAME ...]
+    python benchmarks/recorded.py [NAME ...] [-o FILE.json]
 
 Each says what the Eq. 17 family lacks there and by how much the error falls on what was held out. The public
 recordings are not part of the project; they are looked for in ../shared/data or in $DASHPOT_DATA, and left out where
@@ -9,25 +9,26 @@ they are absent.
 
 from __future__ import annotations
 
+import argparse
 import gzip
+import json
 import os
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
+from dashpot import examples
+from dashpot.diagnose import diagnose
+from dashpot.diagnose.result import Diagnosis
+from dashpot.identify import identify
+from dashpot.identify.replay import replay
+from dashpot.model import Oscillator
+from dashpot.recording import Recording, read
 
-from ...diagnose import diagnose
-from ...diagnose.result import Diagnosis
-from ...identify import identify
-from ...identify.replay import replay
-from ...model import Oscillator
-from ...recording import Recording, read
-
-STAND = Path(__file__).resolve().parents[1] / "recordings" / "paper-stand-backlash"
-DATA = Path(os.environ.get("DASHPOT_DATA") or Path(__file__).resolve().parents[3] / "shared" / "data")
+STAND = Path(examples.__file__).parent / "recordings" / "paper-stand-backlash"
+DATA = Path(os.environ.get("DASHPOT_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data")
 #: 10 MHz / 2^14, and the benchmark's own splits.
 _SILVERBOX_FS = 10e6 / 2**14
 _ARROW_WITHOUT_EXTRAPOLATION = 32_000
@@ -135,10 +136,7 @@ CASES: dict[str, tuple[str | None, Callable[[], Outcome]]] = {
 
 
 def run(names: Sequence[str] = ()) -> list[dict]:
-    """Diagnose the named cases, all where none is named, as far as their recordings are here; one line is printed each.
-
-    Raises KeyError for a name that is not in CASES.
-    """
+    """Diagnose the named cases (all where none is named) whose recordings are here, and print what came out."""
     found = []
     for name in names or CASES:
         file, case = CASES[name]
@@ -159,5 +157,18 @@ def run(names: Sequence[str] = ()) -> list[dict]:
     return found
 
 
+def main() -> None:
+    """Diagnose, print, and write the figures where asked."""
+    parser = argparse.ArgumentParser(description="Diagnoses of recordings from elsewhere.")
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(CASES)}; all where none is given")
+    parser.add_argument("-o", "--output", type=Path, metavar="FILE.json")
+    given = parser.parse_args()
+    if unknown := set(given.names) - set(CASES):
+        parser.error(f"no such recording: {', '.join(sorted(unknown))}; known: {', '.join(CASES)}")
+    found = run(given.names)
+    if given.output:
+        given.output.write_text(json.dumps(found, indent=1), encoding="utf-8")
+
+
 if __name__ == "__main__":
-    run(sys.argv[1:])
+    main()
