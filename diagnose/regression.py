@@ -66,6 +66,12 @@ class Guess:
     misfit: float
     phases: Mapping[int, float] = field(default_factory=dict)
 
+    def begun(self, initial: np.ndarray) -> np.ndarray:
+        """(segments, states) initial states, with the phases, where there are any, behind them."""
+        if not self.phases:
+            return initial
+        return np.hstack([initial, [[self.phases.get(i, 0.0)] for i in range(len(initial))]])
+
 
 class Regression:
     """The equation of motion on windows of the measured motion.

@@ -96,9 +96,10 @@ class Search:
         A recording through which the model does not simulate is not told at all.
         """
         structure = Structure(model, self.holdout, tuple(model.parameters()))
-        state, residuals = structure.here()
+        state = structure.problem.settle(structure.state(None))
+        residuals = structure.problem.residuals(state)
         if all(np.all(np.isfinite(residual)) for residual in residuals):
-            return structure.fit(settle=True, tolerance=0.1)
+            return structure.fit(state.initial, tolerance=0.1)
         told = tuple(
             residual if np.all(np.isfinite(residual)) else segment.response
             for segment, residual in zip(self.holdout.segments, residuals, strict=True)
@@ -306,11 +307,11 @@ class Search:
             self.by_motion = by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
             for name in _leading(by_motion):
                 model = self._guessed(fitted.model, find(name), guesses[name])
-                initial = self._phased(fitted.initial, guesses[name])
+                initial = guesses[name].begun(fitted.initial)
                 gain = self._worth(model, fitted, initial)
                 starts.setdefault(name, []).append((gain, model, initial))
-        ordered = sorted(starts, key=lambda name: -max(start[0] for start in starts[name]))
-        return {name: [(model, initial) for _, model, initial in starts[name]] for name in ordered[:_CANDIDATES]}
+        best_first = sorted(starts, key=lambda name: -max(start[0] for start in starts[name]))
+        return {name: [(model, initial) for _, model, initial in starts[name]] for name in best_first[:_CANDIDATES]}
 
     def _slowness(self, model: Oscillator, base: Oscillator) -> float:
         """How many times as many internal steps a model takes."""
@@ -330,12 +331,6 @@ class Search:
             float(np.sqrt(np.mean(residual**2))) / expected(fitted, self.data, i)
             for i, residual in enumerate(fitted.residuals)
         ]
-
-    def _phased(self, initial: np.ndarray, guess: Guess) -> np.ndarray:
-        """Initial states with the phases of a guess, where it has any."""
-        if not guess.phases:
-            return initial
-        return np.hstack([initial, [[guess.phases.get(i, 0.0)] for i in range(len(self.data.segments))]])
 
     def _worth(self, model: Oscillator, fitted: Fitted, initial: np.ndarray | None = None) -> float:
         """Gain of log-likelihood of a model as it is."""
