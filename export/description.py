@@ -7,13 +7,13 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from .. import __version__
 from ..errors import BadInput
 from ..model import units
 from ..model.equations import Equations, equations, signed
 from ..simulate.core import internal_step
-from .render import plain_text, render
-from .smoothing import amplitude_of
+from .knowns import Knowns
+from .render import plain_text
+from .smoothing import MotionSize, amplitude_of, motion_size
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -31,19 +31,40 @@ _TAKEN = re.compile(
 )
 
 
+#: FMI's words for each role: causality and variability.
+_WORDS = {
+    "input": ("input", "continuous"),
+    "slope": ("input", "continuous"),
+    "output": ("output", "continuous"),
+    "power": ("output", "continuous"),
+    "swing": ("output", "discrete"),
+    "outside": ("output", "discrete"),
+    "state": ("local", "continuous"),
+    "derivative": ("local", "continuous"),
+    "indicator": ("local", "continuous"),
+    "time": ("independent", "continuous"),
+    "parameter": ("parameter", "tunable"),
+    "initial": ("parameter", "fixed"),
+    "longest-step": ("parameter", "fixed"),
+    "smoothing": ("parameter", "tunable"),
+}
+
+
 @dataclass(frozen=True)
 class Variable:
     """One real variable.
 
     Attributes:
         name: as in the model file.
-        role: ``input``, ``slope``, ``output``, ``parameter``, ``initial`` or ``longest-step``.
-        index: within the role: which output, parameter or initial state.
+        role: what it is to the model: a key of ``_WORDS``.
+        index: within the role: which output, parameter, state.
         unit: in the notation of the model file.
         description: for an engineer.
-        start: initial value; None for outputs.
-        initial_knowns: names that an output depends on at the start; those of them that are inputs it
-            depends on directly at every later time too.
+        start: initial value; None for what is computed.
+        knowns: names of inputs, states and time that it is computed from.
+        initial_knowns: names of inputs, parameters and start values that it depends on at the start.
+        derivative_of: name of the state whose derivative it is.
+        nominal: typical size of a state.
     """
 
     name: str
@@ -52,34 +73,49 @@ class Variable:
     unit: str
     description: str
     start: float | None = None
+    knowns: tuple[str, ...] = ()
     initial_knowns: tuple[str, ...] = ()
+    derivative_of: str | None = None
+    nominal: float | None = None
 
     @property
     def causality(self) -> str:
         """FMI's word for the role."""
-        return {"input": "input", "slope": "input", "output": "output"}.get(self.role, "parameter")
+        return _WORDS[self.role][0]
 
     @property
     def variability(self) -> str:
         """FMI's word for when the value may change."""
-        return {"parameter": "tunable", "initial": "fixed", "longest-step": "fixed"}.get(self.role, "continuous")
+        return _WORDS[self.role][1]
 
     @property
     def initial(self) -> str | None:
-        """FMI's word for how the value starts; None for inputs, where FMI 2.0 forbids it."""
-        return {"input": None, "output": "calculated"}.get(self.causality, "exact")
+        """FMI's word for how the value starts; None where FMI forbids it."""
+        return {"input": None, "independent": None, "parameter": "exact"}.get(self.causality, "calculated")
 
     @property
     def start_text(self) -> str | None:
         """The start value with as many digits as it takes to come back to the last bit."""
         return None if self.start is None else repr(float(self.start))
 
+    @property
+    def nominal_text(self) -> str | None:
+        """The nominal value likewise."""
+        return None if self.nominal is None else repr(float(self.nominal))
+
 
 @dataclass(frozen=True)
 class Description:
     """What an importer needs to know; the value reference of a variable is its place in ``variables``.
 
-    ``follows`` holds for each state the index of the one that its start value is counted from, or None.
+    Attributes:
+        name, identifier, equation: of the model.
+        variables: all of them.
+        stop_time, step_size: of the default experiment, s.
+        follows: for each state the index of the one that its start value is counted from, or None.
+        ranges: of each switching surface the size that it goes through, in its unit.
+        nominals: typical size of each state.
+        amplitude: smallest and largest amplitude that the model was identified in.
     """
 
     name: str
@@ -89,10 +125,17 @@ class Description:
     stop_time: float
     step_size: float
     follows: tuple[int | None, ...] = (None, None)
+    ranges: tuple[float, ...] = ()
+    nominals: tuple[float, ...] = (1.0, 1.0)
+    amplitude: tuple[float, float] = (0.0, math.inf)
 
     def reference(self, name: str) -> int:
         """Value reference of the variable of that name."""
         return next(i for i, variable in enumerate(self.variables) if variable.name == name)
+
+    def place(self, role: str) -> int | None:
+        """Value reference of the first variable in that role."""
+        return next((i for i, variable in enumerate(self.variables) if variable.role == role), None)
 
     def units(self) -> dict[str, dict[str, int] | None]:
         """SI base exponents of every unit used; None where a unit (counts, say) has none that are known."""
@@ -100,8 +143,14 @@ class Description:
         return {name: units.base_exponents(name) if _is_si(name) else None for name in names}
 
 
-def describe_fmu(oscillator: Oscillator) -> Description:
+def describe_fmu(oscillator: Oscillator, *, version: int = 2, continuous: bool = True) -> Description:
     """Table of the FMU's variables.
+
+    Args:
+        oscillator: the model.
+        version: of FMI: 3 has no call for the slope of an input, so that it is an input of its own, ``F_rate``, and
+            wants time and event indicators among the variables.
+        continuous: with what model exchange needs: states and derivatives.
 
     Raises:
         BadInput: where a value is not a finite number or a unit cannot be read.
@@ -109,21 +158,14 @@ def describe_fmu(oscillator: Oscillator) -> Description:
     eq = equations(oscillator)
     length = oscillator.response.displacement_unit
     speed, acceleration = (units.compose(template, length) for template in ("X/s", "X/s2"))
-    response = oscillator.response
-    outputs = {
-        "x": (response.unit, f"response as recorded: {response.quantity}"),
-        "displacement": (length, "displacement"),
-        "velocity": (speed, "velocity"),
-        "acceleration": (acceleration, "acceleration"),
-    }
     force = Variable("F", "input", 0, oscillator.force_unit, "excitation force, positive along x", 0.0)
     if oscillator.mass is None:
         text = "excitation force per unit mass, positive along x (the mass was not identified)"
         force = replace(force, unit=acceleration, description=text)
-    knowns = _dependencies(eq)
     descriptions = oscillator.descriptions()
-    variables = [force]
-    variables += [Variable(n, "output", i, *outputs[n], None, knowns[n]) for i, n in enumerate(eq.output_names)]
+    size = motion_size(oscillator, eq)
+    known = Knowns(eq)
+    variables = [force, *_outputs(oscillator, eq, known, size if continuous else None)]
     for i, (name, parameter) in enumerate(oscillator.parameters().items()):
         if not math.isfinite(parameter.value):
             raise BadInput(
@@ -144,11 +186,112 @@ def describe_fmu(oscillator: Oscillator) -> Description:
             _longest_step(oscillator),
         ),
     ]
+    if continuous:
+        variables += _continuous(oscillator, eq, known, size, indicators=version == 3)
+    if version == 3:
+        rate = units.compose("X/s", force.unit)
+        variables += [
+            Variable("time", "time", 0, "s", "time"),
+            Variable("F_rate", "slope", 0, rate, "slope of F over the coming communication steps", 0.0),
+        ]
     stop = _stop_time(oscillator.omega0.value)
-    name = plain_text(oscillator.name) or "oscillator"
-    equation = plain_text(oscillator.equation())
-    identifier = identifier_of(oscillator.name)
-    return Description(name, identifier, equation, tuple(variables), stop, stop / 1e4, eq.follows)
+    covered = oscillator.amplitude
+    return Description(
+        plain_text(oscillator.name) or "oscillator",
+        identifier_of(oscillator.name),
+        plain_text(oscillator.equation()),
+        tuple(variables),
+        stop,
+        stop / 1e4,
+        eq.follows,
+        size.ranges,
+        size.nominals,
+        (covered.min, covered.max) if covered is not None else (0.0, math.inf),
+    )
+
+
+def _outputs(oscillator: Oscillator, eq: Equations, known: Knowns, size: MotionSize | None) -> list[Variable]:
+    """What the FMU gives: the response as recorded first, energy and power, the amplitude and whether it is covered."""
+    response = oscillator.response
+    length = response.displacement_unit
+    speed, acceleration = (units.compose(template, length) for template in ("X/s", "X/s2"))
+    outputs = {
+        "x": (response.unit, f"response as recorded: {response.quantity}"),
+        "displacement": (length, "displacement"),
+        "velocity": (speed, "velocity"),
+        "acceleration": (acceleration, "acceleration"),
+    }
+    nominals = {} if size is None else {"displacement": size.nominals[0], "velocity": size.nominals[1]}
+    found = [
+        Variable(name, "output", i, *outputs[name], None, *known.of(eq.y[i]), nominal=nominals.get(name))
+        for i, name in enumerate(eq.output_names)
+    ]
+    energy, power = oscillator.energy_units
+    per_mass = "" if oscillator.mass is not None else " per unit mass"
+    found += [
+        Variable("energy", "power", 0, energy, f"kinetic and stored energy{per_mass}", None, *known.of(eq.energy)),
+        Variable(
+            "dissipated_power",
+            "power",
+            1,
+            power,
+            f"power{per_mass} that friction and dampers take from the motion",
+            None,
+            *known.of(eq.dissipated),
+        ),
+    ]
+    if size is None:
+        return found
+    covered = oscillator.amplitude
+    stated = "no range is stated" if covered is None else f"{covered.min:.4g} to {covered.max:.4g} {covered.unit}"
+    return [
+        *found,
+        Variable("amplitude", "swing", 0, length, "amplitude: half the way between the latest two turning points"),
+        Variable(
+            "outside_range",
+            "outside",
+            0,
+            "1",
+            f"1 where the amplitude is above what the model was identified in, -1 below it, else 0 ({stated})",
+        ),
+    ]
+
+
+def _continuous(
+    oscillator: Oscillator, eq: Equations, known: Knowns, size: MotionSize, *, indicators: bool
+) -> list[Variable]:
+    """What an importer's integrator needs: the smooth law, inner states, derivatives and event indicators."""
+    response = oscillator.response
+    length = response.displacement_unit
+    found = [
+        Variable(
+            "smoothing",
+            "smoothing",
+            0,
+            "1",
+            "model exchange only: 0 changes signs at located events; above 0, for importers that locate none, they are "
+            "tanh over this part of the motion (1e-3, say), and nothing sticks",
+            0.0,
+        )
+    ]
+    names = ["displacement", "velocity", *eq.state_names[2:]]
+    state_units = [length, units.compose("X/s", length)]
+    for i, (name, state) in enumerate(zip(names[2:], eq.inner, strict=True), start=2):
+        unit = units.compose(state.unit, length, oscillator.force_unit, response.unit)
+        state_units.append(unit)
+        law, _, own = name.rpartition(".")
+        text, starts = f"{law}: inner state {own}", known.of(eq.z[i])[1]
+        found.append(Variable(name, "state", i, unit, text, None, (), starts, nominal=size.nominals[i]))
+    for i, (name, unit) in enumerate(zip(names, state_units, strict=True)):
+        text, rate = f"rate of {name}", units.compose("X/s", unit)
+        found.append(
+            Variable(f"der({name})", "derivative", i, rate, text, None, *known.of(eq.zdot[i]), derivative_of=name)
+        )
+    if indicators:
+        for i, surface in enumerate(size.surfaces):
+            text = f"falls to zero where the sign of {plain_text(surface.text)} changes, or the motion breaks away"
+            found.append(Variable(f"event({i + 1})", "indicator", i, "1", text, None, *known.of_event(eq, i)))
+    return found
 
 
 def _inner_starts(oscillator: Oscillator, eq: Equations) -> list[Variable]:
@@ -173,57 +316,8 @@ def identifier_of(name: str) -> str:
     return f"{plain}_model" if _TAKEN.fullmatch(plain) else plain
 
 
-def model_description(
-    description: Description, guid: str, *, source_files: tuple[str, ...] = (), tool: str = "", python: bool = False
-) -> str:
-    """Text of modelDescription.xml (FMI 2.0, co-simulation).
-
-    Args:
-        description: the variables.
-        guid: what ties this text to the binary.
-        source_files: what to compile below ``sources``.
-        tool: further words on what made the FMU.
-        python: whether the binary is PythonFMU's, which cannot interpolate inputs.
-    """
-    index = {variable.name: i + 1 for i, variable in enumerate(description.variables)}
-    inputs = {variable.name for variable in description.variables if variable.causality == "input"}
-
-    def places(names: tuple[str, ...], wanted: set[str]) -> str:
-        return " ".join(str(index[name]) for name in sorted(names, key=index.__getitem__) if name in wanted)
-
-    outputs = [variable for variable in description.variables if variable.causality == "output"]
-    structure = [
-        (index[v.name], places(v.initial_knowns, inputs), places(v.initial_knowns, set(index))) for v in outputs
-    ]
-    return render(
-        "modelDescription.xml.j2",
-        description=description,
-        guid=guid,
-        tool=f"dashpot {__version__}" + (f" with {tool}" if tool else ""),
-        units=description.units(),
-        structure=structure,
-        source_files=source_files,
-        python=python,
-    )
-
-
 def _is_si(unit: str) -> bool:
     return all(symbol in units.SYMBOLS for symbol in units.factors(unit))
-
-
-def _dependencies(eq: Equations) -> dict[str, tuple[str, ...]]:
-    """For each output the names of inputs, parameters and initial values that it is a function of at the start."""
-    import casadi as ca
-
-    y = signed(eq, eq.y)
-    symbols = {"F": eq.u, **{name: eq.p[i] for i, name in enumerate(eq.parameter_names)}}
-    for i, name in enumerate(("x0", "v0", *(f"{name}0" for name in eq.state_names[2:]))):
-        riders = [eq.z[k] for k, leader in enumerate(eq.follows) if leader == i]
-        symbols[name] = ca.vertcat(eq.z[i], *riders)
-    return {
-        output: tuple(name for name, symbol in symbols.items() if ca.depends_on(y[i], symbol))
-        for i, output in enumerate(eq.output_names)
-    }
 
 
 def _longest_step(oscillator: Oscillator) -> float:

@@ -1,7 +1,8 @@
-"""An oscillator as an FMU (FMI 2.0, co-simulation) that needs nothing but the machine it runs on."""
+"""An oscillator as an FMU (FMI 2.0 or 3.0, co-simulation and model exchange) that needs nothing where it runs."""
 
 from __future__ import annotations
 
+import math
 import platform
 import sys
 from pathlib import Path
@@ -10,34 +11,62 @@ from typing import TYPE_CHECKING
 from ..errors import BadInput
 from ..model.equations import equations
 from ..simulate.compiler import shared_library
-from ..simulate.core import template
+from ..simulate.core import engine_sources, template
 from ..simulate.law_source import law_source
 from .archive import write_archive
-from .description import Description, describe_fmu, model_description
+from .description import Description, describe_fmu
 from .documentation import documentation, guid_of
+from .model_description import build_description, model_description
 
 if TYPE_CHECKING:
     from ..model import Oscillator
 
 #: Texts that are the same for every model, in the order in which they are included behind the law.
-_C_FILES = ("engine.c", "instance.c", "fmi2.c", "fmi2_cosimulation.c", "fmi2_state.c", "fmi2_modelexchange.c")
-_HEADERS = ("engine.h", "fmi2_types.h")
+_C_FILES = ("engine.c", "instance.c", "{types}", "component.c", "component_running.c", "component_state.c")
+#: What differs between the versions of FMI: the types first.
+_FMI_FILES = {2: ("fmi2_types.h", "fmi2.c"), 3: ("fmi3_types.h", "fmi3.c", "fmi3_absent.c")}
+#: Included by others.
+_FURTHER = ("continuous.c",)
 _MAIN = "all.c"
-_HOLD = (
-    "The input F is held over a communication step; give its slope with fmi2SetRealInputDerivatives before each step "
-    "and it runs in a straight line instead, which is far more exact, or with derivatives up to the third as a cubic. "
-    "Events (sticking, break-away, sign changes) are located, so results do not depend on the communication step."
+#: Each role's name in C.
+_KINDS = {
+    "input": "DP_INPUT",
+    "slope": "DP_SLOPE",
+    "output": "DP_OUTPUT",
+    "power": "DP_POWER",
+    "swing": "DP_SWING",
+    "outside": "DP_OUTSIDE",
+    "state": "DP_STATE",
+    "derivative": "DP_DERIVATIVE",
+    "indicator": "DP_INDICATOR",
+    "time": "DP_TIME",
+    "parameter": "DP_PARAMETER",
+    "initial": "DP_INITIAL",
+    "longest-step": "DP_LONGEST_STEP",
+    "smoothing": "DP_SMOOTHING",
+}
+_HOLD = {
+    2: "The input F is held over a communication step; give its slope with fmi2SetRealInputDerivatives before each step "
+    "and it runs in a straight line instead, which is far more exact, or with derivatives up to the third as a cubic.",
+    3: "The input F is held over a communication step; set the input F_rate, its slope, before each step and it runs in "
+    "a straight line instead, which is far more exact.",
+}
+_EVENTS = (
+    "Events (sticking, break-away, sign changes) are located, so results do not depend on the communication step. In "
+    "model exchange they have event indicators; for importers that locate no events, the parameter smoothing chooses a "
+    "smooth law."
 )
 
 
-def export_fmu(oscillator: Oscillator, path: str | Path, *, backend: str = "native") -> Path:
-    """Write an FMU for FMI 2.0 co-simulation; the same model gives the same bytes.
+def export_fmu(oscillator: Oscillator, path: str | Path, *, backend: str = "native", version: int = 2) -> Path:
+    """Write an FMU; the same model gives the same bytes.
 
     Args:
         oscillator: the model.
         path: where to write it.
-        backend: ``native`` compiles the model for this machine's platform; ``python`` makes an FMU that needs Python
-            with casadi where it runs, and no compiler here.
+        backend: ``native`` compiles the model, for co-simulation and model exchange; ``python`` makes an FMU for
+            co-simulation by FMI 2.0 that needs Python with casadi where it runs, and no compiler here.
+        version: of FMI, 2 or 3.
 
     Returns:
         The path written.
@@ -48,60 +77,76 @@ def export_fmu(oscillator: Oscillator, path: str | Path, *, backend: str = "nati
     """
     if backend not in ("native", "python"):
         raise BadInput(f"unknown FMU backend {backend!r}; use 'native' or 'python'")
+    if version not in _FMI_FILES:
+        raise BadInput(f"there is no FMI {version} here; use 2 or 3")
     if backend == "python":
+        if version != 2:
+            raise BadInput("the Python back-end is for FMI 2; leave out --fmi 3, or use the native one")
         from .python_fmu import python_entries
 
         return write_archive(Path(path), python_entries(oscillator))
-    return write_archive(Path(path), _native_entries(oscillator))
+    return write_archive(Path(path), _native_entries(oscillator, version))
 
 
-def fmu_sources(oscillator: Oscillator, description: Description | None = None) -> tuple[dict[str, str], str]:
+def fmu_sources(
+    oscillator: Oscillator, description: Description | None = None, *, version: int = 2
+) -> tuple[dict[str, str], str]:
     """The C texts of the FMU by file name, and the GUID that ties them to their modelDescription.xml."""
-    description = description or describe_fmu(oscillator)
-    sources = {name: template(name) for name in (*_C_FILES, *_HEADERS)}
-    sources["law.c"] = law_source(equations(oscillator))
-    sources[_MAIN] = "".join(f'#include "{name}"\n' for name in ("law.c", *_C_FILES))
-    guid = guid_of([_variables_header(description, ""), model_description(description, ""), *sorted(sources.values())])
+    description = description or describe_fmu(oscillator, version=version)
+    types, *glue = _FMI_FILES[version]
+    included = [name.format(types=types) for name in _C_FILES] + glue
+    sources = engine_sources() | {name: template(name) for name in (*included, *_FURTHER)}
+    sources["law.c"] = law_source(equations(oscillator), exported=True)
+    sources[_MAIN] = "".join(f'#include "{name}"\n' for name in ("law.c", *included))
+    text = model_description(description, "", version=version)
+    guid = guid_of([_variables_header(description, ""), text, *sorted(sources.values())])
     sources["variables.h"] = _variables_header(description, guid)
     return sources, guid
 
 
-def platform_folder() -> tuple[str, str]:
-    """FMI 2.0's name for this machine's platform, and the suffix of a shared library on it."""
+def platform_folder(version: int = 2) -> tuple[str, str]:
+    """FMI's name for this machine's platform, and the suffix of a shared library on it."""
     system = platform.system()
     name = {"Windows": "win", "Darwin": "darwin"}.get(system, "linux")
     suffix = {"Windows": ".dll", "Darwin": ".dylib"}.get(system, ".so")
+    if version == 3:
+        machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
+        return f"{machine}-{'windows' if name == 'win' else name}", suffix
     return f"{name}{64 if sys.maxsize > 2**32 else 32}", suffix
 
 
-def _native_entries(oscillator: Oscillator) -> dict[str, bytes]:
-    description = describe_fmu(oscillator)
-    sources, guid = fmu_sources(oscillator, description)
-    folder, suffix = platform_folder()
+def _native_entries(oscillator: Oscillator, version: int) -> dict[str, bytes]:
+    description = describe_fmu(oscillator, version=version)
+    sources, guid = fmu_sources(oscillator, description, version=version)
+    folder, suffix = platform_folder(version)
     entries = {f"sources/{name}": text.encode() for name, text in sources.items()}
-    entries["modelDescription.xml"] = model_description(description, guid, source_files=(_MAIN,)).encode()
-    entries["documentation/index.html"] = documentation(oscillator, description, _HOLD).encode()
+    entries["sources/buildDescription.xml"] = build_description(description.identifier, (_MAIN,)).encode()
+    text = model_description(description, guid, version=version, source_files=(_MAIN,))
+    entries["modelDescription.xml"] = text.encode()
+    hold = f"{_HOLD[version]} {_EVENTS}"
+    entries["documentation/index.html"] = documentation(oscillator, description, hold).encode()
     entries[f"binaries/{folder}/{description.identifier}{suffix}"] = shared_library(sources, _MAIN).read_bytes()
     return entries
 
 
 def _variables_header(description: Description, guid: str) -> str:
-    """The C table of the variables. Numbers only: no text of a model reaches it."""
-    kinds = {
-        "input": "DP_INPUT",
-        "output": "DP_OUTPUT",
-        "parameter": "DP_PARAMETER",
-        "initial": "DP_INITIAL",
-        "longest-step": "DP_LONGEST_STEP",
-    }
-    rows = [f"    {{{kinds[v.role]}, {v.index}, {v.start_text or '0.0'}}},\n" for v in description.variables]
+    """The C table of the variables and of the motion's sizes. Numbers only: no text of a model reaches it."""
+    rows = [f"    {{{_KINDS[v.role]}, {v.index}, {v.start_text or '0.0'}}},\n" for v in description.variables]
     follows = ", ".join("-1" if leader is None else str(leader) for leader in description.follows)
+    slope, (low, high) = description.place("slope"), description.amplitude
     return (
-        "/* Generated: the variables by value reference. */\n"
+        "/* Generated: the variables by value reference, and the sizes of the motion. */\n"
         f'#define DP_GUID "{guid}"\n'
         f"#define DP_NV {len(rows)}\n"
         f"#define DP_FORCE {description.reference('F')}\n"
+        f"#define DP_FORCE_RATE {-1 if slope is None else slope}\n"
+        f"#define DP_SMOOTHING_AT {description.place('smoothing')}\n"
+        f"#define DP_AMPLITUDE_MIN {low!r}\n"
+        f"#define DP_AMPLITUDE_MAX {'HUGE_VAL' if math.isinf(high) else repr(high)}\n"
         f"static const dp_variable dp_variables[DP_NV] = {{\n{''.join(rows)}}};\n"
-        "/* For each state the one that it is counted from at the start, or -1. */\n"
+        "/* For each state the one that it is counted from at the start, or -1; its typical size. */\n"
         f"static const int dp_follows[DP_NZ] = {{{follows}}};\n"
+        f"static const double dp_nominal[DP_NZ] = {{{', '.join(map(repr, description.nominals))}}};\n"
+        "/* What each surface goes through. */\n"
+        f"static const double dp_range[DP_NS + 1] = {{{', '.join(map(repr, (*description.ranges, 1.0)))}}};\n"
     )

@@ -18,12 +18,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..model import units
-from ..model.equations import equations
+from ..model.equations import equations, power_of
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_output, exact_step
 from ..simulate.core import template
-from .description import Description, Variable, describe_fmu, model_description
+from .description import Description, Variable, describe_fmu
 from .documentation import documentation, guid_of
+from .model_description import model_description
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -44,7 +45,7 @@ def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
     """
     import pythonfmu
 
-    description = _with_slope(describe_fmu(oscillator))
+    description = _with_slope(describe_fmu(oscillator, continuous=False))
     longest = description.variables[description.reference("max_step")].start or 0.0
     text = template("slave.py.txt")
     # Python keeps modules by name: slaves of different versions in one process must not share one.
@@ -73,11 +74,11 @@ def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
 
 
 def output_function(oscillator: Oscillator) -> Expression:
-    """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration."""
+    """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration; energy and its loss."""
     import casadi as ca
 
     eq = equations(oscillator)
-    y = exact_output(eq, eq.z, eq.u, eq.p, eq.t)
+    y = exact_output(eq, eq.z, eq.u, eq.p, eq.t, ca.vertcat(eq.y, power_of(eq)))
     return ca.Function("output", [eq.z, eq.u, eq.p, eq.t], [y], ["z", "u", "p", "t"], ["y"])
 
 
@@ -90,9 +91,11 @@ def _with_slope(description: Description) -> Description:
 
 def _model_json(description: Description) -> str:
     keys = ("name", "role", "index", "start")
+    outputs = [v.name for v in description.variables if v.causality == "output"]
     variables = [
         {key: asdict(v)[key] for key in keys}
         | {"causality": v.causality, "variability": v.variability, "initial": v.initial}
+        | ({"role": "output", "index": outputs.index(v.name)} if v.name in outputs else {})
         for v in description.variables
     ]
     model = {"identifier": description.identifier, "variables": variables, "follows": description.follows}

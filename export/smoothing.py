@@ -13,6 +13,7 @@ from ..model import units
 from ..model.equations import Equations, SurfaceKind, signed
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_step
+from ..simulate.core import internal_step
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -119,6 +120,35 @@ def surfaces(oscillator: Oscillator, eq: Equations, sample: Sample | None) -> li
             size = amplitude * (oscillator.omega0.value if kind is SurfaceKind.VELOCITY else 1.0)
         found.append(Surface(texts[i], RELATIVE_WIDTH * size, _unit(oscillator, eq, eq.surfaces[i])))
     return found
+
+
+@dataclass(frozen=True)
+class MotionSize:
+    """Sizes of a model's own motion: of its surfaces, their ranges and its states."""
+
+    surfaces: tuple[Surface, ...]
+    nominals: tuple[float, ...]
+
+    @property
+    def ranges(self) -> tuple[float, ...]:
+        """Size that each surface goes through."""
+        return tuple(surface.width / RELATIVE_WIDTH for surface in self.surfaces)
+
+
+def motion_size(oscillator: Oscillator, eq: Equations) -> MotionSize:
+    """How large surfaces and states become; inner ones as in a motion at the natural frequency."""
+    amplitude = amplitude_of(oscillator)
+    nominals = [amplitude, amplitude * oscillator.omega0.value or amplitude]
+    sample = None
+    if eq.inner or SurfaceKind.OTHER in eq.kinds:
+        try:
+            sample = sample_motion(oscillator, eq, internal_step(oscillator, oscillator.values(), amplitude))
+        except BadInput:  # no spring, or a motion too fast to be followed here: sizes of 1 are as good as any
+            sample = None
+    for i in range(len(eq.inner)):
+        reached = 0.0 if sample is None else float(np.max(np.abs(sample.z[2 + i])))
+        nominals.append(reached or 1.0)
+    return MotionSize(tuple(surfaces(oscillator, eq, sample)), tuple(nominals))
 
 
 def _texts(eq: Equations) -> list[str]:

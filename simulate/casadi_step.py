@@ -46,7 +46,7 @@ class _Line:
 class _Stepper:
     """Builds the expressions of one internal step from the equations."""
 
-    def __init__(self, eq: Equations) -> None:
+    def __init__(self, eq: Equations, outputs: Expression = None) -> None:
         import casadi as ca
 
         self.ca = ca
@@ -55,7 +55,7 @@ class _Stepper:
         self._field = ca.Function("field", arguments, [eq.zdot])
         rates = [eq.z, eq.t, eq.u, eq.u_rate, eq.p, eq.s]
         self._surface = ca.Function("surface", rates, [ca.densify(eq.surfaces), ca.densify(eq.surface_rates)])
-        self._output = ca.Function("output", arguments, [eq.y])
+        self._output = ca.Function("output", arguments, [eq.y if outputs is None else outputs])
         self._feels_rest = rates_feel_rest(eq)
         self.velocity = [i for i, kind in enumerate(eq.kinds) if kind is SurfaceKind.VELOCITY]
         self.positions = [i for i, kind in enumerate(eq.kinds) if kind is SurfaceKind.POSITION]
@@ -334,11 +334,16 @@ def exact_field(eq: Equations, z: Expression, u: Expression, p: Expression, t: E
     return stepper.field(z, ca.SX(0), line, p, s, held)
 
 
-def exact_output(eq: Equations, z: Expression, u: Expression, p: Expression, t: Expression) -> Expression:
-    """Outputs ``eq.y`` with the signs that the state shows; at rest each surface carries its share of the forces."""
+def exact_output(
+    eq: Equations, z: Expression, u: Expression, p: Expression, t: Expression, outputs: Expression = None
+) -> Expression:
+    """Outputs with the signs that the state shows; at rest each surface carries its share of the forces.
+
+    ``outputs`` is an expression of the symbols of ``eq``; None: ``eq.y``.
+    """
     import casadi as ca
 
-    return _Stepper(eq).output(z, _Line(u, ca.SX(0), t), p)
+    return _Stepper(eq, outputs).output(z, _Line(u, ca.SX(0), t), p)
 
 
 def with_defaults(given: Expression, identified: list[float]) -> Expression:

@@ -30,6 +30,11 @@ def template(name: str) -> str:
     return resources.files("dashpot.templates").joinpath(name).read_text(encoding="utf-8")
 
 
+def engine_sources() -> dict[str, str]:
+    """The texts of the engine by file name; ``engine.c`` includes the others, and stands behind the generated law."""
+    return {name: template(name) for name in ("engine.h", "flow.c", "events.c", "engine.c")}
+
+
 class Core:
     """The compiled equations of one model structure; parameters are an argument, so one core serves a whole fit."""
 
@@ -39,8 +44,7 @@ class Core:
         self.states = len(self.equations.state_names)
         sources = {
             "law.c": law_source(self.equations),
-            "engine.h": template("engine.h"),
-            "engine.c": template("engine.c"),
+            **engine_sources(),
             "record.c": template("record.c"),
             "core.c": '#include "law.c"\n#include "engine.c"\n#include "record.c"\n',
         }

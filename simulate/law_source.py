@@ -6,6 +6,7 @@ import tempfile
 from pathlib import Path
 
 from ..model.equations import Equations, rates_feel_rest
+from ..model.law import Expression
 
 _HEADER = """\
 /* Generated: the equation of motion of one oscillator. */
@@ -52,22 +53,43 @@ static void dp_output(const double *z, double t, double u, const double *p, cons
 }}
 """
 
+_TANGENT = """
+/* How rates, outputs, energy and dissipated power, and surfaces change in a direction of states, force, parameters and
+ * signs. */
+static void dp_tangent(const double *z, double t, double u, const double *p, const double *s, const double *dz,
+                       double du, const double *dp, const double *ds, double *df, double *dy, double *dw, double *dg) {
+    const double *arg[9];
+    double *res[4];
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
+    arg[5] = dz, arg[6] = &du, arg[7] = dp, arg[8] = ds;
+    res[0] = df, res[1] = dy, res[2] = dw, res[3] = dg;
+    dp_law_tangent(arg, res, 0, 0, 0);
+}
+"""
 
-def law_source(eq: Equations) -> str:
+
+def law_source(eq: Equations, *, exported: bool = False) -> str:
     """C text that defines the sizes, the kinds of the surfaces and the functions that the engine calls.
 
     No text of a model file reaches it: names stay outside, parameters are an argument.
+
+    Args:
+        eq: the equations.
+        exported: with what an importer asks for beyond the motion: energy and power, directional derivatives.
     """
     import casadi as ca
 
     state = [eq.z, eq.t, eq.u, eq.p, eq.s]
     rates = [eq.z, eq.t, eq.u, eq.u_rate, eq.p, eq.s]
     generator = ca.CodeGenerator("law.c", {"casadi_int": "int", "with_header": False})
-    for name, inputs, outputs in (
+    functions = [
         ("dp_law_field", state, [eq.zdot]),
         ("dp_law_surface", rates, [eq.zdot, eq.surfaces, eq.surface_rates]),
         ("dp_law_output", state, [eq.y]),
-    ):
+    ]
+    if exported:
+        functions += [("dp_law_power", state, [power_of(eq)]), ("dp_law_tangent", *_tangent(eq, state))]
+    for name, inputs, outputs in functions:
         # dense: a structural zero would otherwise be left out of the result array
         generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
     with tempfile.TemporaryDirectory() as folder:
@@ -86,4 +108,16 @@ def law_source(eq: Equations) -> str:
             feels_rest=int(rates_feel_rest(eq)),
             kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
         )
+        + (_POWER + _TANGENT if exported else "")
     )
+
+
+def _tangent(eq: Equations, state: list[Expression]) -> tuple[list[Expression], list[Expression]]:
+    """Arguments and results of ``dp_tangent``: the derivatives in one direction, all but the time moving."""
+    import casadi as ca
+
+    moving = [eq.z, eq.u, eq.p, eq.s]
+    directions = [ca.SX.sym(f"d{name}", symbol.sparsity()) for name, symbol in zip("zups", moving, strict=True)]
+    point, direction = ca.veccat(*moving), ca.veccat(*directions)
+    results = [ca.jtimes(expression, point, direction) for expression in (eq.zdot, eq.y, power_of(eq), eq.surfaces)]
+    return [*state, *directions], results

@@ -1,4 +1,4 @@
-/* The types of FMI 2.0 as far as this co-simulation unit uses them (FMI 2.0.5, sections 2.1 and 4.2). */
+/* The types of FMI 2.0 as far as the model uses them, and the importer's callbacks (FMI 2.0.5, sections 2.1 and 4.2). */
 #ifndef DASHPOT_FMI2_TYPES_H
 #define DASHPOT_FMI2_TYPES_H
 
@@ -45,5 +45,17 @@ typedef struct {
     fmi2Boolean nextEventTimeDefined;
     fmi2Real nextEventTime;
 } fmi2EventInfo;
+
+#define DP_FMI "fmi2"
+
+typedef struct {
+    fmi2CallbackFunctions call;
+    int talkative; /* the importer asked for more than refusals and failures */
+} dp_host;
+
+static void dp_tell(const dp_host *host, const char *name, int status, const char *category, const char *text) {
+    if (host->call.logger)
+        host->call.logger(host->call.componentEnvironment, name, (fmi2Status)status, category, text);
+}
 
 #endif

@@ -1,7 +1,22 @@
-/* One oscillator as an importer sees it: numbered real variables over the engine. Knows no FMI version; fmi2.c does.
- * Included behind law.c and engine.c. */
+/* One oscillator as an importer sees it: numbered real variables over the engine. Knows no FMI version. Included behind
+ * law.c and engine.c. */
 
-enum { DP_INPUT, DP_OUTPUT, DP_PARAMETER, DP_INITIAL, DP_LONGEST_STEP };
+enum {
+    DP_INPUT,
+    DP_SLOPE, /* of the input, over the coming step */
+    DP_OUTPUT,
+    DP_POWER,      /* energy, dissipated power */
+    DP_SWING,      /* the amplitude */
+    DP_OUTSIDE,    /* whether that is one the model was identified for */
+    DP_STATE,      /* states and what follows from them, for the importer's integrator: continuous.c */
+    DP_DERIVATIVE,
+    DP_INDICATOR,
+    DP_TIME,
+    DP_PARAMETER,
+    DP_INITIAL,
+    DP_LONGEST_STEP,
+    DP_SMOOTHING
+};
 
 typedef struct {
     int kind;
@@ -9,24 +24,32 @@ typedef struct {
     double start;
 } dp_variable;
 
-#include "variables.h" /* generated: DP_NV, DP_FORCE, DP_GUID, dp_variables[] by value reference, dp_follows[] by state */
+#include "variables.h" /* generated: the variables by value reference, and the sizes of the motion */
 
 #define DP_ORDERS 3 /* the engine takes a cubic */
+
+enum { DP_OUTPUTS_READY = 1, DP_POWER_READY = 2, DP_RATES_READY = 4, DP_INDICATORS_READY = 8 };
 
 /* Plain data without a pointer: a copy of it is the whole state of the model. */
 typedef struct {
     dp_engine engine;
-    double value[DP_NV];     /* by value reference; outputs are valid where outputs_ready */
+    double value[DP_NV];     /* by value reference, of what can be set */
     double slope[DP_ORDERS]; /* derivatives of the force at the start of the next step */
+    double y[DP_NY];         /* computed at the present state, where ready says so */
+    double power[2];
+    double f[DP_NZ];
+    double indicator[DP_NS + 1];
     double start_time;
-    int running;             /* initial values are taken: they and the options are fixed from here on */
+    int ready;
+    int exchange;     /* the importer integrates (model exchange) */
+    int running;      /* initial values are taken: they and the options are fixed from here on */
     int engine_ready;
-    int outputs_ready;
 } dp_instance;
 
-static void dp_instance_reset(dp_instance *m) {
+static void dp_instance_reset(dp_instance *m, int exchange) {
     int i;
     memset(m, 0, sizeof *m);
+    m->exchange = exchange;
     for (i = 0; i < DP_NV; ++i) m->value[i] = dp_variables[i].start;
 }
 
@@ -46,52 +69,75 @@ static void dp_instance_prepare(dp_instance *m) {
         if (dp_follows[i] >= 0) z[i] += z[dp_follows[i]];
     dp_start(&m->engine, p, z, m->start_time, step);
     m->engine_ready = 1;
-    m->outputs_ready = 0;
+    m->ready = 0;
 }
+
+/* The force as the right-hand side takes it at the present time. */
+static dp_line dp_instance_line(const dp_instance *m) {
+    dp_line line = {{0.0, 0.0, 0.0, 0.0}, 0.0};
+    line.c[0] = m->value[DP_FORCE];
+    line.c[1] = DP_FORCE_RATE >= 0 ? m->value[DP_FORCE_RATE >= 0 ? DP_FORCE_RATE : 0] : 0.0;
+    line.t0 = m->engine.t;
+    return line;
+}
+
+#include "continuous.c"
 
 static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
     const dp_variable *v = &dp_variables[reference];
     if (m->value[reference] == value) return; /* setting what is there already changes no bit of the run */
     m->value[reference] = value;
-    m->outputs_ready = 0;
+    m->ready = 0;
     if (!m->running) {
         m->engine_ready = 0;
     } else if (v->kind == DP_PARAMETER) {
         m->engine.p[v->index] = value;
         m->engine.modes_ready = m->engine.node_ready = 0;
-    } else if (v->kind == DP_INPUT && m->engine.hold < 0 && m->engine.z[1] == 0.0) {
+    } else if (v->kind == DP_SMOOTHING && m->exchange) {
+        m->engine.modes_ready = 0;
+    } else if (v->kind == DP_INPUT && !m->exchange && m->engine.hold < 0 && m->engine.z[1] == 0.0) {
         m->engine.modes_ready = 0; /* at a turning point a jump of the force may decide that it sticks */
     }
 }
 
+/* 1 where the amplitude is above what the model was identified for, -1 below it, else 0. */
+static int dp_instance_outside(const dp_instance *m) {
+    const double swing = m->engine.swing;
+    return swing > DP_AMPLITUDE_MAX ? 1 : swing > 0.0 && swing < DP_AMPLITUDE_MIN ? -1 : 0;
+}
+
 static double dp_instance_get(dp_instance *m, unsigned reference) {
-    if (dp_variables[reference].kind == DP_OUTPUT && !m->outputs_ready) {
-        double y[DP_NY];
-        int i;
-        dp_instance_prepare(m);
-        dp_outputs(&m->engine, m->value[DP_FORCE], y);
-        for (i = 0; i < DP_NV; ++i)
-            if (dp_variables[i].kind == DP_OUTPUT) m->value[i] = y[dp_variables[i].index];
-        m->outputs_ready = 1;
+    const dp_variable *v = &dp_variables[reference];
+    if (v->kind >= DP_OUTPUT && v->kind <= DP_TIME) dp_instance_prepare(m);
+    switch (v->kind) {
+    case DP_OUTPUT: dp_continuous_outputs(m); return m->y[v->index];
+    case DP_POWER: dp_continuous_power(m); return m->power[v->index];
+    case DP_SWING: return m->engine.swing;
+    case DP_OUTSIDE: return dp_instance_outside(m);
+    case DP_STATE: return m->engine.z[v->index];
+    case DP_DERIVATIVE: dp_continuous_rates(m); return m->f[v->index];
+    case DP_INDICATOR: dp_continuous_indicators(m); return m->indicator[v->index];
+    case DP_TIME: return m->engine.t;
+    default: return m->value[reference];
     }
-    return m->value[reference];
 }
 
 /* Runs from t to t + dt, the force from its value with its derivatives. It then stays where it came to until it is
  * set. On failure the model stands where it stood. */
 static int dp_instance_step(dp_instance *m, double t, double dt) {
-    const dp_instance before = *m;
-    const double force[4] = {m->value[DP_FORCE], m->slope[0], m->slope[1] / 2.0, m->slope[2] / 6.0};
+    const dp_engine before = m->engine;
+    const dp_line line = dp_instance_line(m);
+    const double force[4] = {line.c[0], line.c[1] + m->slope[0], m->slope[1] / 2.0, m->slope[2] / 6.0};
     int status;
     m->engine.t = t; /* the importer's clock: sums of steps would drift */
     status = dp_advance_along(&m->engine, force, dt);
     if (status == DP_OK && !isfinite(m->engine.node_u)) status = DP_NOT_FINITE;
     if (status != DP_OK) {
-        *m = before;
+        m->engine = before;
         return status;
     }
     m->value[DP_FORCE] = m->engine.node_u;
     memset(m->slope, 0, sizeof m->slope);
-    m->outputs_ready = 0;
+    m->ready = 0;
     return DP_OK;
 }

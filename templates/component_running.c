@@ -1,0 +1,126 @@
+/* Steps of co-simulation, modes and values of model exchange, for both versions of FMI. Included behind component.c. */
+
+#define DP_MOST_STEPS 1e8 /* internal steps in one communication step; more is a slip of units */
+
+/* Co-simulation -------------------------------------------------------------------------------------------------- */
+
+/* Says once a run that the amplitude has left what the model was identified for, to each side. */
+static void dp_mind_range(dp_component *c) {
+    const int outside = dp_instance_outside(&c->state.model), bit = outside > 0 ? 1 : 2;
+    if (outside == 0 || (c->state.told & bit)) return;
+    c->state.told |= bit;
+    if (outside > 0 || c->host.talkative)
+        dp_report(c, DP_WARNING, "at t = %.6g s the amplitude %.4g is %s the range %.4g to %.4g that the model was "
+                  "identified in", c->state.model.engine.t, c->state.model.engine.swing, outside > 0 ? "above" : "below",
+                  DP_AMPLITUDE_MIN, DP_AMPLITUDE_MAX);
+}
+
+static int dp_do_step(dp_component *c, double t, double dt, const char *function) {
+    dp_instance *m;
+    double slack;
+    int status;
+    if (dp_refused(c, DP_STEPPING, function)) return DP_ERROR;
+    m = &c->state.model;
+    if (!isfinite(t) || !isfinite(dt) || dt <= 0.0)
+        return dp_report(c, DP_ERROR, DP_FMI "%s: a step of %g s from t = %g s; it must be finite and positive",
+                         function, dt, t);
+    slack = 1e-6 * dt + 1e-9 * (1.0 + fabs(t)); /* importers count time in their own way: sums, products, nanoseconds */
+    if (fabs(t - m->engine.t) > slack)
+        return dp_report(c, DP_ERROR, DP_FMI "%s: from t = %.12g s, but the model stands at %.12g s", function, t,
+                         m->engine.t);
+    if (t + dt > c->state.stop_time + slack)
+        return dp_report(c, DP_ERROR, DP_FMI "%s: to t = %.12g s, beyond the stop time of %.12g s", function, t + dt,
+                         c->state.stop_time);
+    if (dt / m->engine.max_step > DP_MOST_STEPS) {
+        c->state.mode = DP_FAILED;
+        return dp_report(c, DP_DISCARD, DP_FMI "%s: %g s are too long for internal steps of %g s", function, dt,
+                         m->engine.max_step);
+    }
+    status = dp_instance_step(m, t, dt);
+    if (status == DP_OK) {
+        dp_mind_range(c);
+        return DP_FINE;
+    }
+    c->state.mode = DP_FAILED;
+    return dp_report(c, DP_DISCARD, DP_FMI "%s: from t = %.12g s over %g s: %s", function, t, dt,
+                     status == DP_TOO_MANY_EVENTS ? "the motion switches without end"
+                                                  : "the motion grows beyond bounds");
+}
+
+/* Model exchange ------------------------------------------------------------------------------------------------- */
+
+/* What an importer must be told after an event. */
+static int dp_update(dp_component *c, int *states_changed, const char *function) {
+    if (dp_refused(c, DP_EVENT, function)) return DP_ERROR;
+    *states_changed = dp_continuous_event(&c->state.model);
+    dp_mind_range(c);
+    return DP_FINE;
+}
+
+static int dp_enter(dp_component *c, int from, int to, const char *function) {
+    if (dp_refused(c, from, function)) return DP_ERROR;
+    if (!c->state.model.exchange) return dp_unsupported(c, function);
+    c->state.mode = to;
+    return DP_FINE;
+}
+
+static int dp_set_time(dp_component *c, double t, const char *function) {
+    if (dp_refused(c, DP_EVENT | DP_CONTINUOUS, function)) return DP_ERROR;
+    if (!isfinite(t)) return dp_report(c, DP_ERROR, DP_FMI "%s: not a finite number", function);
+    c->state.model.engine.t = t;
+    c->state.model.ready = 0;
+    return DP_FINE;
+}
+
+/* Whether n is the size that the model has, and there is a place for so many values. */
+static int dp_wrong_size(const dp_component *c, size_t n, size_t size, const void *value, const char *function) {
+    if (n != size)
+        return dp_report(c, DP_ERROR, DP_FMI "%s: %u values where the model has %u", function, (unsigned)n,
+                         (unsigned)size);
+    return n > 0 && !value ? dp_null(c, function) : 0;
+}
+
+static int dp_set_states(dp_component *c, const double *z, size_t n, const char *function) {
+    size_t i;
+    if (dp_refused(c, DP_CONTINUOUS, function) || dp_wrong_size(c, n, DP_NZ, z, function)) return DP_ERROR;
+    for (i = 0; i < n; ++i)
+        if (!isfinite(z[i])) return dp_report(c, DP_ERROR, DP_FMI "%s: state %u is not finite", function, (unsigned)i);
+    memcpy(c->state.model.engine.z, z, n * sizeof *z);
+    c->state.model.ready = 0;
+    return DP_FINE;
+}
+
+static int dp_get_states(dp_component *c, double *z, size_t n, const char *function) {
+    if (dp_refused(c, DP_INITIALISING | DP_EVENT | DP_CONTINUOUS | DP_ENDED, function)) return DP_ERROR;
+    if (dp_wrong_size(c, n, DP_NZ, z, function)) return DP_ERROR;
+    dp_instance_prepare(&c->state.model);
+    memcpy(z, c->state.model.engine.z, n * sizeof *z);
+    return DP_FINE;
+}
+
+static int dp_get_rates(dp_component *c, double *f, size_t n, const char *function) {
+    size_t i;
+    if (dp_refused(c, DP_INITIALISING | DP_EVENT | DP_CONTINUOUS | DP_ENDED, function)) return DP_ERROR;
+    if (dp_wrong_size(c, n, DP_NZ, f, function)) return DP_ERROR;
+    dp_continuous_rates(&c->state.model);
+    memcpy(f, c->state.model.f, n * sizeof *f);
+    for (i = 0; i < n; ++i)
+        if (!isfinite(f[i]))
+            return dp_report(c, DP_DISCARD, DP_FMI "%s: rate %u is not finite here", function, (unsigned)i);
+    return DP_FINE;
+}
+
+static int dp_get_indicators(dp_component *c, double *g, size_t n, const char *function) {
+    if (dp_refused(c, DP_INITIALISING | DP_EVENT | DP_CONTINUOUS | DP_ENDED, function)) return DP_ERROR;
+    if (dp_wrong_size(c, n, DP_NS, g, function)) return DP_ERROR;
+    dp_continuous_indicators(&c->state.model);
+    memcpy(g, c->state.model.indicator, n * sizeof *g);
+    return DP_FINE;
+}
+
+static int dp_get_nominals(dp_component *c, double *z, size_t n, const char *function) {
+    if (dp_refused(c, DP_ANY & ~DP_NEW, function)) return DP_ERROR;
+    if (dp_wrong_size(c, n, DP_NZ, z, function)) return DP_ERROR;
+    memcpy(z, dp_nominal, n * sizeof *z);
+    return DP_FINE;
+}

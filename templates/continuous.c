@@ -1,0 +1,176 @@
+/* The oscillator for an importer's integrator (model exchange): rates, outputs, event indicators and what happens at an
+ * event, by the same rules by which the engine steps; and directional derivatives. Included by instance.c.
+ *
+ * Between events every indicator is positive; one that falls to zero or below asks for the event. It exceeds the
+ * surface's own value by a hair, so that a state which stands on the surface has not crossed it.
+ *
+ * With smoothing the signs are tanh of the surfaces over that part of their ranges and nothing sticks: for importers
+ * that locate no events. The turning points are then still told, for the amplitude. */
+
+#define DP_HAIR 1e-12 /* of a surface's range */
+
+static double dp_smoothing(const dp_instance *m) { return m->exchange ? m->value[DP_SMOOTHING_AT] : 0.0; }
+
+static void dp_continuous_modes(dp_instance *m, const dp_line *line) {
+    dp_engine *e = &m->engine;
+    int j;
+    dp_instance_prepare(m);
+    if (e->modes_ready) return;
+    dp_find_modes(e, line);
+    if (e->hold < 0 || !(dp_smoothing(m) > 0.0)) return;
+    e->hold = -1;
+    for (j = 0; j < DP_NS; ++j)
+        if (e->s[j] == 0.0) e->s[j] = 1.0;
+}
+
+static void dp_surface_values(const dp_instance *m, const dp_line *line, double *g) {
+    double f[DP_NZ], gd[DP_NS + 1];
+    dp_surface(m->engine.z, line->t0, line->c[0], line->c[1], m->engine.p, m->engine.s, f, g, gd);
+}
+
+/* The signs at the present state. */
+static void dp_continuous_signs(const dp_instance *m, const dp_line *line, double *s) {
+    const double smoothing = dp_smoothing(m);
+    const dp_engine *e = &m->engine;
+    int j;
+    if (smoothing > 0.0) {
+        double g[DP_NS + 1];
+        dp_surface_values(m, line, g);
+        for (j = 0; j < DP_NS; ++j) s[j] = tanh(g[j] / (smoothing * dp_range[j]));
+    } else {
+        dp_signs(e, line, s);
+        if (!m->exchange && DP_SURFACES_USE_FORCE) dp_after_jump(e, line, s); /* there no event has told of it */
+    }
+}
+
+static void dp_continuous_outputs(dp_instance *m) {
+    const dp_line line = dp_instance_line(m);
+    double s[DP_NS + 1];
+    if (m->ready & DP_OUTPUTS_READY) return;
+    dp_continuous_modes(m, &line);
+    dp_continuous_signs(m, &line, s);
+    dp_output(m->engine.z, line.t0, line.c[0], m->engine.p, s, m->y);
+    m->ready |= DP_OUTPUTS_READY;
+}
+
+static void dp_continuous_power(dp_instance *m) {
+    const dp_line line = dp_instance_line(m);
+    double s[DP_NS + 1];
+    if (m->ready & DP_POWER_READY) return;
+    dp_continuous_modes(m, &line);
+    dp_continuous_signs(m, &line, s);
+    dp_power(m->engine.z, line.t0, line.c[0], m->engine.p, s, m->power);
+    m->ready |= DP_POWER_READY;
+}
+
+static void dp_continuous_rates(dp_instance *m) {
+    const dp_line line = dp_instance_line(m);
+    double s[DP_NS + 1];
+    if (m->ready & DP_RATES_READY) return;
+    dp_continuous_modes(m, &line);
+    dp_continuous_signs(m, &line, s);
+    dp_field(m->engine.z, line.t0, line.c[0], m->engine.p, s, m->f);
+    if (m->engine.hold >= 0 && !(dp_smoothing(m) > 0.0)) m->f[0] = m->f[1] = 0.0;
+    m->ready |= DP_RATES_READY;
+}
+
+static void dp_continuous_indicators(dp_instance *m) {
+    const dp_line line = dp_instance_line(m);
+    const dp_engine *e = &m->engine;
+    const int smooth = dp_smoothing(m) > 0.0;
+    double g[DP_NS + 1];
+    int j;
+    if (m->ready & DP_INDICATORS_READY) return;
+    dp_continuous_modes(m, &line);
+    dp_surface_values(m, &line, g);
+    for (j = 0; j < DP_NS; ++j) {
+        const double s = e->s[j];
+        if (s == 0.0 && j == e->hold && !smooth)
+            m->indicator[j] = DP_HAIR * dp_nominal[1] * dp_nominal[1] / dp_nominal[0] - dp_excess(e, &line, 0.0, e->z);
+        else if (s == 0.0 || (smooth && dp_kind[j] != DP_VELOCITY))
+            m->indicator[j] = dp_range[j];
+        else
+            m->indicator[j] = s * g[j] + DP_HAIR * dp_range[j];
+    }
+    m->ready |= DP_INDICATORS_READY;
+}
+
+/* The motion has crossed surface i. It stays where the importer located it but where it comes to rest. */
+static void dp_continuous_cross(dp_engine *e, const dp_line *line, int i, int smooth) {
+    double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];
+    const double side = e->s[i], v = e->z[1];
+    ++e->events;
+    if (smooth) {
+        dp_turn(e);
+        e->s[i] = -side;
+    } else if (dp_kind[i] == DP_VELOCITY) {
+        dp_stick_or_go(e, line, 0.0, i, side);
+        if (e->hold < 0 && e->s[i] != side) e->z[1] = v;
+    } else {
+        e->s[i] = -side;
+        if (dp_kind[i] != DP_POSITION) return;
+        dp_surfaces_at(e, line, 0.0, e->z, f, g, gd);
+        if (!dp_short_flight(e, f, e->max_step)) return;
+        dp_project(e, g[i], gd[i]);
+        dp_rest(e, line, 0.0);
+    }
+}
+
+/* What an event changes. Returns whether the states have changed with it. */
+static int dp_continuous_event(dp_instance *m) {
+    const dp_line line = dp_instance_line(m);
+    dp_engine *e = &m->engine;
+    const int smooth = dp_smoothing(m) > 0.0;
+    double before[DP_NZ];
+    int i, n, found = 1;
+    dp_instance_prepare(m);
+    memcpy(before, e->z, sizeof before);
+    dp_continuous_modes(m, &line);
+    for (n = 0; found && n <= 2 * DP_NS; ++n) { /* one event may bring the next at the same instant */
+        m->ready = 0;
+        dp_continuous_indicators(m);
+        for (found = i = 0; i < DP_NS && !found; ++i) {
+            if (m->indicator[i] > 0.0) continue;
+            found = 1;
+            if (i == e->hold)
+                dp_release(e, &line, 0.0);
+            else
+                dp_continuous_cross(e, &line, i, smooth);
+        }
+    }
+    m->ready = 0;
+    return memcmp(before, e->z, sizeof before) != 0;
+}
+
+/* How rates, outputs, energy and dissipated power, and indicators change in a direction of states, force and parameters
+ * (DP_NZ, 1, DP_NP), the modes being what they are. */
+static void dp_continuous_tangent(dp_instance *m, const double *dz, double du, const double *dp, double *df, double *dy,
+                                  double *dw, double *di) {
+    const dp_line line = dp_instance_line(m);
+    const dp_engine *e = &m->engine;
+    const double smoothing = dp_smoothing(m);
+    double s[DP_NS + 1], ds[DP_NS + 1], g[DP_NS + 1], dg[DP_NS + 1];
+    int j;
+    dp_continuous_modes(m, &line);
+    dp_continuous_signs(m, &line, s);
+    memset(ds, 0, sizeof ds);
+    dp_tangent(e->z, line.t0, line.c[0], e->p, s, dz, du, dp, ds, df, dy, dw, dg);
+    if (smoothing > 0.0) {
+        for (j = 0; j < DP_NS; ++j) ds[j] = (1.0 - s[j] * s[j]) / (smoothing * dp_range[j]) * dg[j];
+    } else if (e->hold >= 0) { /* what carries the forces changes so that the acceleration stays zero */
+        double none[DP_NZ + DP_NP + 1], unit[DP_NS + 1], with[DP_NZ], y[DP_NY], w[2], h[DP_NS + 1], share;
+        memset(none, 0, sizeof none);
+        memset(unit, 0, sizeof unit);
+        dp_surface_values(m, &line, g);
+        for (j = 0; j < DP_NS; ++j)
+            if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0)) unit[j] = 1.0;
+        dp_tangent(e->z, line.t0, line.c[0], e->p, s, none, 0.0, none, unit, with, y, w, h);
+        share = with[1] != 0.0 ? -df[1] / with[1] : 0.0;
+        for (j = 0; j < DP_NS; ++j) ds[j] = share * unit[j];
+    }
+    if (smoothing > 0.0 || e->hold >= 0)
+        dp_tangent(e->z, line.t0, line.c[0], e->p, s, dz, du, dp, ds, df, dy, dw, dg);
+    for (j = 0; j < DP_NS; ++j)
+        di[j] = e->s[j] == 0.0 || (smoothing > 0.0 && dp_kind[j] != DP_VELOCITY) ? 0.0 : e->s[j] * dg[j];
+    if (e->hold >= 0 && !(smoothing > 0.0)) df[0] = df[1] = dy[3] = 0.0;
+}
