@@ -52,9 +52,23 @@ static void dp_output(const double *z, double t, double u, const double *p, cons
 }}
 """
 
+_POWER = """
+/* Energy and dissipated power. */
+static void dp_power(const double *z, double t, double u, const double *p, const double *s, double *out) {
+    const double *arg[5];
+    double *res[1];
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
+    res[0] = out;
+    dp_law_power(arg, res, 0, 0, 0);
+}
+"""
 
-def law_source(eq: Equations) -> str:
+
+def law_source(eq: Equations, *, power: bool = False) -> str:
     """C text that defines the sizes, the kinds of the surfaces and the functions that the engine calls.
+
+    With ``power`` there is a further function ``dp_power`` that writes energy and dissipated power, two values in
+    ``Oscillator.energy_units``; a fit does without.
 
     No text of a model file reaches it: names stay outside, parameters are an argument.
     """
@@ -63,11 +77,14 @@ def law_source(eq: Equations) -> str:
     state = [eq.z, eq.t, eq.u, eq.p, eq.s]
     rates = [eq.z, eq.t, eq.u, eq.u_rate, eq.p, eq.s]
     generator = ca.CodeGenerator("law.c", {"casadi_int": "int", "with_header": False})
-    for name, inputs, outputs in (
+    functions = [
         ("dp_law_field", state, [eq.zdot]),
         ("dp_law_surface", rates, [eq.zdot, eq.surfaces, eq.surface_rates]),
         ("dp_law_output", state, [eq.y]),
-    ):
+    ]
+    if power:
+        functions.append(("dp_law_power", state, [ca.vertcat(eq.energy, eq.dissipated)]))
+    for name, inputs, outputs in functions:
         # dense: a structural zero would otherwise be left out of the result array
         generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
     with tempfile.TemporaryDirectory() as folder:
@@ -86,4 +103,5 @@ def law_source(eq: Equations) -> str:
             feels_rest=int(rates_feel_rest(eq)),
             kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
         )
+        + (_POWER if power else "")
     )
