@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..model import units
-from ..model.equations import equations, power_of
+from ..model.equations import equations
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_output, exact_step
 from ..simulate.core import template
@@ -78,7 +78,7 @@ def output_function(oscillator: Oscillator) -> Expression:
     import casadi as ca
 
     eq = equations(oscillator)
-    y = exact_output(eq, eq.z, eq.u, eq.p, eq.t, ca.vertcat(eq.y, power_of(eq)))
+    y = exact_output(eq, eq.z, eq.u, eq.p, eq.t, ca.vertcat(eq.y, eq.energy, eq.dissipated))
     return ca.Function("output", [eq.z, eq.u, eq.p, eq.t], [y], ["z", "u", "p", "t"], ["y"])
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
 
+from ..errors import BadInput
 from .law import Expression, InnerState, Law, Motion
 from .laws import BASE
 
@@ -42,6 +43,10 @@ class Equations:
         surfaces: switching functions g(z, t, u, p).
         surface_rates: dg/dt along the motion.
         y: outputs: response as recorded, displacement, velocity, acceleration.
+        drive: the force that reaches the mass, as ``u``; times the velocity it is the power put in.
+        energy: kinetic energy and what the laws have stored, in ``Oscillator.energy_units``.
+        dissipated: power that the laws take from the motion and do not store, in ``Oscillator.energy_units``; negative
+            where a law gives more than it had stored (a drifting spring, a force that nobody recorded).
         kinds: kind of each surface.
         parameter_names, state_names, output_names: in order.
         inner: the inner states, in the order of ``z`` behind the first two.
@@ -58,6 +63,9 @@ class Equations:
     surfaces: Expression
     surface_rates: Expression
     y: Expression
+    drive: Expression
+    energy: Expression
+    dissipated: Expression
     kinds: tuple[SurfaceKind, ...]
     parameter_names: tuple[str, ...]
     state_names: tuple[str, ...] = ("displacement", "velocity")
@@ -88,12 +96,14 @@ def equations(oscillator: Oscillator) -> Equations:
     value = {name: p[i] for i, name in enumerate(names)}
     motion = Motion(x=x, v=v, t=t, recorded=oscillator.response.quantity)
     terms = [(term.law, {n: value[f"{term.effect}.{n}"] for n in term.parameters}) for term in oscillator.terms]
-    owners: list[str] = []  # the law of each inner state
+    taken: list[tuple[Expression, Expression]] = []  # the force of each law and what it has stored
 
     def ask(law: Law, own: Mapping[str, Expression], *signal: Expression) -> Expression:
+        motion.owner = law.name
         made: Any = law.force or law.drive or law.record
         result = made(motion, own, *signal)
-        owners.extend([law.name] * (len(motion.states) - len(owners)))
+        if law.force:
+            taken.append((result, _stored(law, motion, own)))
         return result
 
     drive = u
@@ -110,7 +120,7 @@ def equations(oscillator: Oscillator) -> Equations:
 
     # in the order of the terms, whatever their paths: a model with one more term has its states at the end
     rank = [term.effect for term in oscillator.terms]
-    order = sorted(range(len(owners)), key=lambda i: rank.index(owners[i]))
+    order = sorted(range(len(motion.owners)), key=lambda i: rank.index(motion.owners[i]))
     inner_states = [motion.states[i] for i in order]
 
     s = ca.vertcat(*motion.signs) if motion.signs else ca.SX(0, 1)
@@ -119,7 +129,13 @@ def equations(oscillator: Oscillator) -> Equations:
     z = ca.SX.sym("z", scalars.numel())
     zdot = ca.vertcat(v, acceleration, *(motion.rates[i] for i in order))
     y = ca.vertcat(recorded, x, v, acceleration)
-    zdot, g, y = ca.substitute([zdot, g, y], [scalars], [z])
+
+    mass = value.get("mass", 1.0)
+    forces, stored = (ca.vertcat(*column) for column in zip(*taken, strict=True))
+    storing = ca.jtimes(stored, ca.vertcat(scalars, t), ca.vertcat(zdot, 1))
+    energy = mass * (v**2 / 2 + ca.sum1(stored))
+    dissipated = mass * ca.sum1(forces * v - storing)  # law by law, so that a spring cancels before anything is summed
+    zdot, g, y, drive, energy, dissipated = ca.substitute([zdot, g, y, drive, energy, dissipated], [scalars], [z])
     g_rate = ca.jtimes(g, z, zdot) + ca.jtimes(g, t, ca.SX(1)) + ca.jtimes(g, u, u_rate)
     return Equations(
         z=z,
@@ -132,12 +148,32 @@ def equations(oscillator: Oscillator) -> Equations:
         surfaces=g,
         surface_rates=g_rate,
         y=y,
+        drive=drive,
+        energy=energy,
+        dissipated=dissipated,
         kinds=tuple(_kind(g[i], z, t, u) for i in range(g.numel())),
         parameter_names=names,
-        state_names=("displacement", "velocity", *(f"{owners[i]}.{motion.states[i].name}" for i in order)),
+        state_names=("displacement", "velocity", *(f"{motion.owners[i]}.{motion.states[i].name}" for i in order)),
         inner=tuple(inner_states),
         reaches=ca.vertcat(ca.SX(0, 1), *(motion.reaches[i] for i in order)),
     )
+
+
+def _stored(law: Law, motion: Motion, own: Mapping[str, Expression]) -> Expression:
+    """Energy per unit mass that a law has stored, its force having been asked for just before."""
+    import casadi as ca
+
+    if law.stored is None:
+        return ca.SX(0)
+    asked = len(motion.signs), len(motion.states)
+    energy = ca.SX(law.stored(motion, own))
+    if (len(motion.signs), len(motion.states)) != asked:
+        # it would add an event or a state to the motion, which has neither
+        raise BadInput(
+            f"what {law.name} has stored depends on a sign or state that its force does not have; "
+            "use the force's own surfaces, and its states by motion.inner(name)"
+        )
+    return energy
 
 
 def rates_feel_rest(eq: Equations) -> bool:

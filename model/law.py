@@ -7,6 +7,8 @@ Signs and kinks are not written with ``sign()``: a law asks the motion for ``mot
 then decides what the sign is: an integer mode that changes at located events (exact), ``casadi.sign``
 (a plain right-hand side), or ``tanh`` of a stated width (smooth). A law with a memory asks for ``motion.state(...)``
 and says with ``motion.rate(...)`` how that state changes.
+
+What a law has ``stored`` of the energy that it took is the one further fact; what it dissipates follows from both.
 """
 
 from __future__ import annotations
@@ -16,6 +18,8 @@ import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
+
+from ..errors import BadInput
 
 _BRACES = re.compile(r"\{([^{}]*)\}")
 
@@ -116,7 +120,8 @@ class Motion:
         recorded: what the recordings show: displacement, velocity or acceleration.
         surfaces: expressions whose sign changes the law; filled by ``sign``.
         signs: one symbol per surface.
-        states, symbols, rates, reaches: inner states, filled by ``state``.
+        states, symbols, rates, reaches, owners: inner states and the law of each, filled by ``state``.
+        owner: name of the law that is asking.
     """
 
     x: Expression
@@ -129,6 +134,8 @@ class Motion:
     symbols: list[Expression] = field(default_factory=list)
     rates: list[Expression] = field(default_factory=list)
     reaches: list[Expression] = field(default_factory=list)
+    owners: list[str] = field(default_factory=list)
+    owner: str = ""
 
     def sign(self, surface: Expression) -> Expression:
         """Sign of ``surface``: -1 or 1, and between them while the motion rests on the surface.
@@ -169,7 +176,15 @@ class Motion:
         self.symbols.append(symbol)
         self.rates.append(None)
         self.reaches.append(reach)
+        self.owners.append(self.owner)
         return symbol
+
+    def inner(self, name: str) -> Expression:
+        """The state of that name that the same law's force has asked for; raises BadInput where there is none."""
+        for owner, state, symbol in zip(self.owners, self.states, self.symbols, strict=True):
+            if (owner, state.name) == (self.owner, name):
+                return symbol
+        raise BadInput(f"stored looks for a state {name!r}; ask for it in force with motion.state({name!r}, unit)")
 
     def rate(self, state: Expression, expression: Expression) -> None:
         """Says how fast a state changes."""
@@ -183,6 +198,8 @@ class Motion:
 Force = Callable[[Motion, Mapping[str, Expression]], Expression]
 #: ``path(motion, parameters, signal)``: what becomes of the recorded force, or of the motion that is to be recorded.
 Path = Callable[[Motion, Mapping[str, Expression], Expression], Expression]
+#: ``stored(motion, parameters)``: energy per unit mass, of the states and signs that the force asked for.
+Stored = Callable[[Motion, Mapping[str, Expression]], Expression]
 
 
 @dataclass(frozen=True)
@@ -196,6 +213,8 @@ class Law:
         parameters: what is to be identified.
         force: force per unit mass, as it stands inside the bracket of Eq. 17 (positive opposes the motion), in units of
             the displacement per s².
+        stored: of a ``force``, the energy per unit mass that the law holds and can give back, in units of the
+            displacement squared per s²; None: it holds none, so that all power it takes is dissipated.
         drive: from the force as recorded to the force that reaches the mass.
         record: from the motion to what the sensor makes of it.
         equation: as text, for reports: of a ``force`` the term in the bracket of Eq. 17, of the others what becomes of
@@ -220,6 +239,7 @@ class Law:
     source: str
     curves: str = ""
     force: Force | None = None
+    stored: Stored | None = None
     drive: Path | None = None
     record: Path | None = None
     proper: Callable[[Mapping[str, float], Mapping[str, float]], bool] | None = None

@@ -147,6 +147,13 @@ class Oscillator:
                 found[f"{term.effect}.{name}"] = parameter
         return found
 
+    @property
+    def energy_units(self) -> tuple[str, str]:
+        """Units of energy and power; without a mass both are per unit mass, as the force is."""
+        energy, power = ("X2/s2", "X2/s3") if self.mass is None else (units.ENERGY, units.POWER)
+        length = self.response.displacement_unit
+        return units.compose(energy, length, self.force_unit), units.compose(power, length, self.force_unit)
+
     def values(self) -> dict[str, float]:
         """The parameters' plain values."""
         return {name: parameter.value for name, parameter in self.parameters().items()}

@@ -30,6 +30,11 @@ SYMBOLS: dict[str, dict[str, int]] = {
     "1": {},
 }
 
+#: Templates of energy and power, see ``compose``.
+ENERGY, POWER = "Q.X", "Q.X/s"
+#: Symbols of a force in N along m, or of a moment in N.m about rad (dropped by custom), and of their power.
+_OF_WORK = {"N", "m", "rad", "s"}
+
 _FACTOR = re.compile(r"([A-Za-z]+|1)(-?\d+)?$")
 
 
@@ -88,7 +93,8 @@ def compose(template: str, displacement: str, force: str = "N", response: str | 
     """A parameter's unit for a given response.
 
     ``X`` in the template is the displacement's unit, ``Q`` the force's, ``Y`` that of the recorded signal (the
-    displacement's where not given): ``compose("1/(X2.s2)", "m")`` is ``1/(m2.s2)``, ``compose("Q.s2/X", "m")`` ``kg``.
+    displacement's where not given): ``compose("1/(X2.s2)", "m")`` is ``1/(m2.s2)``, ``compose("Q.s2/X", "m")`` ``kg``,
+    ``compose(ENERGY, "m")`` ``J``.
     """
     meaning = {"X": displacement, "Q": force, "Y": response or displacement}
     total: Counter[str] = Counter()
@@ -96,6 +102,8 @@ def compose(template: str, displacement: str, force: str = "N", response: str | 
         for inner, power in factors(meaning[symbol]).items() if symbol in meaning else [(symbol, 1)]:
             total[inner] += exponent * power
     exponents = {symbol: power for symbol, power in total.items() if power}
+    if template in (ENERGY, POWER) and exponents.get("N") == exponents.get("m") == 1 and exponents.keys() <= _OF_WORK:
+        return "J" if template == ENERGY else "W"  # not by the exponents alone: a moment is in N.m too
     if exponents == {"N": 1, "s": 2, "m": -1}:
         return "kg"
     if exponents == {"N": 1, "m": 1, "s": 2, "rad": -1}:

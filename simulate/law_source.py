@@ -53,6 +53,17 @@ static void dp_output(const double *z, double t, double u, const double *p, cons
 }}
 """
 
+_POWER = """
+/* Energy and dissipated power. */
+static void dp_power(const double *z, double t, double u, const double *p, const double *s, double *out) {
+    const double *arg[5];
+    double *res[1];
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
+    res[0] = out;
+    dp_law_power(arg, res, 0, 0, 0);
+}
+"""
+
 _TANGENT = """
 /* How rates, outputs, energy and dissipated power, and surfaces change in a direction of states, force, parameters and
  * signs. */
@@ -75,7 +86,8 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
 
     Args:
         eq: the equations.
-        exported: with what an importer asks for beyond the motion: energy and power, directional derivatives.
+        exported: with what an importer asks for beyond the motion: ``dp_power`` writes energy and dissipated power, two
+            values in ``Oscillator.energy_units``, and ``dp_tangent`` gives directional derivatives; a fit does without.
     """
     import casadi as ca
 
@@ -88,7 +100,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
         ("dp_law_output", state, [eq.y]),
     ]
     if exported:
-        functions += [("dp_law_power", state, [power_of(eq)]), ("dp_law_tangent", *_tangent(eq, state))]
+        functions += [("dp_law_power", state, [ca.vertcat(eq.energy, eq.dissipated)]), ("dp_law_tangent", *_tangent(eq, state))]
     for name, inputs, outputs in functions:
         # dense: a structural zero would otherwise be left out of the result array
         generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
@@ -119,5 +131,5 @@ def _tangent(eq: Equations, state: list[Expression]) -> tuple[list[Expression], 
     moving = [eq.z, eq.u, eq.p, eq.s]
     directions = [ca.SX.sym(f"d{name}", symbol.sparsity()) for name, symbol in zip("zups", moving, strict=True)]
     point, direction = ca.veccat(*moving), ca.veccat(*directions)
-    results = [ca.jtimes(expression, point, direction) for expression in (eq.zdot, eq.y, power_of(eq), eq.surfaces)]
+    results = [ca.jtimes(expression, point, direction) for expression in (eq.zdot, eq.y, ca.vertcat(eq.energy, eq.dissipated), eq.surfaces)]
     return [*state, *directions], results

@@ -1,4 +1,8 @@
-"""Viscous friction that is larger in one direction."""
+"""Viscous friction that is larger in one direction.
+
+It stores nothing. Being half a difference, it takes power in one direction and gives as much of the ordinary viscous
+damping's back in the other: only the two together never give.
+"""
 
 from ..law import Law, LawParameter
 

@@ -1,4 +1,8 @@
-"""Dry friction that is larger in one direction."""
+"""Dry friction that is larger in one direction.
+
+It stores nothing, unlike the constant force of the same equation: it takes power in one direction and gives as much of
+the ordinary dry friction's back in the other. Over a cycle both are the same.
+"""
 
 from ..law import Law, LawParameter
 

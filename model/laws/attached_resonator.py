@@ -1,4 +1,4 @@
-"""A second mass on a spring of its own."""
+"""A second mass on a spring of its own: both store, its damper takes ``mass-ratio damping (x' - y')²``."""
 
 from ..law import Expression, Law, LawParameter
 
@@ -10,6 +10,11 @@ def _force(motion, p) -> Expression:
     motion.rate(y, w)
     motion.rate(w, pull)
     return p["mass-ratio"] * pull
+
+
+def _stored(motion, p) -> Expression:
+    stretch = motion.x - motion.inner("displacement")
+    return p["mass-ratio"] * (motion.inner("velocity") ** 2 + p["frequency"] ** 2 * stretch**2) / 2
 
 
 LAW = Law(
@@ -27,6 +32,7 @@ LAW = Law(
         LawParameter("damping", "1/s", "its damping per its own mass", lower=0.0, probes=(0.02,)),
     ),
     force=_force,
+    stored=_stored,
     equation="{mass-ratio} y''; y'' = {frequency}² (x - y) + {damping} (x' - y')",
     sentence="A second mass on a spring of its own: a loose cable, a bracket, a second mode of the structure.",
     source="Den Hartog 1956, section 3.3",

@@ -1,6 +1,20 @@
 """A spring that touches only after a gap has closed, on both sides alike."""
 
-from ..law import Law, LawParameter
+from ..law import Expression, Law, LawParameter
+
+
+def _depths(motion, p) -> tuple[Expression, Expression]:
+    return motion.x - p["gap"], -motion.x - p["gap"]
+
+
+def _force(motion, p) -> Expression:
+    right, left = _depths(motion, p)
+    return p["stiffness"] * (motion.beyond(right) - motion.beyond(left))
+
+
+def _stored(motion, p) -> Expression:
+    return p["stiffness"] * sum(depth * motion.beyond(depth) for depth in _depths(motion, p)) / 2
+
 
 LAW = Law(
     name="clearance",
@@ -9,7 +23,8 @@ LAW = Law(
         LawParameter("stiffness", "1/s2", "stiffness beyond the gap per unit mass", strength=True, lower=0.0),
         LawParameter("gap", "X", "half of the free play", lower=0.0, probes=(0.1, 0.25, 0.4, 0.55, 0.7, 0.85)),
     ),
-    force=lambda motion, p: p["stiffness"] * (motion.beyond(motion.x - p["gap"]) - motion.beyond(-motion.x - p["gap"])),
+    force=_force,
+    stored=_stored,
     equation="{stiffness} (x beyond ±{gap})",
     sentence="A part of the spring, no stiffer than the rest, that acts only beyond a free play on both sides.",
     source="Feldman 2011, Hilbert Transform Applications in Mechanical Vibration, chapter on piecewise springs",

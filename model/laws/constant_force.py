@@ -7,6 +7,7 @@ LAW = Law(
     path="restoring",
     parameters=(LawParameter("load", "X/s2", "static load per unit mass, positive along x", strength=True),),
     force=lambda motion, p: -p["load"],
+    stored=lambda motion, p: -p["load"] * motion.x,
     equation="-{load}",
     sentence="A static load: gravity, a tilted table, a string that pulls; the motion is about another point of the "
     "spring.",

@@ -1,4 +1,8 @@
-"""Rate-independent hysteresis: a contact that gives elastically before it slides."""
+"""Rate-independent hysteresis: a contact that gives elastically before it slides.
+
+The elastic deflection z stores; sliding takes the rest, ``stiffness z (x' - z')`` per unit mass, which is never
+negative while ``loading`` is at least one half (Erlicher and Point 2004).
+"""
 
 from ..law import Expression, Law, LawParameter
 
@@ -32,6 +36,7 @@ LAW = Law(
         ),
     ),
     force=_force,
+    stored=lambda motion, p: p["stiffness"] * motion.inner("deflection") ** 2 / 2,
     equation="{stiffness} z; z' = x' (1 - |z / {limit}|^{exponent} ({loading} sgn(x' z) + 1 - {loading}))",
     sentence="A contact that gives elastically before it slides (pre-sliding, micro-slip, a joint or wire rope): its "
     "force depends on where the motion last turned.",

@@ -7,6 +7,7 @@ LAW = Law(
     path="restoring",
     parameters=(LawParameter("omega0", "rad/s", "undamped angular frequency of the linear part", lower=0.0),),
     force=lambda motion, p: p["omega0"] ** 2 * motion.x,
+    stored=lambda motion, p: p["omega0"] ** 2 * motion.x**2 / 2,
     equation="{omega0}² x",
     sentence="A spring whose force grows in proportion to the displacement.",
     source="Feldman, Bucher, Rotberg, Eqs. 2 and 17",

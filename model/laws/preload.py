@@ -7,6 +7,7 @@ LAW = Law(
     path="restoring",
     parameters=(LawParameter("preload", "X/s2", "preload force per unit mass, F0/m"),),
     force=lambda motion, p: p["preload"] * motion.sign(motion.x),
+    stored=lambda motion, p: p["preload"] * motion.x * motion.sign(motion.x),
     equation="{preload} sgn(x)",
     sentence="A pre-tensioned spring that must first be lifted off its seat; raises the frequency of small motions.",
     source="Feldman and Braun 1993; Feldman, Bucher, Rotberg, Eqs. 1 and 2",

@@ -7,6 +7,7 @@ LAW = Law(
     path="restoring",
     parameters=(LawParameter("coefficient", "1/(X.s2)", "quadratic stiffness per unit mass", strength=True),),
     force=lambda motion, p: p["coefficient"] * motion.x**2,
+    stored=lambda motion, p: p["coefficient"] * motion.x**3 / 3,
     equation="{coefficient} x²",
     sentence="A spring that is stiffer on one side than on the other, as under a static load or with curvature.",
     source="Nayfeh and Mook 1979, section 4.1",

@@ -7,6 +7,7 @@ LAW = Law(
     path="restoring",
     parameters=(LawParameter("coefficient", "1/(X4.s2)", "quintic stiffness per unit mass", strength=True),),
     force=lambda motion, p: p["coefficient"] * motion.x**5,
+    stored=lambda motion, p: p["coefficient"] * motion.x**6 / 6,
     equation="{coefficient} x⁵",
     sentence="Hardening (or softening) that grows faster than the cubic, felt at the largest amplitudes only.",
     source="Feldman, Bucher, Rotberg, Eq. 6 (fourth power of the amplitude)",

@@ -9,6 +9,14 @@ def _saturating(motion, p) -> Expression:
     return p["stiffness"] * p["width"] * ca.tanh(motion.x / p["width"])
 
 
+def _stored(motion, p) -> Expression:
+    """``stiffness width² ln cosh(x / width)``, so that neither large nor small displacements lose it."""
+    import casadi as ca
+
+    size = ca.fabs(motion.x / p["width"])
+    return p["stiffness"] * p["width"] ** 2 * (size + ca.log1p(ca.expm1(-2 * size) / 2))
+
+
 LAW = Law(
     name="softening-stiffness",
     path="restoring",
@@ -17,6 +25,7 @@ LAW = Law(
         LawParameter("width", "X", "displacement at which it gives way", lower=1e-12, probes=(0.1, 0.25, 0.5, 1.0)),
     ),
     force=_saturating,
+    stored=_stored,
     equation="{stiffness} {width} tanh(x / {width})",
     sentence="A part of the spring that gives way: it pulls in proportion at first and saturates beyond a "
     "displacement.",

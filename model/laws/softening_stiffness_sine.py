@@ -9,6 +9,13 @@ def _bending(motion, p) -> Expression:
     return p["stiffness"] * p["width"] * ca.sin(motion.x / p["width"])
 
 
+def _stored(motion, p) -> Expression:
+    """``stiffness width² (1 - cos(x / width))``, by the half angle so that small displacements do not lose it."""
+    import casadi as ca
+
+    return 2 * p["stiffness"] * (p["width"] * ca.sin(motion.x / p["width"] / 2)) ** 2
+
+
 LAW = Law(
     name="softening-stiffness/sine",
     path="restoring",
@@ -17,6 +24,7 @@ LAW = Law(
         LawParameter("width", "X", "displacement of one radian", lower=1e-12, probes=(0.3, 0.5, 0.8)),
     ),
     force=_bending,
+    stored=_stored,
     equation="{stiffness} {width} sin(x / {width})",
     sentence="A part of the spring that bends over and turns round, as gravity on a pendulum does.",
     source="Nayfeh and Mook 1979, section 2.1 (pendulum)",

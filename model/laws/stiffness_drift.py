@@ -1,4 +1,8 @@
-"""A spring that changes steadily during the record."""
+"""A spring that changes steadily during the record.
+
+It stores as a spring of its present stiffness does; what the change of stiffness feeds in, ``rate x²/2`` per unit mass,
+is negative dissipated power.
+"""
 
 from ..law import Law, LawParameter
 
@@ -15,6 +19,7 @@ LAW = Law(
         ),
     ),
     force=lambda motion, p: p["rate"] * motion.t * motion.x,
+    stored=lambda motion, p: p["rate"] * motion.t * motion.x**2 / 2,
     equation="{rate} t x",
     sentence="The spring changes while it is being recorded: it warms up, creeps or loosens.",
     source="Mathieu and Hill type of slow parameter change, Nayfeh and Mook 1979, section 5.1",

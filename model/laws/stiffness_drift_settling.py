@@ -1,12 +1,15 @@
-"""A spring that goes over to another stiffness during the record."""
+"""A spring that goes over to another stiffness during the record.
+
+It stores as a spring of its present stiffness does; what the change of stiffness feeds in is negative dissipated power.
+"""
 
 from ..law import Expression, Law, LawParameter
 
 
-def _force(motion, p) -> Expression:
+def _stiffness(motion, p) -> Expression:
     import casadi as ca
 
-    return p["change"] * (1 - ca.exp(-motion.t / p["time"])) * motion.x
+    return p["change"] * (1 - ca.exp(-motion.t / p["time"]))
 
 
 LAW = Law(
@@ -16,7 +19,8 @@ LAW = Law(
         LawParameter("change", "1/s2", "change of stiffness in the long run, per unit mass", strength=True),
         LawParameter("time", "s", "time constant", lower=1e-9, probes=(0.1, 0.3), size=lambda s: s.duration),
     ),
-    force=_force,
+    force=lambda motion, p: _stiffness(motion, p) * motion.x,
+    stored=lambda motion, p: _stiffness(motion, p) * motion.x**2 / 2,
     equation="{change} (1 - exp(-t / {time})) x",
     sentence="The spring goes over to another stiffness during the record, fast at first: it warms up or settles.",
     source="first-order warming, Incropera and DeWitt 2007, section 5.1",

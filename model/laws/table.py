@@ -6,7 +6,7 @@ from ..law import Law
 from . import LIBRARY
 from .user import PATHS
 
-_HEAD = "| law | what it is | equation | backbone and damping | source |\n|---|---|---|---|---|"
+_HEAD = "| law | what it is | equation | backbone and damping | stores | source |\n|---|---|---|---|---|---|"
 
 
 def law_table() -> str:
@@ -21,5 +21,6 @@ def law_table() -> str:
 
 def _row(law: Law) -> str:
     equation = "<br>".join(f"`{line}`" for line in law.in_words(str).split("; "))
-    cells = [f"`{law.name}`", law.sentence, equation, law.curves, law.source]
+    stores = "–" if law.force is None else "no" if law.stored is None else "yes"
+    cells = [f"`{law.name}`", law.sentence, equation, law.curves, stores, law.source]
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |"

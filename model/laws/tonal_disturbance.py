@@ -1,4 +1,4 @@
-"""A periodic force that nobody recorded."""
+"""A periodic force that nobody recorded: what it feeds in is negative dissipated power."""
 
 from ..law import Expression, Law, LawParameter
 

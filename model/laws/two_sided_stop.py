@@ -1,16 +1,29 @@
-"""Stops on both sides: contact stiffer than the spring itself."""
+"""Stops on both sides: contact stiffer than the spring itself.
+
+They store in their springs alone. A mass that leaves faster than the contact can follow takes nothing of that back: it
+then goes into the contact's damper.
+"""
 
 from ..law import Expression, Law, LawParameter
+
+
+def _depth(motion, p, side: int) -> Expression:
+    return side * (motion.x - p["offset"]) - p["position"]
 
 
 def _contact(motion, p) -> Expression:
     def push(side: int) -> Expression:
         """Of one contact, which never pulls."""
-        depth = side * (motion.x - p["offset"]) - p["position"]
+        depth = _depth(motion, p, side)
         law = p["stiffness"] * depth + p["damping"] * side * motion.v
         return 0.5 * (1 + motion.sign(depth)) * motion.beyond(law)
 
     return push(1) - push(-1)
+
+
+def _stored(motion, p) -> Expression:
+    depths = [_depth(motion, p, side) for side in (1, -1)]
+    return p["stiffness"] * sum(depth * motion.beyond(depth) for depth in depths) / 2
 
 
 LAW = Law(
@@ -23,6 +36,7 @@ LAW = Law(
         LawParameter("offset", "X", "middle between the stops", probes=(0.0,), shape=True),
     ),
     force=_contact,
+    stored=_stored,
     equation="({stiffness} d + {damping} x' where d = x - {offset} is beyond ±{position})",
     sentence="Stops on both sides: a contact, stiffer than the spring, that the mass reaches beyond a certain "
     "amplitude.",

@@ -98,6 +98,8 @@ def problems(law: Law) -> Iterator[str]:
         yield f"path {law.path!r} is not known; use one of {', '.join(PATHS)}"
     if sum(made is not None for made in (law.force, law.drive, law.record)) != 1:
         yield "give one of force, drive and record"
+    elif law.stored is not None and law.force is None:
+        yield "stored is the energy of a force, which it has none of; leave it out"
     for field in ("equation", "sentence", "source"):
         if not isinstance(text := getattr(law, field), str) or not text.strip():
             yield f"{field} is empty; write what a reader of the report needs"
@@ -181,10 +183,12 @@ def _try(law: Law, where: str) -> None:
     values |= {"mass": 1.0, **{f"{law.name}.{p.name}": p.natural(_SCALES) for p in law.parameters}}
     try:
         made: Any = law.force or law.drive or law.record
-        result = ca.SX(made(motion, own) if law.force else made(motion, own, ca.SX.sym("signal")))
+        results = [ca.SX(made(motion, own) if law.force else made(motion, own, ca.SX.sym("signal")))]
         rateless = [s.name for s, rate in zip(motion.states, motion.rates, strict=True) if rate is None]
-        if not result.is_scalar():
-            raise BadInput(f"it gives {result.shape[0]} by {result.shape[1]} numbers; return a single expression")
+        results += [ca.SX(law.stored(motion, own))] if law.stored else []
+        for result in results:
+            if not result.is_scalar():
+                raise BadInput(f"it gives {result.shape[0]} by {result.shape[1]} numbers; return a single expression")
         if rateless:
             raise BadInput(f"its state {rateless[0]!r} has no rate; call motion.rate(state, expression)")
         equations(Oscillator.from_values(values, effects=(law.name,)))

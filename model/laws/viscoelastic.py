@@ -1,4 +1,4 @@
-"""A spring in series with a damper (Maxwell)."""
+"""A spring in series with a damper (Maxwell): the spring stores, the damper takes ``stiffness rate (x - q)²``."""
 
 from ..law import Expression, Law, LawParameter
 
@@ -17,6 +17,7 @@ LAW = Law(
         LawParameter("rate", "1/s", "how fast the branch relaxes", lower=0.0, probes=(0.05, 0.3, 1.0, 3.0)),
     ),
     force=_force,
+    stored=lambda motion, p: p["stiffness"] * (motion.x - motion.inner("damper")) ** 2 / 2,
     equation="{stiffness} (x - q); q' = {rate} (x - q)",
     sentence="A spring in series with a damper (rubber, polymer, a gas volume behind an orifice): stiff when moved "
     "fast, soft when moved slowly.",

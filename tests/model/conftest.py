@@ -1,11 +1,15 @@
-"""The paper's stand, and laws that only tests know."""
+"""The paper's stand, laws that only tests know, and random states of any model."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
+import casadi
+import numpy as np
 import pytest
 from dashpot.model import Oscillator
+from dashpot.model.equations import equations, signed
 from dashpot.model.law import Law, LawParameter
 from dashpot.model.laws import LIBRARY
 
@@ -43,3 +47,50 @@ def contact(monkeypatch):
         source="test",
     )
     monkeypatch.setitem(LIBRARY, "contact", law)
+
+
+class AtRandom:
+    """A model at 400 random states: ``here(here.eq.energy)`` is an expression there, its signs written out.
+
+    Displacement, velocity, time and force are the same for every model; inner states are about what they follow.
+    """
+
+    def __init__(self, model, inner):
+        self.eq = equations(model)
+        self.p = casadi.DM(list(model.values().values()))
+        random = np.random.default_rng(1)
+
+        def spread(size):
+            return size * random.uniform(-1.0, 1.0, 400)
+
+        rows = [spread(8e-3), spread(8e-3 * RIG["omega0"])]
+        self.t, self.u = 0.5 + spread(0.5), spread(1.0)
+        for leader, size in zip(self.eq.follows[2:], inner, strict=True):
+            rows.append((0.0 if leader is None else rows[leader]) + spread(size))
+        self.z = np.array(rows)
+
+    def __call__(self, expression, z=None, t=None, u=None):
+        """(rows, states), or (states,) where the expression is a scalar; at other states where these are given."""
+        eq = self.eq
+        plain = casadi.densify(casadi.substitute(signed(eq, expression), eq.p, self.p))
+        point = [own if given is None else given for own, given in ((self.z, z), (self.t, t), (self.u, u))]
+        found = np.array(casadi.Function("f", [eq.z, eq.t, eq.u], [plain])(point[0], point[1][None], point[2][None]))
+        return found[0] if expression.is_scalar() else found
+
+
+@pytest.fixture
+def at_random(offsets):
+    """``at_random(model)``: the model at random states, see there."""
+    return lambda model: AtRandom(model, 1e3 * np.array(offsets(model)))
+
+
+@pytest.fixture
+def share(at_random):
+    """``share(model)``: what its terms add to energy and dissipated power, (states,) each, and the size of all."""
+
+    def make(model: Oscillator):
+        full, base = at_random(model), at_random(replace(model, terms=()))
+        size = float(full.p[0]) * np.max(np.abs(full(full.eq.zdot[1] * full.eq.z[1])))
+        return full(full.eq.energy) - base(base.eq.energy), full(full.eq.dissipated) - base(base.eq.dissipated), size
+
+    return make
