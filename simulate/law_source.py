@@ -100,7 +100,10 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
         ("dp_law_output", state, [eq.y]),
     ]
     if exported:
-        functions += [("dp_law_power", state, [ca.vertcat(eq.energy, eq.dissipated)]), ("dp_law_tangent", *_tangent(eq, state))]
+        functions += [
+            ("dp_law_power", state, [ca.vertcat(eq.energy, eq.dissipated)]),
+            ("dp_law_tangent", *_tangent(eq, state)),
+        ]
     for name, inputs, outputs in functions:
         # dense: a structural zero would otherwise be left out of the result array
         generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
@@ -131,5 +134,8 @@ def _tangent(eq: Equations, state: list[Expression]) -> tuple[list[Expression], 
     moving = [eq.z, eq.u, eq.p, eq.s]
     directions = [ca.SX.sym(f"d{name}", symbol.sparsity()) for name, symbol in zip("zups", moving, strict=True)]
     point, direction = ca.veccat(*moving), ca.veccat(*directions)
-    results = [ca.jtimes(expression, point, direction) for expression in (eq.zdot, eq.y, ca.vertcat(eq.energy, eq.dissipated), eq.surfaces)]
+    results = [
+        ca.jtimes(expression, point, direction)
+        for expression in (eq.zdot, eq.y, ca.vertcat(eq.energy, eq.dissipated), eq.surfaces)
+    ]
     return [*state, *directions], results
