@@ -17,7 +17,7 @@ from ..recording.recording import Recording
 from .excitation import band_of, kind_of
 from .hilbert import noise_level
 from .likelihood import Fit, equivalent_resonance, maximum_likelihood
-from .start import HilbertEstimate, hilbert_start
+from .start import HilbertEstimate, hilbert_start, plain_starts
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
@@ -77,6 +77,9 @@ def identify(
     )
     progress("maximum likelihood on the simulated response")
     fit = maximum_likelihood(start, recordings)
+    if _lost(fit):
+        progress("that explains little; again from plainer starts")
+        fit = min([fit, *_from_plainer_starts(start, hilbert, recordings)], key=_left)
     return Identification(
         oscillator=_with_provenance(fit, hilbert, recordings),
         hilbert=hilbert,
@@ -84,6 +87,32 @@ def identify(
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *fit.notes, *_remarks(fit, recordings)),
     )
+
+
+def _lost(fit: Fit) -> bool:
+    """Whether the search ended where some stretch that moves is hardly explained."""
+    return any(s.nrmse > _POOR_NRMSE and not _is_quiet(s.segment.response, fit) for s in fit.segments)
+
+
+def _left(fit: Fit) -> float:
+    """Mean logarithm of what is left of the motion, by which fits of different stretches can be compared."""
+    size = [s.segment.n for s in fit.segments]
+    return float(np.average([np.log(max(s.nrmse, np.finfo(float).tiny)) for s in fit.segments], weights=size))
+
+
+def _from_plainer_starts(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> list[Fit]:
+    """Fits from a linear rig at the backbone's frequency and at that of the largest line: where another effect bends
+    the Hilbert estimates, their cubic and preload lead astray first."""
+    found = []
+    for omega0, viscous in plain_starts(hilbert, recordings):
+        plain = {"omega0": omega0, "viscous": viscous, "cubic": 0.0, "preload": 0.0, "dry": 0.0}
+        known = start.parameters()
+        changed = {name: replace(known[name], value=value) for name, value in plain.items()}
+        try:
+            found.append(maximum_likelihood(start.with_parameters(changed), recordings))
+        except BadInput:  # it does not simulate from there
+            continue
+    return found
 
 
 def belong_together(recordings: Sequence[Recording]) -> None:

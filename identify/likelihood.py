@@ -28,6 +28,8 @@ _FIRST_CYCLES = 24.0
 _GROWTH = 4.0
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
 _DRAWS = 60
+#: The mass may come to this many times its start, or to as small a part of it.
+_MASS_SPAN = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,12 +108,13 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
     begin[:, :2] = initial_states(segments, start)
     state = State(values, begin)
     iterations = 0
-    problem = OutputError(core, segments, free, scale, state_scale, step)
+    bounds = _bounds(names, values)
+    problem = OutputError(core, segments, free, scale, state_scale, step, bounds)
     state = problem.settle(state)
     if not all(np.all(np.isfinite(residual)) for residual in problem.residuals(state)):
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
     for stage in _growing(segments, start.omega0.value):
-        early = OutputError(core, stage, free, scale, state_scale, step).search(state, tolerance=1.0)
+        early = OutputError(core, stage, free, scale, state_scale, step, bounds).search(state, tolerance=1.0)
         state, iterations = early.state, iterations + early.iterations
     outcome = problem.search(state, tolerance=1.0)
     iterations += outcome.iterations
@@ -119,7 +122,7 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
     notes = left_out(segments, smooth, [recording.name for recording in recordings])
     if notes:
         segments = smooth
-        problem = OutputError(core, segments, free, scale, state_scale, step)
+        problem = OutputError(core, segments, free, scale, state_scale, step, bounds)
         outcome = problem.search(state, tolerance=1.0)
         iterations += outcome.iterations
     force_noise = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
@@ -139,6 +142,16 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
         if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
     ]
     return _result(start, names, segments, problem, outcome, noise, scatter, iterations, notes)
+
+
+def _bounds(names: Sequence[str], values: np.ndarray) -> np.ndarray:
+    """(2, parameters) The mass stays a mass: beyond a thousand times its start no force would move anything."""
+    bounds = np.full((2, len(names)), np.inf)
+    bounds[0] = -np.inf
+    if "mass" in names:
+        i = names.index("mass")
+        bounds[:, i] = values[i] / _MASS_SPAN, values[i] * _MASS_SPAN
+    return bounds
 
 
 def _noise(

@@ -26,6 +26,9 @@ from .regression import RegressionStart, Rows, Segment, regress_rows, segment_ro
 if TYPE_CHECKING:
     from ..recording.recording import Recording
 
+#: Viscous damping over frequency where nothing is known of it: a hundredth of the critical.
+_PLAIN_DAMPING = 0.02
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -123,6 +126,15 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     return _combine(motions, curves, tuple(decays), backbone, damping, regression, notes)
 
 
+def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> list[tuple[float, float]]:
+    """Frequency (rad/s) and viscous damping (1/s) of linear rigs to start from where the estimate leads nowhere."""
+    lines = [dominant_frequency(np.asarray(r.response, float), r.fs) for r in recordings]
+    omegas = [2 * np.pi * float(np.median(lines))]
+    if estimate.backbone is not None:
+        omegas.insert(0, float(estimate.backbone.omega0))
+    return [(omega, _PLAIN_DAMPING * omega) for omega in omegas]
+
+
 def _freevib_curve(r: Recording, x: np.ndarray, d: Decay, notes: list[str]) -> list[Curve]:
     try:
         f = freevib(x[d.start : d.stop], r.fs)
@@ -201,7 +213,7 @@ def _combine(
     else:
         source = "spectrum"
         value["omega0"] = 2 * np.pi * float(np.median([dominant_frequency(m.x, m.recording.fs) for m in motions]))
-        value["viscous"] = 0.02 * value["omega0"]
+        value["viscous"] = _PLAIN_DAMPING * value["omega0"]
         notes.append("No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum.")
     reach = max(float(np.quantile(np.abs(m.x - np.median(m.x)), 0.999)) for m in motions)
     _make_safe(value, std, reach, backbone, damping, notes)
