@@ -47,7 +47,7 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
     if not names:
         return _nothing("no model is left to choose an experiment for")
     first = models[names[0]]
-    natural = first.omega0.value / (2 * np.pi)
+    natural = data.scales.omega / (2 * np.pi)
     limits = limits or limits_of(data, first)
     plans = candidates(limits, natural)
     fs = max(recording.fs for recording in data.recordings)
