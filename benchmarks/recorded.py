@@ -22,6 +22,7 @@ import numpy as np
 from dashpot import examples
 from dashpot.diagnose import diagnose
 from dashpot.diagnose.result import Diagnosis
+from dashpot.errors import BadInput
 from dashpot.identify import identify
 from dashpot.identify.replay import replay
 from dashpot.model import Oscillator
@@ -104,9 +105,13 @@ def _outcome(
     holdout: Sequence[Recording],
     tests: Callable[[Diagnosis], list[tuple[str, float, float, str]]] = lambda _found: [],
 ) -> Outcome:
-    model = identify(training, name=name).oscillator
     begun = time.perf_counter()
-    found = diagnose(model, training, holdout)
+    try:
+        model = identify(training, name=name).oscillator
+        begun = time.perf_counter()
+        found = diagnose(model, training, holdout)
+    except BadInput as problem:  # a verdict too: what cannot be diagnosed is refused with the reason
+        return Outcome(name, "refused", str(problem), (), (), (), time.perf_counter() - begun)
     seconds = time.perf_counter() - begun
     return Outcome(
         name,

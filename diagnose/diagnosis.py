@@ -43,6 +43,8 @@ _DRAWS = 30
 _MOST_EFFECTS = 3
 #: Training recordings told this well, and held-out ones that are not by far, are not of one rig.
 _STRANGE = 1.5
+#: Frequency and mass of one rig stay within this part of themselves from one recording to the next.
+_KEPT = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +105,7 @@ def diagnose(
     data = data_of(recordings, model)
     search = Search(data, data, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     family = _family(search, model, recordings)
-    _same_rig(model, family.model)
+    _same_rig(model, family.model, data.scales.omega)
     judged = data_of(holdout, family.model) if holdout else data
     search.holdout = judged
     found = _search(search, family, progress)
@@ -202,8 +204,8 @@ def _worst_nrmse(fitted: Fitted, data: Data) -> float:
     )
 
 
-def _same_rig(given: Oscillator, found: Oscillator) -> None:
-    frequency = abs(math.log(found.omega0.value / given.omega0.value))
+def _same_rig(given: Oscillator, found: Oscillator, pace: float) -> None:
+    frequency = abs(math.log(found.omega0.value / given.omega0.value)) if _swings(pace, given, found) else 0.0
     heavier = 0.0
     if given.mass is not None and found.mass is not None:
         heavier = abs(math.log(found.mass.value / given.mass.value))
@@ -242,11 +244,18 @@ def _stranger(found: _Found, search: Search, left: Sequence[Leftover], training:
     ratios = [one.ratio for one in left]
     if max(ratios[:training]) > _STRANGE or max(ratios[training:]) < _STRANGE**2:
         return None
+    worst: dict[str, float] = {}
+    for one in left[training:]:
+        worst[one.file] = max(one.ratio, worst.get(one.file, 0.0))
+    if min(worst.values()) < _STRANGE:  # another rig shows in each; one alone may jump where a hair decides
+        return None
     own = Structure(found.final.model, search.holdout).fit(settle=True)
     again = [one.ratio for one in leftovers(own, search.holdout)]
     if not own.finite or max(again) > 0.5 * max(ratios[training:]):
         return None
     here, there = found.final.model, own.model
+    if not _moved(here, there, search.data.scales.omega):
+        return None
     words = [f"{there.omega0.value / (2 * math.pi):.4g} Hz instead of {here.omega0.value / (2 * math.pi):.4g} Hz"]
     if here.mass is not None and there.mass is not None:
         words.append(f"{there.mass.value:.4g} {there.mass.unit} instead of {here.mass.value:.4g} {here.mass.unit}")
@@ -255,6 +264,19 @@ def _stranger(found: _Found, search: Search, left: Sequence[Leftover], training:
         f"the held-out recordings ({names}) agree with a model of their own ({', '.join(words)}) and not with the one "
         "of the training recordings: they are of another rig, or the rig was changed between; no effect is named"
     )
+
+
+def _swings(pace: float, *models: Oscillator) -> bool:
+    """Whether the motion is the rig's own; a slide, moved as it is driven, has no natural frequency to compare."""
+    return max(model.omega0.value for model in models) > pace / _OTHER_FREQUENCY
+
+
+def _moved(here: Oscillator, there: Oscillator, pace: float) -> bool:
+    """Whether frequency or mass differ by more than a thousandth, about what a lab can keep constant."""
+    ratios = [there.omega0.value / here.omega0.value] if _swings(pace, here, there) else []
+    if here.mass is not None and there.mass is not None:
+        ratios.append(there.mass.value / here.mass.value)
+    return any(ratio <= 0.0 or abs(math.log(ratio)) > _KEPT for ratio in ratios)
 
 
 def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) -> Oscillator:
@@ -274,7 +296,7 @@ def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) ->
         {name: replace(p, std=float(errors[name]) if errors.get(name) else None) for name, p in known.items()}
     )
     order = QUANTITIES.index(model.response.quantity)
-    peak = max(float(np.max(np.abs(segment.response))) for segment in data.segments) / model.omega0.value**order
+    peak = max(float(np.max(np.abs(segment.response))) for segment in data.segments) / data.scales.omega**order
     bands = [edge for recording in recordings if (band := band_of(recording)) for edge in band]
     bands = bands or [model.omega0.value / (2 * math.pi)]
     return replace(

@@ -71,7 +71,7 @@ class Excitation:
 
 def limits_of(data: Data, model: Oscillator) -> Limits:
     """The largest force, displacement and band that were recorded; the band spans the resonance at least."""
-    natural = model.omega0.value / (2 * np.pi)
+    natural = data.scales.omega / (2 * np.pi)
     bands = [band for recording in data.recordings if (band := band_of(recording)) is not None]
     low = min([0.7 * natural, *(band[0] for band in bands)])
     high = max([1.4 * natural, *(band[1] for band in bands)])

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import DashpotError
 from ..model import Oscillator
+from ..simulate.core import internal_step
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
 from .fitting import Data
 from .rehearsal import Played, apart, off, rehearse
@@ -30,6 +31,8 @@ _DARING = 0.7
 #: A parameter whose error exceeds this part of it is poorly known.
 _POOR = 0.1
 _FINALISTS = 3
+#: A rival that takes so many times the first model's internal steps is a fit that ran away; it would take minutes.
+_SLOWER = 10.0
 
 
 def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Limits | None = None) -> Experiment:
@@ -44,14 +47,17 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
     if not names:
         return _nothing("no model is left to choose an experiment for")
     first = models[names[0]]
-    natural = first.omega0.value / (2 * np.pi)
+    natural = data.scales.omega / (2 * np.pi)
     limits = limits or limits_of(data, first)
     plans = candidates(limits, natural)
     fs = max(recording.fs for recording in data.recordings)
     rate = min(fs, _DENSITY * natural)
     played: dict[str, Played] = {}
+    reach = BEYOND * data.scales.length
     for name in names:
         try:
+            if name != names[0] and _pace(models[name], reach) > _SLOWER * _pace(first, reach):
+                continue
             played[name] = rehearse(models[name], first, plans, data, rate, fs)
         except (DashpotError, np.linalg.LinAlgError):
             continue
@@ -62,6 +68,11 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
     if rivals:
         return _separating(names[0], rivals, played, plans, safe, first, fs)
     return _sharpening(names[0], first, played[names[0]], plans, safe, fs)
+
+
+def _pace(model: Oscillator, reach: float) -> float:
+    """Internal steps a second that a model takes up to a displacement."""
+    return 1.0 / internal_step(model, model.values(), reach)
 
 
 def _safe(i: int, played: Mapping[str, Played], limits: Limits) -> bool:

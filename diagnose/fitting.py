@@ -13,7 +13,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..identify.hilbert import noise_level
-from ..identify.likelihood import displacement_amplitude, equivalent_resonance, initial_states, typical_sizes
+from ..identify.likelihood import SLACK, displacement_amplitude, equivalent_resonance, initial_states, typical_sizes
 from ..identify.noise_spectrum import NoiseSpectrum, estimate
 from ..identify.output_error import OutputError, State
 from ..identify.segments import Segment, cut, starts_at_rest
@@ -109,7 +109,7 @@ def data_of(recordings: Sequence[Recording], model: Oscillator, lines: Sequence[
     peak = max(float(np.max(np.abs(segment.response))) for segment in segments)
     scales = Scales(
         length=displacement_amplitude(segments, model),
-        omega=model.omega0.value,
+        omega=segments[0].pace,
         force=max((float(np.max(np.abs(r.force))) for r in recordings if r.force is not None), default=0.0),
         response=peak if order else displacement_amplitude(segments, model),
         duration=max(r.n * r.dt for r in recordings),
@@ -176,7 +176,7 @@ def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:
     """(parameters,) typical sizes for finite differences."""
     names = tuple(model.parameters())
     values = np.array(list(model.values().values()))
-    sizes = typical_sizes(model, names, values, scales.length)
+    sizes = typical_sizes(names, values, scales.length, scales.omega)
     for term in model.terms:
         for p in term.law.parameters:
             sizes[names.index(f"{term.effect}.{p.name}")] = _SMALL * p.natural(scales)
@@ -185,7 +185,7 @@ def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:
 
 def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
     """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes."""
-    known = {"mass": (1e-300, np.inf), "omega0": (1e-300, np.inf)}
+    known = {"mass": (1e-300, np.inf), "omega0": (SLACK / scales.duration, np.inf)}
     for term in model.terms:
         for p in term.law.parameters:
             low, high = p.lower, p.upper
@@ -242,9 +242,8 @@ class Structure:
         rest = float(core.record(self.values, np.zeros(core.states), None, 1, 1.0, 1.0)[0])
         if rest == 0.0 or not np.isfinite(rest):
             return self.data.segments
-        omega = self.model.omega0.value
         return tuple(
-            replace(s, rests=s.force is not None and starts_at_rest(s.response - rest, s.dt, omega, noise))
+            replace(s, rests=s.force is not None and starts_at_rest(s.response - rest, s.dt, s.pace, noise))
             for s, noise in zip(self.data.segments, self.data.sensor, strict=True)
         )
 

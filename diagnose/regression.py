@@ -17,7 +17,9 @@ import numpy as np
 
 from ..identify.displacement import displacement
 from ..identify.excitation import band_of
+from ..identify.likelihood import SLACK
 from ..identify.regression import smooth_motion
+from ..identify.segments import stretches
 from ..identify.weakform import Windows, windows
 from ..model import Oscillator
 from ..model.law import Law, Scales
@@ -33,9 +35,13 @@ _DENSITY = 30.0
 _STRIDE = 0.3
 _NEAR = 0.02
 _TRIES = 40
+#: Motion so much faster than the natural frequency is not the rig's own.
+_SWINGS = 1.3
 #: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
 _BASE = 6
 _ABSURD = 1e100
+#: A force that leaves less than this part of itself in the windows is constant but for roundings and a first sample.
+_NOTHING = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,15 +92,17 @@ class Regression:
         self.data = data
         self.model = model
         self.present = [(t.law, {n: q.value for n, q in t.parameters.items()}) for t in model.terms]
+        self.slack = data.scales.omega > model.omega0.value * _SWINGS
         self.forced = any(segment.force is not None for segment in data.segments)
         whole: dict[int, np.ndarray] = {}
         self.rows: list[_Rows] = []
-        for i, segment in enumerate(data.segments):
+        for joined in stretches(data.segments):
+            i, segment, last = joined[0], data.segments[joined[0]], data.segments[joined[-1]]
             recording = data.recordings[segment.recording]
             if segment.recording not in whole:
                 whole[segment.recording] = displacement(recording)
-            x = whole[segment.recording][segment.start : segment.stop]
-            force = None if segment.force is None else np.asarray(recording.force, float)[segment.start : segment.stop]
+            x = whole[segment.recording][segment.start : last.stop]
+            force = None if segment.force is None else np.asarray(recording.force, float)[segment.start : last.stop]
             rows = self._prepare(i, x, force, recording.fs, segment.time, data.sensor[i], data.force[i])
             if rows is not None:
                 self.rows.append(rows)
@@ -110,9 +118,9 @@ class Regression:
         force_noise: float,
     ) -> _Rows | None:
         model = self.model
-        f = model.omega0.value / (2 * np.pi)
-        seconds = min(_CYCLES / f, 0.5 * x.size / fs)
-        if seconds * f < 1.5:
+        f = self.data.scales.omega / (2 * np.pi)
+        seconds = min(_CYCLES / f, (0.25 if self.slack else 0.5) * x.size / fs)
+        if seconds * f < (0.5 if self.slack else 1.5):
             return None
         low, high = 0.3 * f, f
         if force is not None and (band := band_of(self.data.recordings[0])) is not None:
@@ -135,15 +143,15 @@ class Regression:
             view.project(x, 1),
             view.project(x),
             fine.project(dense**3),
-            fine.project(_soft_sign(dense, speed, dt)),
-            fine.project(_soft_sign(speed, np.gradient(speed, dt), dt)),
+            _project(fine, _soft_sign(dense, speed, dt)),
+            _project(fine, _soft_sign(speed, np.gradient(speed, dt), dt)),
         ]
         own = [np.zeros(view.starts.size * view.omega.size, complex)]
         for law, values in self.present:
             if along_of(law).phases:
                 own += _quadratures(law, values, motion, fine, dt)
             elif law.force is not None:
-                columns += [fine.project(one) for one in along_of(law)(values, motion, dt)]
+                columns += [_project(fine, one) for one in along_of(law)(values, motion, dt)]
         w = view.omega
         gap = (model.omega0.value**2 - w**2) ** 2 + (model.viscous.value * w) ** 2 + (2 * w * view.width) ** 2
         mass = model.mass.value if model.mass is not None else 1.0
@@ -229,6 +237,8 @@ class Regression:
         return sorted(found, key=lambda guess: guess.misfit)
 
     def _solve(self, law: Law, probe: Mapping[str, float]) -> Guess | None:
+        if not self.rows:  # every segment is too short for a window
+            return None
         strengths = [p for p in law.parameters if p.strength]
         normal, right, power, count = 0.0, 0.0, 0.0, 0
         solutions: list[tuple[_Rows, np.ndarray, np.ndarray, np.ndarray]] = []
@@ -241,7 +251,7 @@ class Regression:
             made = along(values, rows.motion, 1.0 / rows.view.fs)
             if not np.max(np.abs(made)) < _ABSURD:  # an unstable inner state, or none
                 return None
-            projected = [rows.view.project(one).ravel() for one in made]
+            projected = [_project(rows.view, one).ravel() for one in made]
             if along.phases:
                 own = np.column_stack([own, *_quadratures(law, values, rows.motion, rows.view, 1.0 / rows.view.fs)])
             elif law.drive is not None:
@@ -264,9 +274,12 @@ class Regression:
                 used[place] = False
                 solved = _least_squares(matrix, vector, used)
         misfit = (power - float(vector @ solved)) / count
-        if not np.isfinite(misfit) or solved[2] <= 0 or (self.forced and not -solved[0] > 0):
+        stiffness = float(solved[2])
+        if stiffness <= 0 and self.slack:
+            stiffness = (SLACK / self.data.scales.duration) ** 2
+        if not np.isfinite(misfit) or stiffness <= 0 or (self.forced and not -solved[0] > 0):
             return None
-        values = {"omega0": float(np.sqrt(solved[2])), "viscous": float(solved[1]), "cubic": float(solved[3])}
+        values = {"omega0": float(np.sqrt(stiffness)), "viscous": float(solved[1]), "cubic": float(solved[3])}
         values |= {"preload": float(solved[4]), "dry": float(solved[5])}
         if self.forced and self.model.mass is not None:
             values["mass"] = -1.0 / float(solved[0])
@@ -286,6 +299,13 @@ class Regression:
                     values[f"{present.name}.{p.name}"] = float(np.clip(solved[place], p.lower, p.upper))
                     place += 1
         return Guess(law.name, values, misfit, phases)
+
+
+def _project(view: Windows, force: np.ndarray) -> np.ndarray:
+    """Products with the windows, which let no constant pass: one leaves zeros, not a remainder of roundings."""
+    found = view.project(force - force[0])
+    whole = view.length / view.fs * float(np.max(np.abs(force)))
+    return found if np.max(np.abs(found), initial=0.0) > _NOTHING * whole else np.zeros_like(found)
 
 
 def _probes(law: Law, scales: Scales) -> list[dict[str, float]]:

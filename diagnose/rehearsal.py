@@ -64,7 +64,7 @@ def rehearse(
         natural = model.omega0.value / (2 * np.pi)
         force = None if plan.kind == "decay" else smooth_force(samples, 1 / rate, FORCE_BAND * natural)
         zero = np.zeros(samples.size)
-        segments.append(Segment(0, 0, samples.size, zero, force, 1 / rate, 0.0, rests=force is not None))
+        segments.append(Segment(0, 0, samples.size, zero, force, 1 / rate, 0.0, scales.omega, rests=force is not None))
         if force is None:
             initial[i, 0] = plan.level
     inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]

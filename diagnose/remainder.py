@@ -20,6 +20,8 @@ from .wording import figure
 
 #: What is left may exceed the noise by this factor: the noise itself is estimated.
 ABOVE_NOISE = 1.1
+#: Where a segment is too short to see how it moves with the rig: coloured noise of a sensor stays below this.
+_FAR_ABOVE_NOISE = 10.0
 #: Windows of this many cycles are compared ...
 _CYCLES = 6.0
 #: ... at this level of significance (one record in two thousand).
@@ -45,6 +47,7 @@ class Leftover:
         with_motion: rank correlation of its power with the motion's, 0 where it is not significant.
         in_step: share of its power that repeats with the cycles of the motion, 0 where noise would have as much.
         burst_s: time of a burst, or None.
+        short: whether the segment has too few cycles for these three.
     """
 
     file: str
@@ -52,10 +55,13 @@ class Leftover:
     with_motion: float
     in_step: float
     burst_s: float | None
+    short: bool = False
 
     @property
     def is_mismatch(self) -> bool:
         """Whether it is more than noise."""
+        if self.short:
+            return not self.ratio <= _FAR_ABOVE_NOISE
         return self.ratio > ABOVE_NOISE and (self.with_motion > 0 or self.in_step > 0 or self.burst_s is not None)
 
 
@@ -64,17 +70,16 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
     from scipy.stats import spearmanr
 
     found = []
-    omega = fitted.model.omega0.value
     for i, (segment, residual) in enumerate(zip(data.segments, fitted.residuals, strict=True)):
         name = data.recordings[segment.recording].name
         ratio = float(np.sqrt(np.mean(residual**2))) / expected(fitted, data, i)
-        size = max(4, round(_CYCLES * 2 * np.pi / omega / segment.dt))
+        size = max(4, round(_CYCLES * 2 * np.pi / segment.pace / segment.dt))
         count = segment.n // size
         if count < _FEWEST:
             size = max(4, size // 3)
             count = segment.n // size
         if count < _FEWEST or not np.isfinite(ratio):
-            found.append(Leftover(name, ratio, float(not np.isfinite(ratio)), 0.0, None))  # too short to tell by itself
+            found.append(Leftover(name, ratio, float(not np.isfinite(ratio)), 0.0, None, short=count < _FEWEST))
             continue
         power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
         motion = segment.response[: count * size] - residual[: count * size]
@@ -147,10 +152,15 @@ def sentence(left: Sequence[Leftover]) -> str | None:
         return None
     parts = []
     for one in bad[:3]:
-        if one.with_motion > 0:
-            how = "growing with the motion"
-        else:
-            how = "in step with the motion" if one.in_step > 0 else f"in a burst at {one.burst_s:.4g} s"
-        parts.append(f"{figure(one.ratio)} times the noise in {one.file}, {how}")
+        parts.append(f"{figure(one.ratio)} times the noise in {one.file}{_how(one)}")
     more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recordings"
     return f"there remains {'; '.join(parts)}{more}"
+
+
+def _how(one: Leftover) -> str:
+    """What it keeps to, where the segment is long enough to tell."""
+    if one.with_motion > 0:
+        return ", growing with the motion"
+    if one.in_step > 0:
+        return ", in step with the motion"
+    return "" if one.burst_s is None else f", in a burst at {one.burst_s:.4g} s"

@@ -87,7 +87,7 @@ class Smoother:
         segment = data.segments[index]
         recording = data.recordings[segment.recording]
         self.model = model
-        self.period = 2 * np.pi / model.omega0.value
+        self.period = 2 * np.pi / segment.pace
         self.order = QUANTITIES.index(recording.quantity)
         mass = 1.0 if model.mass is None else model.mass.value
         driven = segment.force is not None and recording.force is not None
@@ -103,7 +103,7 @@ class Smoother:
         least = _LEAST_NOISE * float(np.std(self.response))
         self.sensor = max(data.sensor[index] / np.sqrt(thin), least, np.finfo(float).tiny)
         self._follow(_thinned(displacement(recording)[cut], thin))
-        self.scale = float(np.std(self.x)) * model.omega0.value**2
+        self.scale = float(np.std(self.x)) * segment.pace**2
         self._balance(mass)
         still = resting(self.response, self.sensor, max(int(self.period / self.dt), 2))
         self.moving = ~still

@@ -17,7 +17,7 @@ from ..recording.recording import Recording
 from .excitation import band_of, kind_of
 from .hilbert import noise_level
 from .likelihood import Fit, equivalent_resonance, maximum_likelihood
-from .start import HilbertEstimate, hilbert_start
+from .start import HilbertEstimate, hilbert_start, plain_starts
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0

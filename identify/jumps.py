@@ -23,7 +23,7 @@ _VISIBLE = 1e-6
 _SHORTEST_CYCLES = 10.0
 
 
-def smooth_stretches(problem: OutputError, state: State, omega0: float) -> tuple[tuple[Segment, ...], State]:
+def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment, ...], State]:
     """The segments without the stretches that jump, and a state to go on from.
 
     Of each segment the longest smooth stretch of at least ten cycles is kept; where that is not all of it, its initial
@@ -35,7 +35,7 @@ def smooth_stretches(problem: OutputError, state: State, omega0: float) -> tuple
     kept: list[Segment] = []
     initial: list[np.ndarray] = []
     for i, segment in enumerate(problem.segments):
-        cycle = max(3, round(2 * np.pi / omega0 / segment.dt))
+        cycle = max(3, round(2 * np.pi / segment.pace / segment.dt))
         parameters = slice(0, len(problem.free))
         sizes = np.maximum(np.abs(state.values[list(problem.free)]), problem.scale[list(problem.free)])
         visible = _VISIBLE * float(np.max(np.abs(segment.response))) / sizes

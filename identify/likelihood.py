@@ -28,6 +28,10 @@ _FIRST_CYCLES = 24.0
 _GROWTH = 4.0
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
 _DRAWS = 60
+#: A spring that turns the phase by less than this (rad) in the longest recording is as good as none.
+SLACK = 0.1
+#: The mass may come to this many times its start, or to as small a part of it.
+_MASS_SPAN = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,28 +99,29 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
     names = tuple(start.parameters())
     values = np.array(list(start.values().values()))
     amplitude = displacement_amplitude(segments, start)
-    scale = typical_sizes(start, names, values, amplitude)
+    pace = segments[0].pace
+    scale = typical_sizes(names, values, amplitude, pace)
     step = internal_step(start, start.values(), amplitude)
     core = core_of(start)
     state_scale = np.full(core.states, amplitude * 1e-2)
-    state_scale[1] *= start.omega0.value
+    state_scale[1] *= pace
     free = tuple(range(len(names)))
 
     begin = np.zeros((len(segments), core.states))
     begin[:, :2] = initial_states(segments, start)
     state = State(values, begin)
     iterations = 0
-    bounds = _bounds(names, values)
+    bounds = _bounds(names, values, max(recording.n * recording.dt for recording in recordings))
     problem = OutputError(core, segments, free, scale, state_scale, step, bounds)
     state = problem.settle(state)
     if not all(np.all(np.isfinite(residual)) for residual in problem.residuals(state)):
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
-    for stage in _growing(segments, start.omega0.value):
+    for stage in _growing(segments):
         early = OutputError(core, stage, free, scale, state_scale, step, bounds).search(state, tolerance=1.0)
         state, iterations = early.state, iterations + early.iterations
     outcome = problem.search(state, tolerance=1.0)
     iterations += outcome.iterations
-    smooth, state = smooth_stretches(problem, outcome.state, start.omega0.value)
+    smooth, state = smooth_stretches(problem, outcome.state)
     notes = left_out(segments, smooth, [recording.name for recording in recordings])
     if notes:
         segments = smooth
@@ -142,13 +147,14 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fi
     return _result(start, names, segments, problem, outcome, noise, scatter, iterations, notes)
 
 
-def _bounds(names: Sequence[str], values: np.ndarray) -> np.ndarray:
-    """(2, parameters) The mass stays a mass: beyond a thousand times its start no force would move anything."""
+def _bounds(names: Sequence[str], values: np.ndarray, longest: float) -> np.ndarray:
+    """(2, parameters) Mass and spring stay what they are: beyond a thousand times its start no force moves a mass."""
     bounds = np.full((2, len(names)), np.inf)
     bounds[0] = -np.inf
     if "mass" in names:
         i = names.index("mass")
         bounds[:, i] = values[i] / _MASS_SPAN, values[i] * _MASS_SPAN
+    bounds[0, names.index("omega0")] = SLACK / longest
     return bounds
 
 
@@ -169,10 +175,10 @@ def equivalent_resonance(segment: Segment, value: Mapping[str, float], quantity:
     omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
     order = QUANTITIES.index(quantity)
     tiny = np.finfo(float).tiny ** 0.25  # a search may have run to where nothing moves
-    omega0 = max(value["omega0"], tiny)
-    peak = max(np.sqrt(2) * float(np.std(segment.response)) / omega0**order, tiny)
+    pace = segment.pace
+    peak = max(np.sqrt(2) * float(np.std(segment.response)) / pace**order, tiny)
     stiffness = value["omega0"] ** 2 + 0.75 * value["cubic"] * peak**2 + 4 * value["preload"] / (np.pi * peak)
-    damping = value["viscous"] + 4 * value["dry"] / (np.pi * omega0 * peak)
+    damping = value["viscous"] + 4 * value["dry"] / (np.pi * pace * peak)
     return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order)
 
 
@@ -237,17 +243,17 @@ def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tup
     return pseudo_inverse(information), lost
 
 
-def _growing(segments: Sequence[Segment], omega0: float) -> list[tuple[Segment, ...]]:
+def _growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
     """Ever longer beginnings of the free segments, short of the whole; forced ones are whole, their memory is short."""
     from dataclasses import replace
 
     stages = []
     cycles = _FIRST_CYCLES
-    longest = max((s.n * s.dt * omega0 / (2 * np.pi) for s in segments if s.force is None), default=0.0)
+    longest = max((s.n * s.dt * s.pace / (2 * np.pi) for s in segments if s.force is None), default=0.0)
     while cycles < longest:
         stage = []
         for segment in segments:
-            n = int(cycles * 2 * np.pi / omega0 / segment.dt)
+            n = int(cycles * 2 * np.pi / segment.pace / segment.dt)
             if segment.force is None and n < segment.n:
                 stage.append(replace(segment, stop=segment.start + n, response=segment.response[:n]))
             else:
@@ -261,15 +267,14 @@ def displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) 
     """Largest displacement in the segments, as far as the recorded quantity tells."""
     power = QUANTITIES.index(oscillator.response.quantity)
     peak = max(float(np.max(np.abs(segment.response - np.median(segment.response)))) for segment in segments)
-    return peak / oscillator.omega0.value**power
+    return peak / segments[0].pace ** power
 
 
-def typical_sizes(start: Oscillator, names: Sequence[str], values: np.ndarray, amplitude: float) -> np.ndarray:
-    """Sizes at which a parameter matters: one hundredth of the spring force at full amplitude."""
-    omega0 = start.omega0.value
-    length, rate = amplitude, amplitude * omega0
-    acceleration = 0.01 * omega0**2 * amplitude
-    sizes = {"mass": abs(values[0]), "omega0": 0.01 * omega0, "cubic": acceleration / length**3}
+def typical_sizes(names: Sequence[str], values: np.ndarray, amplitude: float, pace: float) -> np.ndarray:
+    """Sizes at which a parameter matters: one hundredth of the force of inertia at full amplitude."""
+    length, rate = amplitude, amplitude * pace
+    acceleration = 0.01 * pace**2 * amplitude
+    sizes = {"mass": abs(values[0]), "omega0": 0.01 * pace, "cubic": acceleration / length**3}
     sizes |= {"preload": acceleration, "dry": acceleration, "viscous": acceleration / rate}
     found = []
     for i, name in enumerate(names):
@@ -284,5 +289,5 @@ def initial_states(segments: Sequence[Segment], start: Oscillator) -> np.ndarray
         return found
     for i, segment in enumerate(segments):
         if not segment.rests:
-            found[i] = first_motion(segment.response, segment.dt, start.omega0.value)[0]
+            found[i] = first_motion(segment.response, segment.dt, segment.pace)[0]
     return found

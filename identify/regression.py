@@ -103,6 +103,8 @@ def regress_rows(rows: Sequence[Rows]) -> RegressionStart:
         if not weak or min(weak)[0] >= 2:
             break
         use.remove(min(weak)[1])
+    if forced and -(float(np.min(np.concatenate([r.omega for r in rows]))) ** 2) < stiffness <= 0:
+        stiffness = (min(r.width for r in rows) / 10.0) ** 2  # a slide: a spring so soft that nothing shows it
     if not stiffness > 0:
         raise BadInput("The regression finds no positive stiffness: this is not the motion of one oscillator.")
     mass = 1 / inverse_mass if forced and inverse_mass > 0 else None
@@ -139,13 +141,14 @@ def segment_rows(segment: Segment) -> Rows:
         force = None  # a constant is the sensor's offset
     f = dominant_frequency(x, fs)
     cycles = x.size * f / fs
-    if cycles < 4:
-        raise BadInput(f"The recording has {cycles:.1f} cycles; the regression needs at least 4.")
+    least = 4 if force is None else 2  # a force moves the mass at more than its largest line
+    if cycles < least:
+        raise BadInput(f"The recording has {cycles:.1f} cycles; the regression needs at least {least}.")
     if force is None:
         low, high, length = 0.7 * f, 1.3 * f, min(4.0, cycles / 2) / f
     else:
         low, high = excited_band(force, fs)
-        length = min(8.0, cycles / 2) / f
+        length = min(8.0, cycles / 4) / f
         low, high = min(low, f) - 1 / length, min(max(high, f) + 1 / length, 0.45 * fs)
     view = windows(x.size, fs, length, low, high, OVERLAP)
     # an offset of the sensor would shift the sign changes; a window has no transmission at whole multiples of its bins
@@ -180,6 +183,7 @@ def segment_rows(segment: Segment) -> Rows:
 
 def resting(x: np.ndarray, sigma: float, period: int) -> np.ndarray:
     """Where `x` (n,) moves no more than its noise `sigma` over a period: at rest or stuck, where signs mean nothing."""
+    period = min(period, x.size)
     kernel = np.ones(period) / period
     mean = np.convolve(x, kernel, mode="same")
     spread = np.convolve((x - mean) ** 2, kernel, mode="same") * x.size / np.convolve(np.ones(x.size), kernel, "same")

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from ..recording.recording import Recording
 from ..simulate.force import Force, smooth_force
 from .decays import find_decays
-from .hilbert import noise_level
+from .hilbert import dominant_frequency, noise_level
 
+#: A recording of so many natural periods is one of a rig that swings.
+_SWINGS = 10.0
 #: A stretch shorter than this many cycles says less than the two initial values it costs.
 _SHORTEST_CYCLES = 3.0
+#: ... but a slide's motion is not its own, and a cycle of it is worth its initial values.
+_SHORTEST_SLIDE = 1.0
 #: A stretch that moves less than this many times its noise says at most that friction held the mass.
 _MOVES = 1.5
 #: Initial values within this many standard errors of zero are those of a mass at rest.
@@ -33,6 +38,7 @@ class Segment:
         force: what drives it, None for a free decay.
         dt: sample interval, s.
         time: time of the first sample, s.
+        pace: angular frequency of the motion, rad/s, by which times are judged: see ``pace_of``.
         rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
             state has no derivative to find it by).
     """
@@ -44,6 +50,7 @@ class Segment:
     force: Force | None
     dt: float
     time: float
+    pace: float
     rests: bool = False
 
     @property
@@ -80,15 +87,17 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
         force_band: the force is interpolated finely enough up to this multiple of the natural frequency.
     """
     found: list[Segment] = []
+    pace = pace_of(recordings, omega0)
+    slack = pace > omega0
     for index, recording in enumerate(recordings):
-        shortest = _SHORTEST_CYCLES * 2 * np.pi / omega0 * recording.fs
+        shortest = (_SHORTEST_SLIDE if slack else _SHORTEST_CYCLES) * 2 * np.pi / pace * recording.fs
         force = recording.force
         decays = find_decays(recording)
         ends = [(decay.start, decay.stop, False) for decay in decays]
         if force is not None and np.any(force):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-        highest = force_band * omega0 / (2 * np.pi)
+        highest = force_band * pace / (2 * np.pi)
         for start, stop, forced in sorted(ends):
             if stop - start < shortest:
                 continue
@@ -97,35 +106,71 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
             noise = noise_level(response, recording.fs)
             if not np.std(response) > _MOVES * noise:
                 continue
-            found.append(
-                Segment(
-                    recording=index,
-                    start=start,
-                    stop=stop,
-                    response=response,
-                    force=smooth_force(np.asarray(force[start:stop], float), recording.dt, highest)
-                    if driven and force is not None
-                    else None,
-                    dt=recording.dt,
-                    time=recording.start + start * recording.dt,
-                    rests=forced and starts_at_rest(response, recording.dt, omega0, noise),
-                )
+            whole = Segment(
+                recording=index,
+                start=start,
+                stop=stop,
+                response=response,
+                force=smooth_force(np.asarray(force[start:stop], float), recording.dt, highest)
+                if driven and force is not None
+                else None,
+                dt=recording.dt,
+                time=recording.start + start * recording.dt,
+                pace=pace,
+                rests=forced and starts_at_rest(response, recording.dt, pace, noise),
             )
+            found += _pieces(whole) if slack else [whole]
     return tuple(found)
 
 
-def first_motion(segment_response: np.ndarray, dt: float, omega0: float) -> tuple[np.ndarray, np.ndarray]:
+def _pieces(whole: Segment) -> list[Segment]:
+    """A cycle of the motion each: no spring holds a slide near its place, and what little its model lacks adds up.
+
+    Multiple shooting (Bock, 1981) with initial states that are free.
+    """
+    count = max(1, round(whole.n * whole.dt * whole.pace / (2 * np.pi)))
+    edges = np.linspace(0, whole.n, count + 1).round().astype(int)
+    return [whole.part(int(begin), int(end)) for begin, end in pairwise(edges)]
+
+
+def stretches(segments: Sequence[Segment]) -> list[tuple[int, ...]]:
+    """Indices of segments that follow one another without a gap, each such stretch together."""
+    found: list[list[int]] = []
+    for i, segment in enumerate(segments):
+        last = segments[found[-1][-1]] if found else None
+        follows = last is not None and (last.recording, last.stop) == (segment.recording, segment.start)
+        if follows and last is not None and (last.force is None) == (segment.force is None):
+            found[-1].append(i)
+        else:
+            found.append([i])
+    return [tuple(one) for one in found]
+
+
+def pace_of(recordings: Sequence[Recording], omega0: float) -> float:
+    """Angular frequency of the motion, rad/s: a rig swings at its natural frequency.
+
+    One with a spring so soft that no recording holds ten swings (a slide, a positioning table) moves as it is driven.
+    """
+    longest = max(recording.n * recording.dt for recording in recordings)
+    driven = [recording for recording in recordings if recording.force is not None and np.any(recording.force)]
+    if longest * omega0 > 2 * np.pi * _SWINGS or not driven:
+        return omega0
+    responses = [(np.asarray(recording.response, float), recording.fs) for recording in driven]
+    return max(omega0, *(2 * np.pi * dominant_frequency(x - np.mean(x), fs) for x, fs in responses))
+
+
+def first_motion(segment_response: np.ndarray, dt: float, pace: float) -> tuple[np.ndarray, np.ndarray]:
     """Displacement and velocity (2,) at the first sample, by a parabola through the first seventh of a cycle.
 
     The second array holds their standard deviations for a noise of one.
     """
-    count = int(np.clip(0.15 * 2 * np.pi / omega0 / dt, 4, segment_response.size))
+    count = int(np.clip(0.15 * 2 * np.pi / pace / dt, 4, segment_response.size))
     columns = np.vander(np.arange(count) * dt, 3, increasing=True)
     inverse = np.linalg.pinv(columns)
     return (inverse @ segment_response[:count])[:2], np.sqrt(np.sum(inverse[:2] ** 2, axis=1))
 
 
-def starts_at_rest(response: np.ndarray, dt: float, omega0: float, noise: float) -> bool:
+def starts_at_rest(response: np.ndarray, dt: float, pace: float, noise: float) -> bool:
     """Whether neither displacement nor velocity at the first sample stands out of the noise."""
-    motion, spread = first_motion(response, dt, omega0)
+    motion, spread = first_motion(response, dt, pace)
     return bool(np.all(np.abs(motion) < _AT_REST * noise * spread))

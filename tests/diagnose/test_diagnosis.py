@@ -99,3 +99,23 @@ def test_decays_alone_leave_the_mass_of_the_model_as_it_is(rig):
     assert found.before.values()["mass"] == case.model.values()["mass"]
     assert found.before.omega0.value == pytest.approx(case.model.omega0.value, rel=0.01)
     assert found.effects == ()
+
+
+def test_a_rig_that_was_changed_before_the_held_out_recordings_is_told_apart(rig):
+    case, other = rig("none"), rig("none", noise="quantised")
+    changed = diagnose(case.model, case.training, other.holdout)
+    assert changed.effects == ()
+    assert any("another rig" in note for note in changed.notes)
+
+
+def test_one_held_out_recording_that_jumps_is_no_other_rig(rig):
+    """A bifurcation may go either way by a hair: the others still agree."""
+    case = rig("single", "quadratic-drag")
+    multisine, sweep = case.holdout
+    jumped = np.array(sweep.response)
+    n = jumped.size
+    part = slice(n // 2, n // 2 + n // 10)
+    jumped[part] += 0.2 * np.std(jumped) * np.sin(2 * np.pi * 0.03 * np.arange(jumped[part].size))
+    found = diagnose(case.model, case.training, [multisine, replace(sweep, response=jumped)])
+    assert not any("another rig" in note for note in found.notes)
+    assert found.effects[0].effect == "quadratic-drag"

@@ -129,3 +129,13 @@ def test_what_can_be_imitated_is_taken_off():
     slopes = random.standard_normal((3, 50))
     slopes[2] = 0.0
     assert off(2 * slopes[0] - slopes[1], slopes) == pytest.approx(np.zeros(50), abs=1e-12)
+
+
+def test_a_rival_that_ran_away_is_left_out(rivals):
+    """A resonator a thousand times faster than the rig would take minutes to rehearse."""
+    models, data = rivals
+    fast = {"mass-ratio": 0.01, "frequency": 1e3 * VALUES["omega0"], "damping": 1.0}
+    runaway = with_term(Oscillator.from_values(VALUES), "attached-resonator", fast)
+    plan = next_experiment({**models, "attached-resonator": runaway}, data)
+    assert plan.kind in ("sweep", "multisine", "sine")
+    assert {one for pair in plan.separates for one in pair[:2]} == set(models)

@@ -41,7 +41,7 @@ def test_a_disturbance_has_its_own_phase_in_each_recording(rig):
     data, family, mended = fits(case, "tonal-disturbance", values)
     for force in latent_forces(family, data, mended.model):
         assert np.corrcoef(force.force, force.named)[0, 1] > 0.9
-        assert np.max(force.named) == pytest.approx(truth["tone"], rel=0.1)
+        assert np.sqrt(2) * np.std(force.named) == pytest.approx(truth["tone"], rel=0.01)  # its peak has noise on it
 
 
 def test_a_delay_is_the_difference_of_two_forces(rig):

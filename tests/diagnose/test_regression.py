@@ -22,7 +22,7 @@ def test_a_periodic_force_is_found_with_its_amplitude_whatever_its_phases(rig):
     regression = Regression(data, case.model)
     guess = regression.best(find("tonal-disturbance"))
     assert guess is not None
-    assert guess.values["tonal-disturbance.amplitude"] == pytest.approx(case.truth["parameters"]["tone"], rel=0.05)
+    assert guess.values["tonal-disturbance.amplitude"] == pytest.approx(case.truth["parameters"]["tone"], rel=0.1)
     assert guess.misfit < 0.5 * regression.plain()
     assert len(set(guess.phases.values())) == len(regression.rows)
 

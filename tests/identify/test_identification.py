@@ -214,3 +214,31 @@ def test_what_the_family_cannot_do_is_remarked():
     bent = decay.response * (1 - 15.0 * decay.response)  # a sensor that is not straight
     found = identify([Recording(name="bent", fs=decay.fs, response=bent)])
     assert any("times the noise" in note for note in found.notes)
+
+
+def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
+    from dataclasses import replace
+
+    from dashpot.identify import identification
+
+    lines = []
+    honest = identification.hilbert_start
+
+    def astray(recordings):
+        found = honest(recordings)
+        return replace(found, omega0=0.6 * found.omega0, cubic=1e10, mass=1.5 * found.mass)
+
+    monkeypatch.setattr(identification, "hilbert_start", astray)
+    both = [record("sweep"), record("decay", seconds=4.0)]
+    parameters = identify(both, progress=lines.append).oscillator.parameters()
+    assert any("plainer starts" in line for line in lines)
+    for name in ("mass", "omega0", "viscous"):
+        assert abs(parameters[name].value / TRUTH[name] - 1) < WITHIN[name] / 100, name
+
+
+def test_a_mass_stays_one_that_a_force_can_move():
+    from dashpot.identify.likelihood import maximum_likelihood
+
+    start = Oscillator.from_values(TRUTH | {"omega0": 0.3 * TRUTH["omega0"], "cubic": 1e11})
+    fit = maximum_likelihood(start, [record("sweep"), record("decay", seconds=4.0)])
+    assert 0.0 < fit.oscillator.mass.value <= 1e3 * TRUTH["mass"]
