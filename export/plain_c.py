@@ -19,7 +19,7 @@ from ..model.equations import Equations, equations
 from ..model.show import value_and_error
 from ..simulate.core import template
 from ..simulate.law_source import law_source
-from ..writing import replacing
+from ..writing import replacing, writable
 from .description import Description, describe_fmu
 
 if TYPE_CHECKING:
@@ -56,6 +56,7 @@ def export_plain_c(oscillator: Oscillator, path: str | Path) -> tuple[Path, Path
     if not header.name.isprintable() or any(mark in header.name for mark in ('"', "\\", "??")):
         raise BadInput(f"{source}: this name cannot stand in an #include of C; choose letters, digits and hyphens")
     texts = plain_c(oscillator, header.name)
+    writable(header)  # both or none
     for target, text in zip((source, header), texts, strict=True):
         with replacing(target) as temporary:
             temporary.write_text(text, encoding="utf-8", newline="\n")

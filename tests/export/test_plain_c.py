@@ -302,6 +302,10 @@ def test_same_model_same_text_and_both_files_or_none(models, tmp_path):
     with pytest.raises(BadInput, match="is nan"):
         export_plain_c(broken, tmp_path / "c" / "rig.c")
     assert not (tmp_path / "c").exists()
+    (tmp_path / "d" / "rig.h").mkdir(parents=True)
+    with pytest.raises(BadInput, match="is a folder"):
+        export_plain_c(models["base"](), tmp_path / "d" / "rig.c")
+    assert [path.name for path in (tmp_path / "d").iterdir()] == ["rig.h"]
 
 
 def test_names_stay_apart():
