@@ -13,6 +13,7 @@ from ..simulate.compiler import shared_library
 from ..simulate.core import template
 from ..simulate.law_source import law_source
 from .archive import write_archive
+from .contents import further_contents
 from .description import Description, describe_fmu, model_description
 from .documentation import documentation, guid_of
 
@@ -82,7 +83,7 @@ def _native_entries(oscillator: Oscillator) -> dict[str, bytes]:
     entries["modelDescription.xml"] = model_description(description, guid, source_files=(_MAIN,)).encode()
     entries["documentation/index.html"] = documentation(oscillator, description, _HOLD).encode()
     entries[f"binaries/{folder}/{description.identifier}{suffix}"] = shared_library(sources, _MAIN).read_bytes()
-    return entries
+    return entries | further_contents(oscillator)
 
 
 def _variables_header(description: Description, guid: str) -> str:
