@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from ..errors import BadInput
+from ..model.display import pretty_unit
 from .archive import write_archive
 from .description import Description, Variable, describe_fmu
 from .draws import draws as drawn
@@ -119,7 +120,7 @@ def _entries(
         component=COMPONENT,
         seed=seed,
         note=remark,
-        columns=list(units.items()),
+        columns=[(name, pretty_unit(unit)) for name, unit in units.items()],
         rows=[(name, list(values.values())) for name, values in sets.items()],
     ).encode()
     return entries
