@@ -144,7 +144,7 @@ def identify(
     from .writing import replacing
 
     _outputs([output] if report is None else [output, report], recordings)
-    if output.suffix in (".fmu", ".casadi", ".csv", ".html"):
+    if output.suffix in (".fmu", ".casadi", ".c", ".ssp", ".csv", ".html"):
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
         )
@@ -226,11 +226,16 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 @click.option(
     "--step", type=float, default=1e-3, show_default=True, metavar="S", help="Sample time of the CasADi step."
 )
+@click.option(
+    "--draws", type=click.IntRange(min=0), metavar="N", help="Of an SSP: parameters drawn from their covariance; 20."
+)
+@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the draws.")
 @_with_laws
-def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) -> None:
-    """Write the model as an FMU (.fmu) or as CasADi functions (.casadi)."""
+def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float, draws: int | None, seed: int) -> None:
+    """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp)."""
     from .export import check_suffix
     from .export import export as write
+    from .export.ssp import note
     from .model.file import load
 
     oscillator = load(model)
@@ -240,7 +245,9 @@ def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) ->
         check_suffix(output)
     _outputs(outputs, [model])
     for output in outputs:
-        for path in write(oscillator, output, backend=backend, step=step):
+        if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
+            _say(f"note: {remark}")
+        for path in write(oscillator, output, backend=backend, step=step, draws=draws, seed=seed):
             _say(f"written: {path}")
 
 

@@ -3,8 +3,15 @@
 from __future__ import annotations
 
 import hashlib
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, Any
 
+from .. import __version__
+from ..model.display import full_stop, number, percent_text, pretty_unit, scale_of, typeset, value_text
+from ..model.laws import BASE
+from ..model.show import percent, strong_correlations
+from ..model.show import warnings as model_warnings
+from .curves import curves, pictures, table
 from .description import Description
 from .render import plain_text, render
 
@@ -19,14 +26,127 @@ def guid_of(texts: list[str]) -> str:
 
 
 def documentation(oscillator: Oscillator, description: Description, hold: str) -> str:
-    """The FMU's documentation/index.html: equation, parameters with their errors, validity, variables."""
-    ranges = {"amplitude": oscillator.amplitude, "frequency": oscillator.frequency}
+    """The FMU's documentation/index.html, one page that stands alone.
+
+    Equation, parameters with their errors, backbone and damping curve, validity, how the inputs are taken, variables,
+    laws with their sources, recordings.
+
+    Args:
+        oscillator: the model.
+        description: the FMU's variables.
+        hold: what becomes of the input between two communication points, for a user.
+    """
+    identified = oscillator.identified
+    count = len(identified.recordings)
     return render(
         "fmu_documentation.html.j2",
         description=description,
-        massless=oscillator.mass is None,
+        origin=f", identified from {count} recording{'s' if count > 1 else ''}" if count else "",
+        forces=_forces(oscillator),
         hold=hold,
-        parameters=oscillator.parameters(),
-        descriptions={name: plain_text(text) for name, text in oscillator.descriptions().items()},
-        ranges={name: covered for name, covered in ranges.items() if covered is not None},
+        starts=_starts(description),
+        parameters=_parameters(oscillator),
+        correlations=", ".join(
+            f"{one} and {other} (correlation {typeset(f'{value:+.2f}')})"
+            for one, other, value in strong_correlations(oscillator)
+        ),
+        warnings=[full_stop(sentence) for sentence in model_warnings(oscillator)],
+        ranges=_ranges(oscillator),
+        variables=[
+            (v.name, pretty_unit(v.unit), f"{v.variability} {v.causality}", v.description)
+            for v in description.variables
+        ],
+        laws=_laws(oscillator),
+        recordings=[
+            (
+                plain_text(str(r.get("file", "?"))),
+                plain_text(str(r.get("kind") or "")),
+                str(r.get("sha256") or "not known"),
+            )
+            for r in identified.recordings
+        ],
+        provenance=_provenance(oscillator),
+        footer=f"Made by dashpot {__version__}.",
+        **_curves(oscillator),
     )
+
+
+def _forces(o: Oscillator) -> str:
+    length = pretty_unit(o.response.displacement_unit)
+    response = f"the response as recorded is the {o.response.quantity} in {pretty_unit(o.response.unit)}"
+    if o.mass is None:
+        return (
+            "Forces are per unit mass, the input F too: only free decays were recorded. "
+            f"The displacement x is in {length}; {response}."
+        )
+    force = pretty_unit(o.force_unit)
+    return (
+        f"Forces inside the bracket are per unit mass. The displacement x is in {length}, the force F in {force}; "
+        f"{response}."
+    )
+
+
+def _starts(description: Description) -> str:
+    names = [v.name for v in description.variables if v.role == "initial" and v.index > 1]
+    return f"; the laws with a memory start from {', '.join(names)}" if names else ""
+
+
+def _parameters(o: Oscillator) -> list[tuple[str, ...]]:
+    words = o.descriptions()
+    rows = []
+    if o.mass is None:
+        rows.append(("mass", "unknown", "", "", "", "no force was recorded"))
+    for name, p in o.parameters().items():
+        meaning = plain_text(words[name])
+        if name == "omega0":
+            meaning += f" ({number(p.value / (2 * math.pi), 6)} Hz)"
+        rows.append((name, *value_text(p), percent_text(percent(p)), pretty_unit(p.unit), meaning))
+    return rows
+
+
+def _ranges(o: Oscillator) -> list[tuple[str, str, str, str]]:
+    found = []
+    for name, one in (("amplitude", o.amplitude), ("frequency", o.frequency)):
+        if one is not None:
+            scale = scale_of(one.unit, one.max)
+            found.append((name, number(one.min * scale.factor, 4), number(one.max * scale.factor, 4), scale.unit))
+    return found
+
+
+def _curves(o: Oscillator) -> dict[str, Any]:
+    found = curves(o)
+    if found is None:
+        return {"pictures": (), "caption": "", "curve_head": (), "curve_rows": ()}
+    unit = o.response.displacement_unit
+    caption = (
+        "The natural frequency of the model's free vibration (backbone) and its damping, each as the mean over "
+        "a cycle, which is what the Hilbert transform measures. "
+    )
+    caption += (
+        "Shaded: amplitudes that the recordings covered; dashed: beyond them."
+        if found.stated
+        else "The model states no range of amplitudes; the one drawn is a guess."
+    )
+    head, rows = table(found, unit)
+    return {"pictures": pictures(found, unit), "caption": caption, "curve_head": head, "curve_rows": rows}
+
+
+def _laws(o: Oscillator) -> list[tuple[str, ...]]:
+    laws = [*BASE, *(term.law for term in o.terms)]
+    return [
+        (plain_text(law.name), plain_text(f"{full_stop(law.sentence)} {law.curves}"), plain_text(law.source))
+        for law in laws
+    ]
+
+
+def _provenance(o: Oscillator) -> str:
+    found = o.identified
+    if not (found.recordings or found.method or found.software):
+        return "The model file does not say; the numbers were given, not measured."
+    parts = [
+        f"Method: {plain_text(found.method) or 'not stated'}",
+        f"Software: {plain_text(found.software) or 'not stated'}",
+    ]
+    if found.log_likelihood is not None and math.isfinite(found.log_likelihood):
+        parts.append(f"Log likelihood: {number(found.log_likelihood, 7)}")
+    return ". ".join(parts) + ". The standard errors are one sigma, at the maximum of the likelihood."

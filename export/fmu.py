@@ -14,6 +14,7 @@ from ..simulate.compiler import shared_library
 from ..simulate.core import engine_sources, template
 from ..simulate.law_source import law_source
 from .archive import write_archive
+from .contents import further_contents
 from .description import Description, describe_fmu
 from .documentation import documentation, guid_of
 from .model_description import build_description, model_description
@@ -126,7 +127,7 @@ def _native_entries(oscillator: Oscillator, version: int) -> dict[str, bytes]:
     hold = f"{_HOLD[version]} {_EVENTS}"
     entries["documentation/index.html"] = documentation(oscillator, description, hold).encode()
     entries[f"binaries/{folder}/{description.identifier}{suffix}"] = shared_library(sources, _MAIN).read_bytes()
-    return entries
+    return entries | further_contents(oscillator)
 
 
 def _variables_header(description: Description, guid: str) -> str:

@@ -22,6 +22,7 @@ from ..model.equations import equations
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_output, exact_step
 from ..simulate.core import template
+from .contents import further_contents
 from .description import Description, Variable, describe_fmu
 from .documentation import documentation, guid_of
 from .model_description import model_description
@@ -70,7 +71,7 @@ def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
     tool = f"PythonFMU {pythonfmu.__version__}"
     entries["modelDescription.xml"] = model_description(description, guid_of(parts), tool=tool, python=True).encode()
     entries["documentation/index.html"] = documentation(oscillator, description, _HOLD).encode()
-    return entries
+    return entries | further_contents(oscillator)
 
 
 def output_function(oscillator: Oscillator) -> Expression:

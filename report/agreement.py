@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ..export.render import plain_text
+from ..model.display import number, percent_text, times_text
 from .blocks import Block, Cell, Figure, Section, Table, Text
 from .comparison import Comparison
-from .display import number, percent_text, times_text
 from .residual import spectrum_figure
 from .time_history import agreement_figure
 

@@ -9,8 +9,8 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model.describing import natural_motion
+from ..model.display import scale_of
 from .backbone_figure import backbone_kind, model_backbone
-from .display import scale_of
 from .style import EXACT, FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:

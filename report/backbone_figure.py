@@ -9,9 +9,9 @@ import numpy as np
 from ..errors import BadInput
 from ..model.backbone import exact_backbone
 from ..model.describing import natural_motion
+from ..model.display import Scale, number, pretty_unit, scale_of
 from ..model.frequency_response import FrequencyResponse, frequency_response
 from ..model.inner_force import without_memory
-from .display import Scale, number, pretty_unit, scale_of
 from .levels import sine_levels
 from .style import EXACT, FORCED, FREE, MODEL, RESPONSE, drawing, legend_below, log_ticks, svg
 

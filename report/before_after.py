@@ -10,10 +10,10 @@ import numpy as np
 
 from ..export.render import plain_text
 from ..export.verify import NOISE_RATIO
+from ..model.display import number, scale_of, times_text
 from .blocks import Block, Cell, Section, Table, Text, picture
 from .comparison import Comparison
 from .decimate import envelope
-from .display import number, scale_of, times_text
 from .residual import spectral_density
 from .style import AFTER, BEFORE, EXACT, MEASURED, drawing, legend_below, log_ticks, svg
 from .time_history import samples_a_cycle

@@ -9,8 +9,8 @@ import numpy as np
 from ..errors import BadInput
 from ..model import units
 from ..model.describing import equivalent_damping, natural_motion
+from ..model.display import Scale, scale_of
 from ..model.inner_force import InnerForce, without_memory
-from .display import Scale, scale_of
 from .static_force import Characteristic, static_force
 from .style import FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 

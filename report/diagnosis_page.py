@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..model.display import full_stop, pretty_unit
 from ..model.show import warnings as model_warnings
 from .before_after import response_section
 from .blocks import Block, Items, Section, Text, page
-from .display import full_stop, pretty_unit
 from .effects import considered_section, effects_section, shift_section
 from .location import location_section
 from .mended_curves import curves_section

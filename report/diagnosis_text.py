@@ -7,9 +7,9 @@ import textwrap
 from typing import TYPE_CHECKING
 
 from ..export.render import plain_text
+from ..model.display import full_stop, number, times_text, value_text
 from .before_after import fit_sentence, ratio_to_floor
 from .diagnosis_page import VERDICTS, next_step, remarks
-from .display import full_stop, number, times_text, value_text
 from .effects import BENT, shifts
 
 if TYPE_CHECKING:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ..errors import BadInput
+from ..model.display import full_stop, number, percent_text, pretty_unit, typeset, value_text
 from ..model.laws import find
 from .blocks import Block, Cell, Section, Table, Text
-from .display import full_stop, number, percent_text, pretty_unit, typeset, value_text
 from .location import PATHS
 from .parameters import equation_blocks
 

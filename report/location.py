@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..model import units
+from ..model.display import Scale, full_stop, number, percent_text, scale_of
 from .blocks import Block, Section, Table, Text, picture
-from .display import Scale, full_stop, number, percent_text, scale_of
 from .style import BEFORE, GRID, MEASURED, drawing, svg
 
 if TYPE_CHECKING:

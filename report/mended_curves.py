@@ -9,9 +9,9 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model.describing import natural_motion
+from ..model.display import scale_of
 from ..model.laws import LIBRARY
 from .blocks import Section, Text, picture
-from .display import scale_of
 from .style import AFTER, BEFORE, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ import numpy as np
 
 from ..export.render import plain_text
 from ..model import units
+from ..model.display import Scale, scale_of
 from .blocks import Block, Section, Text, picture
-from .display import Scale, scale_of
 from .style import AFTER, LIGHT, MEASURED, drawing, legend_below, svg
 from .time_history import samples_a_cycle
 

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..model.display import full_stop, number, scale_of, times_text
 from .blocks import Block, Section, Table, Text, picture
 from .decimate import draw_signal, envelope
-from .display import full_stop, number, scale_of, times_text
 from .style import AFTER, LIGHT, MEASURED, drawing, log_ticks, svg
 
 if TYPE_CHECKING:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..export.render import plain_text
+from ..model.display import full_stop, number, pretty_unit, scale_of
 from ..model.show import warnings as model_warnings
 from .agreement import agreement_section, verdict
 from .backbone_distance import distance_figure
@@ -15,7 +16,6 @@ from .backbone_figure import backbone_figure, backbone_kind
 from .blocks import Block, Items, Section, Table, Text, page, picture
 from .characteristics import friction_figure, stiffness_figure
 from .comparison import comparisons
-from .display import full_stop, number, pretty_unit, scale_of
 from .parameters import correlation_table, equation_blocks, parameter_table
 from .provenance import files_text, recordings_table
 from .time_history import recording_figure

@@ -6,9 +6,9 @@ import math
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
+from ..model.display import number, percent_text, pretty_unit, typeset, value_text
 from ..model.show import percent
 from .blocks import Cell, Table, Text
-from .display import number, percent_text, pretty_unit, typeset, value_text
 
 if TYPE_CHECKING:
     from ..model import Oscillator, Parameter

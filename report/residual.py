@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..export.render import plain_text
+from ..model.display import scale_of
 from .comparison import Comparison
-from .display import scale_of
 from .style import EXACT, MEASURED, MODEL, drawing, legend_below, log_ticks, svg
 
 #: Resolution: this many lines below the natural frequency.

@@ -14,7 +14,7 @@ from contextlib import contextmanager
 from html import escape
 from typing import Any
 
-from .display import tick_text
+from ..model.display import tick_text
 
 MEASURED = "#4d4d4d"
 MODEL = "#d55e00"  # what is simulated: model or FMU

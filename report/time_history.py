@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..export.render import plain_text
+from ..model.display import Scale, scale_of
 from .comparison import Comparison
 from .decimate import draw_signal, envelope
-from .display import Scale, scale_of
 from .style import EXACT, FREE, LIGHT, MEASURED, MODEL, drawing, legend_below, svg
 
 if TYPE_CHECKING:

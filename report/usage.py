@@ -6,8 +6,8 @@ import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..model.display import pretty_unit
 from .blocks import Block, Code, Section
-from .display import pretty_unit
 
 if TYPE_CHECKING:
     from ..model import Oscillator

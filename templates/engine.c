@@ -6,7 +6,7 @@
 
 /* One internal step of length h from tau. */
 static int dp_substep(dp_engine *e, const dp_line *l, double tau, double h) {
-    double z1[DP_NZ], z2[DP_NZ], f1[DP_NZ], g1[DP_NS + 1], gd1[DP_NS + 1], left = h, where, gone;
+    double z1[DP_NZ], z2[DP_NZ], f1[DP_NZ], g1[DP_NS + 1], gd1[DP_NS + 1], left = h, where = 2.0, gone;
     int n, event, breaks;
     for (n = 0; left > 0.0; ++n) {
         const double at = tau + (h - left);

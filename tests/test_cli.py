@@ -119,6 +119,21 @@ def test_a_wrong_model_fails_the_proof_with_exit_code_1(capsys, tmp_path, sweep)
     assert "does not reproduce sweep.csv" in out
 
 
+def test_plain_c_and_a_system_with_its_uncertainty(capsys, tmp_path, model, decay):
+    code, _, err = run(capsys, "export", model, tmp_path / "rig.c", tmp_path / "rig.ssp")
+    assert code == 0, err
+    assert {"rig.c", "rig.h", "rig.ssp"} < {path.name for path in tmp_path.iterdir()}
+    assert "note: rig: the model holds no covariance" in err
+    assert run(capsys, "identify", decay, "-o", tmp_path / "m.yaml")[0] == 0
+    code, _, err = run(capsys, "export", tmp_path / "m.yaml", tmp_path / "m.ssp", "--draws", 3, "--seed", 5)
+    assert code == 0, err
+    assert "note" not in err
+    with zipfile.ZipFile(tmp_path / "m.ssp") as archive:
+        assert "draw_3.ssd" not in archive.namelist()
+        assert "draw_03.ssd" in archive.namelist()
+    refused(capsys, tmp_path, "export", model, tmp_path / "b.ssp", "--draws", "3", says="holds no covariance")
+
+
 def test_simulating_the_recorded_force(capsys, tmp_path, model, sweep, signals):
     code, _, err = run(capsys, "simulate", model, sweep, "-o", tmp_path / "out.csv.gz")
     assert code == 0, err
@@ -264,7 +279,7 @@ def test_bad_model_files_are_refused(capsys, tmp_path, text, says):
 
 
 def test_an_unknown_suffix_is_refused(capsys, tmp_path, model):
-    refused(capsys, tmp_path, "export", model, tmp_path / "rig.exe", says=".fmu and .casadi")
+    refused(capsys, tmp_path, "export", model, tmp_path / "rig.exe", says=".fmu, .casadi, .c and .ssp")
 
 
 def test_what_is_no_fmu_is_refused(capsys, tmp_path, sweep, model):
@@ -310,7 +325,7 @@ def test_a_nasty_name_is_harmless_everywhere(capsys, tmp_path, decay, monkeypatc
                     if not entry.endswith((".xml", ".html")):
                         assert 'system("touch' not in text
         assert run(capsys, "verify", f"{backend}.fmu", decay)[0] == 0
-    assert run(capsys, "export", "m.yaml", "m.casadi")[0] == 0
+    assert run(capsys, "export", "m.yaml", "m.casadi", "m.c", "m.ssp")[0] == 0
     assert not Path("owned").exists()
 
 

@@ -10,11 +10,11 @@ from html.parser import HTMLParser
 
 import pytest
 from dashpot.export.verify import Verification
+from dashpot.model.display import number
 from dashpot.model.laws import LIBRARY
 from dashpot.report.agreement import agreement_section, verdict
 from dashpot.report.blocks import Section, Text, page
 from dashpot.report.comparison import comparisons
-from dashpot.report.display import number
 from dashpot.report.page import identification_page
 from dashpot.report.parameters import equation_blocks
 from dashpot.report.usage import usage_section

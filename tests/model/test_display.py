@@ -4,7 +4,7 @@ import math
 
 import pytest
 from dashpot.model import Parameter
-from dashpot.report.display import number, pretty_unit, scale_of, tick_text, times_text, value_text
+from dashpot.model.display import number, pretty_unit, scale_of, tick_text, times_text, value_text
 
 
 @pytest.mark.parametrize(

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.parameter import Parameter
-from ..model.show import value_and_error
+from .parameter import Parameter
+from .show import value_and_error
 
 _PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M"}
 #: Units that take a prefix; a count, a radian or a strain does not.

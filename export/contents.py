@@ -1,0 +1,33 @@
+"""What an FMU of either back-end holds beside its binary: the model file it came from, and a reference result."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ..model.file import dumps
+from .reference import reference_result
+from .render import plain_text
+
+if TYPE_CHECKING:
+    from ..model import Oscillator
+
+#: Longest name that a model file takes.
+_LONGEST_NAME = 255
+
+
+def further_contents(oscillator: Oscillator) -> dict[str, bytes]:
+    """Model file and reference result by their names in the archive.
+
+    Raises BadInput where the model has no motion to integrate.
+    """
+    return model_file(oscillator) | reference_result(oscillator)
+
+
+def model_file(oscillator: Oscillator) -> dict[str, bytes]:
+    """``resources/model.yaml``: the text of the model file, from which ``dashpot`` makes the same model again.
+
+    A name that no model file can have (none, or one without end) is mended, so that the file loads.
+    """
+    name = plain_text(oscillator.name)[:_LONGEST_NAME].strip() or "oscillator"
+    return {"resources/model.yaml": dumps(replace(oscillator, name=name)).encode()}

@@ -1,0 +1,216 @@
+"""An oscillator as two files of plain C, for a host of one's own or a microcontroller: ``OUT.c`` and ``OUT.h``.
+
+The source is one translation unit: the generated law, the engine, and a few functions named after the model. All else
+in it is static, so that several models go into one program.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+import unicodedata
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .. import __version__
+from ..errors import BadInput
+from ..model import units
+from ..model.equations import Equations, equations
+from ..model.show import value_and_error
+from ..simulate.core import template
+from ..simulate.law_source import law_source
+from ..writing import replacing, writable
+from .description import Description, describe_fmu
+
+if TYPE_CHECKING:
+    from ..model import Oscillator, Parameter
+
+#: Internal steps in one call; the engine counts them in an int, which on a small machine ends at 32767.
+_MOST_STEPS = 30000
+_WIDTH = 108
+_PLAIN = str.maketrans(
+    {"⁰": "^0", "¹": "^1", "²": "^2", "³": "^3", "⁴": "^4", "⁵": "^5", "±": "+/-", "·": ".", "–": "-", "−": "-"}
+)
+
+
+class _Program(str):
+    """C text of ours, which stands as it is."""
+
+
+def export_plain_c(oscillator: Oscillator, path: str | Path) -> tuple[Path, Path]:
+    """Write the model as C source and header; the same model gives the same bytes.
+
+    Args:
+        oscillator: the model.
+        path: ``OUT.c``; the header goes beside it under the same name.
+
+    Returns:
+        The paths of source and header.
+
+    Raises:
+        BadInput: where a value of the model is not finite, the name cannot stand in an ``#include``, or the path
+            cannot be written.
+    """
+    source = Path(path)
+    header = source.with_suffix(".h")
+    if not header.name.isprintable() or any(mark in header.name for mark in ('"', "\\", "??")):
+        raise BadInput(f"{source}: this name cannot stand in an #include of C; choose letters, digits and hyphens")
+    texts = plain_c(oscillator, header.name)
+    writable(header)  # both or none
+    for target, text in zip((source, header), texts, strict=True):
+        with replacing(target) as temporary:
+            temporary.write_text(text, encoding="utf-8", newline="\n")
+    return source, header
+
+
+def plain_c(oscillator: Oscillator, header: str) -> tuple[str, str]:
+    """Text of the C source and of its header, which the source includes by the name ``header``.
+
+    Raises BadInput where a value of the model is not finite.
+    """
+    description = describe_fmu(oscillator)
+    eq = equations(oscillator)
+    prefix = prefix_of(description.identifier)
+    values: dict[str, Any] = {
+        "id": prefix,
+        "header": header,
+        "most_steps": _MOST_STEPS,
+        "values": [repr(float(value)) for value in oscillator.values().values()],
+        "longest": description.variables[description.reference("max_step")].start_text,
+        "follows": ", ".join("-1" if leader is None else str(leader) for leader in eq.follows),
+        **_words(oscillator, description, eq),
+    }
+    struct, declarations = _engine_header()
+    numbers = {"DP_NZ": eq.z.numel(), "DP_NP": eq.p.numel(), "DP_NS": len(eq.kinds)}
+    declared = _render("plain.h.j2", {**values, "members": _Program(_sized(struct, numbers))})
+    engine = template("engine.c").replace('#include "engine.h"\n', "")
+    parts = [
+        f"/* {_comment(description.name)}: one oscillator in plain C, made by dashpot {__version__}. */\n"
+        f'#include "{header}"\n',
+        own(law_source(eq)),
+        f"typedef {prefix}_model dp_engine;\n\n{own(declarations)}",
+        engine,
+        _render("plain.c.j2", values),
+    ]
+    return "\n".join(parts), declared
+
+
+def prefix_of(identifier: str) -> str:
+    """What the names of a model begin with: its identifier, kept apart from the engine's own ``dp_``."""
+    return f"model_{identifier}" if identifier.lower().startswith("dp") else identifier
+
+
+def own(text: str) -> str:
+    """C text with every function that is declared or defined in it made the file's own (static)."""
+    return re.sub(r"^(?=(?:void|int|double|casadi_real|casadi_int) \w+\()", "static ", text, flags=re.MULTILINE)
+
+
+def _engine_header() -> tuple[str, str]:
+    """Members of the engine's struct, and what else ``engine.h`` declares."""
+    text = re.sub(r"^#(ifndef|define) DASHPOT_ENGINE_H\n", "", template("engine.h"), flags=re.MULTILINE).removesuffix(
+        "#endif\n"
+    )
+    before, found, after = re.split(r"typedef struct \{\n(.*?)\n\} dp_engine;\n", text, flags=re.DOTALL)
+    return found, before + after
+
+
+def _sized(struct: str, numbers: dict[str, int]) -> str:
+    """The members with numbers for the sizes of their arrays, which the header cannot know by name."""
+
+    def size(match: re.Match[str]) -> str:
+        return f"[{numbers[match.group(1)] + (1 if match.group(2) else 0)}]"
+
+    return re.sub(r"; +/\*", "; /*", re.sub(r"\[(DP_N\w)( \+ 1)?\]", size, struct))
+
+
+def _words(oscillator: Oscillator, description: Description, eq: Equations) -> dict[str, Any]:
+    """Everything in the header that a person reads."""
+    words, parameters = oscillator.descriptions(), oscillator.parameters()
+    outputs = [v for v in description.variables if v.role == "output"]
+    lines = [_comment(line) for line in description.equation.split("; ")]
+    return {
+        "name": description.name,
+        "software": f"dashpot {__version__}",
+        "equation": [piece for line in lines for piece in textwrap.wrap(line, _WIDTH, subsequent_indent="    ")],
+        "about": [piece for text in _about(oscillator, description) for piece in textwrap.wrap(_comment(text), _WIDTH)],
+        "parameters": [
+            (symbol, f"{_value(parameters[name])} {parameters[name].unit}: {words[name]}")
+            for symbol, name in zip(symbols(list(parameters)), parameters, strict=True)
+        ],
+        "states": list(zip(symbols(list(eq.state_names)), _states(description, eq), strict=True)),
+        "outputs": [
+            (symbol, f"{v.unit}: {v.description}")
+            for symbol, v in zip(symbols([v.name for v in outputs]), outputs, strict=True)
+        ],
+    }
+
+
+def _states(description: Description, eq: Equations) -> list[str]:
+    """Unit of each state, and what its start value is where that is not the state itself."""
+    unit = {v.index: v.unit for v in description.variables if v.role == "initial"}
+    found = []
+    for i, leader in enumerate(eq.follows):
+        counted = "" if leader is None else f"; its start value is counted from the {eq.state_names[leader]}"
+        found.append(f"{unit[i]}{counted}{'; another in each run' if eq.free[i] else ''}")
+    return found
+
+
+def symbols(names: list[str]) -> list[str]:
+    """A C name for each name, no two alike."""
+    found: list[str] = []
+    for name in names:
+        plain = re.sub(r"[^A-Za-z0-9]+", "_", name)
+        twins = sum(re.fullmatch(rf"{plain}(__\d+)?", other) is not None for other in found)
+        found.append(f"{plain}__{twins + 1}" if twins else plain)
+    return found
+
+
+def _about(o: Oscillator, description: Description) -> list[str]:
+    """What a user must know of units and validity, one text a line or more."""
+    force = description.variables[description.reference("F")]
+    length = o.response.displacement_unit
+    inside = (
+        "The mass is not known: the input is a force per unit mass, as are all others."
+        if o.mass is None
+        else "Forces inside the bracket are per unit mass."
+    )
+    unit = f"x, the displacement, in {length}; time in s; input F in {force.unit}: {force.description}."
+    ranges = [
+        f"{name} {r.min:.4g} to {r.max:.4g} {r.unit}"
+        for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
+        if r is not None
+    ]
+    valid = f"Valid for {' and '.join(ranges)}, which the recordings covered" if ranges else "Validity: not stated"
+    files = [str(r.get("file", "?")) for r in o.identified.recordings]
+    how = " ".join(part for part in ("by", o.identified.method, o.identified.software) if part)
+    origin = [f"Identified from {', '.join(files)}{'' if how == 'by' else ' ' + how}."] if files else []
+    speed, acceleration = units.compose("X/s", length), units.compose("X/s2", length)
+    return [f"{inside} {unit}", f"Velocity in {speed}, acceleration in {acceleration}. {valid}.", *origin]
+
+
+def _value(parameter: Parameter) -> str:
+    value, error = value_and_error(parameter)
+    return f"{value} +/- {error}" if error else value
+
+
+def _comment(text: str) -> str:
+    """``text`` fit to stand in a comment of C: one line of ASCII that neither ends the comment nor begins another."""
+    plain = unicodedata.normalize("NFKD", text.translate(_PLAIN))
+    plain = "".join(c for c in plain if not unicodedata.combining(c))
+    plain = " ".join(re.sub(r"[^\x21-\x7e]", lambda m: " " if m.group().isspace() else "_", plain).split())
+    plain = re.sub(r"(?<=\*)(?=/)|(?<=/)(?=\*)", " ", plain.replace("\\", "/"))
+    return re.sub(r"\?(?=\?)", "? ", plain)  # three-character names for characters of old begin with two of them
+
+
+def _render(name: str, values: dict[str, Any]) -> str:
+    """The template filled in; every value is made fit for a comment, which changes no identifier and no number."""
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+        finalize=lambda value: value if isinstance(value, _Program) else _comment(str(value)),
+    )
+    return environment.from_string(template(name)).render(**values)
