@@ -17,7 +17,7 @@ from ..errors import BadInput
 from ..model import units
 from ..model.equations import Equations, equations
 from ..model.show import value_and_error
-from ..simulate.core import template
+from ..simulate.core import engine_sources, template
 from ..simulate.law_source import law_source
 from ..writing import replacing, writable
 from .description import Description, describe_fmu
@@ -83,16 +83,21 @@ def plain_c(oscillator: Oscillator, header: str) -> tuple[str, str]:
     struct, declarations = _engine_header()
     numbers = {"DP_NZ": eq.z.numel(), "DP_NP": eq.p.numel(), "DP_NS": len(eq.kinds)}
     declared = _render("plain.h.j2", {**values, "members": _Program(_sized(struct, numbers))})
-    engine = template("engine.c").replace('#include "engine.h"\n', "")
+    sources = engine_sources() | {"engine.h": ""}
     parts = [
         f"/* {_comment(description.name)}: one oscillator in plain C, made by dashpot {__version__}. */\n"
         f'#include "{header}"\n',
         own(law_source(eq)),
         f"typedef {prefix}_model dp_engine;\n\n{own(declarations)}",
-        engine,
+        _amalgamated(sources, "engine.c"),
         _render("plain.c.j2", values),
     ]
     return "\n".join(parts), declared
+
+
+def _amalgamated(sources: dict[str, str], name: str) -> str:
+    """A text with the texts in place of the lines that include them."""
+    return re.sub(r'^#include "(.+)"\n', lambda m: _amalgamated(sources, m.group(1)), sources[name], flags=re.MULTILINE)
 
 
 def prefix_of(identifier: str) -> str:
