@@ -221,26 +221,36 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 @click.argument("model", type=_FILE)
 @click.argument("outputs", nargs=-1, required=True, type=_FILE)
 @click.option(
-    "--backend", type=click.Choice(["native", "python"]), default="native", show_default=True, help="Of an FMU."
+    "--backend",
+    type=click.Choice(["native", "python"]),
+    help="Of an FMU; default: native, in Python where no C compiler is.",
+)
+@click.option(
+    "--platform",
+    metavar="NAMES",
+    help="What an FMU is compiled for: all, or some of linux64, linux-arm64, win64, darwin-x64, darwin-arm64, "
+    "with commas between them; default: all that can be built here.",
 )
 @click.option(
     "--step", type=float, default=1e-3, show_default=True, metavar="S", help="Sample time of the CasADi step."
 )
 @_with_laws
-def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float) -> None:
+def export(model: Path, outputs: tuple[Path, ...], backend: str | None, platform: str | None, step: float) -> None:
     """Write the model as an FMU (.fmu) or as CasADi functions (.casadi)."""
     from .export import check_suffix
     from .export import export as write
+    from .export.platforms import parse_platforms
     from .model.file import load
 
     oscillator = load(model)
+    platforms = None if platform is None else parse_platforms(platform)
     if not (step > 0 and step < float("inf")):
         raise BadInput(f"--step {step}: the sample time must be a positive number of seconds")
     for output in outputs:
         check_suffix(output)
     _outputs(outputs, [model])
     for output in outputs:
-        for path in write(oscillator, output, backend=backend, step=step):
+        for path in write(oscillator, output, backend=backend, platforms=platforms, step=step, progress=_say):
             _say(f"written: {path}")
 
 

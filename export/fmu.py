@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import platform
-import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..errors import BadInput
 from ..model.equations import equations
-from ..simulate.compiler import shared_library
 from ..simulate.core import template
 from ..simulate.law_source import law_source
 from .archive import write_archive
+from .backend import choose_backend
+from .binaries import binaries, chosen, inside, remark
 from .description import Description, describe_fmu, model_description
 from .documentation import documentation, guid_of
+from .platforms import Platform
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -30,29 +30,36 @@ _HOLD = (
 )
 
 
-def export_fmu(oscillator: Oscillator, path: str | Path, *, backend: str = "native") -> Path:
+def export_fmu(
+    oscillator: Oscillator,
+    path: str | Path,
+    *,
+    backend: str | None = None,
+    platforms: Sequence[Platform] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Path:
     """Write an FMU for FMI 2.0 co-simulation; the same model gives the same bytes.
 
     Args:
         oscillator: the model.
         path: where to write it.
-        backend: ``native`` compiles the model for this machine's platform; ``python`` makes an FMU that needs Python
-            with casadi where it runs, and no compiler here.
+        backend: ``native`` compiles the model; ``python`` makes an FMU that needs Python with casadi where it runs, and
+            no compiler here; left out, it is ``native`` wherever there is a compiler.
+        platforms: what to compile it for; left out, for all that can be built for here.
+        progress: called with one line before what takes long, and with what the FMU runs on.
 
     Returns:
         The path written.
 
     Raises:
         BadInput: where the backend is unknown, a value of the model is not finite, or the path cannot be written.
-        ToolchainMissing: where ``native`` finds no C compiler.
+        ToolchainMissing: where the compiler for ``native`` or for one of the platforms is missing or fails.
     """
-    if backend not in ("native", "python"):
-        raise BadInput(f"unknown FMU backend {backend!r}; use 'native' or 'python'")
-    if backend == "python":
+    if choose_backend(backend, platforms, progress) == "python":
         from .python_fmu import python_entries
 
         return write_archive(Path(path), python_entries(oscillator))
-    return write_archive(Path(path), _native_entries(oscillator))
+    return write_archive(Path(path), _native_entries(oscillator, chosen(platforms), progress))
 
 
 def fmu_sources(oscillator: Oscillator, description: Description | None = None) -> tuple[dict[str, str], str]:
@@ -66,22 +73,18 @@ def fmu_sources(oscillator: Oscillator, description: Description | None = None) 
     return sources, guid
 
 
-def platform_folder() -> tuple[str, str]:
-    """FMI 2.0's name for this machine's platform, and the suffix of a shared library on it."""
-    system = platform.system()
-    name = {"Windows": "win", "Darwin": "darwin"}.get(system, "linux")
-    suffix = {"Windows": ".dll", "Darwin": ".dylib"}.get(system, ".so")
-    return f"{name}{64 if sys.maxsize > 2**32 else 32}", suffix
-
-
-def _native_entries(oscillator: Oscillator) -> dict[str, bytes]:
+def _native_entries(
+    oscillator: Oscillator, platforms: Sequence[Platform], progress: Callable[[str], None] | None
+) -> dict[str, bytes]:
     description = describe_fmu(oscillator)
     sources, guid = fmu_sources(oscillator, description)
-    folder, suffix = platform_folder()
     entries = {f"sources/{name}": text.encode() for name, text in sources.items()}
     entries["modelDescription.xml"] = model_description(description, guid, source_files=(_MAIN,)).encode()
-    entries["documentation/index.html"] = documentation(oscillator, description, _HOLD).encode()
-    entries[f"binaries/{folder}/{description.identifier}{suffix}"] = shared_library(sources, _MAIN).read_bytes()
+    page = documentation(oscillator, description, f"{_HOLD} {inside(platforms)}")
+    entries["documentation/index.html"] = page.encode()
+    entries |= binaries(sources, _MAIN, description.identifier, platforms, progress=progress)
+    if progress is not None:
+        progress(remark(platforms))
     return entries
 
 
