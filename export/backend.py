@@ -35,6 +35,6 @@ def choose_backend(
     (progress or warnings.warn)(
         "no C compiler was found, so the FMU runs its model in Python: wherever it is used it needs Python with the "
         "package casadi, it is about a hundred times slower, and it is for FMI 2.0 co-simulation only; "
-        f"for one that needs nothing: {MORE}"
+        f"for a compiled one: {MORE}"
     )
     return "python"
