@@ -14,8 +14,6 @@ from .platforms import PLATFORMS, Platform, folders, own_platform
 from .universal import universal
 
 _SMALL = ("-g0", "-s")
-#: What is slow the first time, and how slow.
-_FIRST = {"win64": "a minute or two"}
 
 
 def can_build() -> tuple[Platform, ...]:
@@ -122,17 +120,16 @@ def _built(
     if platform.suffix == ".dylib":
         # else the name is the path at which the library was linked
         flags = (*flags, f"-Wl,-install_name,@rpath/{name}")
-    if not compiler.from_zig and sys.platform == "darwin":
+    if compiler.path is not None and sys.platform == "darwin":
         flags = tuple(flag for flag in flags if flag != "-s")  # which Apple's linker calls obsolete
-    slow = platform.target if compiler.from_zig and platform.target and not zig.is_prepared(platform.target) else None
+    slow = compiler.target if compiler.target and not zig.is_prepared(compiler.target) else None
     built = False
 
     def before() -> None:
         nonlocal built
         built = True
         if slow and progress is not None:
-            took = _FIRST.get(platform.name, "some seconds")
-            progress(f"compiling for {platform.words}; the first time this takes {took}")
+            progress(f"compiling for {platform.words}; the first time this takes some seconds")
 
     try:
         library = build(compiler, sources, main, name, flags=flags, before=before)

@@ -8,7 +8,7 @@ import platform
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,11 +28,17 @@ SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
 
 @dataclass(frozen=True)
 class Compiler:
-    """A C compiler: how it is called, what the cache tells its work by, and whether it is zig's."""
+    """A C compiler: the machine's own by its path, or without one zig's for a target (None: this machine)."""
 
-    command: tuple[str, ...]
     identity: str
-    from_zig: bool = False
+    path: str | None = None
+    target: str | None = None
+
+    def steps(self, flags: Sequence[str], main: str, name: str) -> list[tuple[str, ...]]:
+        """The commands that make the shared library ``name`` of the file ``main``."""
+        if self.path is None:
+            return zig.zig_steps(self.target, flags, main, name)
+        return [(self.path, *flags, "-o", name, main, "-lm")]
 
 
 def find_compiler() -> str | None:
@@ -43,19 +49,17 @@ def find_compiler() -> str | None:
     return None
 
 
-def zig_compiler(target: str | None = None) -> Compiler | None:
-    """The compiler of the package ``ziglang`` for a target triple, without one for this machine; None without it."""
+def zig_compiler(target: str | None) -> Compiler | None:
+    """The compiler of the package ``ziglang`` for a target triple, None meaning this machine; None without it."""
     version = zig.zig_version()
-    if version is None:
-        return None
-    return Compiler(zig.zig_command(target), f"zig {version} {target or platform.platform()}", from_zig=True)
+    return None if version is None else Compiler(f"zig {version} {target or platform.platform()}", target=target)
 
 
 def machine_compiler() -> Compiler | None:
     """What builds for this machine: its own compiler, else zig's; None where there is neither."""
     if path := find_compiler():
-        return Compiler((path,), f"{platform.machine()} {path}")
-    return zig_compiler()
+        return Compiler(f"{platform.machine()} {path}", path)
+    return zig_compiler(zig.zig_target())
 
 
 def shared_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, ...] = ()) -> Path:
@@ -103,8 +107,10 @@ def build(
     Raises:
         ToolchainMissing: where the compiler fails.
     """
-    command = [*compiler.command, *FLAGS, *flags]
-    key = hashlib.sha256(repr((compiler.identity, FLAGS, flags, sorted(sources.items()), main, name)).encode())
+    steps = compiler.steps([*FLAGS, *flags], main, name)
+    texts = {**sources, **(zig.zig_sources(compiler.target) if compiler.path is None else {})}
+    # without the first words, which are paths
+    key = hashlib.sha256(repr((compiler.identity, [step[1:] for step in steps], sorted(texts.items()))).encode())
     kept = cache_folder() / f"{Path(name).stem[:40]}-{key.hexdigest()[:24]}{Path(name).suffix}"
     if kept.exists():
         return kept
@@ -114,30 +120,32 @@ def build(
     with tempfile.TemporaryDirectory(dir=kept.parent) as scratch:
         folder = Path(scratch) / "build"
         folder.mkdir()
-        for file, text in sources.items():
+        for file, text in texts.items():
             (folder / file).write_text(text, encoding="utf-8", newline="\n")
-        run = subprocess.run(
-            [*command, "-o", name, main, "-lm"],
-            cwd=folder,
-            env=zig.zig_environment(Path(scratch) / "zig") if compiler.from_zig else None,
-            capture_output=True,
-            text=True,
-            errors="replace",
-            check=False,
-        )
-        if run.returncode != 0:
-            raise ToolchainMissing(_failed(compiler, run.stderr.strip()[-400:]))
+        for step in steps:
+            run = subprocess.run(
+                step,
+                cwd=folder,
+                env=zig.zig_environment(Path(scratch) / "zig") if compiler.path is None else None,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                check=False,
+            )
+            if run.returncode != 0:
+                said = run.stderr.strip()[-400:] or f"it ended with code {run.returncode} and said nothing"
+                raise ToolchainMissing(_failed(compiler, said))
         (folder / name).replace(kept)  # atomic: two processes may build the same library at once
     return kept
 
 
 def _failed(compiler: Compiler, said: str) -> str:
-    if compiler.from_zig:
+    if compiler.path is None:
         return (
-            f"the C compiler of the package ziglang failed: {said}; check that {cache_folder()} can be written and its "
-            "disk has 200 MB free, then install the package again: pip install --force-reinstall ziglang"
+            f"the C compiler of the package ziglang failed: {said}; where that is not about the model's own C, check "
+            f"that {cache_folder()} can be written and has 200 MB to spare, then: pip install --force-reinstall ziglang"
         )
     return (
-        f"the C compiler {compiler.command[0]} failed: {said}; "
+        f"the C compiler {compiler.path} failed: {said}; "
         "check that it can compile and link a small C program (headers: libc6-dev)"
     )

@@ -1,21 +1,27 @@
 """The C compiler in the Python package ``ziglang``: one that builds for every platform from any machine.
 
-It brings the C libraries of its targets as sources and builds them at the first use of a target: some seconds, for
-Windows a minute or two. What it made then stays in a cache of its own.
+It brings the C libraries of its targets as sources and builds what it needs of them at the first use of a target, which
+takes some seconds. What it made then stays in a cache of its own.
 """
 
 from __future__ import annotations
 
 import os
+import platform
 import sys
-from collections.abc import Mapping
-from importlib import metadata, util
+from collections.abc import Mapping, Sequence
+from importlib import metadata, resources, util
 from pathlib import Path
 
 from .cache import cache_folder
 
 #: How to have it, as all messages say it.
 MORE = 'pip install "dashpot[platforms]"'
+WINDOWS = "x86_64-windows-gnu"
+_RUNTIME = "windows_runtime.c"
+_OBJECT = "library.o"
+#: Parts of the C library that Windows has had since 10.
+_SYSTEM = ("heap", "string", "stdio", "math")
 
 
 def zig_version() -> str | None:
@@ -28,14 +34,44 @@ def zig_version() -> str | None:
         return "unknown"
 
 
-def zig_command(target: str | None = None) -> tuple[str, ...]:
-    """How the compiler is called, for a target triple of zig's or, without one, for this machine.
+def zig_target() -> str | None:
+    """The target for this machine; None leaves it to zig."""
+    return WINDOWS if sys.platform == "win32" and platform.machine().upper() == "AMD64" else None
 
-    Never for the processor at hand: the same texts are to give the same bits on every machine.
-    """
+
+def zig_command() -> tuple[str, ...]:
+    """How zig is called."""
     # -P: a folder of the sources' must not hide the package
-    command = (sys.executable, "-P", "-m", "ziglang", "cc")
-    return (*command, "-target", target) if target else (*command, "-mcpu=baseline")
+    return sys.executable, "-P", "-m", "ziglang"
+
+
+def zig_steps(target: str | None, flags: Sequence[str], main: str, name: str) -> list[tuple[str, ...]]:
+    """The commands, one after the other, that make a shared library.
+
+    Args:
+        target: zig's triple, or None for this machine. Never for the very processor at hand: the same texts are to give
+            the same bits on every machine.
+        flags: for the compiler.
+        main: the file to compile.
+        name: of the library.
+    """
+    compile_ = (*zig_command(), "cc", *(("-target", target) if target else ("-mcpu=baseline",)))
+    if target != WINDOWS:
+        return [(*compile_, *flags, "-o", name, main, "-lm")]
+    for_object = [flag for flag in flags if flag not in ("-shared", "-s")]
+    link = (*zig_command(), "build-lib", "-dynamic", "-target", target, "-O", "ReleaseFast", "-fstrip", "-fcompiler-rt")
+    system = [f"-lapi-ms-win-crt-{part}-l1-1-0" for part in _SYSTEM]
+    return [
+        (*compile_, *for_object, "-c", "-o", _OBJECT, main),
+        (*link, f"-femit-bin={name}", _OBJECT, _RUNTIME, *system),
+    ]
+
+
+def zig_sources(target: str | None) -> Mapping[str, str]:
+    """Texts that have to lie beside those that are compiled for the target."""
+    if target != WINDOWS:
+        return {}
+    return {_RUNTIME: resources.files("dashpot.templates").joinpath(_RUNTIME).read_text(encoding="utf-8")}
 
 
 def zig_environment(scratch: Path) -> Mapping[str, str]:

@@ -170,7 +170,7 @@ def test_linux_needs_the_c_library_of_2012(contents, folder, kind):
 def test_windows_needs_what_is_part_of_it(contents):
     found = pe(contents["binaries/win64/stand.dll"])
     assert (found.kind, found.name) == ("x86-64", "stand.dll")
-    assert {name for name in found.needs if not name.startswith("api-ms-win-crt-")} <= {"kernel32.dll"}
+    assert {name for name in found.needs if not name.startswith("api-ms-win-crt-")} == set()
     assert found.exports == FMI2
 
 
@@ -232,7 +232,7 @@ def test_same_model_same_bytes_and_no_trace_of_where(everywhere, contents, model
 def test_a_build_that_fails_names_its_platform_and_leaves_nothing(everywhere, models, tmp_path, monkeypatch):
     monkeypatch.setenv("DASHPOT_CACHE", str(tmp_path / "cache"))
     broken = (sys.executable, "-c", "import sys; sys.exit('the disk is full')")
-    monkeypatch.setattr("dashpot.simulate.zig.zig_command", lambda target: broken)
+    monkeypatch.setattr("dashpot.simulate.zig.zig_command", lambda: broken)
     with pytest.raises(ToolchainMissing, match=r"binary for win64: .*the disk is full"):
         export_fmu(models["base"](), tmp_path / "out/rig.fmu", platforms=parse_platforms("win64"))
     assert not (tmp_path / "out").exists()
@@ -252,7 +252,6 @@ def test_what_takes_long_the_first_time_is_said_then_and_only_then(everywhere, m
         found = binaries({}, "all.c", "rig", parse_platforms("win64,linux64"), progress=said.append)
     assert list(found) == ["binaries/linux64/rig.so", "binaries/win64/rig.dll"]
     assert [line.partition(";")[0] for line in said] == ["compiling for Linux x86-64", "compiling for Windows x64"]
-    assert "a minute" in said[1]
 
 
 def test_what_is_inside_is_said(monkeypatch):
@@ -265,3 +264,51 @@ def test_what_is_inside_is_said(monkeypatch):
     assert can_build() == (own_platform(),)
     assert 'pip install "dashpot[platforms]"' in remark(can_build())
     assert "at least as new" in inside(can_build())
+
+
+def test_whatever_a_law_can_be_made_of_links_everywhere(everywhere):
+    import casadi as ca
+
+    x, y = ca.SX.sym("x"), ca.SX.sym("y")
+    one = "sqrt sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log log1p expm1 erf floor ceil fabs"
+    two = "atan2 fmin fmax fmod copysign hypot remainder"
+    values = [getattr(ca, name)(x) for name in (*one.split(), "log10", "sign")]
+    values += [getattr(ca, name)(x, y) for name in two.split()] + [x**y, ca.if_else(x < y, x, y), ca.constpow(x, 2.5)]
+    generator = ca.CodeGenerator("law.c", {"with_header": False})
+    generator.add(ca.Function("law", [x, y], [ca.vertcat(*values)]))
+    sources = {
+        "law.c": generator.dump(),
+        # beside it what the engine uses: the kind of a number, text, memory, a frame larger than a page of the stack
+        "all.c": """
+            #include <math.h>
+            #include <stdarg.h>
+            #include <stdio.h>
+            #include <stdlib.h>
+            #include <string.h>
+            #ifdef _WIN32
+            #define SHOWN __declspec(dllexport)
+            #else
+            #define SHOWN __attribute__((visibility("default")))
+            #endif
+            #define CASADI_SYMBOL_EXPORT SHOWN
+            #include "law.c"
+            SHOWN int say(char *text, size_t size, const char *form, ...) {
+                va_list values;
+                int length;
+                va_start(values, form);
+                length = vsnprintf(text, size, form, values);
+                va_end(values);
+                return length;
+            }
+            SHOWN int kinds(double x) { return !!isfinite(x) + 2 * !!isnan(x) + 4 * !!signbit(x) + 8 * !!isinf(x); }
+            SHOWN double last(const double *from, size_t n) {
+                volatile double copy[4096];
+                double *kept = malloc(n * sizeof *kept);
+                memmove(kept, from, n * sizeof *kept);
+                memcpy((void *)copy, kept, n * sizeof *kept);
+                free(kept);
+                return copy[n - 1];
+            }
+        """,
+    }
+    assert len(binaries(sources, "all.c", "law", PLATFORMS)) == 4
