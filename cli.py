@@ -221,7 +221,24 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 @click.argument("model", type=_FILE)
 @click.argument("outputs", nargs=-1, required=True, type=_FILE)
 @click.option(
-    "--backend", type=click.Choice(["native", "python"]), default="native", show_default=True, help="Of an FMU."
+    "--fmi",
+    "version",
+    type=click.Choice(["2", "3"]),
+    default="2",
+    show_default=True,
+    callback=lambda _context, _option, value: int(value),
+    help="Version of FMI.",
+)
+@click.option(
+    "--backend",
+    type=click.Choice(["native", "python"]),
+    help="Of an FMU; default: native, in Python where no C compiler is.",
+)
+@click.option(
+    "--platform",
+    metavar="NAMES",
+    help="What an FMU is compiled for: all, or some of linux64, linux-arm64, win64, darwin-x64, darwin-arm64, "
+    "with commas between them; default: all that can be built here.",
 )
 @click.option(
     "--step", type=float, default=1e-3, show_default=True, metavar="S", help="Sample time of the CasADi step."
@@ -231,23 +248,25 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the draws.")
 @_with_laws
-def export(model: Path, outputs: tuple[Path, ...], backend: str, step: float, draws: int | None, seed: int) -> None:
+def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: int | None, **options: Any) -> None:
     """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp)."""
     from .export import check_suffix
     from .export import export as write
+    from .export.platforms import parse_platforms
     from .export.ssp import note
     from .model.file import load
 
     oscillator = load(model)
-    if not (step > 0 and step < float("inf")):
-        raise BadInput(f"--step {step}: the sample time must be a positive number of seconds")
+    platforms = None if platform is None else parse_platforms(platform)
+    if not 0 < options["step"] < float("inf"):
+        raise BadInput(f"--step {options['step']}: the sample time must be a positive number of seconds")
     for output in outputs:
         check_suffix(output)
     _outputs(outputs, [model])
     for output in outputs:
         if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
             _say(f"note: {remark}")
-        for path in write(oscillator, output, backend=backend, step=step, draws=draws, seed=seed):
+        for path in write(oscillator, output, platforms=platforms, draws=draws, progress=_say, **options):
             _say(f"written: {path}")
 
 

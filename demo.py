@@ -55,7 +55,7 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
     fmu = folder / "rig.fmu"
     written = [model]
     for output in (fmu, folder / "rig.casadi"):
-        made = export(found.oscillator, output)
+        made = export(found.oscillator, output, progress=step)
         written += made
         step(f"written: {', '.join(path.name for path in made)}")
     step("the FMU under FMPy, with the force of every recording")

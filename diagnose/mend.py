@@ -10,6 +10,7 @@ import numpy as np
 from ..errors import DashpotError
 from ..export.fmu import export_fmu
 from ..export.fmu_run import FmuRun
+from ..export.platforms import own_platform
 from ..identify.decays import find_decays
 from ..identify.hilbert import noise_level
 from ..identify.replay import force_of, replayed
@@ -51,9 +52,9 @@ def record_fits(
 
 
 def exported(model: Oscillator, path: Path) -> Path | None:
-    """The model as an FMU; None where this machine has no compiler."""
+    """The model as an FMU for this machine, where it is run at once; None where there is no compiler."""
     try:
-        return export_fmu(model, path)
+        return export_fmu(model, path, backend="native", platforms=(own_platform(),))
     except DashpotError:
         return None
 

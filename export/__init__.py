@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
 
 if TYPE_CHECKING:
     from ..model import Oscillator
+    from .platforms import Platform
 
 __all__ = ["SUFFIXES", "check_suffix", "export"]
 
@@ -27,38 +29,48 @@ def export(
     oscillator: Oscillator,
     path: Path,
     *,
-    backend: str = "native",
+    version: int = 2,
+    backend: str | None = None,
+    platforms: Sequence[Platform] | None = None,
     step: float = 1e-3,
     draws: int | None = None,
     seed: int = 0,
+    progress: Callable[[str], None] | None = None,
 ) -> tuple[Path, ...]:
     """Write the model in the form that the suffix of ``path`` names: ``.fmu``, ``.casadi``, ``.c`` or ``.ssp``.
 
     Args:
         oscillator: the model.
         path: where to; for ``.casadi`` and ``.c`` further files are written beside it.
-        backend: of an FMU: ``native`` (compiled) or ``python`` (PythonFMU; its host needs Python and casadi).
+        version: of FMI, 2 or 3.
+        backend: of an FMU: ``native`` (compiled) or ``python`` (PythonFMU; its host needs Python and casadi); left out,
+            native wherever there is a compiler.
+        platforms: what to compile an FMU for (``platforms.parse_platforms``); left out, all that can be built for here.
         step: sample time of the discrete CasADi step, s.
         draws: of an SSP: sets of parameters drawn from the covariance; None: 20, or none without a covariance.
         seed: of the draws.
+        progress: called with one line before what takes long, and with what an FMU runs on.
 
     Returns:
         The paths written.
 
     Raises:
         BadInput: for an unknown suffix, where the file cannot be written, or where nothing can be drawn.
-        ToolchainMissing: for a native FMU without a C compiler.
+        ToolchainMissing: where the compiler for a native FMU or one of the platforms is missing or fails.
     """
     path = Path(path)
     check_suffix(path)
+    how: dict[str, Any] = {"backend": backend, "platforms": platforms, "progress": progress}
     if path.suffix == ".fmu":
         from .fmu import export_fmu
 
-        return (export_fmu(oscillator, path, backend=backend),)
+        return (export_fmu(oscillator, path, version=version, **how),)
     if path.suffix == ".ssp":
         from .ssp import export_ssp
 
-        return (export_ssp(oscillator, path, draws=draws, seed=seed, backend=backend),)
+        if version != 2:
+            raise BadInput(f"{path}: SSP 1.0 is for FMUs of FMI 2; leave out --fmi {version}")
+        return (export_ssp(oscillator, path, draws=draws, seed=seed, **how),)
     if path.suffix == ".c":
         from .plain_c import export_plain_c
 

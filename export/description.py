@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..model import units
-from ..model.equations import Equations, equations, signed
+from ..model.equations import Equations, equations
 from ..simulate.core import internal_step
 from .knowns import Knowns
 from .render import plain_text

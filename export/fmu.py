@@ -3,21 +3,22 @@
 from __future__ import annotations
 
 import math
-import platform
-import sys
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..model.equations import equations
-from ..simulate.compiler import shared_library
 from ..simulate.core import engine_sources, template
 from ..simulate.law_source import law_source
 from .archive import write_archive
+from .backend import choose_backend
+from .binaries import binaries, chosen, inside, remark
 from .contents import further_contents
 from .description import Description, describe_fmu
 from .documentation import documentation, guid_of
 from .model_description import build_description, model_description
+from .platforms import Platform
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -47,10 +48,11 @@ _KINDS = {
     "smoothing": "DP_SMOOTHING",
 }
 _HOLD = {
-    2: "The input F is held over a communication step; give its slope with fmi2SetRealInputDerivatives before each step "
-    "and it runs in a straight line instead, which is far more exact, or with derivatives up to the third as a cubic.",
-    3: "The input F is held over a communication step; set the input F_rate, its slope, before each step and it runs in "
-    "a straight line instead, which is far more exact.",
+    2: "The input F is held over a communication step; give its slope with fmi2SetRealInputDerivatives before each "
+    "step and it runs in a straight line instead, which is far more exact, or with derivatives up to the third as a "
+    "cubic.",
+    3: "The input F is held over a communication step; set the input F_rate, its slope, before each step and it runs "
+    "in a straight line instead, which is far more exact.",
 }
 _EVENTS = (
     "Events (sticking, break-away, sign changes) are located, so results do not depend on the communication step. In "
@@ -59,34 +61,43 @@ _EVENTS = (
 )
 
 
-def export_fmu(oscillator: Oscillator, path: str | Path, *, backend: str = "native", version: int = 2) -> Path:
+def export_fmu(
+    oscillator: Oscillator,
+    path: str | Path,
+    *,
+    version: int = 2,
+    backend: str | None = None,
+    platforms: Sequence[Platform] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Path:
     """Write an FMU; the same model gives the same bytes.
 
     Args:
         oscillator: the model.
         path: where to write it.
-        backend: ``native`` compiles the model, for co-simulation and model exchange; ``python`` makes an FMU for
-            co-simulation by FMI 2.0 that needs Python with casadi where it runs, and no compiler here.
         version: of FMI, 2 or 3.
+        backend: ``native`` compiles the model, for co-simulation and model exchange; ``python`` makes an FMU for
+            co-simulation by FMI 2.0 that needs Python with casadi where it runs, and no compiler here; left out, it is
+            ``native`` wherever there is a compiler.
+        platforms: what to compile it for; left out, for all that can be built for here.
+        progress: called with one line before what takes long, and with what the FMU runs on.
 
     Returns:
         The path written.
 
     Raises:
         BadInput: where the backend is unknown, a value of the model is not finite, or the path cannot be written.
-        ToolchainMissing: where ``native`` finds no C compiler.
+        ToolchainMissing: where the compiler for ``native`` or for one of the platforms is missing or fails.
     """
-    if backend not in ("native", "python"):
-        raise BadInput(f"unknown FMU backend {backend!r}; use 'native' or 'python'")
     if version not in _FMI_FILES:
         raise BadInput(f"there is no FMI {version} here; use 2 or 3")
-    if backend == "python":
+    if choose_backend(backend, platforms, progress) == "python":
         if version != 2:
-            raise BadInput("the Python back-end is for FMI 2; leave out --fmi 3, or use the native one")
+            raise BadInput("an FMU in Python is for FMI 2; ask for that, or have a C compiler")
         from .python_fmu import python_entries
 
         return write_archive(Path(path), python_entries(oscillator))
-    return write_archive(Path(path), _native_entries(oscillator, version))
+    return write_archive(Path(path), _native_entries(oscillator, version, chosen(platforms), progress))
 
 
 def fmu_sources(
@@ -105,28 +116,20 @@ def fmu_sources(
     return sources, guid
 
 
-def platform_folder(version: int = 2) -> tuple[str, str]:
-    """FMI's name for this machine's platform, and the suffix of a shared library on it."""
-    system = platform.system()
-    name = {"Windows": "win", "Darwin": "darwin"}.get(system, "linux")
-    suffix = {"Windows": ".dll", "Darwin": ".dylib"}.get(system, ".so")
-    if version == 3:
-        machine = {"amd64": "x86_64", "arm64": "aarch64"}.get(platform.machine().lower(), platform.machine().lower())
-        return f"{machine}-{'windows' if name == 'win' else name}", suffix
-    return f"{name}{64 if sys.maxsize > 2**32 else 32}", suffix
-
-
-def _native_entries(oscillator: Oscillator, version: int) -> dict[str, bytes]:
+def _native_entries(
+    oscillator: Oscillator, version: int, platforms: Sequence[Platform], progress: Callable[[str], None] | None
+) -> dict[str, bytes]:
     description = describe_fmu(oscillator, version=version)
     sources, guid = fmu_sources(oscillator, description, version=version)
-    folder, suffix = platform_folder(version)
     entries = {f"sources/{name}": text.encode() for name, text in sources.items()}
     entries["sources/buildDescription.xml"] = build_description(description.identifier, (_MAIN,)).encode()
     text = model_description(description, guid, version=version, source_files=(_MAIN,))
     entries["modelDescription.xml"] = text.encode()
-    hold = f"{_HOLD[version]} {_EVENTS}"
-    entries["documentation/index.html"] = documentation(oscillator, description, hold).encode()
-    entries[f"binaries/{folder}/{description.identifier}{suffix}"] = shared_library(sources, _MAIN).read_bytes()
+    page = documentation(oscillator, description, f"{_HOLD[version]} {_EVENTS} {inside(platforms)}")
+    entries["documentation/index.html"] = page.encode()
+    entries |= binaries(sources, _MAIN, description.identifier, platforms, version=version, progress=progress)
+    if progress is not None:
+        progress(remark(platforms))
     return entries | further_contents(oscillator)
 
 

@@ -19,6 +19,7 @@ from ..errors import BadInput
 from ..model.law import InnerState
 from ..simulate.force import Force
 from .description import OWN
+from .platforms import library_for_here
 
 #: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
 _LINES = 8
@@ -112,11 +113,14 @@ class FmuRun:
             raise BadInput(f"{fmu}: cannot be unpacked ({_short(problem)}); export it again") from problem
         here = Path.cwd()  # FMPy goes to the library's folder to load it, and stays there when that fails
         try:
+            identifier = description.coSimulation.modelIdentifier
+            library = library_for_here(Path(self._folder), identifier or "")
             self._fmu: Any = FMU2Slave(
                 guid=description.guid,
                 unzipDirectory=self._folder,
-                modelIdentifier=description.coSimulation.modelIdentifier,
+                modelIdentifier=identifier,
                 instanceName="verify",
+                libraryPath=None if library is None else str(library),
             )
             self._fmu.instantiate()
         except Exception as problem:

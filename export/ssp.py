@@ -38,7 +38,7 @@ _XML = '<?xml version="1.0" encoding="UTF-8"?>\n'
 
 
 def export_ssp(
-    oscillator: Oscillator, path: str | Path, *, draws: int | None = None, seed: int = 0, backend: str = "native"
+    oscillator: Oscillator, path: str | Path, *, draws: int | None = None, seed: int = 0, **fmu: Any
 ) -> Path:
     """Write an SSP archive; the same model gives the same bytes.
 
@@ -48,7 +48,7 @@ def export_ssp(
         draws: sets of parameters drawn from the covariance; None: ``DRAWS`` of them, or none where the model holds no
             covariance (``note`` says so).
         seed: of the draws.
-        backend: of the FMU, as for ``export_fmu``.
+        fmu: how the FMU is made, as for ``export_fmu``; its version is 2, as SSP 1.0 has it.
 
     Returns:
         The path written.
@@ -68,8 +68,8 @@ def export_ssp(
     made = drawn(oscillator, count, seed) if count else []
     sets |= {f"draw_{i:0{max(width, 2)}d}": values for i, values in enumerate(made, start=1)}
     with tempfile.TemporaryDirectory() as folder:
-        fmu = export_fmu(oscillator, Path(folder) / "rig.fmu", backend=backend).read_bytes()
-    return write_archive(Path(path), _entries(oscillator, sets, seed, note(oscillator, draws), fmu))
+        inner = export_fmu(oscillator, Path(folder) / "rig.fmu", **fmu).read_bytes()
+    return write_archive(Path(path), _entries(oscillator, sets, seed, note(oscillator, draws), inner))
 
 
 def note(oscillator: Oscillator, draws: int | None = None) -> str | None:

@@ -1,4 +1,4 @@
-"""The machine's C compiler, and shared libraries built once and kept in a cache."""
+"""C compilers, and shared libraries built once and kept in a cache."""
 
 from __future__ import annotations
 
@@ -7,16 +7,38 @@ import os
 import platform
 import shutil
 import subprocess
-import sys
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import ToolchainMissing
+from . import zig
+from .cache import cache_folder
 
 #: No fused multiply-add and no reordering: the same model gives the same bits on every machine.
 FLAGS = ("-O2", "-fPIC", "-shared", "-std=c99", "-ffp-contract=off", "-fvisibility=hidden")
-_SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
+NO_COMPILER = (
+    "no C compiler was found (looked for $CC, cc, gcc, clang and the Python package ziglang); install gcc or clang, "
+    f"for example with: apt-get install gcc libc6-dev, or a compiler for all platforms with: {zig.MORE}"
+)
+#: Of a shared library on this machine.
+SUFFIX = {"Windows": ".dll", "Darwin": ".dylib"}.get(platform.system(), ".so")
+
+
+@dataclass(frozen=True)
+class Compiler:
+    """A C compiler: the machine's own by its path, or without one zig's for a target (None: this machine)."""
+
+    identity: str
+    path: str | None = None
+    target: str | None = None
+
+    def steps(self, flags: Sequence[str], main: str, name: str) -> list[tuple[str, ...]]:
+        """The commands that make the shared library ``name`` of the file ``main``."""
+        if self.path is None:
+            return zig.zig_steps(self.target, flags, main, name)
+        return [(self.path, *flags, "-o", name, main, "-lm")]
 
 
 def find_compiler() -> str | None:
@@ -27,16 +49,21 @@ def find_compiler() -> str | None:
     return None
 
 
-def cache_folder() -> Path:
-    """Where built cores are kept: ``$DASHPOT_CACHE``, else the user's cache folder."""
-    if "DASHPOT_CACHE" in os.environ:
-        return Path(os.environ["DASHPOT_CACHE"])
-    base = os.environ.get("LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME")
-    return Path(base) / "dashpot" if base else Path.home() / ".cache" / "dashpot"
+def zig_compiler(target: str | None) -> Compiler | None:
+    """The compiler of the package ``ziglang`` for a target triple, None meaning this machine; None without it."""
+    version = zig.zig_version()
+    return None if version is None else Compiler(f"zig {version} {target or platform.platform()}", target=target)
+
+
+def machine_compiler() -> Compiler | None:
+    """What builds for this machine: its own compiler, else zig's; None where there is neither."""
+    if path := find_compiler():
+        return Compiler(f"{platform.machine()} {path}", path)
+    return zig_compiler(zig.zig_target())
 
 
 def shared_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, ...] = ()) -> Path:
-    """Compile C texts into a shared library, or take it from the cache when the same texts were built before.
+    """Compile C texts into a shared library for this machine, or take it from the cache when it was built before.
 
     Args:
         sources: file name to text; written side by side.
@@ -49,29 +76,76 @@ def shared_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, .
     Raises:
         ToolchainMissing: where no C compiler is found, or it fails.
     """
-    compiler = find_compiler()
+    compiler = machine_compiler()
     if compiler is None:
-        raise ToolchainMissing(
-            "no C compiler was found (looked for $CC, cc, gcc, clang); install gcc or clang, "
-            "for example with: apt-get install gcc libc6-dev"
-        )
-    command = [*FLAGS, *flags]
-    key = hashlib.sha256(repr((platform.machine(), compiler, command, sorted(sources.items()), main)).encode())
-    target = cache_folder() / f"core-{key.hexdigest()[:24]}{_SUFFIX}"
-    if target.exists():
-        return target
-    target.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
-        for name, text in sources.items():
-            (Path(folder) / name).write_text(text, encoding="utf-8")
-        built = Path(folder) / target.name
-        run = subprocess.run(
-            [compiler, *command, "-o", str(built), main, "-lm"], cwd=folder, capture_output=True, text=True, check=False
-        )
-        if run.returncode != 0:
-            raise ToolchainMissing(
-                f"the C compiler {compiler} failed: {run.stderr.strip()[-400:]}; "
-                "check that it can compile and link a small C program (headers: libc6-dev)"
+        raise ToolchainMissing(NO_COMPILER)
+    return build(compiler, sources, main, f"core{SUFFIX}", flags=flags)
+
+
+def build(
+    compiler: Compiler,
+    sources: Mapping[str, str],
+    main: str,
+    name: str,
+    *,
+    flags: tuple[str, ...] = (),
+    before: Callable[[], None] | None = None,
+) -> Path:
+    """Build a shared library with a compiler, or take it from the cache; it appears there whole or not at all.
+
+    Args:
+        compiler: what to build with.
+        sources: file name to text; written side by side.
+        main: the file to compile (it includes the others).
+        name: of the library with its suffix; some formats keep it inside.
+        flags: further compiler flags.
+        before: called when it has to be built.
+
+    Returns:
+        Path of the library in the cache.
+
+    Raises:
+        ToolchainMissing: where the compiler fails.
+    """
+    steps = compiler.steps([*FLAGS, *flags], main, name)
+    texts = {**sources, **(zig.zig_sources(compiler.target) if compiler.path is None else {})}
+    # without the first words, which are paths
+    key = hashlib.sha256(repr((compiler.identity, [step[1:] for step in steps], sorted(texts.items()))).encode())
+    kept = cache_folder() / f"{Path(name).stem[:40]}-{key.hexdigest()[:24]}{Path(name).suffix}"
+    if kept.exists():
+        return kept
+    if before is not None:
+        before()
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=kept.parent) as scratch:
+        folder = Path(scratch) / "build"
+        folder.mkdir()
+        for file, text in texts.items():
+            (folder / file).write_text(text, encoding="utf-8", newline="\n")
+        for step in steps:
+            run = subprocess.run(
+                step,
+                cwd=folder,
+                env=zig.zig_environment(Path(scratch) / "zig") if compiler.path is None else None,
+                capture_output=True,
+                text=True,
+                errors="replace",
+                check=False,
             )
-        built.replace(target)  # atomic: two processes may build the same core at once
-    return target
+            if run.returncode != 0:
+                said = run.stderr.strip()[-400:] or f"it ended with code {run.returncode} and said nothing"
+                raise ToolchainMissing(_failed(compiler, said))
+        (folder / name).replace(kept)  # atomic: two processes may build the same library at once
+    return kept
+
+
+def _failed(compiler: Compiler, said: str) -> str:
+    if compiler.path is None:
+        return (
+            f"the C compiler of the package ziglang failed: {said}; where that is not about the model's own C, check "
+            f"that {cache_folder()} can be written and has 200 MB to spare, then: pip install --force-reinstall ziglang"
+        )
+    return (
+        f"the C compiler {compiler.path} failed: {said}; "
+        "check that it can compile and link a small C program (headers: libc6-dev)"
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import pytest
 from dashpot.model import Oscillator, Response
@@ -46,6 +46,32 @@ def offsets() -> Callable[[Oscillator], list[float]]:
         return [0.5 if state.free else 1e-4 * SCALES.of(state.unit) for state in equations(oscillator).inner]
 
     return make
+
+
+@pytest.fixture(scope="session", autouse=True)
+def this_platform_alone() -> Iterator[None]:
+    """An FMU is built for this machine alone where a test does not ask for more; what is slow once is kept."""
+    from dashpot.export.platforms import own_platform
+    from dashpot.simulate.cache import cache_folder
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("dashpot.export.binaries.default_platforms", lambda: (own_platform(),))
+        if "ZIG_GLOBAL_CACHE_DIR" not in os.environ:  # also for tests with a cache of their own
+            patch.setenv("ZIG_GLOBAL_CACHE_DIR", str(cache_folder() / "zig"))
+        yield
+
+
+@pytest.fixture
+def no_zig(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A machine without the package ziglang."""
+    monkeypatch.setattr("dashpot.simulate.zig.zig_version", lambda: None)
+
+
+@pytest.fixture
+def no_compiler(monkeypatch: pytest.MonkeyPatch, no_zig: None) -> None:
+    """A machine without any C compiler."""
+    monkeypatch.setenv("PATH", "")
+    monkeypatch.delenv("CC", raising=False)
 
 
 _status = 0

@@ -367,3 +367,23 @@ def test_a_reader_that_leaves_early_is_no_error(model):
     run = subprocess.run(["bash", "-c", program], capture_output=True, text=True, check=True)
     assert run.stdout.strip()
     assert "Traceback" not in run.stderr
+
+
+def test_export_says_what_the_fmu_runs_on(capsys, tmp_path, model):
+    from dashpot.export.platforms import own_platform
+
+    code, out, err = run(capsys, "export", model, tmp_path / "rig.fmu", "--platform", own_platform().fmi3)
+    assert (code, out) == (0, "")
+    assert err.splitlines()[0].startswith(f"the FMU runs on {own_platform().words}")
+    refused(capsys, tmp_path, "export", model, tmp_path / "m.fmu", "--platform", "win46", says="did you mean win64?")
+
+
+def test_export_without_a_compiler_is_in_python_and_says_so(capsys, tmp_path, model, no_compiler):
+    refused(
+        capsys, tmp_path, "export", model, tmp_path / "m.fmu", "--backend", "native", says="no C compiler was found"
+    )
+    refused(capsys, tmp_path, "export", model, tmp_path / "m.fmu", "--platform", "all", says="no C compiler was found")
+    code, out, err = run(capsys, "export", model, tmp_path / "rig.fmu")
+    assert (code, out) == (0, "")
+    assert "it needs Python with the package casadi" in err
+    assert (tmp_path / "rig.fmu").exists()

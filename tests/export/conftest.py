@@ -58,6 +58,17 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]
     return get
 
 
+@pytest.fixture(scope="session")
+def everywhere(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The FMU of the base model with binaries for all platforms."""
+    from dashpot.export.platforms import PLATFORMS
+    from dashpot.simulate.zig import zig_version
+
+    if zig_version() is None:
+        pytest.skip("the package ziglang, which builds for other platforms, is not installed")
+    return export_fmu(MODELS["base"](), tmp_path_factory.mktemp("everywhere") / "rig.fmu", platforms=PLATFORMS)
+
+
 class Instance:
     """An FMU under FMPy, its variables by name; every status above a warning raises."""
 

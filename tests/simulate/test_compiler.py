@@ -1,10 +1,12 @@
 from __future__ import annotations
 
 import ctypes
+import subprocess
 
 import pytest
 from dashpot.errors import ToolchainMissing
-from dashpot.simulate.compiler import find_compiler, shared_library
+from dashpot.simulate.compiler import find_compiler, machine_compiler, shared_library
+from dashpot.simulate.zig import zig_version
 
 ANSWER = {"a.c": '__attribute__((visibility("default"))) int answer(void) { return 42; }\n'}
 
@@ -26,12 +28,30 @@ def test_a_library_is_built_once_and_then_taken_from_the_cache():
 def test_what_the_compiler_says_is_passed_on_and_nothing_stays(tmp_path):
     with pytest.raises(ToolchainMissing, match="failed"):
         shared_library({"a.c": "not C"}, "a.c")
-    assert not list((tmp_path / "cache").glob("core-*"))
+    assert list((tmp_path / "cache").iterdir()) == []
 
 
-def test_no_compiler_is_said_with_what_to_do(monkeypatch):
+def test_no_compiler_is_said_with_what_to_do(no_compiler):
+    assert find_compiler() is None
+    assert machine_compiler() is None
+    with pytest.raises(ToolchainMissing, match=r"install gcc or clang.*pip install"):
+        shared_library(ANSWER, "a.c")
+
+
+def test_the_same_texts_are_compiled_once(monkeypatch):
+    shared_library(ANSWER, "a.c")
+    monkeypatch.setattr(subprocess, "run", None)
+    shared_library(ANSWER, "a.c")
+    with pytest.raises(TypeError):  # other flags are another library
+        shared_library(ANSWER, "a.c", flags=("-DX",))
+
+
+@pytest.mark.skipif(zig_version() is None, reason="the package ziglang is not installed")
+def test_zig_is_this_machines_compiler_where_there_is_no_other(monkeypatch, tmp_path):
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
-    assert find_compiler() is None
-    with pytest.raises(ToolchainMissing, match="install gcc or clang"):
-        shared_library(ANSWER, "a.c")
+    library = shared_library(ANSWER, "a.c")
+    assert ctypes.CDLL(str(library)).answer() == 42
+    assert [path for path in (tmp_path / "cache").iterdir() if path.name != "zig"] == [library]
+    with pytest.raises(ToolchainMissing, match=r"of the package ziglang failed: .*error"):
+        shared_library({"a.c": "not C"}, "a.c")

@@ -1,0 +1,15 @@
+"""Where what was built once is kept."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+
+def cache_folder() -> Path:
+    """Where built libraries are kept: ``$DASHPOT_CACHE``, else the user's cache folder."""
+    if "DASHPOT_CACHE" in os.environ:
+        return Path(os.environ["DASHPOT_CACHE"])
+    base = os.environ.get("LOCALAPPDATA" if sys.platform == "win32" else "XDG_CACHE_HOME")
+    return Path(base) / "dashpot" if base else Path.home() / ".cache" / "dashpot"
