@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import inspect
 import math
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -54,6 +55,28 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]
     def get(name: str, backend: str = "native") -> Path:
         path = folder / f"{name}-{backend}.fmu"
         return path if path.exists() else export_fmu(MODELS[name](), path, backend=backend)
+
+    return get
+
+
+@pytest.fixture(scope="session")
+def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Native FMU of a model for a version of FMI, built once; skips where dashpot makes none such."""
+    from fmpy import read_model_description
+
+    folder = tmp_path_factory.mktemp("versions")
+    newer = "version" in inspect.signature(export_fmu).parameters
+
+    def get(version: int = 2, interface: str = "CoSimulation", name: str = "base") -> Path:
+        path = folder / f"{name}-{version}.fmu"
+        if not path.exists():
+            if version != 2 and not newer:
+                pytest.skip(f"dashpot makes no FMU of FMI {version}")
+            export_fmu(MODELS[name](), path, **({"version": version} if newer else {}))
+        found = read_model_description(str(path))
+        if (found.coSimulation if interface == "CoSimulation" else found.modelExchange) is None:
+            pytest.skip(f"the FMU of FMI {version} has no {interface}")
+        return path
 
     return get
 

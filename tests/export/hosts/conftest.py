@@ -1,8 +1,7 @@
-"""The FMUs that every importer is given, the answer they are held against, and the process in which one runs."""
+"""The force that every importer is given, the answer it is held against, and the process in which it runs."""
 
 from __future__ import annotations
 
-import inspect
 import json
 import os
 import subprocess
@@ -14,35 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate_pieces, linear_pieces
-from dashpot.export.fmu import export_fmu
-from dashpot.model import Oscillator
 
 FOLDER = Path(__file__).parent
 NOT_HERE = 77  # what play.py ends with where an importer is not installed
 SECONDS = 900  # a first compilation for a foreign machine takes minutes on a busy one
 DT = 1e-3
-
-
-@pytest.fixture(scope="session")
-def fmu_of(models: dict[str, Callable[[], Oscillator]], tmp_path_factory: pytest.TempPathFactory):
-    """FMU of a model for a version of FMI, built once; skips where dashpot makes none such."""
-    from fmpy import read_model_description
-
-    folder = tmp_path_factory.mktemp("hosts")
-    newer = "version" in inspect.signature(export_fmu).parameters
-
-    def get(version: int = 2, interface: str = "CoSimulation", name: str = "base") -> Path:
-        path = folder / f"{name}-{version}.fmu"
-        if not path.exists():
-            if version != 2 and not newer:
-                pytest.skip(f"dashpot makes no FMU of FMI {version}")
-            export_fmu(models[name](), path, **({"version": version} if newer else {}))
-        found = read_model_description(str(path))
-        if (found.coSimulation if interface == "CoSimulation" else found.modelExchange) is None:
-            pytest.skip(f"the FMU of FMI {version} has no {interface}")
-        return path
-
-    return get
 
 
 @pytest.fixture(scope="session")
