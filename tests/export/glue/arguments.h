@@ -21,7 +21,9 @@ static unsigned pick(unsigned n) { return (unsigned)((dice() >> 33) % n); }
 
 static int chance(unsigned one_in) { return pick(one_in) == 0; }
 
-static double uniform(double low, double high) { return low + (high - low) * (double)(dice() >> 11) / 9007199254740992.0; }
+static double uniform(double low, double high) {
+    return low + (high - low) * (double)(dice() >> 11) / 9007199254740992.0;
+}
 
 /* A value for a variable: mostly sane, else what no variable can take or none should. */
 static double any_value(void) {

@@ -10,14 +10,15 @@ static const fmi2CallbackFunctions loud = {tell, calloc, free, NULL, NULL}, quie
 
 static void *create(int exchange, int silent) {
     const fmi2Type type = exchange ? fmi2ModelExchange : fmi2CoSimulation;
-    return fmi2Instantiate("rig", type, the.token, chance(2) ? NULL : "file:///x", silent ? &quiet : &loud, 0, chance(2));
+    const char *const resources = chance(2) ? NULL : "file:///x";
+    return fmi2Instantiate("rig", type, the.token, resources, silent ? &quiet : &loud, 0, chance(2));
 }
 
 static void create_badly(void) {
     const char *const name = chance(2) ? NULL : "", *const token = chance(2) ? NULL : "{another}";
     const long before = messages;
-    if (fmi2Instantiate(name, fmi2CoSimulation, the.token, NULL, &loud, 0, 0)) fail("instance without a name", "create");
-    if (fmi2Instantiate("rig", fmi2CoSimulation, token, NULL, &loud, 0, 0)) fail("instance of another", "create");
+    if (fmi2Instantiate(name, fmi2CoSimulation, the.token, NULL, &loud, 0, 0)) fail("without a name", "create");
+    if (fmi2Instantiate("rig", fmi2CoSimulation, token, NULL, &loud, 0, 0)) fail("of another", "create");
     if (messages != before + 2) fail("refused without a word", "fmi2Instantiate");
     if (fmi2Instantiate("rig", fmi2CoSimulation, the.token, NULL, NULL, 0, 0)) fail("no callbacks", "create");
 }

@@ -66,9 +66,10 @@ static int do_step(instance *i, arguments *a) {
     const double t = chance(8) ? any_value() : i->t, dt = any_step();
     bool event = false, end = false, early = false;
     double reached = 0.0;
+    const int status =
+        fmi3DoStep(i->component, t, dt, chance(2), MAYBE(event), MAYBE(end), MAYBE(early), MAYBE(reached));
     (void)a;
-    return stepped(fmi3DoStep(i->component, t, dt, chance(2), MAYBE(event), MAYBE(end), MAYBE(early), MAYBE(reached)), i,
-                   t, dt);
+    return stepped(status, i, t, dt);
 }
 
 static int debug(instance *i, arguments *a) { return fmi3SetDebugLogging(i->component, chance(2), a->n, a->text); }
@@ -243,8 +244,9 @@ static const function functions[] = {
     {"GetDirectionalDerivative", derivative, 4}, {"GetAdjointDerivative", adjoint, 1},
     {"GetOutputDerivatives", out_rates, 1}, {"EnterConfigurationMode", configure, 1},
     {"ExitConfigurationMode", configured, 1}, {"EvaluateDiscreteStates", evaluate, 1},
-    {"UpdateDiscreteStates", update, 4}, {"EnterContinuousTimeMode", continuous_mode, 4}, {"EnterStepMode", step_mode, 1},
-    {"CompletedIntegratorStep", completed, 3}, {"SetTime", set_time, 3}, {"GetNumberOfContinuousStates", sizes, 1},
+    {"UpdateDiscreteStates", update, 4}, {"EnterContinuousTimeMode", continuous_mode, 4},
+    {"EnterStepMode", step_mode, 1}, {"CompletedIntegratorStep", completed, 3}, {"SetTime", set_time, 3},
+    {"GetNumberOfContinuousStates", sizes, 1},
     {"SetContinuousStates", set_states, 4}, {"GetContinuousStates", get_states, 2},
     {"GetContinuousStateDerivatives", get_rates, 4}, {"GetEventIndicators", get_indicators, 3},
     {"GetNominalsOfContinuousStates", get_nominals, 1}, {"DoStep", do_step, 30}, {"GetFMUState", keep, 3},

@@ -85,7 +85,7 @@ int main(int count, char **argument) {
         if (status >= REFUSED && messages == said && !i->silent) fail("refused without a word", f->name);
         if (status > REFUSED && watched) {
             observe(i, after);
-            if (memcmp(before, after, the.variables * sizeof *before)) fail("refused and changed all the same", f->name);
+            if (memcmp(before, after, the.variables * sizeof *before)) fail("refused, yet changed", f->name);
         }
         ++done[f - functions][status < REFUSED ? 0 : status == REFUSED ? 1 : 2];
     }

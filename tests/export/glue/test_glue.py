@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import pytest
 from dashpot.export.fmu import export_fmu
 
@@ -59,7 +61,7 @@ def test_no_call_does_damage_to_a_model_with_memory(program, with_law, tmp_path)
 @pytest.mark.parametrize(
     ("changed", "words"),
     [
-        ({"vr[i] >= DP_NV": "vr[i] > DP_NV"}, "out of bounds"),
+        ({"vr[i] >= DP_NV": "vr[i] > DP_NV"}, "out of bounds|buffer-overflow"),
         ({"free(c->name);": ""}, "LeakSanitizer"),
         ({"!isfinite(dt) || dt <= 0.0": "dt != dt"}, "a step that cannot be was done"),
         ({"if (!isfinite(value[i]))": "if (0)"}, "is no number"),
@@ -70,7 +72,7 @@ def test_no_call_does_damage_to_a_model_with_memory(program, with_law, tmp_path)
 def test_the_fuzzer_finds_damage(program, changed, words):
     done = program("fuzz", changed=changed).run(0, 1, CALLS)
     assert done.returncode != 0
-    assert words in done.stderr
+    assert re.search(words, done.stderr)
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -8,6 +8,8 @@ from __future__ import annotations
 import subprocess
 import tempfile
 import zipfile
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -37,11 +39,12 @@ def run(
     Raises:
         NotHereError: where the machine cannot be compiled for or run here.
     """
-    text = _played(fmu, force, dt, parameters, hold, source, output, MACHINES[machine], 0)
-    return np.array([float(line) for line in text.split()])
+    with prepared(fmu, force, dt, parameters, hold, source=source, output=output, machine=machine) as play:
+        return np.array([float(line) for line in play().split()])
 
 
-def nanoseconds(
+@contextmanager
+def prepared(
     fmu: Path,
     force: np.ndarray,
     dt: float,
@@ -50,50 +53,47 @@ def nanoseconds(
     *,
     source: str = "F",
     output: str = "x",
-    repeat: int = 1,
-) -> float:
-    """Processor time of one step (set, step, get), the whole force run ``repeat`` times."""
-    return float(_played(fmu, force, dt, parameters, hold, source, output, MACHINES["here"], repeat))
+    machine: str = "here",
+    repeat: int = 0,
+    environment: Mapping[str, str] | None = None,
+) -> Iterator[Callable[[], str]]:
+    """The host and its plan, ready to be run any number of times: gives the outputs, a line each.
 
-
-def _played(
-    fmu: Path,
-    force: np.ndarray,
-    dt: float,
-    parameters: dict[str, float],
-    hold: str,
-    source: str,
-    output: str,
-    machine: Machine,
-    repeat: int,
-) -> str:
-    known = describe(fmu)
+    With ``repeat`` it gives the processor time of one step (set, step, get) in nanoseconds instead, the whole force
+    run that often.
+    """
+    known, it = describe(fmu), MACHINES[machine]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        command = machine.command(folder / "host.exe")  # first: compiling for what cannot be run is time lost
-        machine.program(Path(__file__).with_name("host.c"), folder / "host.exe")
-        library = _library(fmu, known, machine, folder)
+        command = it.command(folder / "host.exe")  # first: compiling for what cannot be run is time lost
+        it.program(Path(__file__).with_name("host.c"), folder / "host.exe")
+        library = _library(fmu, known, it, folder)
         starts = "".join(f"set {known.references[n]} {float(v)!r}\n" for n, v in parameters.items())
         (folder / "plan.txt").write_text(
             f"library ./{library.relative_to(folder).as_posix()}\n"
+            f"resources {(folder / 'fmu' / 'resources').as_uri()}\n"
             f"version {known.version}\ntoken {known.token}\nstep {dt!r}\nfirst {int(hold == 'first')}\n"
             f"source {known.references[source] if source else -1}\n"
             f"slope {known.references[SLOPE] if SLOPE in known.inputs else -1}\n"
             f"output {known.references[output]}\nrepeat {repeat}\n{starts}"
             f"force {force.size}\n" + "".join(f"{float(value)!r}\n" for value in force)
         )
-        played = subprocess.run(
-            [*command, "plan.txt"],
-            cwd=folder,
-            env=dict(machine.environment(folder)),
-            capture_output=True,
-            text=True,
-            check=False,
-            timeout=_SECONDS,
-        )
-    if played.returncode != 0:
-        raise RuntimeError(f"the host ended with {played.returncode}: {played.stderr[-500:]}")
-    return played.stdout
+
+        def play() -> str:
+            played = subprocess.run(
+                [*command, "plan.txt"],
+                cwd=folder,
+                env={**it.environment(folder), **(environment or {})},
+                capture_output=True,
+                text=True,
+                check=False,
+                timeout=_SECONDS,
+            )
+            if played.returncode != 0:
+                raise RuntimeError(f"the host ended with {played.returncode}: {played.stderr[-500:]}")
+            return played.stdout
+
+        yield play
 
 
 def _library(fmu: Path, known: Described, machine: Machine, folder: Path) -> Path:

@@ -4,8 +4,8 @@
  *     host PLAN
  *
  * PLAN holds lines of a word and its value, the force last:
- *     library PATH, version 2|3, token TEXT, step S, first 0|1 (hold), source REFERENCE, slope REFERENCE,
- *     output REFERENCE, set REFERENCE VALUE (any number of them), repeat COUNT, force N and N values
+ *     library PATH, resources URI, version 2|3, token TEXT, step S, first 0|1 (hold), source REFERENCE,
+ *     slope REFERENCE, output REFERENCE, set REFERENCE VALUE (any number of them), repeat COUNT, force N and N values
  * References that are not given are not used. Without `repeat` it prints the output at every sample, a line each; with
  * it the processor time of a step in nanoseconds (set, step, get), the whole force run that often. */
 #include <stdbool.h>
@@ -28,7 +28,7 @@ static void *find(void *library, const char *name) { return dlsym(library, name)
 enum { MOST_SETS = 64 };
 
 typedef struct {
-    char library[1024], token[256];
+    char library[1024], resources[1024], token[256];
     int version, first, sets, repeat;
     long source, slope, output, n;
     double step, value[MOST_SETS], *force;
@@ -124,9 +124,11 @@ static void open_library(const plan *p) {
 }
 
 static component instantiate(const plan *p) {
-    component c = p->version == 2 ? instantiate2("rig", 1, p->token, "file:///resources", &calls2, 0, 0)
-                                  : instantiate3("rig", p->token, NULL, false, false, false, false, NULL, 0, NULL, tell3,
-                                                 NULL);
+    component c;
+    if (p->version == 2)
+        c = instantiate2("rig", 1, p->token, p->resources, &calls2, 0, 0);
+    else
+        c = instantiate3("rig", p->token, NULL, false, false, false, false, NULL, 0, NULL, tell3, NULL);
     if (!c) fail("no instance", "");
     return c;
 }
@@ -200,6 +202,7 @@ static void read_plan(const char *path, plan *p) {
     while (fscanf(file, "%31s", word) == 1) {
         int read = 0;
         if (!strcmp(word, "library")) read = fscanf(file, " %1023[^\n]", p->library);
+        else if (!strcmp(word, "resources")) read = fscanf(file, " %1023[^\n]", p->resources);
         else if (!strcmp(word, "token")) read = fscanf(file, " %255[^\n]", p->token);
         else if (!strcmp(word, "version")) read = fscanf(file, "%d", &p->version);
         else if (!strcmp(word, "step")) read = fscanf(file, "%lf", &p->step);
