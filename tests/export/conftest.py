@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 from dashpot.export.fmu import export_fmu
+from dashpot.export.platforms import own_platform
 from dashpot.model import Oscillator, Response
 
 #: The paper's stand (Eq. 17 in SI).
@@ -67,6 +68,20 @@ def everywhere(tmp_path_factory: pytest.TempPathFactory) -> Path:
     if zig_version() is None:
         pytest.skip("the package ziglang, which builds for other platforms, is not installed")
     return export_fmu(MODELS["base"](), tmp_path_factory.mktemp("everywhere") / "rig.fmu", platforms=PLATFORMS)
+
+
+@pytest.fixture(scope="session")
+def fmu_of(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """Native FMU of a model for this machine and a version of FMI, built once."""
+    folder = tmp_path_factory.mktemp("versions")
+
+    def get(version: int = 2, name: str = "base") -> Path:
+        path = folder / f"{name}-{version}.fmu"
+        if not path.exists():
+            export_fmu(MODELS[name](), path, version=version, platforms=(own_platform(),))
+        return path
+
+    return get
 
 
 class Instance:

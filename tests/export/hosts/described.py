@@ -1,0 +1,72 @@
+"""What an importer reads in modelDescription.xml, for hosts that have no reader of their own: FMI 2.0 and 3.0."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ElementTree
+import zipfile
+from dataclasses import dataclass
+from pathlib import Path
+
+CO_SIMULATION, MODEL_EXCHANGE = "CoSimulation", "ModelExchange"
+#: Name of the further input that takes the slope of the force where the interface has no call for it.
+SLOPE = "F_rate"
+
+
+@dataclass(frozen=True)
+class Described:
+    """An FMU as far as a host needs it.
+
+    Attributes:
+        version: 2 or 3.
+        identifiers: interface (``CoSimulation``, ``ModelExchange``) to the name of its library.
+        token: GUID of FMI 2.0, instantiation token of FMI 3.0.
+        references: variable name to value reference.
+        inputs, outputs: names in their order.
+        states: names of the continuous states, in the order in which the calls of model exchange hold them.
+        indicators: how many event indicators there are.
+        interpolates: whether FMI 2.0 co-simulation takes derivatives of its inputs.
+    """
+
+    version: int
+    identifiers: dict[str, str]
+    token: str
+    references: dict[str, int]
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    states: tuple[str, ...]
+    indicators: int
+    interpolates: bool
+
+
+def describe(fmu: Path) -> Described:
+    """Read the description of an FMU."""
+    with zipfile.ZipFile(fmu) as archive:
+        root = ElementTree.fromstring(archive.read("modelDescription.xml"))
+    version = int(root.attrib["fmiVersion"].split(".")[0])
+    variables = [element for element in root.find("ModelVariables") or () if element.get("name")]
+    names = [variable.attrib["name"] for variable in variables]
+    references = {name: int(v.attrib["valueReference"]) for name, v in zip(names, variables, strict=True)}
+    structure = root.find("ModelStructure")
+    if version == 2:
+        unknowns = [int(u.attrib["index"]) - 1 for u in structure.findall("Derivatives/Unknown")]
+        states = tuple(names[int(variables[i].find("Real").attrib["derivative"]) - 1] for i in unknowns)
+        indicators = int(root.get("numberOfEventIndicators", "0"))
+    else:
+        by_reference = {reference: i for i, reference in enumerate(references.values())}
+        found = structure.findall("ContinuousStateDerivative")
+        unknowns = [by_reference[int(u.attrib["valueReference"])] for u in found]
+        states = tuple(names[by_reference[int(variables[i].attrib["derivative"])]] for i in unknowns)
+        indicators = len(structure.findall("EventIndicator"))
+    interfaces = {name: root.find(name) for name in (CO_SIMULATION, MODEL_EXCHANGE)}
+    slave = interfaces[CO_SIMULATION]
+    return Described(
+        version,
+        {name: element.attrib["modelIdentifier"] for name, element in interfaces.items() if element is not None},
+        root.attrib["guid" if version == 2 else "instantiationToken"],
+        references,
+        tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "input"),
+        tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "output"),
+        states,
+        indicators,
+        slave is not None and slave.get("canInterpolateInputs") == "true",
+    )

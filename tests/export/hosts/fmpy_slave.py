@@ -1,0 +1,63 @@
+"""FMPy's classes for one FMU, ``FMU2Slave`` and ``FMU3Slave``, called as a simulator would: the loop is ours.
+
+Traps:
+    - ``FMU2Slave`` goes to the library's folder to load it and comes back only when that worked.
+    - ``FMU3Slave.doStep`` returns what happened instead of a status, and raises where the status is above a warning.
+"""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import numpy as np
+from described import CO_SIMULATION, describe
+from stepping import Slave, march
+
+NEEDS = ("fmpy",)
+INTERFACE = CO_SIMULATION
+HOLDS = {2: ("zero", "first"), 3: ("zero", "first")}
+
+
+def run(
+    fmu: Path,
+    force: np.ndarray,
+    dt: float,
+    parameters: dict[str, float],
+    hold: str,
+    *,
+    source: str = "F",
+    output: str = "x",
+) -> np.ndarray:
+    """(n,) output at the samples of the force."""
+    from fmpy import extract
+    from fmpy.fmi2 import FMU2Slave
+    from fmpy.fmi3 import FMU3Slave
+
+    known = describe(fmu)
+    folder = extract(str(fmu))
+    names = {
+        "guid": known.token,
+        "unzipDirectory": folder,
+        "modelIdentifier": known.identifiers[INTERFACE],
+        "instanceName": "rig",
+    }
+    try:
+        it = FMU2Slave(**names) if known.version == 2 else FMU3Slave(**names)
+        it.instantiate()
+        if known.version == 2:
+            it.setupExperiment(startTime=0.0)
+        slave = Slave(
+            it.enterInitializationMode,
+            it.exitInitializationMode,
+            it.setReal if known.version == 2 else it.setFloat64,
+            it.getReal if known.version == 2 else it.getFloat64,
+            (lambda vr, rate: it.setRealInputDerivatives(vr, [1], rate)) if known.interpolates else None,
+            it.doStep,
+        )
+        x = march(slave, known, force, dt, parameters, hold, source, output)
+        it.terminate()
+        it.freeInstance()
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return x
