@@ -197,7 +197,9 @@ static int dp_set_reals(dp_component *c, const unsigned *vr, size_t n, const dou
         const int kind = dp_variables[vr[i]].kind;
         if (!isfinite(value[i]))
             return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u: not a finite number", function, vr[i]);
-        if (kind >= DP_OUTPUT && kind <= DP_TIME)
+        /* an importer that integrates may set states one by one, as CasADi does */
+        if (kind >= DP_OUTPUT && kind <= DP_TIME &&
+            !(c->state.mode == DP_CONTINUOUS && dp_instance_state(&dp_variables[vr[i]]) >= 0))
             return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is computed, not set", function, vr[i]);
         if ((kind == DP_INITIAL || kind == DP_LONGEST_STEP) && c->state.model.running)
             return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is fixed after initialization", function, vr[i]);
@@ -221,11 +223,11 @@ static int dp_direction(const dp_component *c, unsigned known, double rate, doub
     case DP_SLOPE:
     case DP_LONGEST_STEP: return 1;
     case DP_PARAMETER: dp[v->index] += rate; return 1;
-    case DP_OUTPUT: /* displacement and velocity are the first two states */
-        if (v->index != 1 && v->index != 2) return 0;
-        dz[v->index - 1] += rate;
+    case DP_OUTPUT:
+    case DP_STATE:
+        if (dp_instance_state(v) < 0) return 0;
+        dz[dp_instance_state(v)] += rate;
         return 1;
-    case DP_STATE: dz[v->index] += rate; return 1;
     case DP_INITIAL:
         if (c->state.model.running) return 0;
         dz[v->index] += rate;

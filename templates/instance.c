@@ -83,8 +83,20 @@ static dp_line dp_instance_line(const dp_instance *m) {
 
 #include "continuous.c"
 
+/* Which state a variable is, or -1: displacement and velocity are the first two, and outputs as well. */
+static int dp_instance_state(const dp_variable *v) {
+    if (v->kind == DP_OUTPUT) return v->index == 1 || v->index == 2 ? v->index - 1 : -1;
+    return v->kind == DP_STATE ? v->index : -1;
+}
+
 static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
     const dp_variable *v = &dp_variables[reference];
+    const int state = dp_instance_state(v);
+    if (state >= 0) {
+        m->engine.z[state] = value;
+        m->ready = 0;
+        return;
+    }
     if (m->value[reference] == value) return; /* setting what is there already changes no bit of the run */
     m->value[reference] = value;
     m->ready = 0;
