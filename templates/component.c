@@ -147,8 +147,9 @@ static int dp_begin(dp_component *c, double start, int has_stop, double stop, co
 }
 
 static int dp_initialised(dp_component *c, const char *function) {
-    dp_instance *m = &c->state.model;
+    dp_instance *m;
     if (dp_refused(c, DP_INITIALISING, function)) return DP_ERROR;
+    m = &c->state.model;
     dp_instance_prepare(m);
     m->running = 1;
     if (m->exchange) {
