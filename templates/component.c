@@ -116,6 +116,10 @@ static dp_component *dp_instantiate(const dp_host *host, const char *name, const
                   function);
         return NULL;
     }
+    if (exchange < 0) {
+        dp_report(&probe, DP_ERROR, DP_FMI "%s: this kind of FMU is neither co-simulation nor model exchange", function);
+        return NULL;
+    }
     c = (dp_component *)calloc(1, sizeof *c);
     if (c) c->name = (char *)malloc(strlen(name) + 1);
     if (!c || !c->name) {

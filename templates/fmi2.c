@@ -20,7 +20,8 @@ FMI2_EXPORT fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2St
     if (!call) return NULL;
     host.call = *call;
     host.talkative = logging != fmi2False;
-    return dp_instantiate(&host, name, guid, type == fmi2ModelExchange, "Instantiate");
+    return dp_instantiate(&host, name, guid, type == fmi2ModelExchange ? 1 : type == fmi2CoSimulation ? 0 : -1,
+                          "Instantiate");
 }
 
 FMI2_EXPORT void fmi2FreeInstance(fmi2Component component) { dp_free((dp_component *)component); }
