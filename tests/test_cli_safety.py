@@ -119,7 +119,7 @@ def changed(source, target, edit):
         (lambda name, data: b"<a>" if name.endswith(".xml") else data, "not a readable FMU"),
         (lambda name, data: data.replace(b'guid="{', b'guid="{0'), "does not load on this machine"),
         (lambda name, data: data.replace(b'name="F"', b'name="G"'), "needs an input named F"),
-        (lambda name, data: data.replace(b'fmiVersion="2.0"', b'fmiVersion="3.0"'), "this one is of FMI 3.0"),
+        (lambda name, data: data.replace(b'fmiVersion="2.0"', b'fmiVersion="1.0"'), "this one is of FMI 1.0"),
     ],
 )
 def test_a_broken_fmu_leaves_the_working_folder_as_it_was(capsys, here, edit, says):

@@ -50,6 +50,19 @@ def fmu(tmp_path_factory):
     return path
 
 
+def test_an_fmu_of_fmi_3_proves_as_well(fmu, tmp_path):
+    newer = export(model_of(), tmp_path / "rig3.fmu", version=3)[0]
+    for record in (recording(), recording(kind="decay", initial=(8e-3, 0.1))):
+        (old,), (new,) = verify(fmu, [record]).recordings, verify(newer, [record]).recordings
+        assert verify(newer, [record]).passed
+        assert new.nrmse == pytest.approx(old.nrmse, rel=1e-3)
+    with FmuRun(fmu) as two, FmuRun(newer) as three:
+        force = smooth_force(np.asarray(recording().force), 1 / FS, 40.0)
+        for _ in range(2):  # an instance serves again and again
+            x2, x3 = two.record(force, N, 1 / FS), three.record(force, N, 1 / FS)
+        assert np.max(np.abs(x3 - x2)) < 1e-5 * np.max(np.abs(x2))  # straight lines for the cubics of the force
+
+
 def test_a_right_model_passes_and_the_noise_floor_is_the_noise(fmu):
     record = recording()
     result = verify(fmu, [record])

@@ -175,7 +175,7 @@ def test_a_jump_of_the_force_switches_what_depends_on_it(with_law, tmp_path):
     """An importer that holds the input makes it jump: the dead zone must see it at once, its output too."""
     model = with_law("actuator-dead-zone", quantity="acceleration", dry=0.0, preload=0.0)
     with FmuRun(export_fmu(model, tmp_path / "rig.fmu")) as run:
-        fmu, force = run._fmu, run.variables["F"].valueReference
+        fmu, force = run._slave.fmu, run.variables["F"].valueReference
         fmu.setupExperiment(startTime=0.0)
         fmu.enterInitializationMode()
         fmu.exitInitializationMode()

@@ -1,0 +1,159 @@
+"""One co-simulation FMU under FMPy, FMI 2.0 or 3.0: an input that runs in curves or lines, and one output."""
+
+from __future__ import annotations
+
+import ctypes
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+
+class Slave(ABC):
+    """An FMU held open: started, stepped, read and started again, any number of times.
+
+    Args:
+        description: as FMPy reads it.
+        folder: where the FMU was unpacked.
+        library: its binary; None for that which FMPy finds.
+
+    Attributes:
+        orders: derivatives of the input that a step takes; 0 where the input is held.
+        fmu: FMPy's own object.
+    """
+
+    def __init__(self, description: Any, folder: str, library: Path | None) -> None:
+        self._variables = {v.name: v.valueReference for v in description.modelVariables}
+        self._rate = self._variables.get("F_rate")
+        self.orders = 0 if self._rate is None else 1
+        self.fmu = self._made()(
+            guid=description.guid,
+            unzipDirectory=folder,
+            modelIdentifier=description.coSimulation.modelIdentifier,
+            instanceName="verify",
+            libraryPath=None if library is None else str(library),
+        )
+        self.fmu.instantiate()
+        output = next(v for v in description.modelVariables if v.causality == "output")
+        self._here, self._there = ((ctypes.c_uint * 1)(r) for r in (self._variables["F"], output.valueReference))
+        self._value = (ctypes.c_double * 1)()
+        self._fresh = True
+
+    @staticmethod
+    @abstractmethod
+    def _made() -> Any:
+        """FMPy's class."""
+
+    @abstractmethod
+    def _begin(self, time: float, values: Mapping[int, float]) -> None:
+        """Initialize at a time with values by their references."""
+
+    @abstractmethod
+    def push(self, row: Sequence[float]) -> None:
+        """The input at the start of the next step and its derivatives, as many as ``orders``."""
+
+    @abstractmethod
+    def step(self, time: float, length: float) -> None:
+        """One communication step. Raises FMPy's exception where the FMU cannot do it."""
+
+    @abstractmethod
+    def read(self) -> float:
+        """The output now."""
+
+    def start(self, time: float, values: Mapping[str, float]) -> None:
+        """Start afresh at ``time`` with values by the variables' names."""
+        if not self._fresh:
+            self.fmu.reset()
+        self._fresh = False
+        self._begin(time, {self._variables[name]: float(value) for name, value in values.items()})
+
+    def stop(self) -> None:
+        """End a run."""
+        self.fmu.terminate()
+
+    def close(self) -> None:
+        """Give the FMU back."""
+        self.fmu.freeInstance()
+
+
+class Slave2(Slave):
+    """FMI 2.0. An FMU of dashpot takes three derivatives of its input, another that can interpolate one."""
+
+    def __init__(self, description: Any, folder: str, library: Path | None) -> None:
+        super().__init__(description, folder, library)
+        self._curved = bool(description.coSimulation.canInterpolateInputs)
+        if self._curved:
+            self.orders = 3 if "dashpot" in (description.generationTool or "") else 1
+            self._references = (ctypes.c_uint * self.orders)(*[self._variables["F"]] * self.orders)
+            self._order = (ctypes.c_int * self.orders)(*range(1, self.orders + 1))
+            self._slopes = (ctypes.c_double * self.orders)()
+
+    @staticmethod
+    def _made() -> Any:
+        from fmpy.fmi2 import FMU2Slave
+
+        return FMU2Slave
+
+    def _begin(self, time: float, values: Mapping[int, float]) -> None:
+        self.fmu.setupExperiment(startTime=time)
+        self.fmu.enterInitializationMode()
+        self.fmu.setReal(list(values), list(values.values()))
+        self.fmu.exitInitializationMode()
+
+    def push(self, row: Sequence[float]) -> None:
+        """The input, and its derivatives where the FMU takes them."""
+        fmu = self.fmu
+        self._value[0] = row[0]
+        fmu.fmi2SetReal(fmu.component, self._here, 1, self._value)
+        if self._curved:
+            self._slopes[:] = row[1:]
+            fmu.fmi2SetRealInputDerivatives(fmu.component, self._references, self.orders, self._order, self._slopes)
+        elif self._rate is not None:
+            fmu.setReal([self._rate], [row[1]])
+
+    def step(self, time: float, length: float) -> None:
+        """By the version's doStep."""
+        self.fmu.fmi2DoStep(self.fmu.component, time, length, 1)
+
+    def read(self) -> float:
+        """The first output."""
+        self.fmu.fmi2GetReal(self.fmu.component, self._there, 1, self._value)
+        return self._value[0]
+
+
+class Slave3(Slave):
+    """FMI 3.0: the slope of the input is an input of its own, ``F_rate``."""
+
+    @staticmethod
+    def _made() -> Any:
+        from fmpy.fmi3 import FMU3Slave
+
+        return FMU3Slave
+
+    def _begin(self, time: float, values: Mapping[int, float]) -> None:
+        self.fmu.enterInitializationMode(startTime=time)
+        self.fmu.setFloat64(list(values), list(values.values()))
+        self.fmu.exitInitializationMode()
+
+    def push(self, row: Sequence[float]) -> None:
+        """The input, and its derivatives where the FMU takes them."""
+        references = [self._variables["F"]] if self._rate is None else [self._variables["F"], self._rate]
+        self.fmu.setFloat64(references, row[: len(references)])
+
+    def step(self, time: float, length: float) -> None:
+        """By the version's doStep."""
+        self.fmu.doStep(time, length)
+
+    def read(self) -> float:
+        """The first output."""
+        self.fmu.fmi3GetFloat64(self.fmu.component, self._there, 1, self._value, 1)
+        return self._value[0]
+
+
+#: By the number before the point of the FMI version that an FMU states.
+SLAVES: Mapping[str, type[Slave]] = {"2": Slave2, "3": Slave3}
+
+#: The factors between the coefficients of a polynomial and its derivatives.
+FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0])
