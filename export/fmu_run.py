@@ -126,6 +126,12 @@ class FmuRun:
         self._slave.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
+    def heard(self) -> list[str]:
+        """What the FMU has said since the last time; of messages that differ by their numbers alone, the first."""
+        kinds = {re.sub(r"[-+.\d]+(e[-+]?\d+)?", "#", text): text for text in reversed(self._slave.said)}
+        self._slave.said.clear()
+        return list(reversed(kinds.values()))
+
     def record(
         self, force: Force | None, n: int, dt: float, initial: np.ndarray | None = None, start: float = 0.0
     ) -> np.ndarray:
@@ -153,7 +159,8 @@ class FmuRun:
         try:
             self._steps(force, n, dt, start, out)
         except Exception as problem:
-            raise BadInput(f"{self.path}: the FMU stopped ({problem}); check the units of the force") from problem
+            said = self._slave.said[-1] if self._slave.said else problem
+            raise BadInput(f"{self.path}: the FMU stopped ({said}); check the units of the force") from problem
         finally:
             self._slave.stop()
         return out

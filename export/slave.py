@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from ..errors import BadInput
+
 
 class Slave(ABC):
     """An FMU held open: started, stepped, read and started again, any number of times.
@@ -19,9 +21,13 @@ class Slave(ABC):
         folder: where the FMU was unpacked.
         library: its binary; None for that which FMPy finds.
 
+    Raises:
+        BadInput: where the FMU refuses to be instantiated, with what it says.
+
     Attributes:
         orders: derivatives of the input that a step takes; 0 where the input is held.
         fmu: FMPy's own object.
+        said: messages of the FMU.
     """
 
     def __init__(self, description: Any, folder: str, library: Path | None) -> None:
@@ -35,7 +41,11 @@ class Slave(ABC):
             instanceName="verify",
             libraryPath=None if library is None else str(library),
         )
-        self.fmu.instantiate()
+        self.said: list[str] = []
+        try:
+            self._instantiate()
+        except Exception as problem:
+            raise BadInput(self.said[-1] if self.said else str(problem)) from problem
         output = next(v for v in description.modelVariables if v.causality == "output")
         self._here, self._there = ((ctypes.c_uint * 1)(r) for r in (self._variables["F"], output.valueReference))
         self._value = (ctypes.c_double * 1)()
@@ -45,6 +55,14 @@ class Slave(ABC):
     @abstractmethod
     def _made() -> Any:
         """FMPy's class."""
+
+    @abstractmethod
+    def _instantiate(self) -> None:
+        """Instantiate with a logger that keeps what the FMU says."""
+
+    def _log(self, *arguments: Any) -> None:
+        """The callback of both versions: the message is its last argument."""
+        self.said.append((arguments[-1] or b"").decode("utf-8", errors="replace"))
 
     @abstractmethod
     def _begin(self, time: float, values: Mapping[int, float]) -> None:
@@ -96,6 +114,15 @@ class Slave2(Slave):
 
         return FMU2Slave
 
+    def _instantiate(self) -> None:
+        import fmpy.fmi2 as fmi
+
+        callbacks = fmi.fmi2CallbackFunctions()
+        callbacks.logger = fmi.fmi2CallbackLoggerTYPE(self._log)
+        callbacks.allocateMemory = fmi.fmi2CallbackAllocateMemoryTYPE(fmi.calloc)
+        callbacks.freeMemory = fmi.fmi2CallbackFreeMemoryTYPE(fmi.free)
+        self.fmu.instantiate(callbacks=callbacks)
+
     def _begin(self, time: float, values: Mapping[int, float]) -> None:
         self.fmu.setupExperiment(startTime=time)
         self.fmu.enterInitializationMode()
@@ -131,6 +158,9 @@ class Slave3(Slave):
         from fmpy.fmi3 import FMU3Slave
 
         return FMU3Slave
+
+    def _instantiate(self) -> None:
+        self.fmu.instantiate(logMessage=self._log)
 
     def _begin(self, time: float, values: Mapping[int, float]) -> None:
         self.fmu.enterInitializationMode(startTime=time)

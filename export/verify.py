@@ -119,7 +119,7 @@ def verify(
     """Run the FMU with the force of each recording and compare response and backbone.
 
     Args:
-        fmu: an FMI 2.0 co-simulation FMU with an input ``F`` and a first output ``x``.
+        fmu: a co-simulation FMU of FMI 2.0 or 3.0 with an input ``F`` and a first output ``x``.
         recordings: what it should reproduce.
         noise_ratio: largest NRMSE over noise floor that passes.
         progress: called with one line per recording.
@@ -140,6 +140,8 @@ def verify(
                 f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}"
                 + ("" if check.backbone_max_error_hz is None else f", backbone {check.backbone_max_error_hz:.2g} Hz")
             )
+            for words in run.heard():
+                progress(f"{recording.name}: the FMU says: {words}")
             checks.append(check)
     return Verification(Path(fmu).name, tuple(checks))
 

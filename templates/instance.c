@@ -112,10 +112,12 @@ static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
     }
 }
 
+#define DP_CLEARLY 1.01 /* the ends of the range are known no better */
+
 /* 1 where the amplitude is above what the model was identified for, -1 below it, else 0. */
 static int dp_instance_outside(const dp_instance *m) {
     const double swing = m->engine.swing;
-    return swing > DP_AMPLITUDE_MAX ? 1 : swing > 0.0 && swing < DP_AMPLITUDE_MIN ? -1 : 0;
+    return swing > DP_CLEARLY * DP_AMPLITUDE_MAX ? 1 : swing > 0.0 && DP_CLEARLY * swing < DP_AMPLITUDE_MIN ? -1 : 0;
 }
 
 static double dp_instance_get(dp_instance *m, unsigned reference) {
