@@ -60,14 +60,20 @@ def fmus(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str, str], Path]
 
 
 @pytest.fixture(scope="session")
-def everywhere(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The FMU of the base model with binaries for all platforms."""
+def everywhere(tmp_path_factory: pytest.TempPathFactory) -> Callable[[int], Path]:
+    """The FMU of the base model with binaries for all platforms, for a version of FMI, built once."""
     from dashpot.export.platforms import PLATFORMS
     from dashpot.simulate.zig import zig_version
 
     if zig_version() is None:
         pytest.skip("the package ziglang, which builds for other platforms, is not installed")
-    return export_fmu(MODELS["base"](), tmp_path_factory.mktemp("everywhere") / "rig.fmu", platforms=PLATFORMS)
+    folder = tmp_path_factory.mktemp("everywhere")
+
+    def get(version: int = 2) -> Path:
+        path = folder / f"rig-{version}.fmu"
+        return path if path.exists() else export_fmu(MODELS["base"](), path, version=version, platforms=PLATFORMS)
+
+    return get
 
 
 @pytest.fixture(scope="session")
