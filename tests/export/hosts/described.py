@@ -23,6 +23,8 @@ class Described:
         references: variable name to value reference.
         inputs, outputs: names in their order.
         states: names of the continuous states, in the order in which the calls of model exchange hold them.
+        starts: start values of the states, in the same order.
+        tunable: parameters that may change in a run.
         indicators: how many event indicators there are.
         interpolates: whether FMI 2.0 co-simulation takes derivatives of its inputs.
     """
@@ -34,6 +36,8 @@ class Described:
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     states: tuple[str, ...]
+    starts: tuple[str, ...]
+    tunable: tuple[str, ...]
     indicators: int
     interpolates: bool
 
@@ -67,6 +71,8 @@ def describe(fmu: Path) -> Described:
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "input"),
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "output"),
         states,
+        tuple({"displacement": "x0", "velocity": "v0"}.get(name, f"{name}0") for name in states),
+        tuple(n for n, v in zip(names, variables, strict=True) if v.get("variability") == "tunable"),
         indicators,
         slave is not None and slave.get("canInterpolateInputs") == "true",
     )
