@@ -21,6 +21,7 @@ class Described:
         identifiers: interface (``CoSimulation``, ``ModelExchange``) to the name of its library.
         token: GUID of FMI 2.0, instantiation token of FMI 3.0.
         references: variable name to value reference.
+        values: start value of each variable that has one.
         inputs, outputs: names in their order.
         states: names of the continuous states, in the order in which the calls of model exchange hold them.
         starts: start values of the states, in the same order.
@@ -33,6 +34,7 @@ class Described:
     identifiers: dict[str, str]
     token: str
     references: dict[str, int]
+    values: dict[str, float]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     states: tuple[str, ...]
@@ -50,6 +52,7 @@ def describe(fmu: Path) -> Described:
     variables = [element for element in root.find("ModelVariables") or () if element.get("name")]
     names = [variable.attrib["name"] for variable in variables]
     references = {name: int(v.attrib["valueReference"]) for name, v in zip(names, variables, strict=True)}
+    bearers = [variable.find("Real") if version == 2 else variable for variable in variables]
     structure = root.find("ModelStructure")
     if version == 2:
         unknowns = [int(u.attrib["index"]) - 1 for u in structure.findall("Derivatives/Unknown")]
@@ -68,6 +71,7 @@ def describe(fmu: Path) -> Described:
         {name: element.attrib["modelIdentifier"] for name, element in interfaces.items() if element is not None},
         root.attrib["guid" if version == 2 else "instantiationToken"],
         references,
+        {n: float(v.attrib["start"]) for n, v in zip(names, bearers, strict=True) if v.get("start")},
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "input"),
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "output"),
         states,
