@@ -227,6 +227,7 @@ static int dp_move(const dp_component *c, unsigned known, double rate, dp_direct
     case DP_INPUT: d->force += rate; return 1;
     case DP_SLOPE:
     case DP_LONGEST_STEP: return 1;
+    case DP_TIME: d->time += rate; return 1;
     case DP_PARAMETER: d->p[v->index] += rate; return 1;
     case DP_SMOOTHING: d->smoothing += rate; return 1;
     case DP_OUTPUT:

@@ -144,7 +144,7 @@ static int dp_continuous_event(dp_instance *m) {
 
 /* A direction in which what is known moves, and how what is computed changes with it. */
 typedef struct {
-    double z[DP_NZ], p[DP_NP + 1], force, smoothing;
+    double z[DP_NZ], p[DP_NP + 1], time, force, smoothing;
 } dp_direction;
 
 typedef struct {
@@ -153,7 +153,8 @@ typedef struct {
 
 static void dp_change_along(const dp_engine *e, const dp_line *line, const double *s, const dp_direction *d,
                             const double *ds, dp_change *out) {
-    dp_tangent(e->z, line->t0, line->c[0], e->p, s, d->z, d->force, d->p, ds, out->f, out->y, out->power, out->g);
+    dp_tangent(e->z, line->t0, line->c[0], e->p, s, d->z, d->time, d->force, d->p, ds, out->f, out->y, out->power,
+               out->g);
 }
 
 /* For a held motion, that change together with what the surfaces it rests on carry: so much that the acceleration stays
