@@ -27,9 +27,13 @@ class Knowns:
         import casadi as ca
 
         written = signed(self._eq, expression)
+        switched = bool(self._eq.kinds) and ca.depends_on(expression, self._eq.s)
         return (
             tuple(name for name, symbol in self._knowns.items() if ca.depends_on(written, symbol)),
-            tuple(name for name, symbol in self._initial.items() if ca.depends_on(written, symbol)),
+            (
+                *(name for name, symbol in self._initial.items() if ca.depends_on(written, symbol)),
+                *(["smoothing"] if switched else []),
+            ),
         )
 
     def of_event(self, eq: Equations, surface: int) -> tuple[tuple[str, ...], tuple[str, ...]]:

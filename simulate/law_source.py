@@ -65,14 +65,15 @@ static void dp_power(const double *z, double t, double u, const double *p, const
 """
 
 _TANGENT = """
-/* How rates, outputs, energy and dissipated power, and surfaces change in a direction of states, force, parameters and
- * signs. */
+/* How rates, outputs, energy and dissipated power, and surfaces change in a direction of states, time, force,
+ * parameters and signs. */
 static void dp_tangent(const double *z, double t, double u, const double *p, const double *s, const double *dz,
-                       double du, const double *dp, const double *ds, double *df, double *dy, double *dw, double *dg) {
-    const double *arg[9];
+                       double dt, double du, const double *dp, const double *ds, double *df, double *dy, double *dw,
+                       double *dg) {
+    const double *arg[10];
     double *res[4];
     arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
-    arg[5] = dz, arg[6] = &du, arg[7] = dp, arg[8] = ds;
+    arg[5] = dz, arg[6] = &dt, arg[7] = &du, arg[8] = dp, arg[9] = ds;
     res[0] = df, res[1] = dy, res[2] = dw, res[3] = dg;
     dp_law_tangent(arg, res, 0, 0, 0);
 }
@@ -128,12 +129,11 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
 
 
 def _tangent(eq: Equations, state: list[Expression]) -> tuple[list[Expression], list[Expression]]:
-    """Arguments and results of ``dp_tangent``: the derivatives in one direction, all but the time moving."""
+    """Arguments and results of ``dp_tangent``: the derivatives in one direction of the arguments ``state``."""
     import casadi as ca
 
-    moving = [eq.z, eq.u, eq.p, eq.s]
-    directions = [ca.SX.sym(f"d{name}", symbol.sparsity()) for name, symbol in zip("zups", moving, strict=True)]
-    point, direction = ca.veccat(*moving), ca.veccat(*directions)
+    directions = [ca.SX.sym(f"d{name}", symbol.sparsity()) for name, symbol in zip("ztups", state, strict=True)]
+    point, direction = ca.veccat(*state), ca.veccat(*directions)
     results = [
         ca.jtimes(expression, point, direction)
         for expression in (eq.zdot, eq.y, ca.vertcat(eq.energy, eq.dissipated), eq.surfaces)

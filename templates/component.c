@@ -219,25 +219,27 @@ static int dp_set_reals(dp_component *c, const unsigned *vr, size_t n, const dou
     return DP_FINE;
 }
 
-/* Adds what moving a known variable at this rate does to the directions of states, force and parameters. */
-static int dp_direction(const dp_component *c, unsigned known, double rate, double *dz, double *du, double *dp) {
+/* Adds what moving a known variable at this rate does. */
+static int dp_move(const dp_component *c, unsigned known, double rate, dp_direction *d) {
     const dp_variable *v = &dp_variables[known];
     int i;
     switch (v->kind) {
-    case DP_INPUT: *du += rate; return 1;
+    case DP_INPUT: d->force += rate; return 1;
     case DP_SLOPE:
     case DP_LONGEST_STEP: return 1;
-    case DP_PARAMETER: dp[v->index] += rate; return 1;
+    case DP_TIME: d->time += rate; return 1;
+    case DP_PARAMETER: d->p[v->index] += rate; return 1;
+    case DP_SMOOTHING: d->smoothing += rate; return 1;
     case DP_OUTPUT:
     case DP_STATE:
         if (dp_instance_state(v) < 0) return 0;
-        dz[dp_instance_state(v)] += rate;
+        d->z[dp_instance_state(v)] += rate;
         return 1;
     case DP_INITIAL:
         if (c->state.model.running) return 0;
-        dz[v->index] += rate;
+        d->z[v->index] += rate;
         for (i = 0; i < DP_NZ; ++i)
-            if (dp_follows[i] == v->index) dz[i] += rate;
+            if (dp_follows[i] == v->index) d->z[i] += rate;
         return 1;
     default: return 0;
     }
@@ -245,27 +247,27 @@ static int dp_direction(const dp_component *c, unsigned known, double rate, doub
 
 static int dp_derivative(dp_component *c, const unsigned *unknown, size_t n, const unsigned *known, size_t count,
                          const double *seed, double *sensitivity, const char *function) {
-    double dz[DP_NZ], du = 0.0, dp[DP_NP + 1], df[DP_NZ], dy[DP_NY], dw[2], di[DP_NS + 1];
+    dp_direction direction;
+    dp_change change;
     size_t i;
     if (dp_refused(c, DP_INITIALISING | DP_RUNNING | DP_ENDED, function)) return DP_ERROR;
     if (dp_bad_references(c, unknown, n, sensitivity, function)) return DP_ERROR;
     if (dp_bad_references(c, known, count, seed, function)) return DP_ERROR;
-    memset(dz, 0, sizeof dz);
-    memset(dp, 0, sizeof dp);
+    memset(&direction, 0, sizeof direction);
     for (i = 0; i < count; ++i) {
         if (!isfinite(seed[i])) return dp_report(c, DP_ERROR, DP_FMI "%s: a seed is not a finite number", function);
-        if (!dp_direction(c, known[i], seed[i], dz, &du, dp))
+        if (!dp_move(c, known[i], seed[i], &direction))
             return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is not known now", function, known[i]);
     }
-    dp_continuous_tangent(&c->state.model, dz, du, dp, df, dy, dw, di);
+    dp_continuous_tangent(&c->state.model, &direction, &change);
     for (i = 0; i < n; ++i) {
         const dp_variable *v = &dp_variables[unknown[i]];
         switch (v->kind) {
-        case DP_OUTPUT: sensitivity[i] = dy[v->index]; break;
-        case DP_POWER: sensitivity[i] = dw[v->index]; break;
-        case DP_DERIVATIVE: sensitivity[i] = df[v->index]; break;
-        case DP_INDICATOR: sensitivity[i] = di[v->index]; break;
-        case DP_STATE: sensitivity[i] = dz[v->index]; break;
+        case DP_OUTPUT: sensitivity[i] = change.y[v->index]; break;
+        case DP_POWER: sensitivity[i] = change.power[v->index]; break;
+        case DP_DERIVATIVE: sensitivity[i] = change.f[v->index]; break;
+        case DP_INDICATOR: sensitivity[i] = change.g[v->index]; break;
+        case DP_STATE: sensitivity[i] = direction.z[v->index]; break;
         case DP_SWING:
         case DP_OUTSIDE: sensitivity[i] = 0.0; break;
         default: return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is not unknown", function, unknown[i]);

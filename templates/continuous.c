@@ -142,35 +142,76 @@ static int dp_continuous_event(dp_instance *m) {
     return memcmp(before, e->z, sizeof before) != 0;
 }
 
-/* How rates, outputs, energy and dissipated power, and indicators change in a direction of states, force and parameters
- * (DP_NZ, 1, DP_NP), the modes being what they are. */
-static void dp_continuous_tangent(dp_instance *m, const double *dz, double du, const double *dp, double *df, double *dy,
-                                  double *dw, double *di) {
+/* A direction in which what is known moves, and how what is computed changes with it. */
+typedef struct {
+    double z[DP_NZ], p[DP_NP + 1], time, force, smoothing;
+} dp_direction;
+
+typedef struct {
+    double f[DP_NZ], y[DP_NY], power[2], g[DP_NS + 1];
+} dp_change;
+
+static void dp_change_along(const dp_engine *e, const dp_line *line, const double *s, const dp_direction *d,
+                            const double *ds, dp_change *out) {
+    dp_tangent(e->z, line->t0, line->c[0], e->p, s, d->z, d->time, d->force, d->p, ds, out->f, out->y, out->power,
+               out->g);
+}
+
+/* For a held motion, that change together with what the surfaces it rests on carry: so much that the acceleration stays
+ * zero. Returns how much further the forces get from breaking it away (see dp_capacity). */
+static double dp_change_held(const dp_engine *e, const dp_line *line, const double *s, const dp_direction *d,
+                             dp_change *out) {
+    double free[DP_NS + 1], ds[DP_NS + 1], unit[DP_NS + 1], g[DP_NS + 1], f[DP_NZ], gd[DP_NS + 1], rest, base, spare;
+    dp_direction none;
+    int j;
+    memset(&none, 0, sizeof none);
+    memset(ds, 0, sizeof ds);
+    memset(unit, 0, sizeof unit);
+    memcpy(free, e->s, sizeof free);
+    dp_surface(e->z, line->t0, line->c[0], line->c[1], e->p, e->s, f, g, gd);
+    for (j = 0; j < DP_NS; ++j)
+        if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0)) unit[j] = 1.0, free[j] = 0.0;
+    dp_capacity(e, line, 0.0, e->z, e->hold, &rest);
+    dp_change_along(e, line, free, d, ds, out);
+    base = out->f[1];
+    spare = rest >= 0.0 ? -base : base;
+    for (j = 0; j < DP_NS; ++j) {
+        if (unit[j] == 0.0) continue;
+        free[j] = 1.0;
+        dp_change_along(e, line, free, d, ds, out);
+        free[j] = 0.0;
+        spare += base - out->f[1];
+    }
+    dp_change_along(e, line, s, &none, unit, out);
+    rest = out->f[1];
+    dp_change_along(e, line, s, d, ds, out);
+    for (j = 0; j < DP_NS && rest != 0.0; ++j) ds[j] = -out->f[1] / rest * unit[j];
+    dp_change_along(e, line, s, d, ds, out);
+    out->f[0] = out->f[1] = out->y[3] = 0.0;
+    return spare;
+}
+
+/* How rates, outputs, energy and dissipated power, and indicators change in a direction, the modes being what they
+ * are. */
+static void dp_continuous_tangent(dp_instance *m, const dp_direction *d, dp_change *out) {
     const dp_line line = dp_instance_line(m);
     const dp_engine *e = &m->engine;
     const double smoothing = dp_smoothing(m);
-    double s[DP_NS + 1], ds[DP_NS + 1], g[DP_NS + 1], dg[DP_NS + 1];
+    double s[DP_NS + 1], ds[DP_NS + 1], spare = 0.0;
     int j;
     dp_continuous_modes(m, &line);
     dp_continuous_signs(m, &line, s);
     memset(ds, 0, sizeof ds);
-    dp_tangent(e->z, line.t0, line.c[0], e->p, s, dz, du, dp, ds, df, dy, dw, dg);
+    dp_change_along(e, &line, s, d, ds, out);
     if (smoothing > 0.0) {
-        for (j = 0; j < DP_NS; ++j) ds[j] = (1.0 - s[j] * s[j]) / (smoothing * dp_range[j]) * dg[j];
-    } else if (e->hold >= 0) { /* what carries the forces changes so that the acceleration stays zero */
-        double none[DP_NZ + DP_NP + 1], unit[DP_NS + 1], with[DP_NZ], y[DP_NY], w[2], h[DP_NS + 1], share;
-        memset(none, 0, sizeof none);
-        memset(unit, 0, sizeof unit);
+        double g[DP_NS + 1];
         dp_surface_values(m, &line, g);
         for (j = 0; j < DP_NS; ++j)
-            if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0)) unit[j] = 1.0;
-        dp_tangent(e->z, line.t0, line.c[0], e->p, s, none, 0.0, none, unit, with, y, w, h);
-        share = with[1] != 0.0 ? -df[1] / with[1] : 0.0;
-        for (j = 0; j < DP_NS; ++j) ds[j] = share * unit[j];
+            ds[j] = (1.0 - s[j] * s[j]) * (out->g[j] - g[j] * d->smoothing / smoothing) / (smoothing * dp_range[j]);
+        dp_change_along(e, &line, s, d, ds, out);
+    } else if (e->hold >= 0) {
+        spare = dp_change_held(e, &line, s, d, out);
     }
-    if (smoothing > 0.0 || e->hold >= 0)
-        dp_tangent(e->z, line.t0, line.c[0], e->p, s, dz, du, dp, ds, df, dy, dw, dg);
     for (j = 0; j < DP_NS; ++j)
-        di[j] = e->s[j] == 0.0 || (smoothing > 0.0 && dp_kind[j] != DP_VELOCITY) ? 0.0 : e->s[j] * dg[j];
-    if (e->hold >= 0 && !(smoothing > 0.0)) df[0] = df[1] = dy[3] = 0.0;
+        out->g[j] = smoothing > 0.0 && dp_kind[j] != DP_VELOCITY ? 0.0 : j == e->hold ? spare : e->s[j] * out->g[j];
 }

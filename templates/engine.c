@@ -50,7 +50,7 @@ void dp_start(dp_engine *e, const double *p, const double *z, double t, double m
     e->t = t;
     e->max_step = max_step;
     e->hold = -1;
-    e->turn = z[0];
+    e->turn = z[1] == 0.0 ? z[0] : HUGE_VAL; /* a motion under way has not turned yet */
 }
 
 int dp_advance_along(dp_engine *e, const double *force, double dt) {

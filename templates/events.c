@@ -6,7 +6,7 @@
 /* The motion has come to a turning point, or to rest. */
 static void dp_turn(dp_engine *e) {
     if (e->z[0] == e->turn) return;
-    e->swing = 0.5 * fabs(e->z[0] - e->turn);
+    if (isfinite(e->turn)) e->swing = 0.5 * fabs(e->z[0] - e->turn);
     e->turn = e->z[0];
 }
 

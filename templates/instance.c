@@ -72,9 +72,10 @@ static void dp_instance_prepare(dp_instance *m) {
     m->ready = 0;
 }
 
-/* The force as the right-hand side takes it at the present time. */
-static dp_line dp_instance_line(const dp_instance *m) {
+/* The force as the right-hand side takes it at the present time, which is known once the engine is at the start. */
+static dp_line dp_instance_line(dp_instance *m) {
     dp_line line = {{0.0, 0.0, 0.0, 0.0}, 0.0};
+    dp_instance_prepare(m);
     line.c[0] = m->value[DP_FORCE];
     line.c[1] = DP_FORCE_RATE >= 0 ? m->value[DP_FORCE_RATE >= 0 ? DP_FORCE_RATE : 0] : 0.0;
     line.t0 = m->engine.t;

@@ -1,14 +1,20 @@
 from __future__ import annotations
 
 import math
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 from dashpot.export.fmu import export_fmu
 from dashpot.export.platforms import own_platform
 from dashpot.model import Oscillator, Response
+
+sys.path.append(str(Path(__file__).parent / "hosts"))  # the hosts are scripts, in no package
+
+if TYPE_CHECKING:
+    from calling import Caller
 
 #: The paper's stand (Eq. 17 in SI).
 STAND = {
@@ -167,3 +173,42 @@ def instances(fmus: Callable[[str, str], Path], tmp_path: Path) -> Iterator[Call
     yield make
     for instance in made:
         instance.fmu.fmi2FreeInstance(instance.fmu.component)
+
+
+@pytest.fixture(scope="session")
+def law_fmu(tmp_path_factory: pytest.TempPathFactory, with_law: Callable[..., Oscillator]) -> Callable[..., Path]:
+    """Native FMU of the stand with laws of the library, built once: ``law_fmu(3, "hysteresis")``."""
+    folder = tmp_path_factory.mktemp("laws")
+
+    def get(version: int, *effects: str, **further: Any) -> Path:
+        name = "-".join([str(version), *effects, *(f"{k}={v}" for k, v in further.items())]).replace("/", "_")
+        path = folder / f"{name}.fmu"
+        if not path.exists():
+            with pytest.MonkeyPatch.context() as patch:  # what only surrounds the model takes half of the time
+                patch.setattr("dashpot.export.fmu.further_contents", lambda oscillator: {})
+                patch.setattr("dashpot.export.fmu.documentation", lambda *_: "")
+                export_fmu(with_law(*effects, **further), path, version=version, platforms=(own_platform(),))
+        return path
+
+    return get
+
+
+@pytest.fixture
+def callers(tmp_path: Path) -> Iterator[Callable[..., Caller]]:
+    """Makes instances of FMUs of either version and interface in this process, and ends them after the test."""
+    from calling import Caller
+    from described import MODEL_EXCHANGE, describe
+    from fmpy import extract
+
+    made: list[Caller] = []
+    known: dict[Path, Any] = {}
+
+    def make(fmu: Path, interface: str = MODEL_EXCHANGE) -> Caller:
+        if fmu not in known:
+            known[fmu] = describe(fmu), Path(extract(str(fmu), unzipdir=str(tmp_path / f"fmu{len(known)}")))
+        made.append(Caller(*known[fmu], interface))
+        return made[-1]
+
+    yield make
+    for caller in made:
+        caller.free()

@@ -120,7 +120,7 @@ def test_structure_tells_what_an_output_depends_on(fmus, kind, response):
     assert initially["displacement"] == ["x0"]
     assert initially["velocity"] == ["v0"]
     parameters = {"mass", "omega0", "cubic", "preload", "viscous", "dry"}
-    assert set(initially["acceleration"]) == {"F", "x0", "v0"} | parameters
+    assert set(initially["acceleration"]) == {"F", "x0", "v0", "smoothing"} | parameters
 
 
 def test_massless_input_is_said_to_be_a_specific_force(fmus):

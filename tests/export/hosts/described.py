@@ -21,8 +21,11 @@ class Described:
         identifiers: interface (``CoSimulation``, ``ModelExchange``) to the name of its library.
         token: GUID of FMI 2.0, instantiation token of FMI 3.0.
         references: variable name to value reference.
+        values: start value of each variable that has one.
         inputs, outputs: names in their order.
         states: names of the continuous states, in the order in which the calls of model exchange hold them.
+        starts: start values of the states, in the same order.
+        tunable: parameters that may change in a run.
         indicators: how many event indicators there are.
         interpolates: whether FMI 2.0 co-simulation takes derivatives of its inputs.
     """
@@ -31,9 +34,12 @@ class Described:
     identifiers: dict[str, str]
     token: str
     references: dict[str, int]
+    values: dict[str, float]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     states: tuple[str, ...]
+    starts: tuple[str, ...]
+    tunable: tuple[str, ...]
     indicators: int
     interpolates: bool
 
@@ -46,6 +52,7 @@ def describe(fmu: Path) -> Described:
     variables = [element for element in root.find("ModelVariables") or () if element.get("name")]
     names = [variable.attrib["name"] for variable in variables]
     references = {name: int(v.attrib["valueReference"]) for name, v in zip(names, variables, strict=True)}
+    bearers = [variable.find("Real") if version == 2 else variable for variable in variables]
     structure = root.find("ModelStructure")
     if version == 2:
         unknowns = [int(u.attrib["index"]) - 1 for u in structure.findall("Derivatives/Unknown")]
@@ -64,9 +71,12 @@ def describe(fmu: Path) -> Described:
         {name: element.attrib["modelIdentifier"] for name, element in interfaces.items() if element is not None},
         root.attrib["guid" if version == 2 else "instantiationToken"],
         references,
+        {n: float(v.attrib["start"]) for n, v in zip(names, bearers, strict=True) if v.get("start")},
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "input"),
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "output"),
         states,
+        tuple({"displacement": "x0", "velocity": "v0"}.get(name, f"{name}0") for name in states),
+        tuple(n for n, v in zip(names, variables, strict=True) if v.get("variability") == "tunable"),
         indicators,
         slave is not None and slave.get("canInterpolateInputs") == "true",
     )

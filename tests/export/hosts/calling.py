@@ -1,0 +1,183 @@
+"""One FMU of either version and interface under FMPy, in this process: the same calls for all, variables by name."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+from described import CO_SIMULATION, MODEL_EXCHANGE, Described
+from integrating import Model
+
+
+class Caller:
+    """An instance; what it logs is kept as (status, text). FMPy raises every status above a warning."""
+
+    def __init__(self, known: Described, folder: Path, interface: str) -> None:
+        from fmpy import fmi2, fmi3
+
+        names = {
+            "guid": known.token,
+            "unzipDirectory": str(folder),
+            "modelIdentifier": known.identifiers[interface],
+            "instanceName": "rig",
+        }
+        self.known, self.exchange, self.second = known, interface == MODEL_EXCHANGE, known.version == 2
+        self.messages: list[tuple[int, str]] = []
+        kinds = {
+            (2, CO_SIMULATION): fmi2.FMU2Slave,
+            (2, MODEL_EXCHANGE): fmi2.FMU2Model,
+            (3, CO_SIMULATION): fmi3.FMU3Slave,
+            (3, MODEL_EXCHANGE): fmi3.FMU3Model,
+        }
+        self.it: Any = kinds[known.version, interface](**names)
+        if self.second:
+            calls = fmi2.fmi2CallbackFunctions()
+            calls.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
+            calls.allocateMemory = type(calls.allocateMemory)(lambda n, size: 0)
+            calls.freeMemory = type(calls.freeMemory)(lambda pointer: None)
+            self._callbacks = calls
+            self.it.instantiate(callbacks=calls, loggingOn=True)
+        else:
+            self.it.instantiate(loggingOn=True, logMessage=lambda *said: self._log(said[0], b"", *said[1:]))
+
+    def _log(self, environment: object, name: bytes, status: int, category: bytes, message: bytes) -> None:
+        self.messages.append((int(status), message.decode()))
+
+    @property
+    def texts(self) -> list[str]:
+        return [text for _, text in self.messages]
+
+    # modes
+
+    def initialise(self, at: float = 0.0, stop: float | None = None, **values: float) -> Caller:
+        if self.second:
+            self.it.setupExperiment(startTime=at, stopTime=stop)
+            self.it.enterInitializationMode()
+        else:
+            self.it.enterInitializationMode(startTime=at, stopTime=stop)
+        self.set(**values)
+        return self
+
+    def start(self, at: float = 0.0, stop: float | None = None, **values: float) -> Caller:
+        """Initialised, and in model exchange settled and in continuous-time mode."""
+        self.initialise(at, stop, **values)
+        self.it.exitInitializationMode()
+        if self.exchange:
+            self.settle()
+            self.it.enterContinuousTimeMode()
+        return self
+
+    def settle(self) -> bool:
+        """Updates the discrete states until they rest: whether states have changed."""
+        changed = False
+        update = self.it.newDiscreteStates if self.second else self.it.updateDiscreteStates
+        for _ in range(20):
+            told = update()
+            changed |= bool(told[3])
+            if not told[0]:
+                return changed
+        raise RuntimeError("event mode does not come to an end")
+
+    def event(self) -> bool:
+        self.it.enterEventMode()
+        changed = self.settle()
+        self.it.enterContinuousTimeMode()
+        return changed
+
+    # values
+
+    def references(self, names: Sequence[str]) -> list[int]:
+        return [self.known.references[name] for name in names]
+
+    def put(self, references: Sequence[int], values: Sequence[float]) -> None:
+        (self.it.setReal if self.second else self.it.setFloat64)(references, values)
+
+    def take(self, references: Sequence[int]) -> list[float]:
+        return (self.it.getReal if self.second else self.it.getFloat64)(references)
+
+    def set(self, **values: float) -> None:
+        if values:
+            self.put(self.references(list(values)), list(values.values()))
+
+    def get(self, *names: str) -> list[float]:
+        return self.take(self.references(names))
+
+    def derivative(self, unknown: Sequence[str], known: Sequence[str], seed: Sequence[float]) -> list[float]:
+        return self.it.getDirectionalDerivative(self.references(unknown), self.references(known), list(seed))
+
+    def adjoint(self, unknown: Sequence[str], known: Sequence[str], seed: Sequence[float]) -> list[float]:
+        return self.it.getAdjointDerivative(self.references(unknown), self.references(known), list(seed), len(known))
+
+    # co-simulation
+
+    def step(self, t: float, dt: float, force: float | None = None, end: float | None = None) -> None:
+        """One step with the force held, or in a straight line to ``end``."""
+        if force is not None:
+            self.set(F=force)
+            rate = 0.0 if end is None else (end - force) / dt
+            if self.second:
+                self.it.setRealInputDerivatives(self.references(["F"]), [1], [rate])
+            else:
+                self.set(F_rate=rate)
+        self.it.doStep(t, dt)
+
+    # model exchange
+
+    def _taken(self, call: Any, size: int) -> list[float]:
+        buffer = (ctypes.c_double * size)()
+        call(buffer, size)
+        return list(buffer)
+
+    def set_states(self, states: Sequence[float]) -> None:
+        size = len(self.known.states)
+        self.it.setContinuousStates((ctypes.c_double * size)(*states), size)
+
+    def states(self) -> list[float]:
+        return self._taken(self.it.getContinuousStates, len(self.known.states))
+
+    def nominals(self) -> list[float]:
+        return self._taken(self.it.getNominalsOfContinuousStates, len(self.known.states))
+
+    def rates(self) -> list[float]:
+        call = self.it.getDerivatives if self.second else self.it.getContinuousStateDerivatives
+        return self._taken(call, len(self.known.states))
+
+    def indicators(self) -> list[float]:
+        return self._taken(self.it.getEventIndicators, self.known.indicators)
+
+    def model(self) -> Model:
+        """The calls that an integrator makes."""
+        return Model(
+            self.it.enterInitializationMode,
+            self.it.exitInitializationMode,
+            self.put,
+            self.take,
+            self.it.setTime,
+            self.set_states,
+            self.states,
+            self.rates,
+            self.indicators,
+            self.it.enterEventMode,
+            self.settle,
+            self.it.enterContinuousTimeMode,
+            lambda: self.it.completedIntegratorStep()[0],
+        )
+
+    # stored states
+
+    def keep(self) -> ctypes.c_void_p:
+        return self.it.getFMUstate() if self.second else self.it.getFMUState()
+
+    def back(self, kept: ctypes.c_void_p) -> None:
+        (self.it.setFMUstate if self.second else self.it.setFMUState)(kept)
+
+    def forget(self, kept: ctypes.c_void_p) -> None:
+        (self.it.freeFMUstate if self.second else self.it.freeFMUState)(kept)
+
+    def bytes_of(self, kept: ctypes.c_void_p) -> bytes:
+        return bytes((self.it.serializeFMUstate if self.second else self.it.serializeFMUState)(kept))
+
+    def free(self) -> None:
+        (self.it.fmi2FreeInstance if self.second else self.it.fmi3FreeInstance)(self.it.component)
