@@ -108,8 +108,8 @@ static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
         m->engine.modes_ready = m->engine.node_ready = 0;
     } else if (v->kind == DP_SMOOTHING && m->exchange) {
         m->engine.modes_ready = 0;
-    } else if (v->kind == DP_INPUT && !m->exchange && m->engine.hold < 0 && m->engine.z[1] == 0.0) {
-        m->engine.modes_ready = 0; /* at a turning point a jump of the force may decide that it sticks */
+    } else if (v->kind == DP_INPUT && !m->exchange && m->engine.z[1] == 0.0) {
+        m->engine.modes_ready = 0; /* a jump of the force may decide whether a motion without velocity sticks */
     }
 }
 
