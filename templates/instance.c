@@ -114,8 +114,7 @@ static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
 }
 
 /* 1 where the amplitude is above what the model was identified for, -1 below it, else 0. */
-static int dp_instance_outside(const dp_instance *m) {
-    const double swing = m->engine.swing;
+static int dp_outside(double swing) {
     return swing > DP_AMPLITUDE_MAX ? 1 : swing > 0.0 && swing < DP_AMPLITUDE_MIN ? -1 : 0;
 }
 
@@ -126,7 +125,7 @@ static double dp_instance_get(dp_instance *m, unsigned reference) {
     case DP_OUTPUT: dp_continuous_outputs(m); return m->y[v->index];
     case DP_POWER: dp_continuous_power(m); return m->power[v->index];
     case DP_SWING: return m->engine.swing;
-    case DP_OUTSIDE: return dp_instance_outside(m);
+    case DP_OUTSIDE: return dp_outside(m->engine.swing);
     case DP_STATE: return m->engine.z[v->index];
     case DP_DERIVATIVE: dp_continuous_rates(m); return m->f[v->index];
     case DP_INDICATOR: dp_continuous_indicators(m); return m->indicator[v->index];
