@@ -4,15 +4,18 @@
 
 /* Co-simulation -------------------------------------------------------------------------------------------------- */
 
-/* Says once a run that the amplitude has left what the model was identified for, to each side. */
+/* Says once a run that the amplitude has left what the model was identified for, to each side; a long step may have left
+ * it and come back. */
 static void dp_mind_range(dp_component *c) {
-    const int outside = dp_instance_outside(&c->state.model), bit = outside > 0 ? 1 : 2;
+    dp_engine *e = &c->state.model.engine;
+    const double swing = fmax(e->swing, e->widest);
+    const int outside = dp_outside(swing), bit = outside > 0 ? 1 : 2;
+    e->widest = 0.0;
     if (outside == 0 || (c->state.told & bit)) return;
     c->state.told |= bit;
     if (outside > 0 || c->host.talkative)
-        dp_report(c, DP_WARNING, "at t = %.6g s the amplitude %.4g is %s the range %.4g to %.4g that the model was "
-                  "identified in", c->state.model.engine.t, c->state.model.engine.swing, outside > 0 ? "above" : "below",
-                  DP_AMPLITUDE_MIN, DP_AMPLITUDE_MAX);
+        dp_report(c, DP_WARNING, "by t = %.6g s the amplitude has been %.4g, %s the range %.4g to %.4g that the model "
+                  "was identified in", e->t, swing, outside > 0 ? "above" : "below", DP_AMPLITUDE_MIN, DP_AMPLITUDE_MAX);
 }
 
 static int dp_do_step(dp_component *c, double t, double dt, const char *function) {

@@ -14,7 +14,6 @@ static double dp_smoothing(const dp_instance *m) { return m->exchange ? m->value
 static void dp_continuous_modes(dp_instance *m, const dp_line *line) {
     dp_engine *e = &m->engine;
     int j;
-    dp_instance_prepare(m);
     if (e->modes_ready) return;
     dp_find_modes(e, line);
     if (e->hold < 0 || !(dp_smoothing(m) > 0.0)) return;
@@ -123,7 +122,6 @@ static int dp_continuous_event(dp_instance *m) {
     const int smooth = dp_smoothing(m) > 0.0;
     double before[DP_NZ];
     int i, n, found = 1;
-    dp_instance_prepare(m);
     memcpy(before, e->z, sizeof before);
     dp_continuous_modes(m, &line);
     for (n = 0; found && n <= 2 * DP_NS; ++n) { /* one event may bring the next at the same instant */
@@ -158,34 +156,34 @@ static void dp_change_along(const dp_engine *e, const dp_line *line, const doubl
 }
 
 /* For a held motion, that change together with what the surfaces it rests on carry: so much that the acceleration stays
- * zero. Returns how much further the forces get from breaking it away (see dp_capacity). */
+ * zero. Returns how what is left of the friction changes (see dp_capacity). */
 static double dp_change_held(const dp_engine *e, const dp_line *line, const double *s, const dp_direction *d,
                              dp_change *out) {
-    double free[DP_NS + 1], ds[DP_NS + 1], unit[DP_NS + 1], g[DP_NS + 1], f[DP_NZ], gd[DP_NS + 1], rest, base, spare;
-    dp_direction none;
+    static const dp_direction still = {{0.0}, {0.0}, 0.0, 0.0, 0.0};
+    double loose[DP_NS + 1], unit[DP_NS + 1], ds[DP_NS + 1], f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];
+    double rest, pull, spare, grip;
     int j;
-    memset(&none, 0, sizeof none);
-    memset(ds, 0, sizeof ds);
     memset(unit, 0, sizeof unit);
-    memcpy(free, e->s, sizeof free);
+    memset(ds, 0, sizeof ds);
+    memcpy(loose, e->s, sizeof loose);
     dp_surface(e->z, line->t0, line->c[0], line->c[1], e->p, e->s, f, g, gd);
     for (j = 0; j < DP_NS; ++j)
-        if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0)) unit[j] = 1.0, free[j] = 0.0;
+        if (j == e->hold || (dp_kind[j] == DP_POSITION && g[j] == 0.0)) unit[j] = 1.0, loose[j] = 0.0;
     dp_capacity(e, line, 0.0, e->z, e->hold, &rest);
-    dp_change_along(e, line, free, d, ds, out);
-    base = out->f[1];
-    spare = rest >= 0.0 ? -base : base;
+    dp_change_along(e, line, loose, d, ds, out);
+    pull = out->f[1];
+    spare = rest >= 0.0 ? -pull : pull;
     for (j = 0; j < DP_NS; ++j) {
         if (unit[j] == 0.0) continue;
-        free[j] = 1.0;
-        dp_change_along(e, line, free, d, ds, out);
-        free[j] = 0.0;
-        spare += base - out->f[1];
+        loose[j] = 1.0;
+        dp_change_along(e, line, loose, d, ds, out);
+        loose[j] = 0.0;
+        spare += pull - out->f[1];
     }
-    dp_change_along(e, line, s, &none, unit, out);
-    rest = out->f[1];
+    dp_change_along(e, line, s, &still, unit, out);
+    grip = out->f[1];
     dp_change_along(e, line, s, d, ds, out);
-    for (j = 0; j < DP_NS && rest != 0.0; ++j) ds[j] = -out->f[1] / rest * unit[j];
+    for (j = 0; j < DP_NS && grip != 0.0; ++j) ds[j] = -out->f[1] / grip * unit[j];
     dp_change_along(e, line, s, d, ds, out);
     out->f[0] = out->f[1] = out->y[3] = 0.0;
     return spare;

@@ -28,6 +28,7 @@ typedef struct {
     int hold;             /* the velocity surface that holds the motion, or -1 */
     double turn;          /* displacement at the latest turning point */
     double swing;         /* half the way between the latest two: the amplitude */
+    double widest;        /* largest of them since somebody looked and set it to zero */
     int modes_ready;      /* 0 after a state or parameter was set: signs are found again at the next step */
     long events;          /* events located so far */
 } dp_engine;

@@ -7,6 +7,7 @@
 static void dp_turn(dp_engine *e) {
     if (e->z[0] == e->turn) return;
     if (isfinite(e->turn)) e->swing = 0.5 * fabs(e->z[0] - e->turn);
+    e->widest = fmax(e->widest, e->swing);
     e->turn = e->z[0];
 }
 

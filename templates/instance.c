@@ -108,16 +108,15 @@ static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
         m->engine.modes_ready = m->engine.node_ready = 0;
     } else if (v->kind == DP_SMOOTHING && m->exchange) {
         m->engine.modes_ready = 0;
-    } else if (v->kind == DP_INPUT && !m->exchange && m->engine.hold < 0 && m->engine.z[1] == 0.0) {
-        m->engine.modes_ready = 0; /* at a turning point a jump of the force may decide that it sticks */
+    } else if (v->kind == DP_INPUT && !m->exchange && m->engine.z[1] == 0.0) {
+        m->engine.modes_ready = 0; /* a jump of the force may decide whether a motion without velocity sticks */
     }
 }
 
 #define DP_CLEARLY 1.01 /* the ends of the range are known no better */
 
 /* 1 where the amplitude is above what the model was identified for, -1 below it, else 0. */
-static int dp_instance_outside(const dp_instance *m) {
-    const double swing = m->engine.swing;
+static int dp_outside(double swing) {
     return swing > DP_CLEARLY * DP_AMPLITUDE_MAX ? 1 : swing > 0.0 && DP_CLEARLY * swing < DP_AMPLITUDE_MIN ? -1 : 0;
 }
 
@@ -128,7 +127,7 @@ static double dp_instance_get(dp_instance *m, unsigned reference) {
     case DP_OUTPUT: dp_continuous_outputs(m); return m->y[v->index];
     case DP_POWER: dp_continuous_power(m); return m->power[v->index];
     case DP_SWING: return m->engine.swing;
-    case DP_OUTSIDE: return dp_instance_outside(m);
+    case DP_OUTSIDE: return dp_outside(m->engine.swing);
     case DP_STATE: return m->engine.z[v->index];
     case DP_DERIVATIVE: dp_continuous_rates(m); return m->f[v->index];
     case DP_INDICATOR: dp_continuous_indicators(m); return m->indicator[v->index];

@@ -9,11 +9,11 @@ import pytest
 from dashpot.model.laws import LIBRARY
 from fmpy import read_model_description
 
-EFFECTS = ["", *LIBRARY]
+MODELS = [((), {}), *(((effect,), {}) for effect in LIBRARY), (("sensor-lag",), {"quantity": "acceleration"})]
 
 
-def laws(effect: str) -> tuple[str, ...]:
-    return (effect,) if effect else ()
+def name_of(given: object) -> str:
+    return "-".join(given) or "base" if isinstance(given, tuple) else ""
 
 
 def place(caller: Any, seed: int, part: float, **further: float) -> Any:
@@ -34,25 +34,25 @@ def unlisted(caller: Any, unknowns: Any, knowns: list[str]) -> set[tuple[str, st
     return {(u, k) for k in knowns for u, d in zip(listed, found[k], strict=True) if d != 0.0 and k not in listed[u]}
 
 
-@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect or "base")
-def test_nothing_depends_on_what_is_not_listed(law_fmu, callers, effect):
-    fmu = law_fmu(3, *laws(effect))
+@pytest.mark.parametrize(("effects", "further"), MODELS, ids=name_of)
+def test_nothing_depends_on_what_is_not_listed(law_fmu, callers, effects, further):
+    fmu = law_fmu(3, *effects, **further)
     told, caller = read_model_description(str(fmu)), callers(fmu)
     unknowns = [*told.outputs, *told.derivatives, *told.eventIndicators]
     knowns = ["F", "time", *caller.known.states]
-    for part, further in ((1.0, {}), (1.0, {"smoothing": 0.1}), (0.01, {"v0": 0.0, "dry": 9.0})):
+    for part, changed in ((1.0, {}), (1.0, {"smoothing": 0.1}), (0.01, {"v0": 0.0, "dry": 9.0})):
         for seed in range(3):
-            place(caller, seed, part, **further)
+            place(caller, seed, part, **changed)
             assert unlisted(caller, unknowns, knowns) == set()
             caller.it.reset()
 
 
-@pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect or "base")
-def test_nor_at_the_start(law_fmu, callers, effect):
-    fmu = law_fmu(3, *laws(effect))
+@pytest.mark.parametrize(("effects", "further"), MODELS, ids=name_of)
+def test_nor_at_the_start(law_fmu, callers, effects, further):
+    fmu = law_fmu(3, *effects, **further)
     told, caller = read_model_description(str(fmu)), callers(fmu)
-    for further in ({}, {"v0": 0.0, "dry": 9.0}, {"smoothing": 0.1}):
-        caller.initialise(at=0.3, **{"F": 0.4, "x0": 2e-4, "v0": -0.1, **further})
+    for changed in ({}, {"v0": 0.0, "dry": 9.0}, {"smoothing": 0.1}):
+        caller.initialise(at=0.3, **{"F": 0.4, "x0": 2e-4, "v0": -0.1, **changed})
         knowns = ["F", "time", *caller.known.starts, *caller.known.tunable]
         assert unlisted(caller, told.initialUnknowns, knowns) == set()
         caller.it.reset()

@@ -201,6 +201,14 @@ def test_outside_the_range_is_told_once_a_run_and_side(ranged, callers, version)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
+def test_a_long_step_that_leaves_the_range_and_comes_back_is_told(ranged, callers, version):
+    caller = callers(ranged(version), CO_SIMULATION).start(x0=4.5e-3, viscous=20.0)
+    caller.it.doStep(0.0, 0.1)
+    assert caller.get("outside_range") == [0.0]
+    assert told(caller) == [(WARNING, "above")]
+
+
+@pytest.mark.parametrize("version", VERSIONS)
 def test_an_importer_that_wants_to_hear_little_is_told_of_too_large_a_motion_alone(ranged, callers, version):
     caller = callers(ranged(version), CO_SIMULATION).start()
     caller.it.setDebugLogging(False, ["logStatusWarning"])

@@ -87,3 +87,11 @@ def test_a_force_that_jumps(law_fmu, callers, force, effect, version):
 @pytest.mark.parametrize("effect", SOME, ids=lambda effect: effect or "base")
 def test_fmi2(law_fmu, callers, force, effect):
     compare(callers, law_fmu(2, *laws(effect)), force, "first", effect)
+
+
+@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+@pytest.mark.parametrize("effects", [(), ("sensor-lag",)])
+def test_another_response(law_fmu, callers, force, effects, quantity, version):
+    """A lag behind an accelerometer feels the mass stick."""
+    compare(callers, law_fmu(version, *effects, quantity=quantity), force, "first", "")
