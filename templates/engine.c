@@ -17,8 +17,7 @@ static int dp_substep(dp_engine *e, const dp_line *l, double tau, double h) {
         }
         if (!e->node_ready) dp_surfaces_at(e, l, at, e->z, e->f, e->g, e->gd);
         e->node_ready = 0;
-        dp_step(e, l, at, left, e->z, e->f, z1);
-        dp_surfaces_at(e, l, at + left, z1, f1, g1, gd1);
+        dp_flow(e, l, at, left, e->z, e->f, z1, f1, g1, gd1);
         breaks = e->hold >= 0 && dp_excess(e, l, at + left, z1) > 0.0;
         event = dp_locate(e, l, at, left, g1, gd1, &where, z1);
         gone = breaks ? dp_break_away(e, l, at, left, e->f, z2) : 2.0;
@@ -53,26 +52,31 @@ void dp_start(dp_engine *e, const double *p, const double *z, double t, double m
     e->turn = z[0];
 }
 
-int dp_advance_along(dp_engine *e, const double *force, double dt) {
-    const dp_line line = {{force[0], force[1], force[2], force[3]}, e->t};
-    const int steps = (int)ceil(dt / e->max_step - 1e-9);
-    const double h = steps > 0 ? dt / steps : 0.0;
+/* Integrates over dt along a force that begins now. */
+static int dp_run(dp_engine *e, const dp_line *l, double dt) {
+    const int steps = dt <= e->max_step ? 1 : (int)ceil(dt / e->max_step - 1e-9);
+    const double h = dt / steps;
     int i, n, status = DP_OK;
-    if (!e->modes_ready) dp_find_modes(e, &line);
-    if (DP_SURFACES_USE_FORCE && e->node_u != force[0]) dp_after_jump(e, &line, e->s);
-    if (e->node_u != force[0] || (DP_SURFACES_USE_FORCE && e->node_rate != force[1])) e->node_ready = 0;
-    for (n = 0; n < steps && status == DP_OK; ++n) status = dp_substep(e, &line, n * h, h);
+    if (!e->modes_ready) dp_find_modes(e, l);
+    if (DP_SURFACES_USE_FORCE && e->node_u != l->c[0]) dp_after_jump(e, l, e->s);
+    if (e->node_u != l->c[0] || (DP_SURFACES_USE_FORCE && e->node_rate != l->c[1])) e->node_ready = 0;
+    for (n = 0; n < steps && status == DP_OK; ++n) status = dp_substep(e, l, n * h, h);
     e->t += dt;
-    e->node_u = dp_force(&line, dt);
-    e->node_rate = dp_force_rate(&line, dt);
+    e->node_u = dp_force(l, dt);
+    e->node_rate = dp_force_rate(l, dt);
     for (i = 0; i < DP_NZ; ++i)
         if (!isfinite(e->z[i])) status = DP_NOT_FINITE;
     return status;
 }
 
+int dp_advance_along(dp_engine *e, const double *force, double dt) {
+    const dp_line line = {{force[0], force[1], force[2], force[3]}, e->t};
+    return dp_run(e, &line, dt);
+}
+
 int dp_advance(dp_engine *e, double u0, double u1, double dt) {
-    const double line[4] = {u0, dt > 0.0 ? (u1 - u0) / dt : 0.0, 0.0, 0.0};
-    const int status = dp_advance_along(e, line, dt);
+    const dp_line line = {{u0, dt > 0.0 ? (u1 - u0) / dt : 0.0, 0.0, 0.0}, e->t};
+    const int status = dp_run(e, &line, dt);
     e->node_u = u1; /* without the rounding of the slope */
     return status;
 }

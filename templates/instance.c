@@ -138,11 +138,13 @@ static double dp_instance_get(dp_instance *m, unsigned reference) {
  * set. On failure the model stands where it stood. */
 static int dp_instance_step(dp_instance *m, double t, double dt) {
     const dp_engine before = m->engine;
-    const dp_line line = dp_instance_line(m);
-    const double force[4] = {line.c[0], line.c[1] + m->slope[0], m->slope[1] / 2.0, m->slope[2] / 6.0};
+    dp_line line = dp_instance_line(m);
     int status;
-    m->engine.t = t; /* the importer's clock: sums of steps would drift */
-    status = dp_advance_along(&m->engine, force, dt);
+    line.c[1] += m->slope[0];
+    line.c[2] = m->slope[1] / 2.0;
+    line.c[3] = m->slope[2] / 6.0;
+    line.t0 = m->engine.t = t; /* the importer's clock: sums of steps would drift */
+    status = dp_run(&m->engine, &line, dt);
     if (status == DP_OK && !isfinite(m->engine.node_u)) status = DP_NOT_FINITE;
     if (status != DP_OK) {
         m->engine = before;
