@@ -119,6 +119,17 @@ static double dp_first_crossing(double m, double g0, double d0, double g1, doubl
     return x;
 }
 
+/* Whether any surface may be crossed within a step, by values and rates at its two ends: where not, the cubic through
+ * them crosses none. */
+DP_INLINE int dp_may_cross(const dp_engine *e, const double *gd, const double *g1, const double *gd1) {
+    int i;
+    for (i = 0; i < DP_NS; ++i) {
+        const double m = e->s[i];
+        if (m * g1[i] < 0.0 || (m * gd[i] < 0.0 && m * gd1[i] > 0.0)) return 1;
+    }
+    return 0;
+}
+
 /* Locates the first event within the step of length h from the node; g1, gd1: surfaces at its end. Returns the surface,
  * its place (part of h) in *where and the state there in z; or -1, with z as it was. */
 static int dp_locate(const dp_engine *e, const dp_line *l, double tau, double h, const double *g1, const double *gd1,
