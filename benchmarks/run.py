@@ -13,14 +13,13 @@ import tempfile
 import time
 from pathlib import Path
 
+import fmu_speed
 import numpy as np
 from dashpot.examples import recordings
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.export import export
-from dashpot.export.binaries import chosen
 from dashpot.export.fmu_run import FmuRun
-from dashpot.export.platforms import PLATFORMS
 from dashpot.export.verify import verify
 from dashpot.identify import identify
 from dashpot.identify.replay import replay
@@ -75,22 +74,6 @@ def renderings(folder: Path, seconds: float) -> None:
         "1e-6",
         f"{np.max(np.abs(x - reference[:n])) / peak:.1e}",
     )
-
-
-def artefact(folder: Path) -> None:
-    """Size of an FMU for every platform that can be built for here, and how long it takes."""
-    platforms = chosen(None)
-    export(Oscillator.from_values(TRUTH), folder / "rig.fmu", progress=print)
-    changed = Oscillator.from_values({**TRUTH, "dry": 0.1 + 0.2 * np.random.default_rng().random()})
-    began = time.perf_counter()
-    path = export(changed, folder / "rig.fmu")[0]
-    spent = time.perf_counter() - began
-    row(
-        f"FMU for {len(platforms)} of {len(PLATFORMS)} platforms: size",
-        "300 kB",
-        f"{path.stat().st_size / 1000:.0f} kB",
-    )
-    row("   compiled anew, after the first time", "seconds", f"{spent:.1f} s")
 
 
 def _error(x: np.ndarray, reference: np.ndarray) -> float:
@@ -149,7 +132,8 @@ def main() -> None:
     print(f"{'what':66} {'asked':>18} {'measured':>26}")
     with tempfile.TemporaryDirectory() as folder:
         renderings(Path(folder), 20.0 if quick else 120.0)
-        artefact(Path(folder))
+        for line in fmu_speed.rows(Path(folder), fmu_speed.reference_fmus()):
+            row(*line)
         rig(Path(folder))
     data = Path(os.environ.get("DASHPOT_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data")
     if data.is_dir():

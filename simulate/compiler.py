@@ -16,8 +16,17 @@ from ..errors import ToolchainMissing
 from . import zig
 from .cache import cache_folder
 
-#: No fused multiply-add and no reordering: the same model gives the same bits on every machine.
-FLAGS = ("-O2", "-fPIC", "-shared", "-std=c99", "-ffp-contract=off", "-fvisibility=hidden")
+#: No fused multiply-add and no reordering: the same model gives the same bits on every machine. Numbers are not packed
+#: in pairs: a law has few that are alike, and packing them takes longer than it saves.
+FLAGS = (
+    "-O2",
+    "-fPIC",
+    "-shared",
+    "-std=c99",
+    "-ffp-contract=off",
+    "-fvisibility=hidden",
+    "-fno-tree-slp-vectorize",
+)
 NO_COMPILER = (
     "no C compiler was found (looked for $CC, cc, gcc, clang and the Python package ziglang); install gcc or clang, "
     f"for example with: apt-get install gcc libc6-dev, or a compiler for all platforms with: {zig.MORE}"

@@ -10,7 +10,21 @@ from ..model.law import Expression
 
 _HEADER = """\
 /* Generated: the equation of motion of one oscillator. */
-#define CASADI_SYMBOL_EXPORT static
+/* What takes nearly all of the time is put in place and unrolled, unless the program is to be small. */
+#if (defined(__clang__) || (defined(__GNUC__) && __GNUC__ >= 8)) && !defined(__OPTIMIZE_SIZE__)
+#define DP_INLINE static inline __attribute__((always_inline))
+#define DP_APART static __attribute__((noinline))
+#ifdef __clang__
+#define DP_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define DP_UNROLL _Pragma("GCC unroll 8")
+#endif
+#else
+#define DP_INLINE static
+#define DP_APART static
+#define DP_UNROLL
+#endif
+#define CASADI_SYMBOL_EXPORT DP_INLINE
 #ifdef __GNUC__
 #pragma GCC diagnostic ignored "-Wunused-function"
 #pragma GCC diagnostic ignored "-Wunused-parameter"
@@ -27,7 +41,7 @@ _FOOTER = """
 #define DP_RATES_FEEL_REST {feels_rest}
 static const int dp_kind[DP_NS + 1] = {{{kinds}}};
 
-static void dp_field(const double *z, double t, double u, const double *p, const double *s, double *f) {{
+DP_INLINE void dp_field_here(const double *z, double t, double u, const double *p, const double *s, double *f) {{
     const double *arg[5];
     double *res[1];
     arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
@@ -35,8 +49,12 @@ static void dp_field(const double *z, double t, double u, const double *p, const
     dp_law_field(arg, res, 0, 0, 0);
 }}
 
-static void dp_surface(const double *z, double t, double u, double u_rate, const double *p, const double *s, double *f,
-                       double *g, double *g_rate) {{
+DP_APART void dp_field(const double *z, double t, double u, const double *p, const double *s, double *f) {{
+    dp_field_here(z, t, u, p, s, f);
+}}
+
+DP_INLINE void dp_surface_here(const double *z, double t, double u, double u_rate, const double *p, const double *s,
+                               double *f, double *g, double *g_rate) {{
     const double *arg[6];
     double *res[3];
     arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = &u_rate, arg[4] = p, arg[5] = s;
@@ -44,7 +62,12 @@ static void dp_surface(const double *z, double t, double u, double u_rate, const
     dp_law_surface(arg, res, 0, 0, 0);
 }}
 
-static void dp_output(const double *z, double t, double u, const double *p, const double *s, double *y) {{
+DP_APART void dp_surface(const double *z, double t, double u, double u_rate, const double *p, const double *s,
+                         double *f, double *g, double *g_rate) {{
+    dp_surface_here(z, t, u, u_rate, p, s, f, g, g_rate);
+}}
+
+DP_APART void dp_output(const double *z, double t, double u, const double *p, const double *s, double *y) {{
     const double *arg[5];
     double *res[1];
     arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
@@ -55,7 +78,7 @@ static void dp_output(const double *z, double t, double u, const double *p, cons
 
 _POWER = """
 /* Energy and dissipated power. */
-static void dp_power(const double *z, double t, double u, const double *p, const double *s, double *out) {
+DP_APART void dp_power(const double *z, double t, double u, const double *p, const double *s, double *out) {
     const double *arg[5];
     double *res[1];
     arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
@@ -67,9 +90,9 @@ static void dp_power(const double *z, double t, double u, const double *p, const
 _TANGENT = """
 /* How rates, outputs, energy and dissipated power, and surfaces change in a direction of states, time, force,
  * parameters and signs. */
-static void dp_tangent(const double *z, double t, double u, const double *p, const double *s, const double *dz,
-                       double dt, double du, const double *dp, const double *ds, double *df, double *dy, double *dw,
-                       double *dg) {
+DP_APART void dp_tangent(const double *z, double t, double u, const double *p, const double *s, const double *dz,
+                         double dt, double du, const double *dp, const double *ds, double *df, double *dy, double *dw,
+                         double *dg) {
     const double *arg[10];
     double *res[4];
     arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
@@ -111,6 +134,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
     with tempfile.TemporaryDirectory() as folder:
         generator.generate(folder + "/")
         body = (Path(folder) / "law.c").read_text(encoding="utf-8")
+    body = body.replace("static int casadi_f", "DP_INLINE int casadi_f")
     uses_force = bool(eq.kinds) and bool(ca.depends_on(eq.surfaces, eq.u))
     return (
         _HEADER

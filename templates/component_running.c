@@ -34,7 +34,7 @@ static int dp_do_step(dp_component *c, double t, double dt, const char *function
     if (t + dt > c->state.stop_time + slack)
         return dp_report(c, DP_ERROR, DP_FMI "%s: to t = %.12g s, beyond the stop time of %.12g s", function, t + dt,
                          c->state.stop_time);
-    if (dt / m->engine.max_step > DP_MOST_STEPS) {
+    if (dt > DP_MOST_STEPS * m->engine.max_step) {
         c->state.mode = DP_FAILED;
         return dp_report(c, DP_DISCARD, DP_FMI "%s: %g s are too long for internal steps of %g s", function, dt,
                          m->engine.max_step);

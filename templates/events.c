@@ -74,6 +74,12 @@ static double dp_hermite(double g0, double d0, double g1, double d1, double x) {
     return g0 * (1.0 + 2.0 * x) * y * y + d0 * x * y * y + g1 * x * x * (3.0 - 2.0 * x) - d1 * x * x * y;
 }
 
+/* Its slope. */
+static double dp_hermite_slope(double g0, double d0, double g1, double d1, double x) {
+    const double y = 1.0 - x;
+    return 6.0 * (g1 - g0) * x * y + d0 * y * (1.0 - 3.0 * x) + d1 * x * (3.0 * x - 2.0);
+}
+
 /* Where in (0, 1] surface values that start on the side m first reach the other side: sets *hi beyond the crossing
  * and returns an estimate of it, or returns a value above 1 where nothing is crossed. */
 static double dp_first_crossing(double m, double g0, double d0, double g1, double d1, double *hi) {
@@ -100,14 +106,29 @@ static double dp_first_crossing(double m, double g0, double d0, double g1, doubl
     }
     if (top == 1.0 && g1 >= 0.0) return 2.0;
     *hi = top;
-    for (n = 0; n < 60 && top - lo > 1e-9; ++n) {
-        x = 0.5 * (lo + top);
-        if (dp_hermite(g0, d0, g1, d1, x) < 0.0)
+    x = 0.5 * top;
+    for (n = 0; n < 60 && top - lo > 1e-9; ++n) { /* Newton, inside a bracket that moves */
+        const double value = dp_hermite(g0, d0, g1, d1, x), slope = dp_hermite_slope(g0, d0, g1, d1, x), last = x;
+        if (value < 0.0)
             top = x;
         else
             lo = x;
+        x = slope != 0.0 ? x - value / slope : 2.0;
+        if (!(x > lo && x < top)) x = 0.5 * (lo + top);
+        if (fabs(x - last) < 1e-9) break;
     }
-    return 0.5 * (lo + top);
+    return x;
+}
+
+/* Whether any surface may be crossed within a step, by values and rates at its two ends: where not, the cubic through
+ * them crosses none. */
+DP_INLINE int dp_may_cross(const dp_engine *e, const double *gd, const double *g1, const double *gd1) {
+    int i;
+    for (i = 0; i < DP_NS; ++i) {
+        const double m = e->s[i];
+        if (m * g1[i] < 0.0 || (m * gd[i] < 0.0 && m * gd1[i] > 0.0)) return 1;
+    }
+    return 0;
 }
 
 /* Locates the first event within the step of length h from the node; g1, gd1: surfaces at its end. Returns the surface,
@@ -125,8 +146,7 @@ static int dp_locate(const dp_engine *e, const dp_line *l, double tau, double h,
     for (again = 0; event >= 0 && again <= DP_NS; ++again) {
         int reached = 0;
         for (lo = 0.0, hi = top, x = best, n = 0; n < 80; ++n) { /* Newton on the flow, inside a bracket that moves */
-            dp_step(e, l, tau, x * h, e->z, e->f, trial);
-            dp_surfaces_at(e, l, tau + x * h, trial, f, g, gd);
+            dp_flow(e, l, tau, x * h, e->z, e->f, trial, f, g, gd);
             reached |= g[event] * e->s[event] <= 0.0;
             if (g[event] * e->s[event] < 0.0)
                 hi = x;

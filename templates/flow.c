@@ -78,9 +78,10 @@ static void dp_surfaces_at(const dp_engine *e, const dp_line *l, double tau, con
     if (e->hold >= 0) dp_hold_rates(e, l, tau, z, f);
 }
 
-/* One Dormand-Prince step of length h from z (right-hand side k1) to out. */
-static void dp_step(const dp_engine *e, const dp_line *l, double tau, double h, const double *z, const double *k1,
-                    double *out) {
+/* One Dormand-Prince step of length h from z (right-hand side k1) to out. Nearly all time goes here, so that the law is
+ * put in place where nothing can hold the motion. */
+DP_INLINE void dp_pair(const dp_engine *e, const dp_line *l, double tau, double h, const double *z, const double *k1,
+                       double *out, int held) {
     static const double c[5] = {1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1.0};
     static const double a[6][6] = {
         {1.0 / 5},
@@ -93,13 +94,43 @@ static void dp_step(const dp_engine *e, const dp_line *l, double tau, double h, 
     double k[6][DP_NZ], y[DP_NZ];
     int i, j, n;
     memcpy(k[0], k1, sizeof k[0]);
+    DP_UNROLL
     for (i = 0; i < 6; ++i) {
+        DP_UNROLL
         for (n = 0; n < DP_NZ; ++n) {
             double sum = 0.0;
-            for (j = 0; j <= i; ++j) sum += a[i][j] * k[j][n];
-            y[n] = z[n] + h * sum;
+            DP_UNROLL
+            for (j = 0; j < i; ++j) sum += a[i][j] * k[j][n];
+            y[n] = z[n] + h * sum + h * a[i][i] * k[i][n]; /* the latest rate last: all else is ready before it */
         }
-        if (i < 5) dp_field_at(e, l, tau + c[i] * h, y, k[i + 1]);
+        if (i == 5) break;
+        if (held)
+            dp_field_at(e, l, tau + c[i] * h, y, k[i + 1]);
+        else
+            dp_field_here(y, l->t0 + (tau + c[i] * h), dp_force(l, tau + c[i] * h), e->p, e->s, k[i + 1]);
     }
     memcpy(out, y, sizeof y);
+}
+
+/* The same while nothing holds the motion, then right-hand side, surfaces and their rates there. */
+DP_APART void dp_flow_free(const dp_engine *e, const dp_line *l, double tau, double h, const double *z,
+                           const double *k1, double *out, double *f, double *g, double *gd) {
+    dp_pair(e, l, tau, h, z, k1, out, 0);
+    tau += h;
+    dp_surface_here(out, l->t0 + tau, dp_force(l, tau), dp_force_rate(l, tau), e->p, e->s, f, g, gd);
+}
+
+static void dp_step(const dp_engine *e, const dp_line *l, double tau, double h, const double *z, const double *k1,
+                    double *out) {
+    dp_pair(e, l, tau, h, z, k1, out, 1);
+}
+
+static void dp_flow(const dp_engine *e, const dp_line *l, double tau, double h, const double *z, const double *k1,
+                    double *out, double *f, double *g, double *gd) {
+    if (e->hold < 0) {
+        dp_flow_free(e, l, tau, h, z, k1, out, f, g, gd);
+    } else {
+        dp_step(e, l, tau, h, z, k1, out);
+        dp_surfaces_at(e, l, tau + h, out, f, g, gd);
+    }
 }

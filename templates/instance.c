@@ -139,18 +139,24 @@ static double dp_instance_get(dp_instance *m, unsigned reference) {
 /* Runs from t to t + dt, the force from its value with its derivatives. It then stays where it came to until it is
  * set. On failure the model stands where it stood. */
 static int dp_instance_step(dp_instance *m, double t, double dt) {
-    const dp_engine before = m->engine;
-    const dp_line line = dp_instance_line(m);
-    const double force[4] = {line.c[0], line.c[1] + m->slope[0], m->slope[1] / 2.0, m->slope[2] / 6.0};
-    int status;
-    m->engine.t = t; /* the importer's clock: sums of steps would drift */
-    status = dp_advance_along(&m->engine, force, dt);
-    if (status == DP_OK && !isfinite(m->engine.node_u)) status = DP_NOT_FINITE;
-    if (status != DP_OK) {
-        m->engine = before;
-        return status;
+    dp_engine *e = &m->engine;
+    dp_line line = dp_instance_line(m);
+    const double stood = e->t;
+    line.c[1] += m->slope[0];
+    line.c[2] = m->slope[1] / 2.0;
+    line.c[3] = m->slope[2] / 6.0;
+    line.t0 = e->t = t; /* the importer's clock: sums of steps would drift */
+    if (!dp_glide(e, &line, dt)) {
+        const dp_engine before = *e;
+        int status = dp_run(e, &line, dt);
+        if (status == DP_OK && !isfinite(e->node_u)) status = DP_NOT_FINITE;
+        if (status != DP_OK) {
+            *e = before;
+            e->t = stood;
+            return status;
+        }
     }
-    m->value[DP_FORCE] = m->engine.node_u;
+    m->value[DP_FORCE] = e->node_u;
     memset(m->slope, 0, sizeof m->slope);
     m->ready = 0;
     return DP_OK;

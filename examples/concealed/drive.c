@@ -59,3 +59,13 @@ void drive_pieces(Drive *drive, const double *lines, int count)
         }
     }
 }
+
+/* Straight lines between samples; lines holds the force at the beginning of each interval and its rise over it. */
+void drive_straight(Drive *drive, const double *lines, int count)
+{
+    for (int piece = 0; piece < drive->pieces && piece < count; piece++) {
+        double *c = drive->taylor + piece * TAYLOR;
+        c[0] = lines[2 * piece] + 0.5 * lines[2 * piece + 1];
+        c[1] = lines[2 * piece + 1] / drive->interval;
+    }
+}

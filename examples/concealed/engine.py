@@ -27,9 +27,10 @@ STEPS_PER_CYCLE = 150  # at least
 
 @dataclass(frozen=True)
 class Drive:
-    """A smooth force: `kind` is none, linear, logarithmic or multisine; `peak` N, `start` and `end` Hz, times s.
+    """A force: `kind` is none, linear, logarithmic, multisine or straight; `peak` N, `start` and `end` Hz, times s.
 
-    `lines` of a multisine, (n, 3): frequency Hz, amplitude as a part of `peak`, phase rad.
+    `lines` of a multisine, (n, 3): frequency Hz, amplitude as a part of `peak`, phase rad; of straight lines, (n, 2):
+    force at the beginning of each sample interval and its rise over it, as parts of `peak`.
     """
 
     kind: str
@@ -42,7 +43,7 @@ class Drive:
 
     def numbers(self) -> list[float]:
         """Give the drive as the C program takes it."""
-        kind = ("none", "linear", "logarithmic", "multisine").index(self.kind)
+        kind = ("none", "linear", "logarithmic", "multisine", "straight").index(self.kind)
         return [kind, self.peak, self.start, self.end, self.length, self.ramp]
 
 

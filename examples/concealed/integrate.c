@@ -278,7 +278,7 @@ static void begin(Walk *walk, double x0)
 /* Simulate one recording.
 
    parameters: as in PARAMETERS. drive: kind, peak N, start Hz, end Hz, length s, ramp s. lines: (count, 3) frequency
-   Hz, amplitude, phase rad. The rig rests at x0 m until t = 0. Samples are taken at i/fs s. Outputs, (samples) each:
+   Hz, amplitude, phase rad; of straight lines (count, 2) force and its rise. The rig rests at x0 m until t = 0. Samples are taken at i/fs s. Outputs, (samples) each:
    force N as commanded, displacement m of the mass, and what its sensor shows; counted: steps and events. Returns 0,
    or why not. */
 int concealed_run(const double *parameters, const double *drive, const double *lines, int count, double x0, double fs,
@@ -296,14 +296,14 @@ int concealed_run(const double *parameters, const double *drive, const double *l
     rig.drive.end = drive[3];
     rig.drive.length = drive[4];
     rig.drive.ramp = drive[5];
-    if (rig.drive.kind == 3) {
+    if (rig.drive.kind >= 3) {
         rig.drive.interval = 1.0 / fs;
         rig.drive.pieces = samples;
-        rig.drive.taylor = malloc(sizeof(double) * TAYLOR * (size_t)samples);
+        rig.drive.taylor = calloc(TAYLOR * (size_t)samples, sizeof(double));
         if (!rig.drive.taylor) {
             return NO_MEMORY;
         }
-        drive_pieces(&rig.drive, lines, count);
+        (rig.drive.kind == 3 ? drive_pieces : drive_straight)(&rig.drive, lines, count);
     }
     walk.rig = &rig;
     walk.tolerance = tolerance;

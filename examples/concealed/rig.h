@@ -79,12 +79,12 @@ enum {
 };
 
 typedef struct {
-    int kind;                   /* 0 none, 1 linear sweep, 2 logarithmic sweep, 3 multisine */
+    int kind;                   /* 0 none, 1 linear sweep, 2 logarithmic sweep, 3 multisine, 4 straight lines */
     double peak, start, end;    /* N, Hz, Hz; for a multisine the factor of its lines */
     double length, ramp;        /* s; the force rises over `ramp` as sin^2 */
     double interval;            /* s, of one Taylor piece */
     int pieces;
-    double *taylor;             /* (pieces, TAYLOR), multisine only, about the middle of the piece */
+    double *taylor;             /* (pieces, TAYLOR), of kinds 3 and 4, about the middle of the piece */
 } Drive;
 
 typedef struct {
@@ -101,6 +101,7 @@ typedef struct {
 const double *rig_branch(const Parameters *p, int i); /* stiffness and relaxation rate of a Maxwell branch */
 double drive_force(const Drive *drive, double t);
 void drive_pieces(Drive *drive, const double *lines, int count);
+void drive_straight(Drive *drive, const double *lines, int count);
 
 void rig_layout(Rig *rig, double x0, double *y);
 double rig_net(const Rig *rig, double t, const double *y, double *effective_mass);

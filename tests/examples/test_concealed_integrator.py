@@ -49,6 +49,19 @@ def test_recorded_force_is_the_drive(drive):
     assert np.abs(found - exact).max() <= 1e-12 * PEAK
 
 
+def test_straight_lines_between_samples():
+    """A mass without a spring worth the name under them: closed form."""
+    samples = np.random.default_rng(1).normal(size=50)
+    lines = np.column_stack([samples[:-1], np.diff(samples)])
+    law = {"mass": 1.0, "omega2": 1e-14, "omega": 1.0, "amplitude": 1.0, "force": 1.0}
+    found = simulate(law, Drive("straight", 1.0, ramp=0.0, lines=lines), 0.0, 1.0, 50)
+    x = v = 0.0
+    for k, (value, rise) in enumerate(lines):
+        x, v = x + v + value / 2 + rise / 6, v + value + rise / 2
+        assert found.x[k + 1] == pytest.approx(x, rel=1e-8, abs=1e-9)
+    assert found.force[:-1] == pytest.approx(samples[:-1], rel=1e-12)
+
+
 def positive(value: float) -> float:
     return max(value, 0.0)
 
