@@ -87,7 +87,11 @@ def test_what_rides_along_depends_on_where_the_mass_starts(structure):
 def test_a_kept_state_holds_the_memory(with_law, tmp_path, backend):
     path = export_fmu(with_law("hysteresis", "actuator-lag"), tmp_path / "rig.fmu", backend=backend)
     with FmuRun(path) as run:
-        fmu, force, x = run._fmu, [run.variables["F"].valueReference], [run.variables["acceleration"].valueReference]
+        fmu, force, x = (
+            run._slave.fmu,
+            [run.variables["F"].valueReference],
+            [run.variables["acceleration"].valueReference],
+        )
 
         def on(steps):
             found = []
