@@ -106,7 +106,7 @@ class FmuRun:
         here = Path.cwd()  # FMPy goes to the library's folder to load it, and stays there when that fails
         try:
             library = library_for_here(Path(self._folder), description.coSimulation.modelIdentifier or "")
-            self._slave = SLAVES[description.fmiVersion.partition(".")[0]](description, self._folder, library)
+            self._slave = SLAVES[str(description.fmiVersion).partition(".")[0]](description, str(self._folder), library)
         except Exception as problem:
             os.chdir(here)
             shutil.rmtree(self._folder, ignore_errors=True)
