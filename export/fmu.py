@@ -93,7 +93,10 @@ def export_fmu(
         raise BadInput(f"there is no FMI {version} here; use 2 or 3")
     if choose_backend(backend, platforms, progress) == "python":
         if version != 2:
-            raise BadInput("an FMU in Python is for FMI 2; ask for that, or have a C compiler")
+            raise BadInput(
+                "an FMU in Python is for FMI 2 alone; leave out --fmi 3, or take the native back-end, which needs a C "
+                "compiler"
+            )
         from .python_fmu import python_entries
 
         return write_archive(Path(path), python_entries(oscillator))

@@ -47,6 +47,20 @@ def test_what_cannot_be_is_refused():
         choose_backend("python", PLATFORMS)
 
 
+@pytest.mark.parametrize(
+    ("name", "asked", "words"),
+    [
+        ("rig.fmu", {"version": 4}, "use 2 or 3"),
+        ("rig.fmu", {"version": 3, "backend": "python"}, "leave out --fmi 3"),
+        ("rig.ssp", {"version": 3}, "leave out --fmi 3"),
+    ],
+)
+def test_a_version_that_cannot_be_is_refused(models, tmp_path, name, asked, words):
+    with pytest.raises(BadInput, match=words):
+        export(models["base"](), tmp_path / name, **asked)
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_platform_that_cannot_be_built_here_is_refused_with_how_to_have_it(no_zig, models, tmp_path, monkeypatch):
     monkeypatch.setattr("dashpot.simulate.compiler.find_compiler", lambda: "cc")
     others = [p for p in PLATFORMS if p != own_platform()]
