@@ -9,6 +9,7 @@ import zipfile
 import zlib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import mkdtemp
 from types import TracebackType
 from typing import Any
 
@@ -19,7 +20,7 @@ from ..model.law import InnerState
 from ..simulate.force import Force
 from .description import OWN
 from .platforms import library_for_here
-from .slave import FACTORIAL, SLAVES
+from .slave import FACTORIAL, SLAVES, Slave
 
 #: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
 _LINES = 8
@@ -70,8 +71,6 @@ class FmuRun:
     """
 
     def __init__(self, fmu: Path) -> None:
-        import fmpy
-
         self.path = fmu
         if fmu.is_dir():
             raise BadInput(f"{fmu}: is a folder; name an FMU, for example one made by dashpot export")
@@ -80,40 +79,53 @@ class FmuRun:
         version = _fmi_version(fmu)
         if version is not None and version.partition(".")[0] not in SLAVES:
             raise BadInput(f"{fmu}: verify runs FMUs of FMI 2.0 and 3.0; this one is of FMI {version[:20]}")
+        self._folder = mkdtemp()
+        here = Path.cwd()  # FMPy goes to the library's folder to load it, and stays there when that fails
         try:
-            description = fmpy.read_model_description(str(fmu))
-        except Exception as problem:  # FMPy raises whatever its XML reader raises
-            raise BadInput(f"{fmu}: not a readable FMU ({_short(problem)}); export it again") from problem
-        if description.coSimulation is None:
-            raise BadInput(f"{fmu}: verify runs FMUs for co-simulation; this one is for model exchange alone")
-        variables = {variable.name: variable for variable in description.modelVariables}
-        outputs = [variable for variable in description.modelVariables if variable.causality == "output"]
-        if "F" not in variables or not outputs:
-            raise BadInput(
-                f"{fmu}: the FMU needs an input named F and an output; found {', '.join(list(variables)[:8])}"
-            )
-        self.variables = variables
+            description = self._described()
+            self._slave = self._loaded(description)
+        except BaseException:
+            os.chdir(here)
+            shutil.rmtree(self._folder, ignore_errors=True)
+            raise
+        self.variables = {variable.name: variable for variable in description.modelVariables}
         #: Names of the start values: x0, v0, then those of the inner states.
         self.starts = _starts(description.modelVariables)
         #: What the start values of the inner states are.
-        self.inner = tuple(_inner(variables, name) for name in self.starts[2:])
+        self.inner = tuple(_inner(self.variables, name) for name in self.starts[2:])
         #: Unit of the first output; None where the FMU states none.
-        self.unit: str | None = _unit(outputs[0])
+        self.unit: str | None = _unit(next(v for v in description.modelVariables if v.causality == "output"))
+
+    def _described(self) -> Any:
+        """What the FMU says of itself, read where it was unpacked: FMPy leaves an archive open that it cannot read."""
+        import fmpy
+
+        fmu = self.path
         try:
-            self._folder = fmpy.extract(str(fmu))
-        except Exception as problem:  # a damaged archive, or one that would unpack outside its folder
-            raise BadInput(f"{fmu}: cannot be unpacked ({_short(problem)}); export it again") from problem
-        here = Path.cwd()  # FMPy goes to the library's folder to load it, and stays there when that fails
+            fmpy.extract(str(fmu), self._folder)
+            description = fmpy.read_model_description(self._folder)
+        except Exception as problem:  # a damaged archive, or one that would unpack outside its folder, or damaged XML
+            raise BadInput(f"{fmu}: not a readable FMU ({self._said(problem)}); export it again") from problem
+        if description.coSimulation is None:
+            raise BadInput(f"{fmu}: verify runs FMUs for co-simulation; this one is for model exchange alone")
+        names = [variable.name for variable in description.modelVariables]
+        if "F" not in names or not any(variable.causality == "output" for variable in description.modelVariables):
+            raise BadInput(f"{fmu}: the FMU needs an input named F and an output; found {', '.join(names[:8])}")
+        return description
+
+    def _loaded(self, description: Any) -> Slave:
+        """The FMU's binary for this machine, with an instance of it."""
+        library = library_for_here(Path(self._folder), description.coSimulation.modelIdentifier or "")
         try:
-            library = library_for_here(Path(self._folder), description.coSimulation.modelIdentifier or "")
-            self._slave = SLAVES[str(description.fmiVersion).partition(".")[0]](description, str(self._folder), library)
+            return SLAVES[str(description.fmiVersion).partition(".")[0]](description, self._folder, library)
         except Exception as problem:
-            os.chdir(here)
-            shutil.rmtree(self._folder, ignore_errors=True)
             raise BadInput(
-                f"{fmu}: it does not load on this machine ({_short(problem).replace(str(self._folder), fmu.name)}); "
-                "export it here again"
+                f"{self.path}: it does not load on this machine ({self._said(problem)}); export it here again"
             ) from problem
+
+    def _said(self, problem: Exception) -> str:
+        """What another library says, with the FMU's name in place of the folder that it was unpacked into."""
+        return _short(problem).replace(self._folder, self.path.name)
 
     def __enter__(self) -> FmuRun:
         """The run itself."""
