@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from described import CO_SIMULATION, MODEL_EXCHANGE, Described
+from described import MODEL_EXCHANGE, Described
+from fmpy_instance import made
 from integrating import Model
 
 
@@ -15,23 +16,11 @@ class Caller:
     """An instance; what it logs is kept as (status, text). FMPy raises every status above a warning."""
 
     def __init__(self, known: Described, folder: Path, interface: str) -> None:
-        from fmpy import fmi2, fmi3
+        from fmpy import fmi2
 
-        names = {
-            "guid": known.token,
-            "unzipDirectory": str(folder),
-            "modelIdentifier": known.identifiers[interface],
-            "instanceName": "rig",
-        }
         self.known, self.exchange, self.second = known, interface == MODEL_EXCHANGE, known.version == 2
         self.messages: list[tuple[int, str]] = []
-        kinds = {
-            (2, CO_SIMULATION): fmi2.FMU2Slave,
-            (2, MODEL_EXCHANGE): fmi2.FMU2Model,
-            (3, CO_SIMULATION): fmi3.FMU3Slave,
-            (3, MODEL_EXCHANGE): fmi3.FMU3Model,
-        }
-        self.it: Any = kinds[known.version, interface](**names)
+        self.it: Any = made(known, folder, interface)
         if self.second:
             calls = fmi2.fmi2CallbackFunctions()
             calls.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)

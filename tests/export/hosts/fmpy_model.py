@@ -6,11 +6,11 @@ Trap: states, derivatives and indicators go through buffers of C doubles that th
 from __future__ import annotations
 
 import ctypes
-import shutil
 from pathlib import Path
 
 import numpy as np
-from described import MODEL_EXCHANGE, describe
+from described import MODEL_EXCHANGE
+from fmpy_instance import opened
 from integrating import Model, integrate
 
 NEEDS = ("fmpy",)
@@ -29,25 +29,8 @@ def run(
     output: str = "x",
 ) -> np.ndarray:
     """(n,) output at the samples of the force."""
-    from fmpy import extract
-    from fmpy.fmi2 import FMU2Model
-    from fmpy.fmi3 import FMU3Model
-
-    known = describe(fmu)
-    folder = extract(str(fmu))
-    names = {
-        "guid": known.token,
-        "unzipDirectory": folder,
-        "modelIdentifier": known.identifiers[INTERFACE],
-        "instanceName": "rig",
-    }
-    count, indicators = len(known.states), known.indicators
-    second = known.version == 2
-    try:
-        it = FMU2Model(**names) if second else FMU3Model(**names)
-        it.instantiate()
-        if second:
-            it.setupExperiment(startTime=0.0)
+    with opened(fmu, INTERFACE) as (known, it):
+        count, second = len(known.states), known.version == 2
         update = it.newDiscreteStates if second else it.updateDiscreteStates
 
         def settle() -> None:
@@ -68,15 +51,10 @@ def run(
             lambda x: it.setContinuousStates((ctypes.c_double * count)(*x), count),
             lambda: taken(it.getContinuousStates, count),
             lambda: taken(it.getDerivatives if second else it.getContinuousStateDerivatives, count),
-            lambda: taken(it.getEventIndicators, indicators),
+            lambda: taken(it.getEventIndicators, known.indicators),
             it.enterEventMode,
             settle,
             it.enterContinuousTimeMode,
             lambda: it.completedIntegratorStep()[0],
         )
-        x = integrate(model, known, force, dt, parameters, hold, source, output)
-        it.terminate()
-        it.freeInstance()
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-    return x
+        return integrate(model, known, force, dt, parameters, hold, source, output)

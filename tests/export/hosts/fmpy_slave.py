@@ -7,11 +7,11 @@ Traps:
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import numpy as np
-from described import CO_SIMULATION, describe
+from described import CO_SIMULATION
+from fmpy_instance import opened
 from stepping import Slave, march
 
 NEEDS = ("fmpy",)
@@ -30,23 +30,7 @@ def run(
     output: str = "x",
 ) -> np.ndarray:
     """(n,) output at the samples of the force."""
-    from fmpy import extract
-    from fmpy.fmi2 import FMU2Slave
-    from fmpy.fmi3 import FMU3Slave
-
-    known = describe(fmu)
-    folder = extract(str(fmu))
-    names = {
-        "guid": known.token,
-        "unzipDirectory": folder,
-        "modelIdentifier": known.identifiers[INTERFACE],
-        "instanceName": "rig",
-    }
-    try:
-        it = FMU2Slave(**names) if known.version == 2 else FMU3Slave(**names)
-        it.instantiate()
-        if known.version == 2:
-            it.setupExperiment(startTime=0.0)
+    with opened(fmu, INTERFACE) as (known, it):
         slave = Slave(
             it.enterInitializationMode,
             it.exitInitializationMode,
@@ -55,9 +39,4 @@ def run(
             (lambda vr, rate: it.setRealInputDerivatives(vr, [1], rate)) if known.interpolates else None,
             it.doStep,
         )
-        x = march(slave, known, force, dt, parameters, hold, source, output)
-        it.terminate()
-        it.freeInstance()
-    finally:
-        shutil.rmtree(folder, ignore_errors=True)
-    return x
+        return march(slave, known, force, dt, parameters, hold, source, output)
