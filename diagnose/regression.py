@@ -35,8 +35,6 @@ _DENSITY = 30.0
 _STRIDE = 0.3
 _NEAR = 0.02
 _TRIES = 40
-#: Motion so much faster than the natural frequency is not the rig's own.
-_SWINGS = 1.3
 #: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
 _BASE = 6
 _ABSURD = 1e100
@@ -92,7 +90,7 @@ class Regression:
         self.data = data
         self.model = model
         self.present = [(t.law, {n: q.value for n, q in t.parameters.items()}) for t in model.terms]
-        self.slack = data.scales.omega > model.omega0.value * _SWINGS
+        self.slack = data.segments[0].slide
         self.forced = any(segment.force is not None for segment in data.segments)
         whole: dict[int, np.ndarray] = {}
         self.rows: list[_Rows] = []

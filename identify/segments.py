@@ -13,8 +13,10 @@ from ..simulate.force import Force, smooth_force
 from .decays import find_decays
 from .hilbert import dominant_frequency, noise_level
 
-#: A recording of so many natural periods is one of a rig that swings.
+#: A recording of so many natural periods is one of a rig that swings ...
 _SWINGS = 10.0
+#: ... and so is a motion no faster than this many times its natural frequency: driven, but near it.
+_DRIVEN = 2.0
 #: A stretch shorter than this many cycles says less than the two initial values it costs.
 _SHORTEST_CYCLES = 3.0
 #: ... but a slide's motion is not its own, and a cycle of it is worth its initial values.
@@ -39,6 +41,7 @@ class Segment:
         dt: sample interval, s.
         time: time of the first sample, s.
         pace: angular frequency of the motion, rad/s, by which times are judged: see ``pace_of``.
+        slide: whether that is the force's and not the rig's own.
         rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
             state has no derivative to find it by).
     """
@@ -52,6 +55,7 @@ class Segment:
     time: float
     pace: float
     rests: bool = False
+    slide: bool = False
 
     @property
     def n(self) -> int:
@@ -88,9 +92,9 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
     """
     found: list[Segment] = []
     pace = pace_of(recordings, omega0)
-    slack = pace > omega0
+    slide = pace > omega0
     for index, recording in enumerate(recordings):
-        shortest = (_SHORTEST_SLIDE if slack else _SHORTEST_CYCLES) * 2 * np.pi / pace * recording.fs
+        shortest = (_SHORTEST_SLIDE if slide else _SHORTEST_CYCLES) * 2 * np.pi / pace * recording.fs
         force = recording.force
         decays = find_decays(recording)
         ends = [(decay.start, decay.stop, False) for decay in decays]
@@ -118,8 +122,9 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
                 time=recording.start + start * recording.dt,
                 pace=pace,
                 rests=forced and starts_at_rest(response, recording.dt, pace, noise),
+                slide=slide,
             )
-            found += _pieces(whole) if slack else [whole]
+            found += _pieces(whole) if slide else [whole]
     return tuple(found)
 
 
@@ -156,7 +161,8 @@ def pace_of(recordings: Sequence[Recording], omega0: float) -> float:
     if longest * omega0 > 2 * np.pi * _SWINGS or not driven:
         return omega0
     responses = [(np.asarray(recording.response, float), recording.fs) for recording in driven]
-    return max(omega0, *(2 * np.pi * dominant_frequency(x - np.mean(x), fs) for x, fs in responses))
+    pace = max(2 * np.pi * dominant_frequency(x - np.mean(x), fs) for x, fs in responses)
+    return pace if pace > _DRIVEN * omega0 else omega0
 
 
 def first_motion(segment_response: np.ndarray, dt: float, pace: float) -> tuple[np.ndarray, np.ndarray]:

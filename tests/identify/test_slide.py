@@ -51,6 +51,15 @@ def test_a_slide_is_as_fast_as_it_is_driven(steady):
     assert sum(piece.n for piece in pieces) == steady.n
 
 
+def test_a_short_recording_driven_near_the_resonance_is_no_slide():
+    t = np.arange(800) / FS
+    for ratio in (0.8, 1.2, 1.8):
+        swing = np.sin(ratio * 12.0 * t)
+        recording = Recording(name="short", fs=FS, response=swing, force=swing)
+        assert pace_of([recording], 12.0) == 12.0
+        assert [piece.n for piece in cut([recording], 12.0)] == [800]
+
+
 def test_mass_and_friction_of_a_slide(steady):
     found = identify([steady]).oscillator
     for name, true in TRUTH.items():
