@@ -44,7 +44,7 @@ def _with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[Path, ...]) -> None:
-    from .model.laws.user import load_law_file
+    from .model.user_laws import load_law_file
 
     for file in files:
         load_law_file(file)
@@ -347,7 +347,7 @@ def _progress() -> Iterator[Callable[[str, float], None]]:
 @_with_recordings
 def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **options: Any) -> None:
     """Run an FMU under FMPy with recorded forces and compare response and backbone; exit code 1 where they differ."""
-    from .export.verify import verify as check
+    from .verify.verification import verify as check
     from .writing import replacing
 
     if json_file is not None:

@@ -31,11 +31,11 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
     from .examples import recordings as built_in
     from .examples.truth import TRUTH
     from .export import export
-    from .export.verify import verify
     from .identify import identify
     from .model.file import save
     from .recording import read
     from .report.page import identification_page
+    from .verify.verification import verify
 
     began = time.perf_counter()
 

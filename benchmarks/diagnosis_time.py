@@ -15,7 +15,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from dashpot.diagnose import diagnose
-from dashpot.diagnose.fitting import Structure, data_of, with_term
+from dashpot.diagnose.search.search.fitting import Structure, data_of, with_term
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
 from dashpot.model import Oscillator

@@ -19,8 +19,6 @@ from dashpot.examples import recordings
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.export import export
-from dashpot.export.fmu_run import FmuRun
-from dashpot.export.verify import verify
 from dashpot.identify import identify
 from dashpot.identify.replay import replay
 from dashpot.model import Oscillator
@@ -28,6 +26,8 @@ from dashpot.recording import read
 from dashpot.simulate.casadi_step import exact_step
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import straight_lines
+from dashpot.verify.fmu_run import FmuRun
+from dashpot.verify.verification import verify
 from diagnosis_time import measure
 from independent_likelihood import compare
 

@@ -20,17 +20,17 @@ from ..model import Oscillator, Provenance, Range
 from ..model.laws import LIBRARY, find
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
-from .experiment import next_experiment
-from .fitting import Data, Fitted, Structure, data_of, noise_spectra
-from .latent import latent_forces
-from .locate import locate
+from .experiment.next_experiment import next_experiment
 from .mend import exported, record_fits
+from .place.locate import locate
+from .place.missing_force import latent_forces
 from .recordings import carries, same_quantity, split, why_unused
-from .remainder import Leftover, leftovers
-from .remainder import sentence as remainder_sentence
 from .result import Considered, Diagnosis, Effect, RecordFit, Verdict
-from .search import Search
-from .trials import Round, Trial
+from .search.fitting import Data, Fitted, Structure, data_of, noise_spectra
+from .search.judgement import Round, Trial
+from .search.residual_test import Leftover, leftovers
+from .search.residual_test import sentence as remainder_sentence
+from .search.search import Search
 
 #: A rig whose natural frequency or mass is off by more than this factor is another rig.
 _OTHER_FREQUENCY = 1.3

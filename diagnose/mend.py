@@ -9,21 +9,13 @@ import numpy as np
 
 from ..errors import DashpotError
 from ..export.fmu import export_fmu
-from ..export.fmu_run import FmuRun
 from ..export.platforms import own_platform
-from ..identify.decays import find_decays
-from ..identify.hilbert import noise_level
 from ..identify.replay import force_of, replayed
 from ..model import Oscillator
 from ..recording.recording import Recording
+from ..verify.fmu_run import FmuRun
+from ..verify.noise_floor import floor_of_model, pieces
 from .result import RecordFit
-
-
-def pieces(recording: Recording) -> list[Recording]:
-    """What can be simulated of a recording: all of it where the force is known, else its free decays."""
-    if recording.force is not None and np.any(recording.force):
-        return [recording]
-    return [recording.slice(decay.start, decay.stop) for decay in find_decays(recording)]
 
 
 def record_fits(
@@ -77,7 +69,7 @@ def _fit(
         forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))
         old.append(first)
         new.append(second)
-        variances.append(np.full(piece.n, _noise(model, piece) ** 2))
+        variances.append(np.full(piece.n, floor_of_model(model, piece) ** 2))
     if not times:
         return None
     y, first, second = (np.concatenate(parts) for parts in (measured, old, new))
@@ -99,19 +91,3 @@ def _fit(
         second,
         force if np.any(force) else None,
     )
-
-
-def _noise(model: Oscillator, recording: Recording) -> float:
-    """Rms that noise alone leaves: the sensor's, and that of the force as the model passes some more of it on."""
-    sensor = noise_level(np.asarray(recording.response, float), recording.fs)
-    force = force_of(recording)
-    if force is None or recording.force is None:
-        return sensor
-    from dataclasses import replace
-
-    level = noise_level(np.asarray(recording.force, float), recording.fs)
-    random = np.random.default_rng(0)
-    noisy = replace(recording, force=np.asarray(recording.force) + level * random.standard_normal(recording.n))
-    difference = replayed(model, noisy)[0] - replayed(model, recording)[0]
-    moved = float(np.sqrt(np.mean(difference**2)))
-    return float(np.hypot(sensor, moved)) if np.isfinite(moved) else sensor

@@ -7,9 +7,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .. import engine
 from ..errors import BadInput
 from ..model.equations import equations
-from ..simulate.core import engine_sources, template
 from ..simulate.law_source import law_source
 from .archive import write_archive
 from .backend import choose_backend
@@ -23,12 +23,6 @@ from .platforms import Platform
 if TYPE_CHECKING:
     from ..model import Oscillator
 
-#: Texts that are the same for every model, in the order in which they are included behind the law.
-_C_FILES = ("engine.c", "instance.c", "{types}", "component.c", "component_running.c", "component_state.c")
-#: What differs between the versions of FMI: the types first.
-_FMI_FILES = {2: ("fmi2_types.h", "fmi2.c"), 3: ("fmi3_types.h", "fmi3.c", "fmi3_absent.c")}
-#: Included by others.
-_FURTHER = ("continuous.c",)
 _MAIN = "all.c"
 #: Each role's name in C.
 _KINDS = {
@@ -89,7 +83,7 @@ def export_fmu(
         BadInput: where the backend is unknown, a value of the model is not finite, or the path cannot be written.
         ToolchainMissing: where the compiler for ``native`` or for one of the platforms is missing or fails.
     """
-    if version not in _FMI_FILES:
+    if version not in engine.FMU:
         raise BadInput(f"there is no FMI {version} here; use 2 or 3")
     if choose_backend(backend, platforms, progress) == "python":
         if version != 2:
@@ -108,11 +102,9 @@ def fmu_sources(
 ) -> tuple[dict[str, str], str]:
     """The C texts of the FMU by file name, and the GUID that ties them to their modelDescription.xml."""
     description = description or describe_fmu(oscillator, version=version)
-    types, *glue = _FMI_FILES[version]
-    included = [name.format(types=types) for name in _C_FILES] + glue
-    sources = engine_sources() | {name: template(name) for name in (*included, *_FURTHER)}
+    sources = engine.fmu_texts(version)
     sources["law.c"] = law_source(equations(oscillator), exported=True)
-    sources[_MAIN] = "".join(f'#include "{name}"\n' for name in ("law.c", *included))
+    sources[_MAIN] = engine.included("law.c", *engine.FMU[version])
     text = model_description(description, "", version=version)
     guid = guid_of([_variables_header(description, ""), text, *sorted(sources.values())])
     sources["variables.h"] = _variables_header(description, guid)

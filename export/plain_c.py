@@ -12,13 +12,13 @@ import unicodedata
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .. import __version__
+from .. import __version__, engine
 from ..errors import BadInput
 from ..model import units
 from ..model.equations import Equations, equations
 from ..model.show import value_and_error
-from ..simulate.core import engine_sources, template
 from ..simulate.law_source import law_source
+from ..templates import template
 from ..writing import replacing, writable
 from .description import Description, describe_fmu
 
@@ -83,7 +83,7 @@ def plain_c(oscillator: Oscillator, header: str) -> tuple[str, str]:
     struct, declarations = _engine_header()
     numbers = {"DP_NZ": eq.z.numel(), "DP_NP": eq.p.numel(), "DP_NS": len(eq.kinds)}
     declared = _render("plain.h.j2", {**values, "members": _Program(_sized(struct, numbers))})
-    sources = engine_sources() | {"engine.h": ""}
+    sources = engine.engine_texts() | {"engine.h": ""}
     parts = [
         f"/* {_comment(description.name)}: one oscillator in plain C, made by dashpot {__version__}. */\n"
         f'#include "{header}"\n',
@@ -112,9 +112,9 @@ def own(text: str) -> str:
 
 def _engine_header() -> tuple[str, str]:
     """Members of the engine's struct, and what else ``engine.h`` declares."""
-    text = re.sub(r"^#(ifndef|define) DASHPOT_ENGINE_H\n", "", template("engine.h"), flags=re.MULTILINE).removesuffix(
-        "#endif\n"
-    )
+    text = re.sub(
+        r"^#(ifndef|define) DASHPOT_ENGINE_H\n", "", engine.text("engine.h"), flags=re.MULTILINE
+    ).removesuffix("#endif\n")
     before, found, after = re.split(r"typedef struct \{\n(.*?)\n\} dp_engine;\n", text, flags=re.DOTALL)
     return found, before + after
 

@@ -21,7 +21,7 @@ from ..model import units
 from ..model.equations import equations
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_output, exact_step
-from ..simulate.core import template
+from ..templates import template
 from .contents import further_contents
 from .description import Description, Variable, describe_fmu
 from .documentation import documentation, guid_of

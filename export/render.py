@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from ..simulate.core import template
+from ..templates import template
 
 #: What XML 1.0 cannot hold even when escaped (section 2.2), among it the halves of a surrogate pair.
 _ILLEGAL = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")

@@ -14,9 +14,9 @@ from .backbone_figure import backbone_kind, model_backbone
 from .style import EXACT, FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
-    from ..export.verify import Verification
     from ..identify.identification import Identification
     from ..model import Oscillator
+    from ..verify.verification import Verification
 
 _TWO_PI = 2 * np.pi
 _POINTS = 200

@@ -16,9 +16,9 @@ from .levels import sine_levels
 from .style import EXACT, FORCED, FREE, MODEL, RESPONSE, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
-    from ..export.verify import Verification
     from ..identify.identification import Identification
     from ..model import Oscillator
+    from ..verify.verification import Verification
 
 _TWO_PI = 2 * np.pi
 #: At most this many points of a measured curve are drawn.

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..export.render import plain_text
-from ..export.verify import NOISE_RATIO
 from ..model.display import number, scale_of, times_text
+from ..verify.verification import NOISE_RATIO
 from .blocks import Block, Cell, Section, Table, Text, picture
 from .comparison import Comparison
 from .decimate import envelope

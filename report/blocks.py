@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 from typing import Any, ClassVar
 
 from ..errors import BadInput
 from ..export.render import plain_text
+from ..templates import template
 
 
 @dataclass(frozen=True)
@@ -119,9 +119,7 @@ def _template() -> Any:
 
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.finalize = lambda value: plain_lines(value) if type(value) is str else value
-    return environment.from_string(
-        resources.files("dashpot.templates").joinpath("report.html.j2").read_text(encoding="utf-8")
-    )
+    return environment.from_string(template("report.html.j2"))
 
 
 def plain_lines(text: str) -> str:

@@ -10,8 +10,8 @@ import numpy as np
 from ..identify.hilbert import noise_level
 
 if TYPE_CHECKING:
-    from ..export.verify import Verification
     from ..identify.identification import Identification
+    from ..verify.verification import Verification
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,8 +22,8 @@ from .time_history import recording_figure
 from .usage import usage_section
 
 if TYPE_CHECKING:
-    from ..export.verify import Verification
     from ..identify.identification import Identification
+    from ..verify.verification import Verification
 
 
 def identification_page(

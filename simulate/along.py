@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
+from .. import engine
 from ..model.law import Law, Motion
 from .compiler import shared_library
-from .core import template
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 #: Rate of an inner state times the step: Heun's method is then good to a few per cent of that state.
@@ -63,7 +63,8 @@ class Along:
             body = (Path(folder) / "law.c").read_text(encoding="utf-8")
         sizes = f"#define DP_INNER {inner.numel()}\n#define DP_VALUES {self.values}\n"
         head = '#define CASADI_SYMBOL_EXPORT static\n#include "law.c"\n'
-        sources = {"law.c": body, "along.c": template("along.c"), "all.c": f'{head}{sizes}#include "along.c"\n'}
+        main = head + sizes + engine.included(engine.ALONG)
+        sources = {"law.c": body, engine.ALONG: engine.text(engine.ALONG), "all.c": main}
         library = ctypes.CDLL(str(shared_library(sources, "all.c")))
         self._along = library.dp_along
         self._along.restype = None

@@ -1,4 +1,4 @@
-"""The event-exact step as a CasADi function: the same rules as templates/engine.c, for controllers and for Python.
+"""The event-exact step as a CasADi function: the same rules as engine/engine.c, for controllers and for Python.
 
 Signs are not remembered between steps but read off the state: a surface value of exactly zero is a motion that is
 just crossing (its direction decides) or that rests there. So the step is a plain function of state, force and

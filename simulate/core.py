@@ -5,11 +5,11 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 from functools import cached_property
-from importlib import resources
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .. import engine
 from ..errors import BadInput
 from ..model.equations import Equations, equations
 from ..model.law import Expression
@@ -25,16 +25,6 @@ _DOUBLES = ctypes.POINTER(ctypes.c_double)
 STEPS_PER_PERIOD = 75.0
 
 
-def template(name: str) -> str:
-    """Text of one of the C templates."""
-    return resources.files("dashpot.templates").joinpath(name).read_text(encoding="utf-8")
-
-
-def engine_sources() -> dict[str, str]:
-    """The texts of the engine by file name; ``engine.c`` includes the others, and stands behind the generated law."""
-    return {name: template(name) for name in ("engine.h", "flow.c", "events.c", "engine.c")}
-
-
 class Core:
     """The compiled equations of one model structure; parameters are an argument, so one core serves a whole fit."""
 
@@ -44,9 +34,9 @@ class Core:
         self.states = len(self.equations.state_names)
         sources = {
             "law.c": law_source(self.equations),
-            **engine_sources(),
-            "record.c": template("record.c"),
-            "core.c": '#include "law.c"\n#include "engine.c"\n#include "record.c"\n',
+            **engine.engine_texts(),
+            engine.RECORD: engine.text(engine.RECORD),
+            "core.c": engine.included("law.c", engine.ENGINE[-1], engine.RECORD),
         }
         self._library = ctypes.CDLL(str(shared_library(sources, "core.c")))
         self._record = self._library.dp_record

@@ -1,4 +1,4 @@
-"""The laws of one oscillator as C: what ``templates/engine.c`` integrates."""
+"""The laws of one oscillator as C: what ``engine/engine.c`` integrates."""
 
 from __future__ import annotations
 

@@ -10,15 +10,16 @@ import os
 import platform
 import sys
 from collections.abc import Mapping, Sequence
-from importlib import metadata, resources, util
+from importlib import metadata, util
 from pathlib import Path
 
+from .. import engine
 from .cache import cache_folder
 
 #: How to have it, as all messages say it.
 MORE = 'pip install "dashpot[platforms]"'
 WINDOWS = "x86_64-windows-gnu"
-_RUNTIME = "windows_runtime.c"
+_RUNTIME = engine.WINDOWS_RUNTIME
 _OBJECT = "library.o"
 #: Parts of the C library that Windows has had since 10.
 _SYSTEM = ("heap", "string", "stdio", "math")
@@ -71,7 +72,7 @@ def zig_sources(target: str | None) -> Mapping[str, str]:
     """Texts that have to lie beside those that are compiled for the target."""
     if target != WINDOWS:
         return {}
-    return {_RUNTIME: resources.files("dashpot.templates").joinpath(_RUNTIME).read_text(encoding="utf-8")}
+    return {_RUNTIME: engine.text(_RUNTIME)}
 
 
 def zig_environment(scratch: Path) -> Mapping[str, str]:

@@ -131,7 +131,7 @@ def test_the_checker_catches_a_violation(path: str, text: str) -> None:
     [
         ("identify/made_up.py", "from ..model import Oscillator\nfrom . import hilbert\nfrom .. import __version__"),
         ("model/laws/made_up.py", "from ...errors import BadInput\nfrom ..law import Law\nfrom . import preload"),
-        ("simulate/made_up.py", "from importlib import resources\nresources.files('dashpot.templates')"),
+        ("export/made_up.py", "from importlib import resources\nresources.files('dashpot.templates')"),
         ("cli.py", "from .identify import identify\nfrom .report import page\nfrom .errors import BadInput"),
         ("__main__.py", "from .cli import main"),
     ],

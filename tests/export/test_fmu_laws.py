@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from dashpot.export.description import describe_fmu
 from dashpot.export.fmu import export_fmu
-from dashpot.export.fmu_run import FmuRun
 from dashpot.model.laws import LIBRARY
+from dashpot.verify.fmu_run import FmuRun
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 

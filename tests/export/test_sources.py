@@ -11,9 +11,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dashpot.export.fmu_run import FmuRun
 from dashpot.export.platforms import own_platform
 from dashpot.simulate.force import straight_lines
+from dashpot.verify.fmu_run import FmuRun
 
 
 @pytest.mark.parametrize("version", [2, 3])

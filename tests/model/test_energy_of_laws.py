@@ -12,7 +12,7 @@ from dashpot.model import Oscillator, Response, units
 from dashpot.model.equations import equations, signed
 from dashpot.model.law import Law, LawParameter
 from dashpot.model.laws import LIBRARY
-from dashpot.model.laws.user import problems
+from dashpot.model.user_laws import problems
 
 PLAIN = {"omega0": 0.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.0, "dry": 0.0}
 X = np.linspace(-6e-3, 6e-3, 24)  # on none of the corners

@@ -10,10 +10,11 @@ import pytest
 from dashpot.cli import main
 from dashpot.errors import BadInput
 from dashpot.model import Oscillator
+from dashpot.model import user_laws as user
 from dashpot.model.describing import equivalent_stiffness
 from dashpot.model.file import save
-from dashpot.model.laws import LIBRARY, user
-from dashpot.model.laws.user import load_law_file
+from dashpot.model.laws import LIBRARY
+from dashpot.model.user_laws import load_law_file
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = re.findall(r"```python\n(.*?)```", (ROOT / "docs/laws.md").read_text(encoding="utf-8"), re.DOTALL)[0]

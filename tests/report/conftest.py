@@ -17,7 +17,6 @@ from dashpot.diagnose.result import (
     Location,
     RecordFit,
 )
-from dashpot.export.verify import Backbone, RecordingCheck, Verification
 from dashpot.identify import Identification, identify
 from dashpot.model import Oscillator, Parameter, Response
 from dashpot.model.laws import LIBRARY
@@ -25,6 +24,7 @@ from dashpot.model.oscillator import Provenance, Range
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force
+from dashpot.verify.verification import Backbone, RecordingCheck, Verification
 
 STAND = {
     "mass": 0.27,

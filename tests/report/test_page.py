@@ -9,7 +9,6 @@ from functools import cache
 from html.parser import HTMLParser
 
 import pytest
-from dashpot.export.verify import Verification
 from dashpot.model.display import number
 from dashpot.model.laws import LIBRARY
 from dashpot.report.agreement import agreement_section, verdict
@@ -18,6 +17,7 @@ from dashpot.report.comparison import comparisons
 from dashpot.report.page import identification_page
 from dashpot.report.parameters import equation_blocks
 from dashpot.report.usage import usage_section
+from dashpot.verify.verification import Verification
 
 VOID = {"meta", "link", "br", "hr", "img", "input"}
 NASTY = '"; system("x"); // <script>alert(1)</script> $x^{2 & \'ü\' \x00\ud800 {{ 7*7 }}'

@@ -12,13 +12,13 @@ import casadi
 import numpy as np
 import pytest
 from dashpot.export.fmu import export_fmu
-from dashpot.export.fmu_run import FmuRun
 from dashpot.export.python_fmu import output_function
 from dashpot.model.equations import equations, rates_feel_rest, signed
 from dashpot.model.laws import LIBRARY
 from dashpot.simulate.casadi_step import exact_step
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force, straight_lines
+from dashpot.verify.fmu_run import FmuRun
 from scipy.integrate import solve_ivp
 from scipy.interpolate import PPoly
 

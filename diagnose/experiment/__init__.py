@@ -1,0 +1,1 @@
+"""What to record next: the experiment that tells the rivals apart."""

@@ -1,0 +1,130 @@
+"""Models rehearsed under excitations that were never played: responses, derivatives, and what one can imitate."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...identify.likelihood import equivalent_resonance
+from ...identify.noise_spectrum import NoiseSpectrum
+from ...identify.output_error import OutputError, State
+from ...identify.segments import FORCE_BAND, Segment
+from ...model import Oscillator
+from ...model.oscillator import QUANTITIES
+from ...simulate.core import core_of, internal_step
+from ...simulate.force import smooth_force
+from ..search.fitting import Data, parameter_bounds, parameter_sizes
+from .excitations import BEYOND, Excitation
+
+_SMALL = 1e-2
+#: Longer steps than those of a model that is delivered: the error stays far below any noise.
+_COARSER = 1.6
+#: Steps of a rival's fit to a rehearsed response.
+_STEPS = 8
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """One model under all excitations: responses (n,), and whitened these and their derivatives (k, n).
+
+    None where the simulation fails.
+    """
+
+    problem: OutputError
+    state: State
+    raw: tuple[np.ndarray, ...]
+    noise: tuple[NoiseSpectrum | None, ...]
+    responses: tuple[np.ndarray | None, ...]
+    derivatives: tuple[np.ndarray | None, ...]
+    peaks: tuple[float, ...]
+
+    def imitates(self, other: Played, i: int) -> float:
+        """How many times the noise this model stays off another's response with all its parameters fitted to it."""
+        noise = other.noise[i]
+        if noise is None or self.responses[i] is None:
+            return 0.0
+        segment = replace(self.problem.segments[i], response=other.raw[i])
+        p = self.problem
+        alone = OutputError(p.core, (segment,), p.free, p.scale, p.state_scale, p.max_step, p.bounds)
+        start = State(self.state.values, self.state.initial[i : i + 1])
+        return float(np.sqrt(2.0 * alone.search(start, (noise,), tolerance=0.5, most=_STEPS).cost))
+
+
+def rehearse(
+    model: Oscillator, reference: Oscillator, plans: Sequence[Excitation], data: Data, rate: float, fs: float
+) -> Played:
+    """Simulate one model under all excitations; noise as the reference passes it on, the same for all models."""
+    core = core_of(model)
+    scales = data.scales
+    segments, initial = [], np.zeros((len(plans), core.states))
+    for i, plan in enumerate(plans):
+        samples = plan.signal(rate)
+        natural = model.omega0.value / (2 * np.pi)
+        force = None if plan.kind == "decay" else smooth_force(samples, 1 / rate, FORCE_BAND * natural)
+        zero = np.zeros(samples.size)
+        segments.append(Segment(0, 0, samples.size, zero, force, 1 / rate, 0.0, scales.omega, rests=force is not None))
+        if force is None:
+            initial[i, 0] = plan.level
+    inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]
+    sizes = np.array([_SMALL * scales.length, _SMALL * scales.length * scales.omega, *inner])
+    values = np.array(list(model.values().values()))
+    step = internal_step(model, model.values(), BEYOND * scales.length) * _COARSER
+    parameters = range(values.size)
+    problem = OutputError(
+        core, segments, tuple(parameters), parameter_sizes(model, scales), sizes, step, parameter_bounds(model, scales)
+    )
+    state = State(values, initial)
+    residuals = problem.residuals(state)
+    derivatives = problem.derivatives(state, [np.where(np.isfinite(r), r, 0.0) for r in residuals])
+    noises, responses, slopes, peaks = [], [], [], []
+    for i, segment in enumerate(segments):
+        fine = np.all(np.isfinite(residuals[i]))
+        noise = _noise(segment, -residuals[i], reference, data, rate / fs) if fine else None
+        noises.append(noise)
+        responses.append(None if noise is None else noise.whiten(-residuals[i]))
+        slopes.append(None if noise is None else noise.whiten(derivatives[i]))
+        order = QUANTITIES.index(model.response.quantity)
+        peaks.append(float(np.max(np.abs(residuals[i]))) / scales.omega**order if fine else np.inf)
+    raw = tuple(-residual for residual in residuals)
+    return Played(problem, state, raw, tuple(noises), tuple(responses), tuple(slopes), tuple(peaks))
+
+
+def _noise(segment: Segment, response: np.ndarray, model: Oscillator, data: Data, thinned: float) -> NoiseSpectrum:
+    """Sensor noise, and force noise through the resonance; fewer samples than recorded count for as much."""
+    sensor = float(np.median(data.sensor)) ** 2 * thinned
+    if sensor <= 0.0:
+        sensor = (1e-4 * data.scales.response) ** 2
+    density = np.full(segment.n // 2 + 1, sensor)
+    if segment.force is not None and model.mass is not None and np.any(response):
+        force = max(data.force) ** 2 * thinned
+        heard = replace(segment, response=response)
+        density = density + force / model.mass.value**2 * equivalent_resonance(
+            heard, model.values(), model.response.quantity
+        )
+    return NoiseSpectrum(density, segment.n)
+
+
+def apart(one: Played, other: Played, i: int) -> float:
+    """By how many times the noise two models differ, the more easily imitated direction counting."""
+    a, b = one.responses[i], other.responses[i]
+    if a is None or b is None:
+        return 0.0
+    found = []
+    for rival in (one, other):
+        slopes = rival.derivatives[i]
+        found.append(float(np.linalg.norm(off(a - b, slopes))))
+    return min(found)
+
+
+def off(difference: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
+    """What of the difference the slopes cannot imitate."""
+    if slopes is None:
+        return difference
+    size = np.linalg.norm(slopes, axis=1)
+    rows = slopes[size > 0] / size[size > 0, None]
+    if not rows.size:
+        return difference
+    basis, _ = np.linalg.qr(rows.T)
+    return difference - basis @ (basis.T @ difference)

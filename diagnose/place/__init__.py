@@ -1,0 +1,1 @@
+"""Where simulation and recording differ: the missing force, and what it follows."""

@@ -1,0 +1,91 @@
+"""Where a model and the recordings differ beyond the noise: ranges, harmonic orders, and one sentence to act on."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...errors import DashpotError
+from ...model import Oscillator
+from ..result import Location
+from ..search.fitting import Data, Fitted
+from .equation_error import equation_error
+from .mismatch_ranges import excess_range
+from .statement import how_far_off, in_which_recordings, what_it_follows
+from .what_it_follows import Symptoms, symptoms
+
+#: Log-likelihood a sample that a missing force must gain: less is 2 % of the noise's power, which is known no better.
+_EVIDENCE = 0.01
+
+
+def locate(fitted: Fitted, data: Data) -> Location:
+    """Say where the mismatch lies.
+
+    Displacement, velocity and harmonic orders are those of the missing force (see ``equation_error``), since a free-run
+    residual shows a wrong force only later, as a phase error. ``path`` is a guess from the symptoms alone.
+
+    Args:
+        fitted: the best fit of the given family.
+        data: what it was fitted to.
+    """
+    model = fitted.model
+    if not np.all(np.isfinite(list(model.values().values()))):
+        return _everywhere(data, model, "the place cannot be told: the model has values that are no numbers")
+    try:
+        stretches, evidence = equation_error(model, data)
+    except (DashpotError, np.linalg.LinAlgError) as problem:
+        return _everywhere(data, model, f"the place cannot be told: {problem}")
+    if not stretches:
+        return _everywhere(
+            data, model, "the place cannot be told: the recordings move too little or for too few cycles"
+        )
+    off = how_far_off(fitted, data)
+    if evidence < _EVIDENCE:
+        return _everywhere(data, model, f"no missing force stands out of the noise in any recording{off}")
+    found = symptoms(stretches)
+    if not found.here:
+        return _everywhere(data, model, f"too little stands out of the noise in any one recording to tell where{off}")
+    return _location(found, data, fitted)
+
+
+def _everywhere(data: Data, model: Oscillator, statement: str) -> Location:
+    """The widest ranges, with an honest sentence."""
+    length, speed = data.scales.length, data.scales.length * data.scales.omega
+    nyquist = max(0.5 * r.fs for r in data.recordings)
+    return Location(
+        path="unknown",
+        statement=statement,
+        displacement=(-length, length),
+        velocity=(-speed, speed),
+        amplitude=(0.0, length),
+        frequency_hz=(0.0, nyquist),
+        time_s=(min(r.start for r in data.recordings), max(r.start + r.duration for r in data.recordings)),
+        recordings=tuple(r.name for r in data.recordings),
+        harmonics={},
+    )
+
+
+def _location(found: Symptoms, data: Data, fitted: Fitted) -> Location:
+    rows, model = found.rows, fitted.model
+    wide = _everywhere(data, model, "")
+    x, v = rows.joined(lambda s: s.x), rows.joined(lambda s: s.v)
+    ranges = {
+        "displacement": excess_range(rows, x) or (float(np.min(x)), float(np.max(x))),
+        "velocity": excess_range(rows, v) or (float(np.min(v)), float(np.max(v))),
+        "amplitude": excess_range(rows, rows.joined(lambda s: s.amplitude)) or wide.amplitude,
+        "frequency_hz": excess_range(rows, rows.joined(lambda s: s.frequency_hz)) or wide.frequency_hz,
+        "time_s": excess_range(rows, rows.joined(lambda s: s.time)) or wide.time_s,
+    }
+    what, narrower = what_it_follows(found, model, ranges)
+    ranges |= narrower
+    names = [r.name for r in data.recordings]
+    return Location(
+        path=found.path,
+        statement=f"{what}; {in_which_recordings(found, names)}{how_far_off(fitted, data)}",
+        displacement=ranges["displacement"],
+        velocity=ranges["velocity"],
+        amplitude=ranges["amplitude"],
+        frequency_hz=ranges["frequency_hz"],
+        time_s=ranges["time_s"],
+        recordings=found.here or tuple(names),
+        harmonics=found.orders,
+    )

@@ -1,0 +1,158 @@
+"""Where along a coordinate the missing force lies: ranges that stand out of the noise, harmonic orders, one tone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .equation_error import Stretch
+from .free_form import Rows
+
+#: A range is reported where the excess is beyond this many of its standard errors ...
+SIGNIFICANT = 3.0
+#: ... and at least this part of the largest.
+_NOTABLE = 0.05
+_BINS = 20
+#: The noise's own power is known no better than to this part.
+_DOUBT = 0.2
+ORDERS = 6
+#: A line stands out of the spectrum around it by this factor of power: by chance once in 10,000 recordings.
+_LINE = 25.0
+#: In the other recordings the same frequency is asked for, not any.
+_SAME_LINE = 8.0
+_LONG_CYCLES = 80.0
+#: A force from outside has one size; recordings cut and fade it by less than this.
+_STEADY = 0.5
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line in the spectrum of the missing force.
+
+    Attributes:
+        frequency_hz, amplitude: where it is, and how strong (per unit mass).
+        steady: whether it is as strong in all recordings, as a force from outside is; a second body rings the more
+            the harder it is driven.
+    """
+
+    frequency_hz: float
+    amplitude: float
+    steady: bool
+
+
+def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) -> tuple[float, float] | None:
+    """Lowest and highest value between which the missing force's power stands out; None where it does nowhere."""
+    fine = np.isfinite(values) if use is None else np.isfinite(values) & use
+    if np.count_nonzero(fine) < 3 * _BINS:
+        return None
+    values = values[fine]
+    low, high = np.quantile(values, [0.002, 0.998])
+    edges = np.linspace(low, high, _BINS + 1)
+    place = np.clip(np.searchsorted(edges, values) - 1, 0, _BINS - 1)
+    left, silent = rows.left[fine] ** 2, rows.silent[fine] ** 2
+    blocks = rows.block[fine]
+    clear = np.zeros(_BINS, bool)
+    mean = np.zeros(_BINS)
+    for i in range(_BINS):
+        here = place == i
+        if np.count_nonzero(here) >= 10:
+            clear[i], mean[i] = _beyond(left[here], silent[here], blocks[here])
+    clear &= mean > _NOTABLE * np.max(mean, initial=0.0, where=clear)
+    if not np.any(clear):
+        return None
+    return float(edges[np.argmax(clear)]), float(edges[_BINS - np.argmax(clear[::-1])])
+
+
+def where_it_is(rows: Rows) -> list[bool]:
+    """For each stretch whether its missing force is beyond the noise, block by block."""
+    found = []
+    for i in range(len(rows.stretches)):
+        left, silent = rows.part(rows.left, i), rows.part(rows.silent, i)
+        found.append(_beyond(left**2, silent**2, rows.part(rows.block, i))[0])
+    return found
+
+
+def _beyond(left: np.ndarray, silent: np.ndarray, block: np.ndarray) -> tuple[bool, float]:
+    """Whether power is beyond that of the noise by its own scatter from block to block, and how much a sample."""
+    block = block - block.min()
+    count = np.bincount(block)
+    sums = np.bincount(block, silent)[count > 0]
+    spread = np.sqrt(2.0 * np.sum((sums - np.mean(sums)) ** 2)) if sums.size > 2 else 2.0 * np.sum(sums)
+    excess, noise = float(np.sum(left) - np.sum(silent)), float(np.sum(silent))
+    return bool(excess > SIGNIFICANT * spread and excess > _DOUBT * noise), excess / left.size
+
+
+def orders(rows: Rows) -> tuple[dict[int, float], tuple[float, float]]:
+    """Shares of the missing force's power that are locked to the motion's phase, by harmonic order; the rest is not.
+
+    Returns:
+        Order to share, and the parts of the first order that are in phase with displacement and with velocity.
+    """
+    power = np.zeros((2, ORDERS))
+    first = np.zeros((2, 2))
+    for i, s in enumerate(rows.stretches):
+        if not np.all(np.isfinite(s.phase)):
+            continue
+        blocks = rows.part(rows.block, i)
+        turns = np.arange(1, ORDERS) * s.phase[:, None]
+        columns = np.column_stack([np.ones(s.n), np.cos(turns), np.sin(turns)])
+        signals = np.column_stack([rows.part(rows.left, i), rows.part(rows.silent, i)])
+        for block in np.unique(blocks):
+            here = blocks == block
+            if np.count_nonzero(here) < 4 * ORDERS:
+                continue
+            found = np.linalg.lstsq(columns[here], signals[here], rcond=1e-6)[0]
+            count = np.count_nonzero(here)
+            cosine, sine = found[1:ORDERS] ** 2 / 2, found[ORDERS:] ** 2 / 2
+            power += count * np.vstack([found[0] ** 2, cosine + sine]).T
+            first += count * np.vstack([cosine[0], sine[0]])
+    excess = np.maximum(power[0] - power[1], 0.0)
+    total = max(float(rows.left @ rows.left - rows.silent @ rows.silent), float(np.sum(excess)), 1e-300)
+    parts = np.maximum(first[:, 0] - first[:, 1], 0.0) / total
+    return {k: float(excess[k] / total) for k in range(ORDERS)}, (float(parts[0]), float(parts[1]))
+
+
+def line_in(rows: Rows) -> Line | None:
+    """The line that all long recordings have in common, or None."""
+    spectra = [_spectrum(rows, i) for i, s in enumerate(rows.stretches) if _long(s)]
+    if not spectra:
+        return None
+    frequency, standing, _ = max(spectra, key=lambda one: float(np.max(one[1])))
+    best = int(np.argmax(standing))
+    if standing[best] < _LINE:
+        return None
+    beside = np.r_[standing[max(best - 12, 0) : max(best - 6, 0)], standing[best + 7 : best + 13]]
+    if np.max(beside, initial=0.0) > 0.2 * standing[best]:
+        return None  # a resonance or a sweep's passage, not a line
+    amplitudes = []
+    for other, level, size in spectra:
+        near = np.abs(other - frequency[best]) < 1.5 * (other[2] - other[0])
+        if not np.any(near) or np.max(level[near]) < _SAME_LINE:
+            return None
+        amplitudes.append(float(np.max(size[near])))
+    steady = min(amplitudes) > _STEADY * max(amplitudes)
+    return Line(float(frequency[best]), float(np.median(amplitudes)), steady)
+
+
+def _long(s: Stretch) -> bool:
+    finite = s.frequency_hz[np.isfinite(s.frequency_hz)]
+    return bool(finite.size) and float(np.ptp(s.time)) * float(np.median(finite)) > _LONG_CYCLES
+
+
+def _spectrum(rows: Rows, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Frequencies in Hz, power in units of the median around, and amplitude of each line of one stretch."""
+    from scipy.ndimage import median_filter
+
+    s = rows.stretches[index]
+    step = float(np.min(np.diff(s.time)))
+    place = np.round((s.time - s.time[0]) / step).astype(int)
+    signal = np.zeros(place[-1] + 1)
+    window = np.zeros(place[-1] + 1)
+    window[place] = np.hanning(place[-1] + 3)[1:-1][place]
+    signal[place] = rows.part(rows.left, index) / rows.part(rows.weight, index)
+    transform = np.abs(np.fft.rfft(signal * window, 2 * signal.size))
+    frequency = np.fft.rfftfreq(2 * signal.size, step)
+    around = median_filter(transform**2, 101, mode="nearest")
+    standing = np.where(np.arange(frequency.size) > 50, transform**2 / np.maximum(around, 1e-300), 0.0)
+    return frequency, standing, 2 * transform / float(np.sum(window))

@@ -1,0 +1,125 @@
+"""The missing force beside what the named effects make of it, over time, displacement and velocity.
+
+Both stand on the same ground: the family's own terms with the values of the *mended* model. A fit of the family alone
+bends its terms around what is missing, so that a drag shows as what is left of it beside a wrong viscous damping;
+on the mended values the smoother, which knows no law, must find the named force itself, or the name is wrong. Where
+nothing was named there are no better values than the family's best.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ...errors import DashpotError
+from ...model import Oscillator
+from ...model.equations import equations
+from ...model.oscillator import Term
+from ..result import LatentForce
+from ..search.fitting import Data, Fitted
+from .model_force import term_force
+from .smoother import Smoothed, Smoother
+
+_RECORDINGS = 3
+#: Segments that are smoothed to choose from, those with the most beyond their noise.
+_LOOKED_AT = 6
+#: Samples shown of each.
+_SHOWN = 4000
+
+
+def latent_forces(before: Fitted, data: Data, named: Oscillator | None) -> tuple[LatentForce, ...]:
+    """The missing force in the recordings, at most three, that show it best.
+
+    Args:
+        before: the best fit of the given family.
+        data: what it was fitted to.
+        named: the mended model; its terms that the family lacks are the named effects.
+
+    Returns:
+        One stretch a recording, that where the force is largest. ``named`` in them is None where nothing was named,
+        or where an effect sits in the sensor and is no force. The standard deviation is the smoother's; the
+        uncertainty of the family's own parameters is not in it.
+    """
+    family, effects = before.model, ()
+    if named is not None:
+        own = {term.effect for term in before.model.terms}
+        effects = tuple(term for term in named.terms if term.effect not in own)
+        family = replace(named, terms=tuple(term for term in named.terms if term.effect in own))
+    power = [
+        float(np.sum(np.square(residual))) / max(sensor, 1e-300) ** 2
+        for residual, sensor in zip(before.residuals, data.sensor, strict=True)
+    ]
+    found: list[tuple[float, int, LatentForce]] = []
+    for i in sorted(range(len(power)), key=lambda i: -power[i] if np.isfinite(power[i]) else -np.inf)[:_LOOKED_AT]:
+        try:
+            smoother = Smoother(family, data, i)
+            first, last = _stretch(smoother)
+            smoothed = smoother.smooth(first, last, prior=smoother.most_likely(first, min(last, first + _SHOWN)))
+        except (DashpotError, np.linalg.LinAlgError):
+            continue
+        law = _named(effects, family, smoother, smoothed, first, last)
+        name = data.recordings[data.segments[i].recording].name
+        clear = float(np.mean(smoothed.force**2) / max(float(np.mean(smoothed.std**2)), 1e-300))
+        found.append((clear, data.segments[i].recording, _shown(name, smoothed, law)))
+    chosen: dict[int, LatentForce] = {}
+    for _, recording, force in sorted(found, key=lambda one: -one[0]):
+        if recording not in chosen and len(chosen) < _RECORDINGS:
+            chosen[recording] = force
+    return tuple(chosen[recording] for recording in sorted(chosen))
+
+
+def _stretch(smoother: Smoother) -> tuple[int, int]:
+    """Where the missing force is largest, found by a first look at the whole segment."""
+    if smoother.n <= _SHOWN:
+        return 0, smoother.n
+    whole = smoother.smooth()
+    power = np.concatenate([[0.0], np.cumsum(np.where(whole.moving, whole.force**2, 0.0))])
+    first = int(np.argmax(power[_SHOWN:] - power[:-_SHOWN]))
+    return first, first + _SHOWN
+
+
+def _shown(name: str, smoothed: Smoothed, law: np.ndarray | None) -> LatentForce:
+    return LatentForce(
+        file=name,
+        time=smoothed.time,
+        displacement=smoothed.displacement,
+        velocity=smoothed.velocity,
+        force=smoothed.force,
+        std=smoothed.std,
+        named=law,
+    )
+
+
+def _named(
+    effects: tuple[Term, ...], family: Oscillator, smoother: Smoother, smoothed: Smoothed, first: int, last: int
+) -> np.ndarray | None:
+    """(n,) what the effects make of the measured motion; None where there is none or one is no force."""
+    if not effects or any(term.law.record is not None for term in effects):
+        return None
+    mass = 1.0 if family.mass is None else family.mass.value
+    motion, step = smoother.along(mass)
+    parts = round(smoother.dt / step)
+    total = np.zeros(last - first)
+    drive = motion[:, 3]
+    for term in effects:
+        if term.law.drive is not None:
+            drive = term_force(term, np.column_stack([motion[:, :3], drive]), step)
+            continue
+        force = term_force(term, motion, step)[::parts][first:last]
+        total += _in_phase(force, smoothed.force - total) if _free(term, family) else force
+    return total + (motion[:, 3] - drive)[::parts][first:last] / mass
+
+
+def _free(term: Term, family: Oscillator) -> bool:
+    """Whether the force has a phase of its own in each recording."""
+    return any(state.free for state in equations(replace(family, terms=(term,))).inner)
+
+
+def _in_phase(force: np.ndarray, found: np.ndarray) -> np.ndarray:
+    """A periodic force with the phase that suits what the smoother found; its size is the law's."""
+    from scipy.signal import hilbert
+
+    analytic = np.asarray(hilbert(force))
+    turn = complex(np.vdot(analytic, found))
+    return np.real(analytic * turn / abs(turn)) if abs(turn) > 0 else force

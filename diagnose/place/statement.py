@@ -1,0 +1,216 @@
+"""The sentence that says where the mismatch lies, so that a person can act on it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...model import Oscillator
+from ...model.units import compose
+from ..search.fitting import Data, Fitted
+from ..wording import figure, quantity, spoken
+from .free_form import KINDS, Rows, explained, idle, solve
+from .mismatch_ranges import where_it_is
+from .what_it_follows import LOCKED, Symptoms, with_kind
+
+#: Places at which an onset is looked for, in parts of the largest displacement.
+_ONSETS = np.linspace(0.1, 0.9, 17)
+#: Speeds at which friction may change, in parts of the largest.
+_SPEEDS = np.array([0.02, 0.04, 0.08, 0.15])
+
+
+#: Low and high by the name of the coordinate, as in ``Location``.
+Ranges = dict[str, tuple[float, float]]
+
+
+def what_it_follows(found: Symptoms, model: Oscillator, ranges: Ranges) -> tuple[str, Ranges]:
+    """The first half of the sentence, and the ranges that it narrows."""
+    rows, unit = found.rows, model.response.displacement_unit
+    if found.kind in ("tone", "ringing") and found.line is not None:
+        line = found.line
+        pull = quantity(line.amplitude, compose("X/s2", unit))
+        what = f"at {line.frequency_hz:.4g} Hz, "
+        if line.steady:
+            what += f"whatever the motion: a force of {pull} per unit mass that was not recorded"
+        else:
+            what += f"more where the rig moves more, about {pull} per unit mass: a second body that rings"
+        return what, {"frequency_hz": (line.frequency_hz, line.frequency_hz)}
+    if found.kind == "displacement":
+        what, acts = _over_displacement(rows, unit, ranges["displacement"])
+        return what, {"displacement": acts}
+    if found.kind in ("velocity", "damping by position"):
+        return _over_velocity(rows, found, unit), {}
+    return _in_words(found, rows, model, ranges), {}
+
+
+def _over_displacement(rows: Rows, unit: str, full: tuple[float, float]) -> tuple[str, tuple[float, float]]:
+    """The sentence for a force that follows the displacement, and the range where it acts."""
+    x = rows.joined(lambda s: s.x)
+    size = float(np.max(np.abs(x)))
+    smooth = max(_gain(rows, x**2), _gain(rows, x**5), _gain(rows, x**2, x**5))
+    best, side, onset = 0.0, 0, 0.0
+    pitch = float(_ONSETS[1] - _ONSETS[0])
+    for places in (_ONSETS, np.linspace(-pitch, pitch, 9)):
+        middle = 0.0 if places is _ONSETS else onset
+        for part in middle + places * size:
+            plus, minus = np.maximum(x - part, 0.0), np.maximum(-x - part, 0.0)
+            for which, column in ((1, plus), (-1, -minus), (0, plus - minus)):
+                if np.count_nonzero(column) > 50 and (gain := _gain(rows, column)) > best:
+                    best, side, onset = gain, which, float(part)
+    if best > smooth + idle(rows, 3):
+        low, high = full if side == 0 else (onset, float(x.max())) if side > 0 else (float(x.min()), -onset)
+        sides = {1: "on the positive side", -1: "on the negative side", 0: "on both sides"}[side]
+        at = onset if side >= 0 else -onset
+        return (
+            f"beyond {quantity(at, unit)} {sides}, and nothing that the family cannot tell before: a spring force that "
+            "sets in there",
+            (low, high),
+        )
+    lopsided = _gain(rows, x**2, x**4) > _gain(rows, x**5, np.abs(x) * x)
+    growing = _slope(rows, x**2 if lopsided else x**5)
+    where = "at every displacement, more the larger it is"
+    if lopsided:
+        stiffer = "positive" if growing > 0 else "negative"
+        return f"{where}: a spring force that is not alike on both sides (stiffer on the {stiffer} one)", full
+    bend = "stiffens" if growing > 0 else "gives way"
+    return f"{where}, alike on both sides: a spring that {bend} otherwise than its cubic term", full
+
+
+def _over_velocity(rows: Rows, found: Symptoms, unit: str) -> str:
+    """The same for one that follows the velocity."""
+    x, v = rows.joined(lambda s: s.x), rows.joined(lambda s: s.v)
+    if found.kind == "damping by position":
+        more = "more" if _slope(rows, x**2 * v) > 0 else "less"
+        even = _gain(rows, x**2 * v) > _gain(rows, x * v)
+        side = (
+            "far from the middle"
+            if even
+            else "on the positive side"
+            if _slope(rows, x * v) > 0
+            else "on the negative side"
+        )
+        return f"a damping that depends on the displacement: {more if even else 'more'} {side}"
+    lopsided = _gain(rows, np.abs(v)) > _gain(rows, v * np.abs(v))
+    if lopsided:
+        way = "upwards" if _slope(rows, np.abs(v)) > 0 else "downwards"
+        return f"at every displacement, a resistance that is larger when it moves {way} than back"
+    slow, speed = 0.0, 0.0
+    largest = float(np.max(np.abs(v)))
+    for part in _SPEEDS * largest:
+        column = np.sign(v) * np.exp(-np.abs(v) / part)
+        if (gain := _gain(rows, column)) > slow:
+            slow, speed = gain, float(part)
+    if slow > max(_gain(rows, v * np.abs(v)), _gain(rows, v**3)) + idle(rows, 2):
+        more = "more" if _slope(rows, np.sign(v) * np.exp(-np.abs(v) / speed)) > 0 else "less"
+        low = quantity(2 * speed, compose("X/s", unit))
+        return f"at every displacement, {more} friction at speeds below about {low} than above"
+    if _slope(rows, v * np.abs(v)) > 0:
+        return (
+            "at every displacement, a resistance that grows faster with speed than dry and viscous friction (a drag, "
+            "or friction that falls with speed first)"
+        )
+    return "at every displacement, a resistance that grows less with speed than dry and viscous friction"
+
+
+def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) -> str:
+    """The sentence of the other kinds."""
+    unit = model.response.displacement_unit
+    if found.kind == "constant":
+        pull = _slope(rows, np.ones(rows.target.size))
+        shift = -pull / model.omega0.value**2
+        return (
+            f"always, whatever the motion: a constant pull of {quantity(-pull, compose('X/s2', unit))} per unit mass, "
+            f"or a zero of the sensor that is {quantity(shift, unit)} off"
+        )
+    if found.kind == "delay":
+        late = _slope(rows, rows.joined(lambda s: s.drive_rate))
+        order = "after" if late > 0 else "before"
+        return (
+            "where a force acts, in step with its rate of change: the motion comes "
+            f"{figure(1e3 * abs(late))} ms {order} what the recorded force says (a delay or lag of actuator, "
+            "sensor or clock)"
+        )
+    if found.kind == "time":
+        longest = max(float(np.ptp(s.time)) for s in rows.stretches)
+        x, t = rows.joined(lambda s: s.x), rows.joined(lambda s: s.time)
+        change = _slope(rows, x * t) * longest / model.omega0.value**2
+        word = "grows" if change > 0 else "falls"
+        part = figure(100 * abs(change), 2)
+        return f"as time passes: the stiffness {word} by about {part} % in {figure(longest)} s of a recording"
+    if found.kind == "force":
+        return f"where a force acts, and following it rather than the motion: {_over_force(rows)}"
+    if found.kind == "sensor":
+        return (
+            "at large displacements, as a sensor that is not straight would show it: in the record, not in the motion"
+        )
+    if found.kind == "memory":
+        return (
+            f"in step with the motion (order 1: {100 * found.first[0]:.0f} % with displacement, "
+            f"{100 * found.first[1]:.0f} % with velocity) and no function of either: a force that remembers, or a "
+            "second body"
+        )
+    locked = sum(found.orders.values())
+    if locked < LOCKED and np.ptp(ranges["amplitude"]) > 0.8 * np.max(ranges["amplitude"]):
+        return "at all times and amplitudes, and in step with nothing: noise that is not white, or a force from outside"
+    strongest = max(found.orders, key=lambda k: found.orders[k])
+    low, high = ranges["amplitude"]
+    return (
+        f"at amplitudes from {quantity(low, unit)} to {quantity(high, unit)}, most in order {strongest} of the motion, "
+        "following neither displacement, velocity, force nor time alone"
+    )
+
+
+def _over_force(rows: Rows) -> str:
+    """What happens between the recorded force and the mass, as far as its shape tells."""
+    force, rate = rows.joined(lambda s: s.drive), rows.joined(lambda s: s.drive_rate)
+    turning = np.clip(rate / max(0.1 * float(np.std(rate)), 1e-300), -1.0, 1.0)
+    bend = np.abs(force) * force
+    if _gain(rows, turning) > max(_gain(rows, bend), _gain(rows, force**3)):
+        return "it holds back when the force turns (play or friction between the recorded force and the mass)"
+    word = "less" if _slope(rows, bend) > 0 else "more"
+    return f"of large forces {word} arrives than in proportion"
+
+
+def in_which_recordings(found: Symptoms, names: list[str]) -> str:
+    """In which recordings it is, in which it should be and is not, and which cannot tell."""
+    rows = found.rows
+    used = list(dict.fromkeys(s.name for s in rows.stretches))
+    here = [name for name in names if name in found.here]
+    driven = {s.name for s in rows.stretches if s.driven}
+    free = [name for name in used if name not in driven]
+    if found.kind in ("force", "delay"):
+        rest = with_kind(found)
+        still = [s.name for s, beyond in zip(rows.stretches, where_it_is(rest), strict=True) if beyond and not s.driven]
+        told = f"free decay ({spoken(free)}) agrees without it" if free and not still else "free decay cannot tell"
+        return f"in the forced recordings ({spoken([name for name in here if name in driven])}); {told}"
+    if len(here) == len(used):
+        return "in every recording" if len(used) > 1 else f"in {here[0]}"
+    absent = [name for name in used if name not in here]
+    if found.kind in KINDS:
+        rest = with_kind(found)
+        quiet = set()
+        for i, s in enumerate(rows.stretches):
+            made = rows.part(rows.left, i) - rest.part(rest.left, i)
+            if float(made @ made) < 0.5 * float(np.sum(rows.part(rows.silent, i) ** 2)):
+                quiet.add(s.name)
+        if set(absent) <= quiet:
+            return f"in {spoken(here)}; in {spoken(absent)} it would be too small to see"
+    return f"in {spoken(here)}, not in {spoken(absent)}"
+
+
+def how_far_off(fitted: Fitted, data: Data) -> str:
+    """How far the response is off."""
+    worst, name = 0.0, ""
+    for segment, residual, sensor in zip(data.segments, fitted.residuals, data.sensor, strict=True):
+        times = float(np.sqrt(np.mean(residual**2))) / max(sensor, 1e-300)
+        if np.isfinite(times) and times > worst:
+            worst, name = times, data.recordings[segment.recording].name
+    return f" (response off by up to {figure(worst, 2)} times the noise, in {name})" if name else ""
+
+
+def _gain(rows: Rows, *columns: np.ndarray) -> float:
+    return explained(rows, np.column_stack(columns) * rows.weight[:, None])
+
+
+def _slope(rows: Rows, column: np.ndarray) -> float:
+    """Coefficient of one column, the family's own terms beside it."""
+    return float(solve(np.column_stack([rows.base, column * rows.weight]), rows.target)[-1])

@@ -1,0 +1,166 @@
+"""Whether what a model leaves over is noise.
+
+The noise's level comes from the highest frequencies of the signals, so that noise which is not white leaves more
+than that without any physics behind it. Physics moves with the rig: what grows with the motion, keeps step with its
+cycles, or bursts out at some instant, is a mismatch; what goes on alike whatever the rig does is noise of another
+colour.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...identify.likelihood import equivalent_resonance
+from ...identify.noise_spectrum import estimate
+from ..wording import figure
+from .fitting import Data, Fitted
+
+#: What is left may exceed the noise by this factor: the noise itself is estimated.
+ABOVE_NOISE = 1.1
+#: Where a segment is too short to see how it moves with the rig: coloured noise of a sensor stays below this.
+_FAR_ABOVE_NOISE = 10.0
+#: Windows of this many cycles are compared ...
+_CYCLES = 6.0
+#: ... at this level of significance (one record in two thousand).
+_CHANCE = 5e-4
+#: A window with this many times the median power is a burst: no noise of a few degrees of freedom gets there.
+_BURST = 30.0
+_FEWEST = 6
+#: Harmonics of the motion that what keeps step with it is looked for in ...
+_HARMONICS = 5
+#: ... its least share of the power ...
+_IN_STEP = 0.05
+#: ... and how many standard deviations it lies above what noise of the same spectrum has by chance.
+_BEYOND_CHANCE = 8.0
+
+
+@dataclass(frozen=True)
+class Leftover:
+    """One segment: rms of what is left over that of the noise, and whether it moves with the rig.
+
+    Attributes:
+        file: recording.
+        ratio: rms of the residual over that expected of sensor and force noise.
+        with_motion: rank correlation of its power with the motion's, 0 where it is not significant.
+        in_step: share of its power that repeats with the cycles of the motion, 0 where noise would have as much.
+        burst_s: time of a burst, or None.
+        short: whether the segment has too few cycles for these three.
+    """
+
+    file: str
+    ratio: float
+    with_motion: float
+    in_step: float
+    burst_s: float | None
+    short: bool = False
+
+    @property
+    def is_mismatch(self) -> bool:
+        """Whether it is more than noise."""
+        if self.short:
+            return not self.ratio <= _FAR_ABOVE_NOISE
+        return self.ratio > ABOVE_NOISE and (self.with_motion > 0 or self.in_step > 0 or self.burst_s is not None)
+
+
+def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
+    """What a fitted model leaves in each segment."""
+    from scipy.stats import spearmanr
+
+    found = []
+    for i, (segment, residual) in enumerate(zip(data.segments, fitted.residuals, strict=True)):
+        name = data.recordings[segment.recording].name
+        ratio = float(np.sqrt(np.mean(residual**2))) / expected(fitted, data, i)
+        size = max(4, round(_CYCLES * 2 * np.pi / segment.pace / segment.dt))
+        count = segment.n // size
+        if count < _FEWEST:
+            size = max(4, size // 3)
+            count = segment.n // size
+        if count < _FEWEST or not np.isfinite(ratio):
+            found.append(Leftover(name, ratio, float(not np.isfinite(ratio)), 0.0, None, short=count < _FEWEST))
+            continue
+        power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
+        motion = segment.response[: count * size] - residual[: count * size]
+        moved = np.std(motion.reshape(count, size), axis=1)
+        correlation, chance = 0.0, 1.0
+        if np.ptp(power) > 0 and np.ptp(moved) > 0:
+            ranked = spearmanr(power, moved)
+            correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
+        significant = correlation > 0 and chance < _CHANCE
+        loudest = int(np.argmax(power))
+        burst = power[loudest] > _BURST * float(np.median(power))
+        found.append(
+            Leftover(
+                name,
+                ratio,
+                correlation if significant else 0.0,
+                keeps_step(segment.response - residual, residual),
+                segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
+            )
+        )
+    return tuple(found)
+
+
+def keeps_step(motion: np.ndarray, residual: np.ndarray) -> float:
+    """Share of a residual's power that repeats with the cycles of a motion, whatever their amplitude and frequency.
+
+    The phase is that of the analytic signal (Gabor 1946); offset and each harmonic may have one part that is constant
+    and one that goes with the amplitude. Zero where noise of the residual's own spectrum would often reach that share.
+
+    Args:
+        motion: (n,) simulated response.
+        residual: (n,) what it leaves over.
+    """
+    from scipy.signal import hilbert
+
+    if not np.any(residual) or not np.ptp(motion) > 0:
+        return 0.0
+    analytic = np.asarray(hilbert(motion - np.mean(motion)))
+    amplitude = np.abs(analytic)
+    turn = analytic / np.maximum(amplitude, 1e-300)
+    waves = [part for k in range(1, _HARMONICS + 1) for part in ((turn**k).real, (turn**k).imag)]
+    columns = np.stack([np.ones_like(motion), *waves])
+    basis, _ = np.linalg.qr(np.vstack([columns, columns * (amplitude / np.max(amplitude))]).T)
+    power = float(residual @ residual)
+    share = float(np.sum((basis.T @ residual) ** 2)) / power
+    density = estimate(residual).density
+    chance = np.sum(np.abs(np.fft.rfft(basis, axis=0)) ** 2 * density[:, None], axis=0) * 2 / residual.size / power
+    limit = float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
+    return share if share > max(_IN_STEP, limit) else 0.0
+
+
+def expected(fitted: Fitted, data: Data, index: int) -> float:
+    """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment."""
+    segment = data.segments[index]
+    variance = data.sensor[index] ** 2
+    values = fitted.model.values()
+    if segment.force is not None and data.force[index] > 0:
+        resonance = equivalent_resonance(segment, values, fitted.model.response.quantity)
+        variance += (data.force[index] / values["mass"]) ** 2 * float(np.mean(resonance))
+    return max(float(np.sqrt(variance)), 1e-9 * float(np.std(segment.response)), np.finfo(float).tiny)
+
+
+def sentence(left: Sequence[Leftover]) -> str | None:
+    """What stays beyond the noise, in words; None where nothing does."""
+    worst: dict[str, Leftover] = {}
+    for one in sorted((one for one in left if one.is_mismatch), key=lambda one: one.ratio):
+        worst[one.file] = one
+    bad = sorted(worst.values(), key=lambda one: -one.ratio)
+    if not bad:
+        return None
+    parts = []
+    for one in bad[:3]:
+        parts.append(f"{figure(one.ratio)} times the noise in {one.file}{_how(one)}")
+    more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recordings"
+    return f"there remains {'; '.join(parts)}{more}"
+
+
+def _how(one: Leftover) -> str:
+    """What it keeps to, where the segment is long enough to tell."""
+    if one.with_motion > 0:
+        return ", growing with the motion"
+    if one.in_step > 0:
+        return ", in step with the motion"
+    return "" if one.burst_s is None else f", in a burst at {one.burst_s:.4g} s"

@@ -1,0 +1,286 @@
+"""The whole library held against what a model leaves over: a score (Lagrange-multiplier) test with finite steps.
+
+Each law is put in with a small strength, or at a probe where it has an onset, and simulated once. What of that change
+the model's own parameters and the initial states cannot imitate is compared with the residual: the gain of
+log-likelihood that it promises (Rao 1948). A promise is then kept or broken by one simulation of the whole step.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...errors import DashpotError
+from ...identify.output_error import State, pseudo_inverse
+from ...model import Oscillator
+from ...model.law import Law, Scales
+from ...model.laws import LIBRARY
+from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, parameter_bounds, with_term, with_values
+
+#: Strength at which the derivative of a law is taken, in natural sizes: small beside the least friction that matters.
+_FEELER = 1e-5
+#: Of each law this many probes are simulated, those that promise most.
+_TRIED = 2
+#: A step shorter than this part, or longer by as much, is not to be believed.
+_LEAST = 0.05
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """A law at a place worth fitting from.
+
+    Attributes:
+        effect: name of the law.
+        model: with the law in it, all values moved by the step that promised most.
+        initial: (segments, states).
+        promise: gain of log-likelihood that the linearised model expects.
+        gain: what the simulation of that step gained.
+    """
+
+    effect: str
+    model: Oscillator
+    initial: np.ndarray
+    promise: float
+    gain: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Step:
+    """What the linearised model would do with a law: its values, the base parameters' shift, the gain it promises."""
+
+    law: Law
+    values: dict[str, float]
+    shift: np.ndarray
+    promise: float
+    initial: np.ndarray | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class _Weighed:
+    """Residuals and derivatives of the base model, whitened, the segments' own states projected out."""
+
+    residuals: list[np.ndarray]
+    jacobians: list[np.ndarray]
+    own: list[np.ndarray]
+    normal: np.ndarray
+
+
+class Screen:
+    """Laws against the residual of one fitted model.
+
+    Args:
+        fitted: the model that leaves something over.
+        data: what it was fitted to.
+    """
+
+    def __init__(self, fitted: Fitted, data: Data) -> None:
+        self.fitted = fitted
+        self.data = data
+        self.noise = noise_spectra(fitted.residuals, fitted.model, data)
+        structure = Structure(fitted.model, data, fixed=[n for n in fitted.model.parameters() if n not in fitted.free])
+        self.places = structure.problem.free
+        state = structure.state(fitted.initial)
+        derivatives = structure.problem.derivatives(state, fitted.residuals)
+        k = len(self.places)
+        weighed = _Weighed([], [], [], np.zeros((k, k)))
+        normal = np.zeros((k, k))
+        for spectrum, residual, rows in zip(self.noise, fitted.residuals, derivatives, strict=True):
+            white = spectrum.whiten(np.vstack([rows, residual]))
+            own = white[k:-1]
+            basis = _orthonormal(own)
+            jacobian = _off(basis, white[:k])
+            weighed.residuals.append(_off(basis, white[-1:])[0])
+            weighed.jacobians.append(jacobian)
+            weighed.own.append(basis)
+            normal += jacobian @ jacobian.T
+        self.weighed = weighed
+        self.inverse = pseudo_inverse(normal)
+
+    def starts(self, laws: Sequence[Law] | None = None, progress: Callable[[], None] = lambda: None) -> list[Start]:
+        """The best start of each law, the largest gain first; laws that do not simulate are left out."""
+        there = {term.law.effect for term in self.fitted.model.terms}
+        wanted = [law for law in (laws or LIBRARY.values()) if law.effect not in there and self.applies(law)]
+
+        def best(law: Law) -> Start | None:
+            steps = [step for probe in probes(law, self.data.scales) if (step := self._promised(law, probe))]
+            steps.sort(key=lambda step: -step.promise)
+            found = [start for step in steps[:_TRIED] if (start := self._kept(step)) is not None]
+            progress()
+            return max(found, key=lambda start: start.gain, default=None)
+
+        with ThreadPoolExecutor(max_workers=2) as pool:
+            found = [start for start in pool.map(best, wanted) if start is not None]
+        return sorted(found, key=lambda start: -start.gain)
+
+    def applies(self, law: Law) -> bool:
+        """Whether the recordings can show the law at all: an actuator's path needs a force."""
+        return law.drive is None or any(segment.force is not None for segment in self.data.segments)
+
+    def _promised(self, law: Law, probe: dict[str, float]) -> _Step | None:
+        """The step that the linearised model expects most of, and what it expects."""
+        scales = self.data.scales
+        strengths = [p for p in law.parameters if p.strength]
+        try:
+            if any(state.free for state in _inner(self.fitted.model, law, probe)):
+                return self._phases(law, probe)
+            directions = []
+            for p in strengths:
+                size = p.natural(scales) * _FEELER
+                directions.append([d / size for d in self._change(law, probe | {p.name: size})])
+            if not strengths:
+                directions.append(self._change(law, probe))
+            return self._step(law, probe, [p.name for p in strengths], directions)
+        except (DashpotError, FloatingPointError, np.linalg.LinAlgError):
+            return None
+
+    def _change(self, law: Law, values: dict[str, float], initial: np.ndarray | None = None) -> list[np.ndarray]:
+        """Change of each segment's response when the law is put in."""
+        model = with_term(self.fitted.model, law.name, values)
+        structure = Structure(model, self.data)
+        state = structure.state(self.fitted.initial if initial is None else initial)
+        residuals = structure.problem.residuals(state)
+        return [old - new for old, new in zip(self.fitted.residuals, residuals, strict=True)]
+
+    def _weigh(self, change: list[np.ndarray]) -> list[np.ndarray]:
+        found = []
+        for spectrum, basis, one in zip(self.noise, self.weighed.own, change, strict=True):
+            found.append(_off(basis, spectrum.whiten(one[None]))[0])
+        return found
+
+    def _step(
+        self, law: Law, values: dict[str, float], names: list[str], directions: list[list[np.ndarray]]
+    ) -> _Step | None:
+        """The least-squares step in the base parameters and the strengths.
+
+        A law at a probe is either there or not: of its change the base parameters take up what they can. Where it has
+        but one parameter the change may also be scaled, as if it were a strength.
+        """
+        weighed = [self._weigh(direction) for direction in directions]
+        if not all(np.all(np.isfinite(one)) for direction in weighed for one in direction):
+            return None
+        residuals, jacobians = self.weighed.residuals, self.weighed.jacobians
+        columns = [np.stack([direction[i] for direction in weighed]) for i in range(len(residuals))]
+        gradient = np.sum([j @ r for j, r in zip(jacobians, residuals, strict=True)], axis=0)
+        cross = np.sum([j @ c.T for j, c in zip(jacobians, columns, strict=True)], axis=0)
+        own = np.sum([c @ c.T for c in columns], axis=0)
+        right = np.sum([c @ r for c, r in zip(columns, residuals, strict=True)], axis=0)
+        schur = own - cross.T @ self.inverse @ cross
+        free = right - cross.T @ self.inverse @ gradient
+        strength = pseudo_inverse(schur) @ free
+        if names:
+            # the base parameters alone might gain something too: that is not the law's merit
+            moved = dict(zip(names, (float(s) for s in strength), strict=True))
+            return _Step(
+                law, values | moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength)
+            )
+        part = float(strength[0])
+        if len(law.parameters) == 1 and _LEAST < part < 1 / _LEAST:
+            (parameter,) = law.parameters
+            moved = {parameter.name: part * values[parameter.name]}
+            return _Step(law, moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength))
+        promise = float(free[0]) - 0.5 * float(schur[0, 0])
+        return _Step(law, values, self.inverse @ (gradient - cross[:, 0]), promise)
+
+    def _kept(self, step: _Step) -> Start | None:
+        """The better of the whole step and of a shorter one, simulated."""
+        here = np.array(list(self.fitted.model.values().values()))
+        best: Start | None = None
+        for part in (1.0, 0.3, 0.0):
+            numbers = dict(step.values)
+            for p in step.law.parameters:
+                if p.strength:
+                    numbers[p.name] *= part or _LEAST
+                numbers[p.name] = float(np.clip(numbers[p.name], p.lower, p.upper))
+            moved = here.copy()
+            moved[list(self.places)] += part * step.shift
+            moved = np.clip(moved, *parameter_bounds(self.fitted.model, self.data.scales))
+            start = self._simulated(step.law, numbers, moved, step.promise, step.initial)
+            if start is not None and (best is None or start.gain > best.gain):
+                best = start
+            if best is not None and best.gain > 0.3 * step.promise:
+                break
+        return best
+
+    def _simulated(
+        self,
+        law: Law,
+        numbers: dict[str, float],
+        moved: np.ndarray,
+        promise: float,
+        initial: np.ndarray | None = None,
+    ) -> Start | None:
+        model = with_term(with_values(self.fitted.model, moved), law.name, numbers)
+        structure = Structure(model, self.data)
+        state = structure.state(self.fitted.initial if initial is None else initial)
+        state = structure.problem.settle(State(state.values, state.initial))
+        residuals = structure.problem.residuals(state)
+        value = likelihood(residuals, model, self.data)
+        if not np.isfinite(value):
+            return None
+        return Start(law.name, model, state.initial, promise, value - self.fitted.likelihood)
+
+    def _phases(self, law: Law, values: dict[str, float]) -> _Step | None:
+        """A periodic force with a phase of its own in each segment: sine and cosine in each, by themselves."""
+        (strength,) = [p for p in law.parameters if p.strength]
+        size = strength.natural(self.data.scales) * _FEELER
+        values = values | {strength.name: size}
+        states = len(self.fitted.initial[0])
+        changes = []
+        for phase in (0.0, -0.5 * np.pi):
+            initial = np.hstack([self.fitted.initial, np.full((len(self.data.segments), 1), phase)])
+            changes.append(self._weigh([d / size for d in self._change(law, values, initial)]))
+        promise, parts = 0.0, []
+        for i, residual in enumerate(self.weighed.residuals):
+            columns = np.stack([changes[0][i], changes[1][i]])
+            normal, right = columns @ columns.T, columns @ residual
+            part = pseudo_inverse(normal) @ right
+            promise += 0.5 * float(right @ part)
+            parts.append((part, normal))
+        weight = sum(float(np.trace(normal)) for _, normal in parts)
+        if not weight > 0:
+            return None
+        amplitude = np.sqrt(sum(float(part @ part) * float(np.trace(normal)) for part, normal in parts) / weight)
+        # cos(phase + w t) = cos(phase) cos(w t) - sin(phase) sin(w t); a phase of -pi/2 made sin(w t)
+        phases = np.array([[np.arctan2(-part[1], part[0])] for part, _ in parts])
+        initial = np.hstack([self.fitted.initial[:, :states], phases])
+        numbers = values | {strength.name: float(amplitude)}
+        return _Step(law, numbers, np.zeros(len(self.places)), promise, initial)
+
+
+def probes(law: Law, scales: Scales) -> list[dict[str, float]]:
+    """Where to look for a law: every combination of its parameters' probes, strengths at zero."""
+    axes = []
+    for p in law.parameters:
+        if p.strength:
+            axes.append([(p.name, 0.0)])
+        elif p.probes == "lines":
+            axes.append([(p.name, line) for line in scales.lines])
+        else:
+            axes.append([(p.name, float(probe) * p.natural(scales)) for probe in p.probes])
+    return [dict(combination) for combination in itertools.product(*axes)]
+
+
+def _inner(model: Oscillator, law: Law, values: dict[str, float]) -> tuple:
+    from ...model.equations import equations
+
+    before = len(equations(model).inner)
+    return equations(with_term(model, law.name, values)).inner[before:]
+
+
+def _orthonormal(rows: np.ndarray) -> np.ndarray:
+    """Orthonormal basis (m, n) of the rows' span; rows of zeros add nothing."""
+    size = np.linalg.norm(rows, axis=1)
+    rows = rows[size > 0] / size[size > 0, None]
+    if not rows.size:
+        return rows
+    _, values, basis = np.linalg.svd(rows, full_matrices=False)
+    return basis[values > 1e-8 * values[0]]
+
+
+def _off(basis: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """(m, n) rows less what lies in the basis."""
+    return rows - (rows @ basis.T) @ basis if basis.size else rows

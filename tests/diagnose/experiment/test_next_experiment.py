@@ -1,0 +1,141 @@
+"""The experiment that tells models apart, held against fits to recordings of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.diagnose.experiment.next_experiment.excitations import BEYOND, Excitation, Limits, candidates, limits_of
+from dashpot.diagnose.experiment.next_experiment.next_experiment import next_experiment
+from dashpot.diagnose.experiment.next_experiment.rehearsal import off
+from dashpot.diagnose.search.search.fitting import Structure, data_of, with_term
+from dashpot.model import Oscillator
+from dashpot.recording import Recording
+from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.force import smooth_force
+
+VALUES = {"mass": 0.5, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.5, "dry": 0.06}
+FS, NOISE = 600.0, 2e-6
+
+
+def played(model: Oscillator, force: np.ndarray, seed: int = 0) -> Recording:
+    """A recording of a force of 600 samples a second."""
+    step = internal_step(model, model.values(), 2e-3)
+    values = np.array(list(model.values().values()))
+    begin = np.zeros(core_of(model).states)
+    x = core_of(model).record(values, begin, smooth_force(force, 1 / FS, 30.0), force.size, 1 / FS, step)
+    x = x + NOISE * np.random.default_rng(seed).standard_normal(force.size)
+    return Recording(name=f"record-{seed}", fs=FS, response=x, force=force)
+
+
+@pytest.fixture(scope="module")
+def rivals():
+    """A drag, the damping of third order that one sweep takes for it, and the data."""
+    t = np.arange(int(5 * FS)) / FS
+    force = 0.06 * np.sin(2 * np.pi * (7 * t + 0.6 * t**2)) * np.clip(t, 0, 1)
+    drag = with_term(Oscillator.from_values(VALUES), "quadratic-drag", {"coefficient": 100.0})
+    data = data_of([played(drag, force)], drag)
+    start = with_term(Oscillator.from_values(VALUES), "cubic-damping", {"coefficient": 1000.0})
+    cubic = Structure(start, data).fit(most=30).model
+    return {"quadratic-drag": drag, "cubic-damping": cubic}, data
+
+
+def test_a_fit_to_the_chosen_recording_differs_by_what_was_promised(rivals):
+    models, data = rivals
+    plan = next_experiment(models, data)
+    assert plan.kind in ("sweep", "multisine", "sine")
+    assert plan.signal is not None
+    ((one, other, promised),) = plan.separates
+    assert (one, other) == ("quadratic-drag", "cubic-damping")
+    new = data_of([played(models[one], plan.signal, seed=5)], models[one])
+    right = Structure(models[one], new).fit(most=30, tolerance=0.1).residuals[0]
+    wrong = Structure(models[other], new).fit(most=30, tolerance=0.1).residuals[0]
+    really = np.sqrt(max(float(wrong @ wrong - right @ right), 0.0)) / NOISE
+    assert promised > 5
+    assert really == pytest.approx(promised, rel=0.35)
+    assert "quadratic-drag" in plan.sentence
+    assert "cubic-damping" in plan.sentence
+
+
+def test_it_stays_within_reach_of_what_was_recorded(rivals):
+    models, data = rivals
+    plan = next_experiment(models, data)
+    assert plan.level <= BEYOND * data.scales.force * (1 + 1e-9)
+    assert plan.signal.size == round(plan.seconds * plan.fs)
+    assert np.max(np.abs(plan.signal)) <= plan.level * (1 + 1e-9)
+    moved = played(models["quadratic-drag"], plan.signal).response
+    assert np.max(np.abs(moved)) < 1.1 * BEYOND * data.scales.length
+
+
+def test_the_same_model_twice_is_not_told_apart(rivals):
+    models, data = rivals
+    drag = models["quadratic-drag"]
+    plan = next_experiment({"this": drag, "that": drag}, data)
+    assert plan.kind == "none"
+    assert plan.separates[0][2] < 1
+    assert "No recording" in plan.sentence
+
+
+def test_one_model_alone_is_sharpened_where_it_is_poor(rivals):
+    models, data = rivals
+    drag = models["quadratic-drag"]
+    known = drag.with_parameters(
+        {name: replace(p, std=0.001 * abs(p.value) or 1e-3) for name, p in drag.parameters().items()}
+    )
+    poor = known.with_parameters({"dry": replace(known.dry, std=0.5 * known.dry.value)})
+    plan = next_experiment({"drag": poor}, data)
+    assert plan.kind != "none"
+    assert "error of dry" in plan.sentence
+    assert plan.separates == ()
+
+
+def test_without_a_force_only_releases_remain(rivals):
+    models, data = rivals
+    free = {name: replace(model, mass=None) for name, model in models.items()}
+    decay = replace(data, segments=tuple(replace(s, force=None, rests=False) for s in data.segments))
+    plan = next_experiment(free, decay)
+    assert plan.kind in ("decay", "none")
+    assert plan.signal is None
+
+
+def test_a_rig_that_may_hardly_move_gets_no_plan_or_a_small_one(rivals):
+    models, data = rivals
+    small = Limits(force=data.scales.force, displacement=1e-9, band_hz=(7.0, 13.0))
+    assert next_experiment(models, data, limits=small).kind in ("none", "decay")
+    assert next_experiment({}, data).kind == "none"
+
+
+def test_a_sweep_runs_from_one_frequency_to_the_other():
+    sweep = Excitation("sweep", 2.0, 1.0, (20.0, 5.0), 10.0)
+    signal = sweep.signal(1000.0)
+    crossings = np.flatnonzero(np.diff(np.sign(signal)) > 0) / 1000.0
+    pace = 1 / np.diff(crossings)
+    assert pace[5] == pytest.approx(20.0 - 1.5 * crossings[5], rel=0.05)
+    assert pace[-3] == pytest.approx(20.0 - 1.5 * crossings[-3], rel=0.05)
+    assert signal.size == 10000
+
+
+def test_the_candidates_keep_to_the_limits(rivals):
+    models, data = rivals
+    limits = limits_of(data, models["quadratic-drag"])
+    for plan in candidates(limits, 60.0 / 2 / np.pi):
+        assert plan.relative <= BEYOND
+        assert np.max(np.abs(plan.signal(FS))) <= BEYOND * limits.force * (1 + 1e-9)
+
+
+def test_what_can_be_imitated_is_taken_off():
+    random = np.random.default_rng(0)
+    slopes = random.standard_normal((3, 50))
+    slopes[2] = 0.0
+    assert off(2 * slopes[0] - slopes[1], slopes) == pytest.approx(np.zeros(50), abs=1e-12)
+
+
+def test_a_rival_that_ran_away_is_left_out(rivals):
+    """A resonator a thousand times faster than the rig would take minutes to rehearse."""
+    models, data = rivals
+    fast = {"mass-ratio": 0.01, "frequency": 1e3 * VALUES["omega0"], "damping": 1.0}
+    runaway = with_term(Oscillator.from_values(VALUES), "attached-resonator", fast)
+    plan = next_experiment({**models, "attached-resonator": runaway}, data)
+    assert plan.kind in ("sweep", "multisine", "sine")
+    assert {one for pair in plan.separates for one in pair[:2]} == set(models)

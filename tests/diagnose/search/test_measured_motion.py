@@ -1,0 +1,40 @@
+"""Starts from the measured motion: forces of unknown phase, and an actuator that plays."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from dashpot import examples
+from dashpot.diagnose.search.search.fitting import data_of
+from dashpot.diagnose.search.search.measured_motion import Regression
+from dashpot.examples.truth import ACTUATOR, TRUTH
+from dashpot.model import Oscillator
+from dashpot.model.laws import find
+from dashpot.recording import read
+
+
+def test_a_periodic_force_is_found_with_its_amplitude_whatever_its_phases(rig):
+    case = rig("single", "tonal-disturbance")
+    data = data_of(case.training, case.model)
+    data = replace(data, scales=replace(data.scales, lines=(1.0005 * case.truth["parameters"]["tone_omega"],)))
+    regression = Regression(data, case.model)
+    guess = regression.best(find("tonal-disturbance"))
+    assert guess is not None
+    assert guess.values["tonal-disturbance.amplitude"] == pytest.approx(case.truth["parameters"]["tone"], rel=0.1)
+    assert guess.misfit < 0.5 * regression.plain()
+    assert len(set(guess.phases.values())) == len(regression.rows)
+
+
+def test_play_in_the_papers_stand_is_seen_in_the_measured_motion():
+    folder = Path(examples.__file__).parent / "recordings" / "paper-stand-backlash"
+    recordings = [read(folder / f"{name}.csv.gz") for name in ("bursts", "sweep_low")]
+    model = Oscillator.from_values(TRUTH)
+    regression = Regression(data_of(recordings, model), model)
+    guess = regression.best(find("actuator-backlash"))
+    assert guess is not None
+    assert guess.misfit < 0.3 * regression.plain()
+    assert guess.values["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.2)
+    assert guess.values["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.25)
+    assert guess.values["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.05)

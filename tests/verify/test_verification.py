@@ -1,0 +1,176 @@
+"""The proof itself: it passes what is right, fails what is wrong, and knows the noise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.examples.truth import TRUTH
+from dashpot.export import export
+from dashpot.model import Oscillator, Response
+from dashpot.recording import Recording
+from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.force import smooth_force, straight_lines
+from dashpot.verify.fmu_run import FmuRun
+from dashpot.verify.verification import verify
+
+FS, N = 1000.0, 12_000
+NOISE = 2e-6
+
+
+def model_of(quantity="displacement", **changed):
+    unit = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity]
+    return Oscillator.from_values(TRUTH | changed, response=Response(quantity, unit))
+
+
+def recording(quantity="displacement", kind="sweep", noise=NOISE, force_noise=0.0, seed=0, initial=(0.0, 0.0)):
+    random = np.random.default_rng(seed)
+    t = np.arange(N) / FS
+    force = np.sin(2 * np.pi * (8.0 * t + 5.0 * t**2 / 12)) if kind == "sweep" else None
+    model = model_of(quantity)
+    core, p = core_of(model), np.array(list(model.values().values()))
+    driven = None if force is None else smooth_force(force, 1 / FS, 40.0)
+    x = core.record(p, np.array(initial), driven, N, 1 / FS, internal_step(model, TRUTH, 9e-3))
+    return Recording(
+        name=f"{kind}.csv",
+        fs=FS,
+        response=x + noise * random.standard_normal(N),
+        force=None if force is None else force + force_noise * random.standard_normal(N),
+        quantity=quantity,
+        unit=model.response.unit,
+    )
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    path = tmp_path_factory.mktemp("fmu") / "rig.fmu"
+    export(model_of(), path)
+    return path
+
+
+def test_an_fmu_of_fmi_3_proves_as_well(fmu, tmp_path):
+    newer = export(model_of(), tmp_path / "rig3.fmu", version=3)[0]
+    for record in (recording(), recording(kind="decay", initial=(8e-3, 0.1))):
+        (old,), (new,) = verify(fmu, [record]).recordings, verify(newer, [record]).recordings
+        assert verify(newer, [record]).passed
+        assert new.nrmse == pytest.approx(old.nrmse, rel=1e-3)
+    with FmuRun(fmu) as two, FmuRun(newer) as three:
+        force = smooth_force(np.asarray(recording().force), 1 / FS, 40.0)
+        for _ in range(2):  # an instance serves again and again
+            x2, x3 = two.record(force, N, 1 / FS), three.record(force, N, 1 / FS)
+        assert np.max(np.abs(x3 - x2)) < 1e-5 * np.max(np.abs(x2))  # straight lines for the cubics of the force
+
+
+def test_a_right_model_passes_and_the_noise_floor_is_the_noise(fmu):
+    record = recording()
+    result = verify(fmu, [record])
+    (check,) = result.recordings
+    assert result.passed
+    assert check.nrmse == pytest.approx(NOISE / np.std(record.response), rel=0.05)
+    assert check.noise_floor == pytest.approx(NOISE / np.std(record.response), rel=0.05)
+    assert check.backbone_max_error_hz < 0.02
+    assert result.sentence() == "rig.fmu reproduces 1 recording(s) to within their noise"
+
+
+def test_noise_on_the_force_belongs_to_the_floor(fmu):
+    (check,) = verify(fmu, [recording(noise=1e-7, force_noise=1e-2)]).recordings
+    assert check.passed
+    assert check.nrmse == pytest.approx(check.noise_floor, rel=0.15)
+
+
+@pytest.mark.parametrize("changed", [{"mass": TRUTH["mass"] * 1.002}, {"cubic": 0.0}, {"dry": 0.0}])
+def test_a_wrong_model_fails(tmp_path, changed):
+    export(model_of(**changed), tmp_path / "wrong.fmu")
+    result = verify(tmp_path / "wrong.fmu", [recording()])
+    assert not result.passed
+    assert "does not reproduce sweep.csv" in result.sentence()
+
+
+def test_a_decay_from_an_unknown_state_is_followed_to_its_noise(fmu):
+    record = recording(kind="decay", initial=(7e-3, 0.3))
+    (check,) = verify(fmu, [record]).recordings
+    assert check.passed
+    assert check.nrmse < 1.1 * NOISE / np.std(check.measured)
+
+
+def test_a_sweep_that_is_already_moving_when_the_recording_starts(fmu):
+    (check,) = verify(fmu, [recording(initial=(3e-3, -0.2))]).recordings
+    assert check.passed
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+def test_velocity_and_acceleration(tmp_path, quantity):
+    export(model_of(quantity), tmp_path / "rig.fmu")
+    noise = 1e-3 * np.std(recording(quantity, noise=0.0).response)
+    (check,) = verify(tmp_path / "rig.fmu", [recording(quantity, noise=noise)]).recordings
+    assert check.nrmse < 1.1 * check.noise_floor
+
+
+def test_a_recording_with_neither_force_nor_decay_is_refused(fmu):
+    steady = Recording(name="steady.csv", fs=FS, response=np.sin(80 * np.arange(N) / FS))
+    with pytest.raises(BadInput, match="neither a force nor a free decay"):
+        verify(fmu, [steady])
+
+
+def test_the_python_fmu_agrees_with_the_native_one(tmp_path, fmu):
+    export(model_of(), tmp_path / "python.fmu", backend="python")
+    force = straight_lines(np.sin(2 * np.pi * 11 * np.arange(2000) / FS), 1 / FS)
+    with FmuRun(fmu) as native, FmuRun(tmp_path / "python.fmu") as python:
+        a, b = native.record(force, 2000, 1 / FS), python.record(force, 2000, 1 / FS)
+    assert np.max(np.abs(a - b)) < 1e-4 * np.max(np.abs(a))
+
+
+def test_one_fmu_runs_over_many_recordings_without_remembering(fmu):
+    record = recording(noise=0.0)
+    force = straight_lines(np.asarray(record.force), 1 / FS)
+    with FmuRun(fmu) as run:
+        first = run.record(force, 3000, 1 / FS)
+        run.record(force, 3000, 1 / FS, np.array([5e-3, 0.1]))
+        assert np.array_equal(run.record(force, 3000, 1 / FS), first)
+
+
+def test_an_fmu_of_fmi_3_is_refused_by_name(tmp_path, fmu):
+    import zipfile
+
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(tmp_path / "three.fmu", "w") as target:
+        for entry in source.namelist():
+            content = source.read(entry)
+            if entry == "modelDescription.xml":
+                content = content.replace(b'fmiVersion="2.0"', b'fmiVersion="3.0"')
+            target.writestr(entry, content)
+    with pytest.raises(BadInput, match=r"three\.fmu"):
+        FmuRun(tmp_path / "three.fmu")
+
+
+def test_the_json_holds_what_the_design_says(fmu):
+    result = verify(fmu, [replace(recording(), name="a.csv")]).as_json()
+    assert set(result) == {"fmu", "recordings", "pass"}
+    assert set(result["recordings"][0]) == {"file", "nrmse", "noise_floor", "backbone_max_error_hz", "pass"}
+
+
+@pytest.mark.parametrize(
+    ("effect", "start"),
+    [("viscoelastic", (5e-3, 0.0, -3e-3)), ("hysteresis", (5e-3, 0.2, 1e-3)), ("tonal-disturbance", (0.0, 0.0, 2.0))],
+)
+def test_a_recording_that_starts_with_a_memory_is_followed(tmp_path, with_law, effect, start):
+    model = with_law(effect)
+    core, p = core_of(model), np.array(list(model.values().values()))
+    t = np.arange(4000) / FS
+    force = np.sin(2 * np.pi * (8.0 * t + 1.5 * t**2))
+    driven = smooth_force(force, 1 / FS, 40.0)
+    x = core.record(p, np.array(start), driven, t.size, 1 / FS, internal_step(model, model.values(), 9e-3), start=1.5)
+    noise = NOISE * np.random.default_rng(0).standard_normal(t.size)
+    record = Recording(name="burst.csv", fs=FS, response=x + noise, force=force, start=1.5)
+    export(model, tmp_path / "rig.fmu")
+    (check,) = verify(tmp_path / "rig.fmu", [record]).recordings
+    assert check.nrmse < 1.1 * check.noise_floor
+
+
+def test_more_start_values_than_the_fmu_has_are_refused(fmu):
+    with FmuRun(fmu) as run:
+        assert run.starts == ["x0", "v0"]
+        run.record(None, 3, 1 / FS, np.array([1e-3, 0.0, 0.0]))
+        with pytest.raises(BadInput, match="3 start values where the FMU has 2 to set"):
+            run.record(None, 3, 1 / FS, np.array([1e-3, 0.0, 1e-3]))

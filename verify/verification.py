@@ -1,0 +1,245 @@
+"""Proof that the artefact reproduces the recordings: the FMU run under FMPy with the recorded force.
+
+The force is fed as the smooth signal that it is: by input derivatives of up to third order where the FMU takes
+them (those that dashpot makes), else by straight lines between points closer together than the samples.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..errors import BadInput
+from ..identify.decays import Decay, find_decays
+from ..identify.displacement import displacement
+from ..identify.excitation import kind_of
+from ..identify.forcevib import forcevib
+from ..identify.freevib import freevib
+from ..identify.replay import force_of, initial_state, natural_frequency
+from ..recording.recording import Recording
+from .fmu_run import FmuRun
+from .noise_floor import floor_of_fmu, pieces
+
+#: What "reproduces" means: at most this many times the noise floor.
+NOISE_RATIO = 1.1
+#: Backbones must agree to this part of the natural frequency (0.02 Hz of 12.67 Hz) ...
+BACKBONE_PART = 0.02 / 12.67
+#: ... wherever the amplitude exceeds this part of the largest (0.3 mm of 9 mm).
+AMPLITUDE_PART = 1.0 / 30.0
+
+
+@dataclass(frozen=True, eq=False)
+class Backbone:
+    """Natural frequency over amplitude: (n,) in the displacement's unit and (n,) in Hz; ``method`` made it."""
+
+    method: str
+    amplitude: np.ndarray
+    frequency: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class RecordingCheck:
+    """One recording against the FMU.
+
+    Attributes:
+        file: the recording's name.
+        nrmse: rms(simulated - measured) / std(measured), free run over the whole recording, or over its free decays
+            where there is no force.
+        noise_floor: the same of a perfect model: sensor noise, and force noise as the rig passes it on.
+        backbone_max_error_hz: largest distance of the two backbones; None where the recording gives none.
+        passed: whether both are within their limits.
+        time, measured, simulated: (n,) signals, for pictures.
+        backbones: pairs (recording's, FMU's).
+    """
+
+    file: str
+    nrmse: float
+    noise_floor: float
+    backbone_max_error_hz: float | None
+    passed: bool
+    time: np.ndarray
+    measured: np.ndarray
+    simulated: np.ndarray
+    backbones: tuple[tuple[Backbone, Backbone], ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Verification:
+    """An FMU against recordings."""
+
+    fmu: str
+    recordings: tuple[RecordingCheck, ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every recording is reproduced."""
+        return all(check.passed for check in self.recordings)
+
+    def sentence(self) -> str:
+        """The outcome in one sentence."""
+        if self.passed:
+            return f"{self.fmu} reproduces {len(self.recordings)} recording(s) to within their noise"
+        bad = [check for check in self.recordings if not check.passed]
+        worst = max(bad, key=lambda check: check.nrmse / check.noise_floor if check.noise_floor > 0 else np.inf)
+        return (
+            f"{self.fmu} does not reproduce {', '.join(check.file for check in bad)}: the worst, {worst.file}, has an "
+            f"NRMSE of {worst.nrmse:.3g} where its noise alone makes {worst.noise_floor:.3g}"
+        )
+
+    def as_json(self) -> dict[str, Any]:
+        """The form that ``dashpot verify --json`` writes."""
+        return {
+            "fmu": self.fmu,
+            "recordings": [
+                {
+                    "file": check.file,
+                    "nrmse": check.nrmse,
+                    "noise_floor": check.noise_floor,
+                    "backbone_max_error_hz": check.backbone_max_error_hz,
+                    "pass": check.passed,
+                }
+                for check in self.recordings
+            ],
+            "pass": self.passed,
+        }
+
+
+def verify(
+    fmu: Path,
+    recordings: Sequence[Recording],
+    *,
+    noise_ratio: float = NOISE_RATIO,
+    progress: Callable[[str], None] = lambda _: None,
+) -> Verification:
+    """Run the FMU with the force of each recording and compare response and backbone.
+
+    Args:
+        fmu: a co-simulation FMU of FMI 2.0 or 3.0 with an input ``F`` and a first output ``x``.
+        recordings: what it should reproduce.
+        noise_ratio: largest NRMSE over noise floor that passes.
+        progress: called with one line per recording.
+
+    Raises:
+        BadInput: where the file is no such FMU, or it cannot simulate, or its response has another unit.
+    """
+    checks = []
+    with FmuRun(Path(fmu)) as run:
+        for recording in recordings:
+            if run.unit not in (None, recording.unit):
+                raise BadInput(
+                    f"{recording.name}: records {recording.quantity} in {recording.unit}, {fmu} gives its response in "
+                    f"{run.unit}; name a recording of the same, or say what the column is with --response and --unit"
+                )
+            check = _check(run, recording, noise_ratio)
+            progress(
+                f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}"
+                + ("" if check.backbone_max_error_hz is None else f", backbone {check.backbone_max_error_hz:.2g} Hz")
+            )
+            for words in run.heard():
+                progress(f"{recording.name}: the FMU says: {words}")
+            checks.append(check)
+    return Verification(Path(fmu).name, tuple(checks))
+
+
+def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCheck:
+    pieces = _pieces(recording)
+    runs = [_run(run, piece) for piece in pieces]
+    measured = np.concatenate([np.asarray(piece.response, float) for piece in pieces])
+    simulated = np.concatenate([one for one, _ in runs])
+    spread = float(np.std(measured))
+    if not spread > 0:
+        raise BadInput(f"{recording.name}: the response does not move; there is nothing to compare with")
+    nrmse = float(np.sqrt(np.mean((simulated - measured) ** 2))) / spread
+    variance = sum(piece.n * noise**2 for piece, (_, noise) in zip(pieces, runs, strict=True)) / measured.size
+    floor = float(np.sqrt(variance)) / spread
+    backbones = tuple(pair for piece, (one, _) in zip(pieces, runs, strict=True) for pair in _backbones(piece, one))
+    error = _largest_error(backbones)
+    frequency = natural_frequency(recording) / (2 * np.pi)
+    passed = nrmse <= noise_ratio * floor and (error is None or error <= BACKBONE_PART * frequency)
+    time = np.concatenate([piece.time for piece in pieces])
+    return RecordingCheck(recording.name, nrmse, floor, error, bool(passed), time, measured, simulated, backbones)
+
+
+def _pieces(recording: Recording) -> list[Recording]:
+    """Its pieces; raises BadInput where it has none."""
+    found = pieces(recording)
+    if not found:
+        raise BadInput(
+            f"{recording.name}: has neither a force nor a free decay; give the column of the force (--force)"
+        )
+    return found
+
+
+def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
+    """(n,) response of the FMU, and the rms of what noise alone leaves."""
+    force = force_of(recording)
+
+    def simulate(state: np.ndarray, n: int) -> np.ndarray:
+        return run.record(force, n, recording.dt, state, recording.start)
+
+    size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
+    initial = initial_state(simulate, recording, run.inner, size)
+    simulated = simulate(initial, recording.n)
+    return simulated, floor_of_fmu(run, recording, force, initial, simulated)
+
+
+def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backbone, Backbone], ...]:
+    """Backbones by the same method from the recording and from the FMU's response."""
+    from dataclasses import replace
+
+    twin = replace(recording, response=simulated)
+    found = []
+    free = recording.force is None or not np.any(recording.force)
+    decays = (Decay(0, recording.n),) if free else find_decays(recording)
+    for decay in decays:
+        piece = slice(decay.start, decay.stop)
+        found.append(_pair(lambda r, piece=piece: _free(displacement(r)[piece], r.fs), recording, twin))
+    # a multisine has no envelope that passes slowly through the amplitudes, so it has no backbone to compare
+    if recording.force is not None and kind_of(recording, decays) in ("sweep", "sine"):
+        force = np.asarray(recording.force, float)
+        found.append(_pair(lambda r: _forced(displacement(r), force, r.fs), recording, twin))
+    return tuple(pair for pair in found if pair is not None)
+
+
+def _pair(
+    make: Callable[[Recording], Backbone], recording: Recording, twin: Recording
+) -> tuple[Backbone, Backbone] | None:
+    try:
+        return make(recording), make(twin)
+    except BadInput:
+        return None  # too few cycles or too little motion for a backbone: then there is none to compare
+
+
+def _free(x: np.ndarray, fs: float) -> Backbone:
+    curve = freevib(x, fs)
+    return Backbone("FREEVIB", curve.amplitude, curve.omega0 / (2 * np.pi))
+
+
+def _forced(x: np.ndarray, force: np.ndarray, fs: float) -> Backbone:
+    curve = forcevib(x, force, fs)
+    return Backbone("FORCEVIB", curve.amplitude, curve.omega0 / (2 * np.pi))
+
+
+def _largest_error(backbones: Sequence[tuple[Backbone, Backbone]]) -> float | None:
+    if not backbones:
+        return None
+    largest = max(float(np.max(pair[0].amplitude)) for pair in backbones)
+    worst = 0.0
+    for recorded, simulated in backbones:
+        low = max(recorded.amplitude.min(), simulated.amplitude.min(), AMPLITUDE_PART * largest)
+        high = min(recorded.amplitude.max(), simulated.amplitude.max())
+        if high <= low:
+            continue
+        grid = np.linspace(low, high, 200)
+        difference = _at(recorded, grid) - _at(simulated, grid)
+        worst = max(worst, float(np.max(np.abs(difference))))
+    return worst
+
+
+def _at(backbone: Backbone, amplitude: np.ndarray) -> np.ndarray:
+    order = np.argsort(backbone.amplitude)
+    return np.interp(amplitude, backbone.amplitude[order], backbone.frequency[order])
