@@ -15,10 +15,12 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 from dashpot.diagnose import diagnose
-from dashpot.diagnose.search.search.fitting import Structure, data_of, with_term
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
+from dashpot.identify.data import data_of
+from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
+from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
 

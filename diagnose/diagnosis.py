@@ -12,10 +12,13 @@ import numpy as np
 
 from .. import __version__
 from ..errors import BadInput
+from ..identify.data import Data, data_of, noise_spectra
 from ..identify.excitation import band_of
 from ..identify.identification import belong_together
-from ..identify.output_error import pseudo_inverse
+from ..identify.normal_equations import pseudo_inverse
+from ..identify.scatter import scatter
 from ..identify.start import hilbert_start
+from ..identify.structure import Fitted, Structure
 from ..model import Oscillator, Provenance, Range
 from ..model.laws import LIBRARY, find
 from ..model.oscillator import QUANTITIES
@@ -26,7 +29,6 @@ from .place.locate import locate
 from .place.missing_force import latent_forces
 from .recordings import carries, same_quantity, split, why_unused
 from .result import Considered, Diagnosis, Effect, RecordFit, Verdict
-from .search.fitting import Data, Fitted, Structure, data_of, noise_spectra
 from .search.judgement import Round, Trial
 from .search.residual_test import Leftover, leftovers
 from .search.residual_test import sentence as remainder_sentence
@@ -283,11 +285,11 @@ def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) ->
     structure = Structure(fitted.model, data, shapes)
     noise = noise_spectra(fitted.residuals, fitted.model, data)
     state = structure.state(fitted.initial)
-    scatter = structure.problem.scatter(state, noise, data.force, _DRAWS)
+    spread = scatter(structure.problem, state, noise, data.force, _DRAWS)
     derivatives = structure.problem.derivatives(state, fitted.residuals)
     information = structure.problem.information(derivatives, noise)
     inverse = pseudo_inverse(information)
-    covariance = inverse @ scatter @ inverse
+    covariance = inverse @ spread @ inverse
     errors = dict(zip(structure.free, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
     known = fitted.model.parameters()
     model = fitted.model.with_parameters(

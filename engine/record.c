@@ -10,11 +10,54 @@
  * values is told so at once instead of waiting for it. */
 #define DP_CHATTER 4
 
+/* What one surface carries at a sample, as it is kept: its sign, or 0 while the motion rests on it; last what holds it. */
+static void dp_keep_signs(const dp_engine *e, signed char *kept) {
+    int i;
+    for (i = 0; i < DP_NS; ++i) kept[i] = (signed char)e->s[i];
+    kept[DP_NS] = (signed char)e->hold;
+}
+
+/* Outputs at the present state under signs that were kept: what a neighbouring motion gives as if its events came at the
+ * same samples, so that a difference of the two is a derivative also where the acceleration jumps. */
+static void dp_outputs_under(const dp_engine *e, const signed char *kept, double u, double *out) {
+    dp_engine now = *e;
+    int i;
+    for (i = 0; i < DP_NS; ++i) now.s[i] = kept[i];
+    now.hold = kept[DP_NS];
+    now.modes_ready = 1;
+    dp_outputs(&now, u, out);
+}
+
+/* Moves the state by the gain times what was measured beyond what the model predicted; a motion that is held moves as a
+ * whole, its velocity stays zero. */
+static void dp_correct(dp_engine *e, const double *gain, double innovation, double u) {
+    const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
+    int i, same = e->hold < 0 && e->modes_ready && !DP_SURFACES_USE_FORCE;
+    if (innovation == 0.0) return;
+    if (e->hold >= 0) {
+        e->z[0] += gain[0] * innovation;
+    } else {
+        for (i = 0; i < DP_NZ; ++i) e->z[i] += gain[i] * innovation;
+    }
+    e->node_ready = 0;
+    if (same) {
+        dp_surfaces_at(e, &line, 0.0, e->z, e->f, e->g, e->gd);
+        for (i = 0; i < DP_NS; ++i) same &= e->g[i] * e->s[i] > 0.0;
+        e->node_ready = same;
+        e->node_u = u;
+    }
+    e->modes_ready = same;
+}
+
 /* n samples dt apart; the force is a cubic in each of `fine` equal parts of a sample interval (force: 4 coefficients a
  * part, (n - 1) * fine parts, or null for a free motion). Writes the response y (n) and, where not null, the states
- * z (n * DP_NZ, sample by sample). Returns the number of samples written; fewer than n: it failed there. */
+ * z (n * DP_NZ, sample by sample) and the signs at each sample, kept (n * (DP_NS + 1)). With signs given (the same
+ * shape) the response is what the states give under these. With measured (n) and gain (DP_NZ) the state is corrected
+ * after each sample: y is then the prediction from one sample to the next. Returns the number of samples written; fewer
+ * than n: it failed there. */
 DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long n, int fine, double dt,
-                         double max_step, double *y, double *z) {
+                         double max_step, double *y, double *z, const double *measured, const double *gain,
+                         const signed char *given, signed char *kept) {
     static const double none[4] = {0.0, 0.0, 0.0, 0.0};
     dp_engine e;
     double out[DP_NY], u = force ? force[0] : 0.0;
@@ -28,9 +71,14 @@ DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const dou
             if (dp_advance_along(&e, piece, step) != DP_OK || e.events > DP_CHATTER * (i + 500)) return i;
             u = e.node_u;
         }
-        dp_outputs(&e, u, out);
+        if (given)
+            dp_outputs_under(&e, given + i * (DP_NS + 1), u, out);
+        else
+            dp_outputs(&e, u, out);
         y[i] = out[0];
         if (z) memcpy(z + i * DP_NZ, e.z, sizeof e.z);
+        if (kept) dp_keep_signs(&e, kept + i * (DP_NS + 1));
+        if (measured) dp_correct(&e, gain, measured[i] - y[i], u);
     }
     return n;
 }

@@ -16,7 +16,7 @@ from ..recording.oscillation import oscillation
 from ..recording.recording import Recording
 from .excitation import band_of, kind_of
 from .hilbert import noise_level
-from .likelihood import Fit, equivalent_resonance, maximum_likelihood
+from .likelihood import Fit, maximum_likelihood
 from .start import HilbertEstimate, hilbert_start, plain_starts
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
@@ -202,7 +202,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             found.append(f"{name} is not distinguishable from zero in these recordings")
     for index, recording in enumerate(recordings):
-        ratio = _over_noise(fit, index, recording)
+        ratio = _over_noise(fit, index)
         if ratio > _ABOVE_NOISE:
             found.append(
                 f"{recording.name}: the model leaves {ratio:.2g} times the noise, so the recording holds something "
@@ -218,24 +218,12 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     return found
 
 
-def _over_noise(fit: Fit, index: int, recording: Recording) -> float:
-    """Rms of what the model leaves over that of the noise: the sensor's, and the force's as the rig passes it on."""
+def _over_noise(fit: Fit, index: int) -> float:
+    """Rms of what the model leaves of a recording over that of the noise, its stretches together."""
     parts = [s for s in fit.segments if s.segment.recording == index]
     if not parts:
         return 0.0
-    sensor = noise_level(np.asarray(recording.response, float), recording.fs)
-    force = 0.0 if recording.force is None else noise_level(np.asarray(recording.force, float), recording.fs)
-    values = fit.oscillator.values()
-    left = expected = 0.0
-    for part in parts:
-        segment = part.segment
-        left += float(np.sum((part.simulated - segment.response) ** 2))
-        variance = sensor**2
-        if segment.force is not None:
-            resonance = equivalent_resonance(segment, values, recording.quantity)
-            variance += (force / values["mass"]) ** 2 * float(np.mean(resonance))
-        expected += segment.n * variance
-    return float(np.sqrt(left / expected)) if expected > 0 else 0.0
+    return float(np.sqrt(np.average([s.over_noise**2 for s in parts], weights=[s.segment.n for s in parts])))
 
 
 def _is_quiet(response: np.ndarray, fit: Fit) -> bool:

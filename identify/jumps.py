@@ -8,6 +8,7 @@ step, and least squares would take it for an immense amount of information. Such
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -46,11 +47,11 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
             initial.append(state.initial[i])
         elif end - begin >= _SHORTEST_CYCLES * cycle:
             kept.append(segment.part(begin, end))
-            along = problem.states(i, state.values, state.initial[i]) if begin else None
+            along = problem.states(i, state) if begin else None
             initial.append(state.initial[i] if along is None else problem.core.initial(along[begin]))
     if not kept:
         return problem.segments, state
-    return tuple(kept), State(state.values, np.array(initial))
+    return tuple(kept), replace(state, initial=np.array(initial))
 
 
 def _jumps(forward: np.ndarray, backward: np.ndarray, cycle: int, visible: np.ndarray) -> np.ndarray:

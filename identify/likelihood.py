@@ -1,37 +1,51 @@
-"""Maximum likelihood on the simulated response, over all recordings jointly.
+"""Maximum likelihood for any structure, over all recordings jointly; it survives a model that is not exact.
 
-Output error with the noise's own spectrum (Whittle 1953): Hilbert estimates are the start, this is the answer. It
-reaches the Cramér-Rao bound where regressions on differentiated data are biased by any noise.
+The model is the recorded rig's but for a latent force (``prediction``). With a long enough memory of the model the
+likelihood is that of output error with the noise's own spectrum (Whittle 1953), which reaches the Cramér-Rao bound
+where regressions on differentiated data are biased by any noise; with a short one it is that of prediction over a
+cycle, which every start survives. The search runs from prediction to simulation, each time from where the last ended,
+and answers with the memory that makes the recordings most likely: for a model that is right that is simulation.
+
+The map from what was measured to the prediction errors is causal with a unit diagonal, whatever the gain, so that
+likelihoods of different memories are those of the same data and may be compared.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import BadInput
 from ..model import Oscillator
-from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
-from ..simulate.core import core_of, internal_step
+from .data import data_of, expected_noise, noise_of
 from .hilbert import noise_level
 from .jumps import left_out, smooth_stretches
-from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
-from .output_error import Outcome, OutputError, State, pseudo_inverse
-from .segments import Segment, cut, first_motion
+from .noise_spectrum import NoiseSpectrum
+from .normal_equations import pseudo_inverse
+from .offsets import kept_offsets, response_offsets
+from .output_error import Offset, Outcome, OutputError, State
+from .prediction import FREE
+from .scatter import scatter
+from .segments import Segment
+from .structure import Structure
 
-#: A long record is first fitted over this many cycles, then over ever longer stretches: a phase error of more than
-#: half a cycle at its end would lead into a false minimum.
-_FIRST_CYCLES = 24.0
-_GROWTH = 4.0
+#: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
+_FIRST_MEMORY = 1.0
+_GROWTH = 8.0
+#: Steps at each of them: it only has to lead to the next.
+_EARLY_STEPS = 8
+#: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
+#: much in radians, where a sine is still a straight line.
+_IN_STEP = 0.3
+#: Simulation is given up for prediction where that is a thousand times as likely.
+_DECISIVE = float(np.log(1000.0))
+#: Residuals this many times the noise are more than the noise's own estimate leaves open.
+_ABOVE_NOISE = 1.1
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
 _DRAWS = 60
-#: A spring that turns the phase by less than this (rad) in the longest recording is as good as none.
-SLACK = 0.1
-#: The mass may come to this many times its start, or to as small a part of it.
-_MASS_SPAN = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,15 +54,17 @@ class SegmentFit:
 
     Attributes:
         segment: what was fitted.
-        initial: (2,) displacement and velocity at its first sample.
-        simulated: (n,) response.
+        initial: (states,) displacement, velocity and inner states at its first sample.
+        simulated: (n,) response, simulated freely, the sensor's offset in it.
         nrmse: rms(simulated - measured) / std(measured).
+        over_noise: rms of the prediction errors over that of the noise.
     """
 
     segment: Segment
     initial: np.ndarray
     simulated: np.ndarray
     nrmse: float
+    over_noise: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +78,8 @@ class Fit:
         log_likelihood: at the maximum, with the noise spectra found.
         segments: one per segment.
         noise: noise spectrum of each segment.
+        memory: how far the model predicts, in cycles, where it is most likely; ``FREE`` for simulation.
+        offsets: what the sensors show at zero, as far as the recordings ask for it.
         iterations: steps of the search, all rounds together.
         converged: whether the last round came to rest.
         notes: what a user should know.
@@ -73,154 +91,195 @@ class Fit:
     log_likelihood: float
     segments: tuple[SegmentFit, ...]
     noise: tuple[NoiseSpectrum, ...]
+    memory: float
+    offsets: tuple[tuple[Offset, float], ...]
     iterations: int
     converged: bool
     notes: tuple[str, ...]
 
 
-def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording]) -> Fit:
-    """Find the parameters of ``start``'s family that make the recordings most likely.
+def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording], fixed: Sequence[str] = ()) -> Fit:
+    """Find the parameters of ``start``'s structure that make the recordings most likely.
 
     Args:
-        start: structure and start values; ``mass`` None where no recording has a force.
+        start: structure, with any laws of the library, and start values; ``mass`` None where no recording has a force.
         recordings: of one rig, all of the same quantity.
+        fixed: names of parameters that keep their values.
 
     Raises:
-        BadInput: where nothing in the recordings can be simulated, or the simulation fails at the start values.
+        BadInput: where nothing in the recordings can be simulated.
     """
-    segments = cut(recordings, start.omega0.value)
-    if start.mass is None:  # nothing says how far a newton goes: the driven stretches cannot be simulated
-        segments = tuple(segment for segment in segments if segment.force is None)
-    if not segments:
-        raise BadInput(
-            "the recordings hold neither a free decay nor a stretch driven by a force that is long enough to fit; "
-            "record a decay of at least ten cycles or a sweep through the resonance"
-        )
-    names = tuple(start.parameters())
-    values = np.array(list(start.values().values()))
-    amplitude = displacement_amplitude(segments, start)
-    pace = segments[0].pace
-    scale = typical_sizes(names, values, amplitude, pace)
-    step = internal_step(start, start.values(), amplitude)
-    core = core_of(start)
-    state_scale = np.full(core.states, amplitude * 1e-2)
-    state_scale[1] *= pace
-    free = tuple(range(len(names)))
-
-    begin = np.zeros((len(segments), core.states))
-    begin[:, :2] = initial_states(segments, start)
-    state = State(values, begin)
-    iterations = 0
-    bounds = _bounds(names, values, max(recording.n * recording.dt for recording in recordings))
-    problem = OutputError(core, segments, free, scale, state_scale, step, bounds)
-    state = problem.settle(state)
-    if not all(np.all(np.isfinite(residual)) for residual in problem.residuals(state)):
-        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
-    for stage in _growing(segments):
-        early = OutputError(core, stage, free, scale, state_scale, step, bounds).search(state, tolerance=1.0)
-        state, iterations = early.state, iterations + early.iterations
-    outcome = problem.search(state, tolerance=1.0)
-    iterations += outcome.iterations
-    smooth, state = smooth_stretches(problem, outcome.state)
-    notes = left_out(segments, smooth, [recording.name for recording in recordings])
+    data = data_of(recordings, start, coarse=False)
+    structure = Structure(start, data, fixed, response_offsets(data, recordings, start))
+    problem = structure.problem
+    free, rungs, iterations = _from_prediction(problem, structure.state(None))
+    problem, free = kept_offsets(problem, free, start)
+    smooth, left = smooth_stretches(problem, free)
+    notes = left_out(problem.segments, smooth, [recording.name for recording in recordings])
     if notes:
-        segments = smooth
-        problem = OutputError(core, segments, free, scale, state_scale, step, bounds)
-        outcome = problem.search(state, tolerance=1.0)
-        iterations += outcome.iterations
-    force_noise = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
-    noise: list[NoiseSpectrum] = []
-    for tolerance in (0.1, 1e-3):
-        noise = [
-            _noise(segment, residual, names, outcome.state.values, start.response.quantity)
-            for segment, residual in zip(segments, outcome.residuals, strict=True)
-        ]
-        outcome = problem.search(outcome.state, noise, tolerance=tolerance)
-        iterations += outcome.iterations
-    scatter = problem.scatter(outcome.state, noise, [force_noise[segment.recording] for segment in segments], _DRAWS)
-    used = {segment.recording for segment in segments}
+        problem, free, rungs = problem.over(smooth), left, {}
+    answer, steps = _whitened(problem, free, start)
+    iterations += steps
+    if max(_over_noise(problem, answer, start, recordings)) > _ABOVE_NOISE:
+        answer, problem, steps = _best_memory(problem, answer, rungs, start)
+        iterations += steps
+    used = {segment.recording for segment in problem.segments}
     notes += [
         f"{recording.name}: nothing in it that could be fitted; it was left out"
         for i, recording in enumerate(recordings)
         if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
     ]
-    return _result(start, names, segments, problem, outcome, noise, scatter, iterations, notes)
+    return _result(start, structure.free, problem, answer, recordings, iterations, notes)
 
 
-def _bounds(names: Sequence[str], values: np.ndarray, longest: float) -> np.ndarray:
-    """(2, parameters) Mass and spring stay what they are: beyond a thousand times its start no force moves a mass."""
-    bounds = np.full((2, len(names)), np.inf)
-    bounds[0] = -np.inf
-    if "mass" in names:
-        i = names.index("mass")
-        bounds[:, i] = values[i] / _MASS_SPAN, values[i] * _MASS_SPAN
-    bounds[0, names.index("omega0")] = SLACK / longest
-    return bounds
+@dataclass(frozen=True, eq=False)
+class _Answer:
+    """A maximum with the noise that it was weighed by, and its log-likelihood but for a constant."""
+
+    outcome: Outcome
+    noise: list[NoiseSpectrum]
+    likelihood: float
+
+
+def _from_prediction(problem: OutputError, state: State) -> tuple[State, dict[float, State], int]:
+    """Where the search from prediction to simulation ended, where each memory before it did, and the steps it took.
+
+    Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
+    """
+    first, iterations = problem.predicting(_FIRST_MEMORY), 0
+    state = first.settle(state)
+    if not _simulates(first, state):
+        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
+    rungs: dict[float, State] = {}
+    for memory in memories(problem.segments):
+        if _keeps_step(problem, state):
+            break
+        outcome = problem.predicting(memory).search(state, tolerance=1.0, most=_EARLY_STEPS)
+        state, iterations = outcome.state, iterations + outcome.iterations
+        rungs[memory] = state
+    if not _simulates(problem, state):
+        return state, rungs, iterations
+    outcome = problem.search(state, tolerance=1.0)
+    return outcome.state, rungs, iterations + outcome.iterations
+
+
+def memories(segments: Sequence[Segment]) -> list[float]:
+    """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
+    longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
+    found = [_FIRST_MEMORY]
+    while found[-1] * _GROWTH < longest:
+        found.append(found[-1] * _GROWTH)
+    return found
+
+
+def _keeps_step(problem: OutputError, state: State) -> bool:
+    """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it."""
+    for segment, residual in zip(problem.segments, problem.residuals(state), strict=True):
+        if not np.sqrt(np.mean(residual**2)) < _IN_STEP * np.std(segment.response):
+            return False
+    return True
+
+
+def _simulates(problem: OutputError, state: State) -> bool:
+    return all(bool(np.all(np.isfinite(residual))) for residual in problem.residuals(state))
+
+
+def _whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[_Answer, int]:
+    """The maximum with every frequency weighed by the noise that is left there, and the steps to it."""
+    residuals = problem.residuals(state)
+    outcome, noise, steps = None, [], 0
+    for tolerance in (0.1, 1e-3):
+        noise = _noise(problem, residuals, state, start)
+        outcome = problem.search(state, noise, tolerance=tolerance)
+        state, residuals, steps = outcome.state, outcome.residuals, steps + outcome.iterations
+    assert outcome is not None
+    found = -0.5 * sum(s.log_determinant() for s in _noise(problem, residuals, state, start))
+    return _Answer(outcome, noise, float(found) if np.isfinite(outcome.cost) else -np.inf), steps
+
+
+def _best_memory(
+    problem: OutputError, free: _Answer, rungs: Mapping[float, State], start: Oscillator
+) -> tuple[_Answer, OutputError, int]:
+    """The most likely of simulation and prediction, the longest memory first."""
+    best, chosen, steps = free, problem, 0
+    for memory in reversed(memories(problem.segments)):
+        predicting = problem.predicting(memory)
+        state = replace(rungs.get(memory, free.outcome.state), offsets=free.outcome.state.offsets)
+        answer, taken = _whitened(predicting, state, start)
+        steps += taken
+        if answer.likelihood > best.likelihood + (_DECISIVE if best is free else 0.0):
+            best, chosen = answer, predicting
+        elif answer.likelihood < best.likelihood - _DECISIVE and best is not free:
+            break
+    return best, chosen, steps
 
 
 def _noise(
-    segment: Segment, residual: np.ndarray, names: Sequence[str], values: np.ndarray, quantity: str
-) -> NoiseSpectrum:
-    """Noise of one segment: a forced one passes the noise of its force on through the resonance."""
-    if segment.force is None:
-        return estimate(residual)
-    return estimate(residual, equivalent_resonance(segment, dict(zip(names, values, strict=True)), quantity))
+    problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
+) -> list[NoiseSpectrum]:
+    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
+    return noise_of(problem.segments, residuals, values, start.response.quantity, problem.memory)
 
 
-def equivalent_resonance(segment: Segment, value: Mapping[str, float], quantity: str) -> np.ndarray:
-    """(n // 2 + 1,) squared response to a force per unit mass of the equivalent linear rig at the segment's amplitude.
+def _over_noise(
+    problem: OutputError, answer: _Answer, start: Oscillator, recordings: Sequence[Recording]
+) -> list[float]:
+    """For each segment the rms of what is left over that of the noise."""
+    values = dict(zip(start.parameters(), map(float, answer.outcome.state.values), strict=True))
+    ratios = []
+    for segment, residual in zip(problem.segments, answer.outcome.residuals, strict=True):
+        recording = recordings[segment.recording]
+        sensor = noise_level(np.asarray(recording.response, float), recording.fs)
+        force = 0.0 if recording.force is None else noise_level(np.asarray(recording.force, float), recording.fs)
+        level = expected_noise(segment, values, start.response.quantity, sensor, force)
+        ratios.append(float(np.sqrt(np.mean(residual**2))) / level)
+    return ratios
 
-    Describing functions of Eqs. 6 and 7.
-    """
-    omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
-    order = QUANTITIES.index(quantity)
-    tiny = np.finfo(float).tiny ** 0.25  # a search may have run to where nothing moves
-    pace = segment.pace
-    peak = max(np.sqrt(2) * float(np.std(segment.response)) / pace**order, tiny)
-    stiffness = value["omega0"] ** 2 + 0.75 * value["cubic"] * peak**2 + 4 * value["preload"] / (np.pi * peak)
-    damping = value["viscous"] + 4 * value["dry"] / (np.pi * pace * peak)
-    return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order)
+
+def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
+    """What the model leaves when it is simulated freely, from the initial states that suit that best."""
+    alone = problem.predicting(FREE).keeping(state)
+    state = alone.settle(replace(state, offsets=np.zeros(0)))
+    if not _simulates(alone, state):
+        return alone.residuals(state)
+    return alone.search(state, tolerance=1.0, most=_EARLY_STEPS).residuals
 
 
 def _result(
     start: Oscillator,
     names: tuple[str, ...],
-    segments: Sequence[Segment],
     problem: OutputError,
-    outcome: Outcome,
-    noise: Sequence[NoiseSpectrum],
-    scatter: np.ndarray,
+    answer: _Answer,
+    recordings: Sequence[Recording],
     iterations: int,
     remarks: Sequence[str],
 ) -> Fit:
-    from dataclasses import replace
-
-    values = outcome.state.values
-    inverse, lost = _invert(outcome.information, problem.scale)
-    covariance = inverse @ scatter @ inverse  # Huber (1967): right where the weights are not
-    errors = np.sqrt(np.diag(covariance))
+    outcome, noise = answer.outcome, answer.noise
+    force_noise = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
+    spread = scatter(problem, outcome.state, noise, [force_noise[s.recording] for s in problem.segments], _DRAWS)
+    inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
+    covariance = inverse @ spread @ inverse  # Huber (1967): right where the weights are not
+    errors = dict(zip(names, np.sqrt(np.diag(covariance)), strict=True))
     old = start.parameters()
+    values = dict(zip(old, map(float, outcome.state.values), strict=True))
     identified = start.with_parameters(
-        {
-            name: replace(old[name], value=float(values[i]), std=None if i in lost else float(errors[i]))
-            for i, name in enumerate(names)
-        }
+        {name: replace(old[name], value=value, std=_std(name, names, lost, errors)) for name, value in values.items()}
     )
-    fits = []
-    for i, segment in enumerate(segments):
-        residual = outcome.residuals[i]
-        spread = float(np.std(segment.response))
-        fits.append(
-            SegmentFit(
-                segment,
-                outcome.state.initial[i],
-                segment.response - residual,
-                float(np.sqrt(np.mean(residual**2))) / spread if spread > 0 else np.inf,
-            )
+    free_run = outcome.residuals if problem.memory == FREE else _simulated(problem, outcome.state)
+    fits = tuple(
+        SegmentFit(segment, initial, segment.response - residual, _nrmse(residual, segment.response), ratio)
+        for segment, initial, residual, ratio in zip(
+            problem.segments,
+            outcome.state.initial,
+            free_run,
+            _over_noise(problem, answer, start, recordings),
+            strict=True,
         )
-    points = sum(segment.n for segment in segments)
+    )
+    points = sum(segment.n for segment in problem.segments)
     log_likelihood = -outcome.cost - 0.5 * sum(s.log_determinant() for s in noise) - 0.5 * points * np.log(2 * np.pi)
     notes = [*remarks, *(f"{names[i]} is not identifiable from these recordings" for i in lost)]
+    notes += _at_bounds(problem, outcome.state.values, names)
     if not outcome.converged:
         notes.append("the search for the maximum of the likelihood stopped at its limit of steps")
     return Fit(
@@ -228,12 +287,36 @@ def _result(
         names,
         covariance,
         float(log_likelihood),
-        tuple(fits),
+        fits,
         tuple(noise),
+        problem.memory,
+        tuple(zip(problem.offsets, map(float, outcome.state.offsets), strict=True)),
         iterations,
         outcome.converged,
         tuple(notes),
     )
+
+
+def _std(name: str, names: Sequence[str], lost: Sequence[int], errors: dict[str, float]) -> float | None:
+    return None if name not in names or names.index(name) in lost else float(errors[name])
+
+
+def _nrmse(residual: np.ndarray, response: np.ndarray) -> float:
+    spread = float(np.std(response))
+    size = float(np.sqrt(np.mean(residual**2)))
+    return size / spread if spread > 0 and np.isfinite(size) else np.inf
+
+
+def _at_bounds(problem: OutputError, values: np.ndarray, names: Sequence[str]) -> list[str]:
+    """One sentence for each parameter that the search wanted beyond its bound."""
+    if problem.bounds is None:
+        return []
+    low, high = problem.bounds
+    return [
+        f"{name} came to rest at its bound ({values[place]:.4g}): the recordings ask for more than the law allows"
+        for name, place in zip(names, problem.free, strict=True)
+        if values[place] in (low[place], high[place])
+    ]
 
 
 def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
@@ -241,53 +324,3 @@ def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tup
     size = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
     lost = tuple(int(i) for i in np.flatnonzero(size * scale < 1e-6))
     return pseudo_inverse(information), lost
-
-
-def _growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
-    """Ever longer beginnings of the free segments, short of the whole; forced ones are whole, their memory is short."""
-    from dataclasses import replace
-
-    stages = []
-    cycles = _FIRST_CYCLES
-    longest = max((s.n * s.dt * s.pace / (2 * np.pi) for s in segments if s.force is None), default=0.0)
-    while cycles < longest:
-        stage = []
-        for segment in segments:
-            n = int(cycles * 2 * np.pi / segment.pace / segment.dt)
-            if segment.force is None and n < segment.n:
-                stage.append(replace(segment, stop=segment.start + n, response=segment.response[:n]))
-            else:
-                stage.append(segment)
-        stages.append(tuple(stage))
-        cycles *= _GROWTH
-    return stages
-
-
-def displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) -> float:
-    """Largest displacement in the segments, as far as the recorded quantity tells."""
-    power = QUANTITIES.index(oscillator.response.quantity)
-    peak = max(float(np.max(np.abs(segment.response - np.median(segment.response)))) for segment in segments)
-    return peak / segments[0].pace ** power
-
-
-def typical_sizes(names: Sequence[str], values: np.ndarray, amplitude: float, pace: float) -> np.ndarray:
-    """Sizes at which a parameter matters: one hundredth of the force of inertia at full amplitude."""
-    length, rate = amplitude, amplitude * pace
-    acceleration = 0.01 * pace**2 * amplitude
-    sizes = {"mass": abs(values[0]), "omega0": 0.01 * pace, "cubic": acceleration / length**3}
-    sizes |= {"preload": acceleration, "dry": acceleration, "viscous": acceleration / rate}
-    found = []
-    for i, name in enumerate(names):
-        found.append(sizes.get(name, max(abs(values[i]), 1e-12)))
-    return np.array(found)
-
-
-def initial_states(segments: Sequence[Segment], start: Oscillator) -> np.ndarray:
-    """Displacement and velocity at each segment's first sample; zero where only a simulation can tell them."""
-    found = np.zeros((len(segments), 2))
-    if start.response.quantity != "displacement":
-        return found
-    for i, segment in enumerate(segments):
-        if not segment.rests:
-            found[i] = first_motion(segment.response, segment.dt, segment.pace)[0]
-    return found

@@ -1,8 +1,9 @@
-"""Output error: the simulated response of all segments, its derivatives, and the Levenberg-Marquardt search.
+"""Prediction error: the response of all segments, its derivatives, and the Levenberg-Marquardt search.
 
-Levenberg (1944), Marquardt (1963). The parameters are shared by all segments; each segment has an initial state of
-its own, which is eliminated from the normal equations (a bordered block-diagonal system), so that many decays cost
-no more than their own simulation.
+Levenberg (1944), Marquardt (1963). The parameters are shared by all segments, offsets of the sensors by those of one
+recording; each segment has an initial state of its own, which is eliminated from the normal equations, so that many
+decays cost no more than their own simulation. The memory says how far the model predicts (``prediction``): with an
+endless one the response is simulated freely, and this is output error.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from copy import copy
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
@@ -18,11 +20,11 @@ import numpy as np
 from ..simulate.core import STEPS_PER_PERIOD, Core
 from ..simulate.force import Force
 from .noise_spectrum import NoiseSpectrum, white
+from .normal_equations import Block, promise, shared_information, solve
+from .prediction import FREE, prediction_gain
 from .reach import nearest_reach
 from .segments import Segment
 
-#: Normal matrix and gradient of one segment: shared parameters, then its initial state.
-Block = tuple[np.ndarray, np.ndarray]
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
 _MOST_ITERATIONS = 40
@@ -41,10 +43,25 @@ class State:
     Attributes:
         values: (parameters,), shared by all segments.
         initial: (segments, states) initial states as ``Core.begin`` takes them.
+        offsets: (offsets,) of the sensors, in the order of ``OutputError.offsets``.
     """
 
     values: np.ndarray
     initial: np.ndarray
+    offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True)
+class Offset:
+    """What a sensor shows at zero, all through one recording: of the ``response`` or of the ``force``.
+
+    ``scale`` is its size for finite differences, ``guess`` where the search begins.
+    """
+
+    recording: int
+    channel: str
+    scale: float
+    guess: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +71,8 @@ class Outcome:
     Attributes:
         state: best point.
         cost: negative log-likelihood, but for what does not depend on the parameters.
-        information: (k, k) information matrix of the free parameters, initial states eliminated.
-        residuals: measured minus simulated, one (n,) array a segment.
+        information: (k, k) information matrix of the free parameters, all else eliminated.
+        residuals: measured minus response, one (n,) array a segment.
         iterations: steps taken.
         converged: whether the search came to rest rather than to its limit of steps.
     """
@@ -69,7 +86,7 @@ class Outcome:
 
 
 class OutputError:
-    """Simulation of all segments with one core.
+    """The response of all segments by one core.
 
     Args:
         core: compiled equations.
@@ -80,6 +97,8 @@ class OutputError:
         max_step: longest internal step of the simulation, s.
         bounds: (2, parameters) lowest and highest values, where there are any.
         step: of the finite differences, as a part of a value or of its typical size.
+        offsets: the sensors' offsets to be found.
+        memory: how far the model predicts, in cycles; see ``prediction``.
     """
 
     def __init__(
@@ -92,6 +111,8 @@ class OutputError:
         max_step: float,
         bounds: np.ndarray | None = None,
         step: float = _STEP,
+        offsets: Sequence[Offset] = (),
+        memory: float = FREE,
     ) -> None:
         self.core = core
         self.segments = tuple(segments)
@@ -101,81 +122,173 @@ class OutputError:
         self.max_step = max_step
         self.bounds = bounds
         self.step = step
+        self.offsets = tuple(offsets)
+        self.memory = memory
+        #: Free parameters and offsets: what segments share.
+        self.shared = len(self.free) + len(self.offsets)
+        self._jumps = core.quantity == "acceleration" and bool(core.equations.kinds)
         self._pool = _pool()
+
+    def predicting(self, memory: float) -> OutputError:
+        """The same with another memory."""
+        other = copy(self)
+        other.memory = memory
+        return other
+
+    def over(self, segments: Sequence[Segment]) -> OutputError:
+        """The same over other segments."""
+        other = copy(self)
+        other.segments = tuple(segments)
+        return other
+
+    def with_offsets(self, offsets: Sequence[Offset]) -> OutputError:
+        """The same with other offsets."""
+        other = copy(self)
+        other.offsets = tuple(offsets)
+        other.shared = len(other.free) + len(other.offsets)
+        return other
+
+    def keeping(self, state: State) -> OutputError:
+        """The same with all parameters and offsets as they are: only initial states are to be found."""
+        shown = {offset.recording: float(v) for offset, v in zip(self.offsets, state.offsets, strict=True)}
+        other = self.with_offsets(())
+        other.free, other.shared = (), 0
+        other.segments = tuple(replace(s, response=s.response - shown.get(s.recording, 0.0)) for s in other.segments)
+        return other
+
+    def shared_information(
+        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
+    ) -> np.ndarray:
+        """(shared, shared) information on free parameters and offsets, initial states eliminated."""
+        return shared_information(self._blocks(state, residuals, noise), self.shared)
 
     def simulate(
         self,
         index: int,
-        values: np.ndarray,
-        initial: np.ndarray,
+        state: State,
         n: int | None = None,
         force: Force | None = None,
+        signs: np.ndarray | None = None,
+        keep: np.ndarray | None = None,
     ) -> np.ndarray:
-        """(n,) response of one segment, to its own force or to another."""
+        """(n,) response of one segment, its sensor's offset in it, to its own force or to another."""
         segment = self.segments[index]
-        return self.core.record(
-            values,
-            initial,
-            force or segment.force,
+        force, shown = force or segment.force, 0.0
+        for offset, value in zip(self.offsets, state.offsets, strict=True):
+            if offset.recording != segment.recording:
+                continue
+            if offset.channel == "response":
+                shown = float(value)
+            elif force is not None and value:
+                force = force.shifted(-float(value))
+        measured = gain = None
+        if self.memory != FREE:
+            own = prediction_gain(self.memory, segment.pace, segment.dt, self.core.quantity)
+            gain = np.zeros(self.core.states)
+            gain[:2] = own
+            measured = segment.response - shown
+        made = self.core.record(
+            state.values,
+            state.initial[index],
+            force,
             n or segment.n,
             segment.dt,
             self.max_step,
             start=segment.time,
+            measured=measured,
+            gain=gain,
+            signs=signs,
+            keep=keep,
         )
+        return made + shown if shown else made
 
     def own(self, segment: Segment) -> tuple[int, ...]:
         """Which of its initial states a segment has to itself: none but phases where it starts at rest."""
         free = self.core.equations.free
         return tuple(i for i in range(self.core.states) if free[i] or not segment.rests)
 
-    def _parallel(self, jobs: Sequence[Callable[[], np.ndarray]]) -> list[np.ndarray]:
+    def parallel(self, jobs: Sequence[Callable[[], np.ndarray]]) -> list[np.ndarray]:
+        """Results of jobs that are mostly simulation."""
         return list(self._pool.map(lambda job: job(), jobs))  # the core releases the interpreter lock
 
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
-        """Measured minus simulated."""
-        jobs = [
-            (lambda i=i: self.segments[i].response - self.simulate(i, state.values, state.initial[i]))
-            for i in range(len(self.segments))
-        ]
-        return tuple(self._parallel(jobs))
+        """Measured minus response."""
+        jobs = [(lambda i=i: self.segments[i].response - self.simulate(i, state)) for i in range(len(self.segments))]
+        return tuple(self.parallel(jobs))
 
-    def states(self, index: int, values: np.ndarray, initial: np.ndarray) -> np.ndarray:
-        """(n, states) displacement, velocity and inner states along one segment."""
+    def states(self, index: int, state: State) -> np.ndarray:
+        """(n, states) displacement, velocity and inner states along one segment, simulated freely."""
         segment = self.segments[index]
+        values, initial = state.values, state.initial[index]
         n, step = segment.n, self.max_step
         return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
 
     def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False) -> list[np.ndarray]:
-        """(free + states, n) derivatives of each segment's response: the free parameters, then its initial state."""
+        """(shared + states, n) derivatives of each segment's response: free parameters, offsets, its initial state.
+
+        Where the response jumps (an acceleration, when friction turns), all runs of a segment show what their states
+        give under the same signs, sample by sample: the jump itself has no derivative.
+        """
         jobs: list[Callable[[], np.ndarray]] = []
+        signs: list[np.ndarray | None] = [None] * len(self.segments)
+        if self._jumps:
+            signs = list(self.parallel([lambda i=i: self._signs(i, state) for i in range(len(self.segments))]))
 
         def slope(i: int, k: int, base: np.ndarray) -> np.ndarray:
             """Difference quotient; to the other side where the model does not simulate beyond; else zero."""
-            own = k - len(self.free)
-            here = state.initial[i, own] if own >= 0 else state.values[self.free[k]]
-            size = self.state_scale[own] if own >= 0 else self.scale[self.free[k]]
-            ahead = (-self.step if backward else self.step) * max(abs(here), size)
+            ahead = (-self.step if backward else self.step) * self._size(i, k, state)
             for step in (ahead, -ahead):
-                values, initial = state.values.copy(), state.initial[i].copy()
-                if own >= 0:
-                    initial[own] += step
-                else:
-                    values[self.free[k]] += step
-                moved = (self.simulate(i, values, initial) - base) / step
+                moved = (self.simulate(i, self._moved(i, k, state, step), signs=signs[i]) - base) / step
                 if np.all(np.isfinite(moved)):
                     return moved
             return np.zeros_like(base)
 
         for i, segment in enumerate(self.segments):
             base = segment.response - residuals[i]
-            known = set(range(self.core.states)) - set(self.own(segment))
-            for k in range(len(self.free) + self.core.states):
-                if k - len(self.free) in known:
+            idle = {self.shared + own for own in set(range(self.core.states)) - set(self.own(segment))}
+            idle |= {
+                len(self.free) + place
+                for place, offset in enumerate(self.offsets)
+                if offset.recording != segment.recording or (offset.channel == "force" and segment.force is None)
+            }
+            for k in range(self.shared + self.core.states):
+                if k in idle:
                     jobs.append(lambda base=base: np.zeros_like(base))
                 else:
                     jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
-        rows = iter(self._parallel(jobs))
-        return [np.stack([next(rows) for _ in range(len(self.free) + self.core.states)]) for _ in self.segments]
+        rows = iter(self.parallel(jobs))
+        return [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
+
+    def _signs(self, i: int, state: State) -> np.ndarray:
+        """Signs of a segment's surfaces at each sample."""
+        keep = self.core.signs(self.segments[i].n)
+        self.simulate(i, state, keep=keep)
+        return keep
+
+    def _size(self, i: int, k: int, state: State) -> float:
+        """What the step of an unknown is measured by."""
+        if k < len(self.free):
+            place = self.free[k]
+            return max(abs(float(state.values[place])), float(self.scale[place]))
+        if k < self.shared:
+            place = k - len(self.free)
+            return max(abs(float(state.offsets[place])), self.offsets[place].scale)
+        own = k - self.shared
+        return max(abs(float(state.initial[i, own])), float(self.state_scale[own]))
+
+    def _moved(self, i: int, k: int, state: State, step: float) -> State:
+        """The point with one unknown of a segment moved."""
+        if k < len(self.free):
+            values = state.values.copy()
+            values[self.free[k]] += step
+            return replace(state, values=values)
+        if k < self.shared:
+            offsets = state.offsets.copy()
+            offsets[k - len(self.free)] += step
+            return replace(state, offsets=offsets)
+        initial = state.initial.copy()
+        initial[i, k - self.shared] += step
+        return replace(state, initial=initial)
 
     def settle(self, state: State, cycles: float = 3.0) -> State:
         """Better initial states from the first few cycles of each segment, the parameters as they are."""
@@ -188,17 +301,21 @@ class OutputError:
             n = int(np.clip(cycles / rate / segment.dt * 2 * np.pi, 8, segment.n))
 
             def misfit(candidate: np.ndarray, i: int = i, n: int = n) -> float:
-                left = self.segments[i].response[:n] - self.simulate(i, state.values, candidate, n)
-                return float(np.sum(left**2))
+                return float(np.sum((self.segments[i].response[:n] - response(candidate, i, n)) ** 2))
+
+            def response(candidate: np.ndarray, i: int = i, n: int = n) -> np.ndarray:
+                moved = initial.copy()
+                moved[i] = candidate
+                return self.simulate(i, replace(state, initial=moved), n)
 
             initial[i] = nearest_reach(initial[i], self.core.reaches(state.values), own, misfit)
             for _ in range(4):
-                base = self.simulate(i, state.values, initial[i], n)
+                base = response(initial[i])
                 rows = []
                 for k in own:
                     moved = initial[i].copy()
                     moved[k] += self.state_scale[k]
-                    rows.append((self.simulate(i, state.values, moved, n) - base) / self.state_scale[k])
+                    rows.append((response(moved) - base) / self.state_scale[k])
                 jacobian = np.array(rows).T
                 residual = segment.response[:n] - base
                 if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
@@ -206,11 +323,11 @@ class OutputError:
                 scale = self.state_scale[list(own)]
                 trial = initial[i].copy()
                 trial[list(own)] += np.linalg.lstsq(jacobian * scale, residual)[0] * scale
-                after = segment.response[:n] - self.simulate(i, state.values, trial, n)
+                after = segment.response[:n] - response(trial)
                 if not np.sum(after**2) < np.sum(residual**2):
                     break
                 initial[i] = trial
-        return State(state.values, initial)
+        return replace(state, initial=initial)
 
     def search(
         self,
@@ -239,16 +356,16 @@ class OutputError:
         while taken < most and not converged:
             taken += 1
             for _ in range(14):
-                shared, own = _solve(blocks, damping, len(self.free))
-                gain = 0.5 * _promise(blocks, shared, own)
+                shared, own = solve(blocks, damping, self.shared)
+                gain = 0.5 * promise(blocks, shared, own)
                 if gain < tolerance:
                     converged = True
                     break
                 values = state.values.copy()
-                values[list(self.free)] += shared
+                values[list(self.free)] += shared[: len(self.free)]
                 if self.bounds is not None:
                     values = np.clip(values, *self.bounds)
-                trial = State(values, state.initial + own)
+                trial = State(values, state.initial + own, state.offsets + shared[len(self.free) :])
                 trial_residuals = self.residuals(trial)
                 trial_cost = _cost(trial_residuals, noise)
                 if trial_cost < cost:
@@ -261,47 +378,8 @@ class OutputError:
                 damping *= 8.0
             else:
                 converged = True  # no step in any direction helps: the maximum, to the precision of the derivatives
-        return Outcome(state, cost, _information(blocks, len(self.free)), residuals, taken, converged)
-
-    def scatter(
-        self, state: State, noise: Sequence[NoiseSpectrum], force_noise: Sequence[float], draws: int, seed: int = 0
-    ) -> np.ndarray:
-        """(k, k) scatter of the score, force noise passed through the model as it is.
-
-        The spectrum takes that noise for stationary, which it is not: a rig answers differently at each amplitude of a
-        sweep. So the noise is drawn, simulated, and weighed as the fit weighs the residual.
-
-        Args:
-            state: the maximum of the likelihood.
-            noise: spectra that the fit weighed by.
-            force_noise: standard deviation of the force noise of each segment (0: none).
-            draws: how many times.
-            seed: of the random numbers.
-        """
-        residuals = self.residuals(state)
-        derivatives = self.derivatives(state, residuals)
-        k = len(self.free)
-        total = np.zeros((k, k))
-        for i, segment in enumerate(self.segments):
-            jacobian = noise[i].whiten(derivatives[i])
-            own = jacobian[k:] @ jacobian.T
-            projected = jacobian[:k] - own[:, :k].T @ pseudo_inverse(own[:, k:]) @ jacobian[k:]
-            if segment.force is None or force_noise[i] == 0.0:
-                total += projected @ projected.T
-                continue
-            sensor = noise[i].sensor_part(projected)
-            total += sensor @ sensor.T
-            weighed = noise[i].whiten(projected)
-            base = segment.response - residuals[i]
-            random = np.random.default_rng([seed, i])
-            noises = [segment.force.disturbed(force_noise[i], random, segment.dt) for _ in range(draws)]
-
-            def moved(force: Force, i: int = i, base: np.ndarray = base, weighed: np.ndarray = weighed) -> np.ndarray:
-                return weighed @ (self.simulate(i, state.values, state.initial[i], force=force) - base)
-
-            scores = np.array(self._parallel([lambda f=f, m=moved: m(f) for f in noises]))
-            total += scores.T @ scores / draws
-        return total
+        information = self._of_parameters(shared_information(blocks, self.shared))
+        return Outcome(state, cost, information, residuals, taken, converged)
 
     def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
         """(k, k) information of the free parameters, initial states eliminated."""
@@ -309,7 +387,12 @@ class OutputError:
         for rows, spectrum in zip(derivatives, noise, strict=True):
             white_rows = spectrum.whiten(rows)
             blocks.append((white_rows @ white_rows.T, np.zeros(rows.shape[0])))
-        return _information(blocks, len(self.free))
+        return self._of_parameters(shared_information(blocks, self.shared))
+
+    def _of_parameters(self, shared: np.ndarray) -> np.ndarray:
+        """(k, k) information on the free parameters, the offsets eliminated."""
+        k = len(self.free)
+        return shared_information([(shared, np.zeros(self.shared))], k) if self.offsets else shared
 
     def _blocks(
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
@@ -331,53 +414,3 @@ def _cost(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
     if noise is None:
         return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
     return sum(0.5 * float(np.sum(s.whiten(r) ** 2)) for r, s in zip(residuals, noise, strict=True))
-
-
-def _promise(blocks: Sequence[Block], shared: np.ndarray, own: np.ndarray) -> float:
-    """What the linearised model expects a step to gain, twice."""
-    total = 0.0
-    for (normal, gradient), initial in zip(blocks, own, strict=True):
-        step = np.concatenate([shared, initial])
-        total += float(2.0 * gradient @ step - step @ normal @ step)
-    return total
-
-
-def _solve(blocks: Sequence[Block], damping: float, k: int) -> tuple[np.ndarray, np.ndarray]:
-    """Step of the shared parameters (k,) and of the initial states (s, 2), damped in the scale of each unknown."""
-    matrix, right = np.zeros((k, k)), np.zeros(k)
-    kept = []
-    for normal, gradient in blocks:
-        own = _damped(normal[k:, k:], damping)
-        inverse = pseudo_inverse(own)
-        border = normal[:k, k:]
-        matrix += normal[:k, :k] - border @ inverse @ border.T
-        right += gradient[:k] - border @ inverse @ gradient[k:]
-        kept.append((inverse, border, gradient[k:]))
-    whole = np.array([np.diag(normal)[:k] for normal, _ in blocks]).sum(axis=0)
-    shared = pseudo_inverse(matrix + damping * np.diag(whole)) @ right
-    own_steps = np.array([inverse @ (gradient - border.T @ shared) for inverse, border, gradient in kept])
-    return shared, own_steps
-
-
-def _damped(normal: np.ndarray, damping: float) -> np.ndarray:
-    return normal + damping * np.diag(np.diag(normal))
-
-
-def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
-    """Inverse of a symmetric information matrix in the scale of its own diagonal; directions without information: 0."""
-    if not matrix.size or not np.all(np.isfinite(matrix)):
-        return np.zeros_like(matrix)
-    diagonal = np.diag(matrix)
-    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
-    eigenvalues, vectors = np.linalg.eigh(matrix / np.outer(size, size))
-    kept = eigenvalues > 1e-14 * max(float(eigenvalues[-1]), np.finfo(float).tiny)
-    inverse = np.where(kept, 1.0 / np.where(kept, eigenvalues, 1.0), 0.0)
-    return (vectors * inverse) @ vectors.T / np.outer(size, size)
-
-
-def _information(blocks: Sequence[Block], k: int) -> np.ndarray:
-    total = np.zeros((k, k))
-    for normal, _ in blocks:
-        border = normal[:k, k:]
-        total += normal[:k, :k] - border @ pseudo_inverse(normal[k:, k:]) @ border.T
-    return total

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Mapping
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ..model import Oscillator
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
+_BYTES = ctypes.POINTER(ctypes.c_byte)
 #: Internal steps per period of the fastest motion: Dormand-Prince then errs by about 1e-10 of the amplitude a step.
 STEPS_PER_PERIOD = 75.0
 
@@ -30,6 +31,7 @@ class Core:
 
     def __init__(self, oscillator: Oscillator) -> None:
         self.equations = equations(oscillator)
+        self.quantity = oscillator.response.quantity
         self.parameter_names = self.equations.parameter_names
         self.states = len(self.equations.state_names)
         sources = {
@@ -52,6 +54,10 @@ class Core:
             ctypes.c_double,
             _DOUBLES,
             _DOUBLES,
+            _DOUBLES,
+            _DOUBLES,
+            _BYTES,
+            _BYTES,
         ]
 
     def begin(self, initial: np.ndarray) -> np.ndarray:
@@ -90,8 +96,12 @@ class Core:
         *,
         start: float = 0.0,
         states: bool = False,
+        measured: np.ndarray | None = None,
+        gain: np.ndarray | None = None,
+        signs: np.ndarray | None = None,
+        keep: np.ndarray | None = None,
     ) -> np.ndarray:
-        """Response over a recording.
+        """Response over a recording, or its prediction from one sample to the next.
 
         Args:
             values: parameters in the order of ``parameter_names``.
@@ -104,6 +114,12 @@ class Core:
             max_step: longest internal step, s.
             start: time of the first sample, s.
             states: whether to return the states instead of the response.
+            measured: (n,) what was measured. The state is moved after each sample by ``gain`` times what was measured
+                beyond the response; None simulates freely.
+            gain: (states,) by how much; given with ``measured``.
+            signs: (n, surfaces + 1) int8, as ``keep`` took them from another run: the response is what the states give
+                under these, so that its change with a parameter has no jumps.
+            keep: (n, surfaces + 1) int8, filled with the signs at each sample.
 
         Returns:
             (n,) response as recorded, or (n, states); NaN from where the simulation failed (the motion grew beyond
@@ -117,19 +133,33 @@ class Core:
             raise BadInput(f"the force covers {force.pieces.shape[0] // force.fine + 1} samples where {n} are needed")
         y = np.full(n, np.nan)
         z = np.full((n, self.states), np.nan) if states else None
+        if measured is not None:
+            measured, gain = np.ascontiguousarray(measured, float), np.ascontiguousarray(gain, float)
         self._record(
-            values.ctypes.data_as(_DOUBLES),
-            begin.ctypes.data_as(_DOUBLES),
+            _pointer(values),
+            _pointer(begin),
             start,
-            None if force is None else force.pieces.ctypes.data_as(_DOUBLES),
+            None if force is None else _pointer(force.pieces),
             n,
             1 if force is None else force.fine,
             dt,
             max_step,
-            y.ctypes.data_as(_DOUBLES),
-            None if z is None else z.ctypes.data_as(_DOUBLES),
+            _pointer(y),
+            _pointer(z),
+            _pointer(measured),
+            _pointer(gain if measured is not None else None),
+            None if signs is None else signs.ctypes.data_as(_BYTES),
+            None if keep is None else keep.ctypes.data_as(_BYTES),
         )
         return y if z is None else z
+
+    def signs(self, n: int) -> np.ndarray:
+        """(n, surfaces + 1) room for the signs of a run; see ``record``."""
+        return np.zeros((n, len(self.equations.kinds) + 1), np.int8)
+
+
+def _pointer(values: np.ndarray | None) -> Any:
+    return None if values is None else values.ctypes.data_as(_DOUBLES)
 
 
 _cores: dict[tuple[object, ...], Core] = {}

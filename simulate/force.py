@@ -22,6 +22,12 @@ class Force:
     pieces: np.ndarray
     fine: int = 1
 
+    def shifted(self, by: float) -> Force:
+        """The same force with a constant added."""
+        pieces = self.pieces.copy()
+        pieces[:, 0] += by
+        return Force(pieces, self.fine)
+
     def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
         """The same force with white noise of that standard deviation on its samples, ``dt`` apart."""
         count = self.pieces.shape[0] // self.fine

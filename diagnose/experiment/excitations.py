@@ -6,9 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...identify.data import Data
 from ...identify.excitation import band_of
 from ...model import Oscillator
-from ..search.fitting import Data
 
 #: How far beyond what was recorded an experiment may go.
 BEYOND = 1.5

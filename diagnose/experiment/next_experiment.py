@@ -12,10 +12,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...errors import DashpotError
+from ...identify.data import Data
 from ...model import Oscillator
 from ...simulate.core import internal_step
 from ..result import Experiment
-from ..search.fitting import Data
 from ..wording import figure, quantity, spoken
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
 from .rehearsal import Played, apart, off, rehearse

@@ -7,15 +7,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...identify.likelihood import equivalent_resonance
+from ...identify.data import Data, equivalent_resonance
 from ...identify.noise_spectrum import NoiseSpectrum
 from ...identify.output_error import OutputError, State
 from ...identify.segments import FORCE_BAND, Segment
+from ...identify.structure import parameter_bounds, parameter_sizes
 from ...model import Oscillator
 from ...model.oscillator import QUANTITIES
 from ...simulate.core import core_of, internal_step
 from ...simulate.force import smooth_force
-from ..search.fitting import Data, parameter_bounds, parameter_sizes
 from .excitations import BEYOND, Excitation
 
 _SMALL = 1e-2

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
+from ...identify.data import Data
 from ...identify.hilbert import analytic_signal
 from ...model import Oscillator
-from ..search.fitting import Data
 from .smoother import Smoothed, Smoother
 
 #: Samples a cycle that are kept: eight harmonics.

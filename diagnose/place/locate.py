@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import DashpotError
+from ...identify.data import Data
+from ...identify.structure import Fitted
 from ...model import Oscillator
 from ..result import Location
-from ..search.fitting import Data, Fitted
 from .equation_error import equation_error
 from .mismatch_ranges import excess_range
 from .statement import how_far_off, in_which_recordings, what_it_follows

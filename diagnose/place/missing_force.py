@@ -13,11 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import DashpotError
+from ...identify.data import Data
+from ...identify.structure import Fitted
 from ...model import Oscillator
 from ...model.equations import equations
 from ...model.oscillator import Term
 from ..result import LatentForce
-from ..search.fitting import Data, Fitted
 from .model_force import term_force
 from .smoother import Smoothed, Smoother
 

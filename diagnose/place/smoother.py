@@ -19,11 +19,11 @@ from functools import cached_property
 
 import numpy as np
 
+from ...identify.data import Data
 from ...identify.displacement import displacement
 from ...identify.regression import resting
 from ...model import Oscillator
 from ...model.oscillator import QUANTITIES
-from ..search.fitting import Data
 from .model_force import OwnForce, term_force
 from .penalised_states import PenalisedStates
 

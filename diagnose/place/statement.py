@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...identify.data import Data
+from ...identify.structure import Fitted
 from ...model import Oscillator
 from ...model.units import compose
-from ..search.fitting import Data, Fitted
 from ..wording import figure, quantity, spoken
 from .free_form import KINDS, Rows, explained, idle, solve
 from .mismatch_ranges import where_it_is

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...identify.structure import Fitted
 from ...model.laws import find
-from .fitting import Fitted
 
 #: A law is accepted where, its parameters paid for, it gains at least this much on the training recordings
 ACCEPT_TRAIN = 5.0

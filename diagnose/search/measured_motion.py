@@ -15,16 +15,16 @@ from functools import cache
 
 import numpy as np
 
+from ...identify.data import Data
 from ...identify.displacement import displacement
 from ...identify.excitation import band_of
-from ...identify.likelihood import SLACK
 from ...identify.regression import smooth_motion
 from ...identify.segments import stretches
+from ...identify.structure import SLACK
 from ...identify.weakform import Windows, windows
 from ...model import Oscillator
 from ...model.law import Law, Scales
 from ...simulate.along import Along
-from .fitting import Data
 
 #: Harmonics of the excited band that the windows reach: forces that are not linear show there.
 _HARMONICS = 3.5

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...identify.likelihood import equivalent_resonance
+from ...identify.data import Data, expected_noise
 from ...identify.noise_spectrum import estimate
+from ...identify.structure import Fitted
 from ..wording import figure
-from .fitting import Data, Fitted
 
 #: What is left may exceed the noise by this factor: the noise itself is estimated.
 ABOVE_NOISE = 1.1
@@ -133,13 +133,8 @@ def keeps_step(motion: np.ndarray, residual: np.ndarray) -> float:
 
 def expected(fitted: Fitted, data: Data, index: int) -> float:
     """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment."""
-    segment = data.segments[index]
-    variance = data.sensor[index] ** 2
-    values = fitted.model.values()
-    if segment.force is not None and data.force[index] > 0:
-        resonance = equivalent_resonance(segment, values, fitted.model.response.quantity)
-        variance += (data.force[index] / values["mass"]) ** 2 * float(np.mean(resonance))
-    return max(float(np.sqrt(variance)), 1e-9 * float(np.std(segment.response)), np.finfo(float).tiny)
+    values, quantity = fitted.model.values(), fitted.model.response.quantity
+    return expected_noise(data.segments[index], values, quantity, data.sensor[index], data.force[index])
 
 
 def sentence(left: Sequence[Leftover]) -> str | None:

@@ -15,11 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.output_error import State, pseudo_inverse
+from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.normal_equations import pseudo_inverse
+from ...identify.output_error import State
+from ...identify.structure import Fitted, Structure, parameter_bounds
 from ...model import Oscillator
 from ...model.law import Law, Scales
 from ...model.laws import LIBRARY
-from .fitting import Data, Fitted, Structure, likelihood, noise_spectra, parameter_bounds, with_term, with_values
+from ...model.terms import with_term, with_values
 
 #: Strength at which the derivative of a law is taken, in natural sizes: small beside the least friction that matters.
 _FEELER = 1e-5

@@ -13,23 +13,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...errors import DashpotError
+from ...identify.data import Data, likelihood, noise_spectra
 from ...identify.noise_spectrum import NoiseSpectrum
+from ...identify.structure import Fitted, Structure, renamed, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
+from ...model.terms import generalised, with_term, without_term
 from ...simulate.core import internal_step
-from .fitting import (
-    Data,
-    Fitted,
-    Structure,
-    generalised,
-    likelihood,
-    noise_spectra,
-    renamed,
-    shapes_of,
-    with_term,
-    without_term,
-)
 from .judgement import ACCEPT_TRAIN, INDISTINGUISHABLE, Round, Trial, ordered
 from .measured_motion import Guess, Regression
 from .residual_test import expected

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from .fitting import Data, Fitted, noise_spectra
+from ...identify.data import Data, noise_spectra
+from ...identify.structure import Fitted
 
 #: Above the logarithm of the number of frequencies by this much, a line of a periodogram is no chance (one in 400).
 _BEYOND_CHANCE = 6.0

@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.experiment.next_experiment.excitations import BEYOND, Excitation, Limits, candidates, limits_of
-from dashpot.diagnose.experiment.next_experiment.next_experiment import next_experiment
-from dashpot.diagnose.experiment.next_experiment.rehearsal import off
-from dashpot.diagnose.search.search.fitting import Structure, data_of, with_term
+from dashpot.diagnose.experiment.excitations import BEYOND, Excitation, Limits, candidates, limits_of
+from dashpot.diagnose.experiment.next_experiment import next_experiment
+from dashpot.diagnose.experiment.rehearsal import off
+from dashpot.identify.data import data_of
+from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
+from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 from dashpot.diagnose.place.free_form import hats
 from dashpot.diagnose.place.locate import locate
-from dashpot.diagnose.search.search.fitting import Fitted, Structure, data_of
 from dashpot.diagnose.wording import quantity, spoken
+from dashpot.identify.data import data_of
+from dashpot.identify.structure import Fitted, Structure
 
 
 def found(case):

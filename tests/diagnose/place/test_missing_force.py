@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.diagnose.place.missing_force import latent_forces
-from dashpot.diagnose.search.search.fitting import Structure, data_of, natural_values, with_term
+from dashpot.identify.data import data_of
+from dashpot.identify.structure import Structure, natural_values
+from dashpot.model.terms import with_term
 
 
 def fits(case, effect: str, values: dict[str, float] | None = None):

@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from dashpot.diagnose.place.model_force import OwnForce
 from dashpot.diagnose.place.smoother import Smoother
-from dashpot.diagnose.search.search.fitting import data_of, with_term
+from dashpot.identify.data import data_of
 from dashpot.model import Oscillator
 from dashpot.model.inner_force import InnerForce
 from dashpot.model.oscillator import Response
+from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force

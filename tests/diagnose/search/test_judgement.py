@@ -6,10 +6,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.search.fitting import Fitted, generalised, renamed
-from dashpot.diagnose.search.search.judgement import Round, Trial
+from dashpot.diagnose.search.judgement import Round, Trial
+from dashpot.identify.structure import Fitted, renamed
 from dashpot.model import Oscillator
 from dashpot.model.laws import find
+from dashpot.model.terms import generalised
 
 BASE = {"mass": 0.3, "omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 5.0, "dry": 0.1}
 LEFT = (np.full(50, 1.0),)

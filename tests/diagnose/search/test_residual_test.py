@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.search.fitting import Structure, data_of
-from dashpot.diagnose.search.search.residual_test import keeps_step, leftovers, sentence
+from dashpot.diagnose.search.residual_test import keeps_step, leftovers, sentence
+from dashpot.identify.data import data_of
+from dashpot.identify.structure import Structure
 from scipy.signal import lfilter
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.search.fitting import Structure, data_of, likelihood, noise_spectra, with_term
-from dashpot.diagnose.search.search.measured_motion import Regression
-from dashpot.diagnose.search.search.score_test import Screen, probes
+from dashpot.diagnose.search.measured_motion import Regression
+from dashpot.diagnose.search.score_test import Screen, probes
+from dashpot.identify.data import data_of, likelihood, noise_spectra
+from dashpot.identify.structure import Structure
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY, find
+from dashpot.model.terms import with_term
 
 
 def test_the_regression_finds_the_gap_that_the_base_model_bent_itself_around(rig):

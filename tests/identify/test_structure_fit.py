@@ -6,10 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.search.fitting import Structure, data_of, parameter_bounds, with_term
-from dashpot.diagnose.search.search.score_test import probes
-from dashpot.diagnose.search.search.search import Search
+from dashpot.diagnose.search.score_test import probes
+from dashpot.diagnose.search.search import Search
+from dashpot.identify.data import data_of
+from dashpot.identify.structure import Structure, parameter_bounds
 from dashpot.model.laws import LIBRARY
+from dashpot.model.terms import with_term
 
 
 def test_a_mass_at_rest_under_an_offset_sensor_is_at_rest(rig):

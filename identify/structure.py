@@ -11,56 +11,33 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...errors import BadInput
-from ...identify.hilbert import noise_level
-from ...identify.likelihood import SLACK, displacement_amplitude, equivalent_resonance, initial_states, typical_sizes
-from ...identify.noise_spectrum import NoiseSpectrum, estimate
-from ...identify.output_error import OutputError, State
-from ...identify.segments import Segment, cut, starts_at_rest
-from ...model import Oscillator
-from ...model.law import Law, Scales
-from ...model.laws import find
-from ...model.oscillator import QUANTITIES, Term
-from ...model.parameter import Parameter
-from ...recording.recording import Recording
-from ...simulate.core import Core, core_of, internal_step
+from ..errors import BadInput
+from ..model import Oscillator
+from ..model.law import Law, Scales
+from ..model.laws import find
+from ..model.oscillator import Term
+from ..model.terms import with_values
+from ..simulate.core import Core, core_of, internal_step
+from .data import Data, likelihood
+from .initial_motion import initial_states
+from .noise_spectrum import NoiseSpectrum
+from .output_error import Offset, OutputError, State
+from .segments import Segment, starts_at_rest
 
 #: Finite differences and first steps of a law's parameter, as a part of its natural size.
 _SMALL = 1e-2
 #: An onset or a speed this many times beyond where the law is looked for has left the recordings.
 _FENCE = 10.0
-#: The search simulates with longer steps than the model that is delivered: its error stays far below any noise.
+#: A search that only compares laws simulates with longer steps than the model that is delivered.
 _COARSER = 3.0
 #: A motion so fast that a sample interval takes more steps than this is nothing that the recordings could show.
 _FINEST = 40.0
-#: The force is interpolated more coarsely there too: to 1e-5 up to the resonance, to 1e-4 at twice that.
-_FORCE_BAND = 1.0
 #: Finite differences of a likelihood with many side valleys reach over these.
 _WIDE = 3e-3
-
-
-@dataclass(frozen=True, eq=False)
-class Data:
-    """Recordings of one rig, cut into the segments that every model is fitted to.
-
-    Attributes:
-        recordings: as read.
-        segments: free decays and driven stretches.
-        sensor: (segments,) standard deviation of the response's noise, from its highest frequencies.
-        force: (segments,) the same of the force.
-        scales: sizes of the motion.
-    """
-
-    recordings: tuple[Recording, ...]
-    segments: tuple[Segment, ...]
-    sensor: tuple[float, ...]
-    force: tuple[float, ...]
-    scales: Scales
-
-    @property
-    def points(self) -> int:
-        """Number of samples in all segments."""
-        return sum(segment.n for segment in self.segments)
+#: A spring that turns the phase by less than this (rad) in the longest recording is as good as none.
+SLACK = 0.1
+#: The mass may come to this many times its start, or to as small a part of it.
+_MASS_SPAN = 1e3
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,59 +64,6 @@ class Fitted:
         return all(bool(np.all(np.isfinite(residual))) for residual in self.residuals)
 
 
-def data_of(recordings: Sequence[Recording], model: Oscillator, lines: Sequence[float] = ()) -> Data:
-    """Cut recordings and measure their noise and the sizes of the motion.
-
-    Raises:
-        BadInput: where nothing in them can be fitted.
-    """
-    segments = cut(recordings, model.omega0.value, _FORCE_BAND)
-    if model.mass is None:
-        segments = tuple(segment for segment in segments if segment.force is None)
-    if not segments:
-        names = ", ".join(recording.name for recording in recordings)
-        raise BadInput(
-            f"{names}: neither a free decay nor a stretch driven by a force that is long and loud enough to fit; "
-            "record a decay of at least ten cycles or a sweep through the resonance"
-        )
-    responses = [np.asarray(r.response, float) for r in recordings]
-    sensor = [noise_level(response, r.fs) for response, r in zip(responses, recordings, strict=True)]
-    force = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
-    order = QUANTITIES.index(model.response.quantity)
-    peak = max(float(np.max(np.abs(segment.response))) for segment in segments)
-    scales = Scales(
-        length=displacement_amplitude(segments, model),
-        omega=segments[0].pace,
-        force=max((float(np.max(np.abs(r.force))) for r in recordings if r.force is not None), default=0.0),
-        response=peak if order else displacement_amplitude(segments, model),
-        duration=max(r.n * r.dt for r in recordings),
-        mass=None if model.mass is None else model.mass.value,
-        lines=tuple(lines),
-    )
-    return Data(
-        tuple(recordings),
-        segments,
-        tuple(sensor[segment.recording] for segment in segments),
-        tuple(force[segment.recording] for segment in segments),
-        scales,
-    )
-
-
-def with_term(model: Oscillator, effect: str, values: Mapping[str, float]) -> Oscillator:
-    """The model with one further effect, its parameters given by name."""
-    effects = (*(term.effect for term in model.terms), effect)
-    numbers = model.values() | {f"{effect}.{name}": value for name, value in values.items()}
-    grown = Oscillator.from_values(
-        numbers, name=model.name, response=model.response, force_unit=model.force_unit, effects=effects
-    )
-    return replace(grown, amplitude=model.amplitude, frequency=model.frequency)
-
-
-def without_term(model: Oscillator, effect: str) -> Oscillator:
-    """The model without one of its effects."""
-    return replace(model, terms=tuple(term for term in model.terms if term.effect != effect))
-
-
 def renamed(fitted: Fitted, effect: str, law: Law) -> Fitted:
     """The same fit with one effect under the name of a law of the same equation, its parameters in the same order."""
     names = [p.name for p in law.parameters]
@@ -152,24 +76,16 @@ def renamed(fitted: Fitted, effect: str, law: Law) -> Fitted:
     )
 
 
-def generalised(model: Oscillator, effect: str) -> Oscillator:
-    """The model with one effect as its more general twin, whose further parameters are zero."""
-    law = find(effect)
-    assert law.twin is not None
-    values = model.values()
-    own = [values[f"{effect}.{p.name}"] for p in law.parameters]
-    names = [p.name for p in find(law.twin).parameters]
-    return with_term(
-        without_term(model, effect), law.twin, dict.fromkeys(names, 0.0) | dict(zip(names, own, strict=False))
-    )
-
-
-def with_values(model: Oscillator, values: np.ndarray) -> Oscillator:
-    """The model with other values, in the order of ``parameters()``, and no errors."""
-    old = model.parameters()
-    return model.with_parameters(
-        {name: Parameter(float(value), None, old[name].unit) for name, value in zip(old, values, strict=True)}
-    )
+def typical_sizes(names: Sequence[str], values: np.ndarray, amplitude: float, pace: float) -> np.ndarray:
+    """Sizes at which a parameter matters: one hundredth of the force of inertia at full amplitude."""
+    length, rate = amplitude, amplitude * pace
+    acceleration = 0.01 * pace**2 * amplitude
+    sizes = {"mass": abs(values[0]), "omega0": 0.01 * pace, "cubic": acceleration / length**3}
+    sizes |= {"preload": acceleration, "dry": acceleration, "viscous": acceleration / rate}
+    found = []
+    for i, name in enumerate(names):
+        found.append(sizes.get(name, max(abs(values[i]), 1e-12)))
+    return np.array(found)
 
 
 def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:
@@ -211,9 +127,12 @@ class Structure:
         model: structure and present values.
         data: what it is fitted to.
         fixed: names of parameters to keep.
+        offsets: of sensors, to be found with the parameters.
     """
 
-    def __init__(self, model: Oscillator, data: Data, fixed: Sequence[str] = ()) -> None:
+    def __init__(
+        self, model: Oscillator, data: Data, fixed: Sequence[str] = (), offsets: Sequence[Offset] = ()
+    ) -> None:
         self.model = model
         self.data = data
         names = tuple(model.parameters())
@@ -232,10 +151,18 @@ class Structure:
             tuple(names.index(name) for name in self.free),
             parameter_sizes(model, scales),
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
-            max(internal_step(model, model.values(), length) * _COARSER, min(s.dt for s in data.segments) / _FINEST),
+            self._internal_step(length),
             parameter_bounds(model, scales),
+            offsets=offsets,
+            memory=data.memory,
             **({"step": _WIDE} if any(term.law.rugged for term in model.terms) else {}),
         )
+
+    def _internal_step(self, length: float) -> float:
+        step = internal_step(self.model, self.model.values(), length)
+        if not self.data.coarse:
+            return step
+        return max(step * _COARSER, min(s.dt for s in self.data.segments) / _FINEST)
 
     def _at_rest(self, core: Core) -> tuple[Segment, ...]:
         """The segments; where the sensor shows a mass at rest to be elsewhere than at zero, which begin at rest."""
@@ -252,12 +179,14 @@ class Structure:
         states = self.problem.core.states
         own = np.zeros((len(self.data.segments), states))
         if initial is None:
-            initial = initial_states(self.segments, self.model)
+            shown = {offset.recording: offset.guess for offset in self.problem.offsets}
+            shifts = [shown.get(segment.recording, 0.0) for segment in self.segments]
+            initial = initial_states(self.segments, self.model.response.quantity, shifts)
         own[:, : initial.shape[1]] = initial[:, :states]
         for segment, begin in zip(self.segments, own, strict=True):
             if segment.rests:
                 begin[[i for i in range(states) if i not in self.problem.own(segment)]] = 0.0
-        return State(self.values, own)
+        return State(self.values, own, np.array([offset.guess for offset in self.problem.offsets]))
 
     def here(self, initial: np.ndarray | None = None) -> tuple[State, tuple[np.ndarray, ...]]:
         """The present point and its residuals."""
@@ -296,25 +225,6 @@ class Structure:
             likelihood(outcome.residuals, model, self.data),
             self.free,
         )
-
-
-def noise_spectra(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[NoiseSpectrum]:
-    """Spectrum of what is left over in each segment, force noise through the resonance among it."""
-    values = model.values()
-    found = []
-    for segment, residual in zip(data.segments, residuals, strict=True):
-        shape = None
-        if segment.force is not None:
-            shape = equivalent_resonance(segment, values, model.response.quantity)
-        found.append(estimate(residual, shape))
-    return found
-
-
-def likelihood(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> float:
-    """Log-likelihood concentrated over the noise spectra (Whittle 1953); -inf where the model does not simulate."""
-    if not all(np.all(np.isfinite(residual)) for residual in residuals):
-        return -np.inf
-    return -0.5 * sum(spectrum.log_determinant() for spectrum in noise_spectra(residuals, model, data))
 
 
 def natural_values(effect: str, scales: Scales, probe: Mapping[str, float]) -> dict[str, float]:

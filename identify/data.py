@@ -1,0 +1,161 @@
+"""Recordings of one rig as every model is fitted to them: segments, their noise, the sizes of the motion."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from ..model import Oscillator
+from ..model.law import Scales
+from ..model.oscillator import QUANTITIES
+from ..recording.recording import Recording
+from .hilbert import noise_level
+from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
+from .prediction import FREE
+from .segments import FORCE_BAND, Segment, cut
+
+#: A search that only compares laws interpolates the force more coarsely: to 1e-5 up to the resonance, to 1e-4 at twice
+#: that.
+_COARSE_FORCE_BAND = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """Recordings of one rig, cut into the segments that every model is fitted to.
+
+    Attributes:
+        recordings: as read.
+        segments: free decays and driven stretches.
+        sensor: (segments,) standard deviation of the response's noise, from its highest frequencies.
+        force: (segments,) the same of the force.
+        scales: sizes of the motion.
+        coarse: whether models are only compared on them: simulated with longer steps than what is delivered, with an
+            error far below any noise.
+        memory: how far models predict, in cycles; see ``prediction``.
+    """
+
+    recordings: tuple[Recording, ...]
+    segments: tuple[Segment, ...]
+    sensor: tuple[float, ...]
+    force: tuple[float, ...]
+    scales: Scales
+    coarse: bool = True
+    memory: float = FREE
+
+    @property
+    def points(self) -> int:
+        """Number of samples in all segments."""
+        return sum(segment.n for segment in self.segments)
+
+
+def data_of(
+    recordings: Sequence[Recording], model: Oscillator, lines: Sequence[float] = (), *, coarse: bool = True
+) -> Data:
+    """Cut recordings and measure their noise and the sizes of the motion.
+
+    Raises:
+        BadInput: where nothing in them can be fitted.
+    """
+    segments = cut(recordings, model.omega0.value, _COARSE_FORCE_BAND if coarse else FORCE_BAND)
+    if model.mass is None:
+        segments = tuple(segment for segment in segments if segment.force is None)
+    if not segments:
+        names = ", ".join(recording.name for recording in recordings)
+        raise BadInput(
+            f"{names}: neither a free decay nor a stretch driven by a force that is long and loud enough to fit; "
+            "record a decay of at least ten cycles or a sweep through the resonance"
+        )
+    responses = [np.asarray(r.response, float) for r in recordings]
+    sensor = [noise_level(response, r.fs) for response, r in zip(responses, recordings, strict=True)]
+    force = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
+    order = QUANTITIES.index(model.response.quantity)
+    peak = max(float(np.max(np.abs(segment.response))) for segment in segments)
+    scales = Scales(
+        length=displacement_amplitude(segments, model),
+        omega=segments[0].pace,
+        force=max((float(np.max(np.abs(r.force))) for r in recordings if r.force is not None), default=0.0),
+        response=peak if order else displacement_amplitude(segments, model),
+        duration=max(r.n * r.dt for r in recordings),
+        mass=None if model.mass is None else model.mass.value,
+        lines=tuple(lines),
+    )
+    return Data(
+        tuple(recordings),
+        segments,
+        tuple(sensor[segment.recording] for segment in segments),
+        tuple(force[segment.recording] for segment in segments),
+        scales,
+        coarse,
+    )
+
+
+def displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) -> float:
+    """Largest displacement in the segments, as far as the recorded quantity tells."""
+    power = QUANTITIES.index(oscillator.response.quantity)
+    peak = max(float(np.max(np.abs(segment.response - np.median(segment.response)))) for segment in segments)
+    return peak / segments[0].pace ** power
+
+
+def equivalent_resonance(segment: Segment, value: Mapping[str, float], quantity: str) -> np.ndarray:
+    """(n // 2 + 1,) squared response to a force per unit mass of the equivalent linear rig at the segment's amplitude.
+
+    Describing functions of Eqs. 6 and 7.
+    """
+    omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
+    order = QUANTITIES.index(quantity)
+    tiny = np.finfo(float).tiny ** 0.25  # a search may have run to where nothing moves
+    pace = segment.pace
+    peak = max(np.sqrt(2) * float(np.std(segment.response)) / pace**order, tiny)
+    stiffness = value["omega0"] ** 2 + 0.75 * value["cubic"] * peak**2 + 4 * value["preload"] / (np.pi * peak)
+    damping = value["viscous"] + 4 * value["dry"] / (np.pi * pace * peak)
+    return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order)
+
+
+def noise_of(
+    segments: Sequence[Segment],
+    residuals: Sequence[np.ndarray],
+    values: Mapping[str, float],
+    quantity: str,
+    memory: float = FREE,
+) -> list[NoiseSpectrum]:
+    """Spectrum of what is left over in each segment.
+
+    In a simulation the noise of the force is among it, as the rig passes it on through its resonance; a prediction has
+    forgotten it.
+    """
+    found = []
+    for segment, residual in zip(segments, residuals, strict=True):
+        passed = segment.force is not None and memory == FREE
+        found.append(estimate(residual, equivalent_resonance(segment, values, quantity) if passed else None))
+    return found
+
+
+def noise_spectra(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[NoiseSpectrum]:
+    """Spectrum of what a model leaves over in each segment of some data."""
+    return noise_of(data.segments, residuals, model.values(), model.response.quantity, data.memory)
+
+
+def expected_noise(segment: Segment, values: Mapping[str, float], quantity: str, sensor: float, force: float) -> float:
+    """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment.
+
+    Args:
+        segment: of a recording.
+        values: the model's parameters.
+        quantity: what is recorded.
+        sensor, force: standard deviations of the noise of response and force.
+    """
+    variance = sensor**2
+    if segment.force is not None and force > 0:
+        resonance = equivalent_resonance(segment, values, quantity)
+        variance += (force / values["mass"]) ** 2 * float(np.mean(resonance))
+    return max(float(np.sqrt(variance)), 1e-9 * float(np.std(segment.response)), np.finfo(float).tiny)
+
+
+def likelihood(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> float:
+    """Log-likelihood concentrated over the noise spectra (Whittle 1953); -inf where the model does not simulate."""
+    if not all(np.all(np.isfinite(residual)) for residual in residuals):
+        return -np.inf
+    return -0.5 * sum(spectrum.log_determinant() for spectrum in noise_spectra(residuals, model, data))

@@ -1,0 +1,64 @@
+"""Normal equations of least squares in which each segment has unknowns of its own, which are eliminated.
+
+A bordered block-diagonal system. All of it in the scale of each unknown's own information, so that units do not matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+#: Normal matrix and gradient of one segment: shared unknowns first, then its own.
+Block = tuple[np.ndarray, np.ndarray]
+
+
+def promise(blocks: Sequence[Block], shared: np.ndarray, own: np.ndarray) -> float:
+    """What the linearised model expects a step to gain, twice."""
+    total = 0.0
+    for (normal, gradient), initial in zip(blocks, own, strict=True):
+        step = np.concatenate([shared, initial])
+        total += float(2.0 * gradient @ step - step @ normal @ step)
+    return total
+
+
+def solve(blocks: Sequence[Block], damping: float, k: int) -> tuple[np.ndarray, np.ndarray]:
+    """Step of the shared unknowns (k,) and of each segment's own (s, m), damped in the scale of each unknown."""
+    matrix, right = np.zeros((k, k)), np.zeros(k)
+    kept = []
+    for normal, gradient in blocks:
+        own = _damped(normal[k:, k:], damping)
+        inverse = pseudo_inverse(own)
+        border = normal[:k, k:]
+        matrix += normal[:k, :k] - border @ inverse @ border.T
+        right += gradient[:k] - border @ inverse @ gradient[k:]
+        kept.append((inverse, border, gradient[k:]))
+    whole = np.array([np.diag(normal)[:k] for normal, _ in blocks]).sum(axis=0)
+    shared = pseudo_inverse(matrix + damping * np.diag(whole)) @ right
+    own_steps = np.array([inverse @ (gradient - border.T @ shared) for inverse, border, gradient in kept])
+    return shared, own_steps
+
+
+def _damped(normal: np.ndarray, damping: float) -> np.ndarray:
+    return normal + damping * np.diag(np.diag(normal))
+
+
+def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
+    """Inverse of a symmetric information matrix in the scale of its own diagonal; directions without information: 0."""
+    if not matrix.size or not np.all(np.isfinite(matrix)):
+        return np.zeros_like(matrix)
+    diagonal = np.diag(matrix)
+    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    eigenvalues, vectors = np.linalg.eigh(matrix / np.outer(size, size))
+    kept = eigenvalues > 1e-14 * max(float(eigenvalues[-1]), np.finfo(float).tiny)
+    inverse = np.where(kept, 1.0 / np.where(kept, eigenvalues, 1.0), 0.0)
+    return (vectors * inverse) @ vectors.T / np.outer(size, size)
+
+
+def shared_information(blocks: Sequence[Block], k: int) -> np.ndarray:
+    """(k, k) information on the shared unknowns, each segment's own eliminated."""
+    total = np.zeros((k, k))
+    for normal, _ in blocks:
+        border = normal[:k, k:]
+        total += normal[:k, :k] - border @ pseudo_inverse(normal[k:, k:]) @ border.T
+    return total

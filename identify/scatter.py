@@ -1,0 +1,65 @@
+"""How far noise scatters the score of a fit: what its standard errors stand on."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..simulate.force import Force
+from .noise_spectrum import NoiseSpectrum
+from .normal_equations import pseudo_inverse, shared_information
+from .output_error import OutputError, State
+
+
+def scatter(
+    problem: OutputError,
+    state: State,
+    noise: Sequence[NoiseSpectrum],
+    force_noise: Sequence[float],
+    draws: int,
+    seed: int = 0,
+) -> np.ndarray:
+    """(k, k) scatter of the free parameters' score, force noise passed through the model as it is.
+
+    The spectrum takes that noise for stationary, which it is not: a rig answers differently at each amplitude of a
+    sweep. So the noise is drawn, simulated, and weighed as the fit weighs the residual.
+
+    Args:
+        problem: what was fitted.
+        state: the maximum of the likelihood.
+        noise: spectra that the fit weighed by.
+        force_noise: standard deviation of the force noise of each segment (0: none).
+        draws: how many times.
+        seed: of the random numbers.
+    """
+    residuals = problem.residuals(state)
+    derivatives = problem.derivatives(state, residuals)
+    shared, free = problem.shared, len(problem.free)
+    total, blocks = np.zeros((shared, shared)), []
+    for i, segment in enumerate(problem.segments):
+        jacobian = noise[i].whiten(derivatives[i])
+        blocks.append((jacobian @ jacobian.T, np.zeros(jacobian.shape[0])))
+        own = jacobian[shared:] @ jacobian.T
+        projected = jacobian[:shared] - own[:, :shared].T @ pseudo_inverse(own[:, shared:]) @ jacobian[shared:]
+        if segment.force is None or force_noise[i] == 0.0:
+            total += projected @ projected.T
+            continue
+        sensor = noise[i].sensor_part(projected)
+        total += sensor @ sensor.T
+        weighed = noise[i].whiten(projected)
+        base = segment.response - residuals[i]
+        random = np.random.default_rng([seed, i])
+        noises = [segment.force.disturbed(force_noise[i], random, segment.dt) for _ in range(draws)]
+
+        def moved(force: Force, i: int = i, base: np.ndarray = base, weighed: np.ndarray = weighed) -> np.ndarray:
+            return weighed @ (problem.simulate(i, state, force=force) - base)
+
+        scores = np.array(problem.parallel([lambda f=f, m=moved: m(f) for f in noises]))
+        total += scores.T @ scores / draws
+    if shared == free:
+        return total
+    normal = shared_information(blocks, shared)  # the parameters' score once the offsets have taken their part
+    part = normal[:free, free:] @ pseudo_inverse(normal[free:, free:])
+    kept = np.hstack([np.eye(free), -part])
+    return kept @ total @ kept.T

@@ -1,0 +1,47 @@
+"""A model with a law more or less, or with other values."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from .laws import find
+from .oscillator import Oscillator
+from .parameter import Parameter
+
+
+def with_term(model: Oscillator, effect: str, values: Mapping[str, float]) -> Oscillator:
+    """The model with one further effect, its parameters given by name."""
+    effects = (*(term.effect for term in model.terms), effect)
+    numbers = model.values() | {f"{effect}.{name}": value for name, value in values.items()}
+    grown = Oscillator.from_values(
+        numbers, name=model.name, response=model.response, force_unit=model.force_unit, effects=effects
+    )
+    return replace(grown, amplitude=model.amplitude, frequency=model.frequency)
+
+
+def without_term(model: Oscillator, effect: str) -> Oscillator:
+    """The model without one of its effects."""
+    return replace(model, terms=tuple(term for term in model.terms if term.effect != effect))
+
+
+def generalised(model: Oscillator, effect: str) -> Oscillator:
+    """The model with one effect as its more general twin, whose further parameters are zero."""
+    law = find(effect)
+    assert law.twin is not None
+    values = model.values()
+    own = [values[f"{effect}.{p.name}"] for p in law.parameters]
+    names = [p.name for p in find(law.twin).parameters]
+    return with_term(
+        without_term(model, effect), law.twin, dict.fromkeys(names, 0.0) | dict(zip(names, own, strict=False))
+    )
+
+
+def with_values(model: Oscillator, values: np.ndarray) -> Oscillator:
+    """The model with other values, in the order of ``parameters()``, and no errors."""
+    old = model.parameters()
+    return model.with_parameters(
+        {name: Parameter(float(value), None, old[name].unit) for name, value in zip(old, values, strict=True)}
+    )
