@@ -50,6 +50,20 @@ def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[
         load_law_file(file)
 
 
+def _fixed(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
+    """``NAME=VALUE`` as a dictionary."""
+    found = {}
+    for text in values:
+        name, sign, number = text.partition("=")
+        try:
+            found[name.strip()] = float(number)
+        except ValueError:
+            sign = ""
+        if not sign or not name.strip():
+            raise click.BadParameter(f"'{text}' is not NAME=VALUE with a number, such as viscous=0.5")
+    return found
+
+
 def _with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option that adds laws to the library before the command reads a model."""
     return click.option(
@@ -132,13 +146,36 @@ def demo(output: Path) -> None:
 @click.option("--name", help="Name of the rig; default: the output's name.")
 @click.option("--report", type=_FILE, help="HTML page to write beside it.")
 @click.option("--json", "as_json", is_flag=True, help="Print the model as JSON too.")
+@click.option(
+    "--with", "effects", metavar="LAW", multiple=True, help="Law of the library to fit beside Eq. 17; several times."
+)
+@click.option(
+    "--fix",
+    metavar="NAME=VALUE",
+    multiple=True,
+    callback=_fixed,
+    help="Parameter that keeps a value, in SI; several times.",
+)
+@click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
+@click.option("--from", "start", type=_FILE, metavar="MODEL.yaml", help="Model to start from, with its laws.")
+@_with_laws
 @_with_recordings
 def identify(
-    recordings: tuple[Path, ...], output: Path, name: str | None, report: Path | None, as_json: bool, **options: Any
+    recordings: tuple[Path, ...],
+    output: Path,
+    name: str | None,
+    report: Path | None,
+    as_json: bool,
+    effects: tuple[str, ...],
+    fix: dict[str, float],
+    mass: float | None,
+    start: Path | None,
+    **options: Any,
 ) -> None:
     """Identify a model from recordings: decays, bursts, sweeps, multisines, in any mixture."""
     from .identify import identify as find
-    from .model.file import save
+    from .model.file import load, save
+    from .model.laws import find as find_law
     from .model.show import as_json as model_json
     from .model.show import describe
     from .writing import replacing
@@ -148,7 +185,15 @@ def identify(
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
         )
-    found = find(_read(recordings, options), name=name or output.stem, progress=_say)
+    if mass is not None:
+        fix = fix | {"mass": mass}
+    if not fix.get("mass", 1.0) > 0:
+        raise BadInput(f"a mass of {fix['mass']:g} kg moves nowhere; give a positive number")
+    laws = [find_law(effect).name for effect in effects]
+    begin = None if start is None else load(start)
+    found = find(
+        _read(recordings, options), name=name or output.stem, effects=laws, fixed=fix, start=begin, progress=_say
+    )
     for note in found.notes:
         _say(f"note: {note}")
     if report is not None:

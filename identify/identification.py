@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
@@ -14,10 +15,13 @@ from ..model.oscillator import QUANTITIES
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation
 from ..recording.recording import Recording
+from .data import Data, data_of
 from .excitation import band_of, kind_of
+from .further_laws import with_laws
 from .hilbert import noise_level
 from .likelihood import Fit, maximum_likelihood
 from .start import HilbertEstimate, hilbert_start, plain_starts
+from .structure import shapes_of
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
@@ -52,34 +56,42 @@ def identify(
     recordings: Sequence[Recording],
     *,
     name: str = "oscillator",
+    effects: Sequence[str] = (),
+    fixed: Mapping[str, float] = MappingProxyType({}),
+    start: Oscillator | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
-    """Identify the Eq. 17 family from recordings of one rig, free or forced, in any mixture.
+    """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
 
     Args:
         recordings: as read by ``dashpot.recording.read``.
         name: the rig's name, for the model file.
+        effects: names of laws of the library to be fitted beside Eq. 17.
+        fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
+        start: model to start from, with its laws, instead of the Hilbert transform's estimates.
         progress: called with one line per step.
 
     Raises:
-        BadInput: where the recordings do not belong together, or cannot carry a model.
+        BadInput: where the recordings do not belong together, or cannot carry a model; where a law or a parameter is
+            not known.
     """
     belong_together(recordings)
     progress("Hilbert transform: decays, FREEVIB, FORCEVIB")
     hilbert = hilbert_start(recordings)
-    first = recordings[0]
-    values = {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")}
-    start = Oscillator.from_values(
-        values,
-        name=name,
-        response=Response(first.quantity, first.unit),
-        force_unit=next((r.force_unit for r in recordings if r.force is not None), "N"),
-    )
-    progress("maximum likelihood on the simulated response")
-    fit = maximum_likelihood(start, recordings)
-    if _lost(fit):
-        progress("that explains little; again from plainer starts")
-        fit = min([fit, *_from_plainer_starts(start, hilbert, recordings)], key=_left)
+    base = _hilbert_model(hilbert, recordings, name) if start is None else replace(start, name=name)
+    data = data_of(recordings, base, coarse=False)
+    laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
+
+    def fitted(model: Oscillator) -> Fit:
+        model = _with_values(model, fixed, final=not laws)
+        if laws:
+            progress(f"start values for {', '.join(laws)}")
+            model = with_laws(model, laws, replace(data, coarse=True))
+            model = _with_values(model, fixed, final=True)
+        progress("maximum likelihood, from prediction to simulation")
+        return _with_shapes(model, recordings, data, tuple(fixed))
+
+    fit = _best_fit(fitted, [base] if start is not None else [base, *_plain(base, hilbert, recordings)], progress)
     return Identification(
         oscillator=_with_provenance(fit, hilbert, recordings),
         hilbert=hilbert,
@@ -87,6 +99,78 @@ def identify(
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *fit.notes, *_remarks(fit, recordings)),
     )
+
+
+def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
+    """Eq. 17 with the values that the Hilbert transform starts from."""
+    first = recordings[0]
+    return Oscillator.from_values(
+        {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")},
+        name=name,
+        response=Response(first.quantity, first.unit),
+        force_unit=next((r.force_unit for r in recordings if r.force is not None), "N"),
+    )
+
+
+def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool) -> Oscillator:
+    """The model with parameters set; raises BadInput for a name that it does not have, once all its laws are in."""
+    known = model.parameters()
+    if final and (unknown := [key for key in values if key not in known and key != "mass"]):
+        raise BadInput(f"there is no parameter {unknown[0]!r} to fix; the model has {', '.join(['mass', *known])}")
+    if "mass" in values and model.mass is None:
+        model = Oscillator.from_values(
+            model.values() | {"mass": values["mass"]},
+            name=model.name,
+            response=model.response,
+            force_unit=model.force_unit,
+            effects=tuple(term.effect for term in model.terms),
+        )
+        known = model.parameters()
+    return model.with_parameters(
+        {key: replace(known[key], value=value, std=None) for key, value in values.items() if key in known}
+    )
+
+
+def _with_shapes(model: Oscillator, recordings: Sequence[Recording], data: Data, fixed: Sequence[str]) -> Fit:
+    """The fit; the shapes of laws, such as the sharpness of a bend, are freed where more than noise is left."""
+    shapes = tuple(shape for shape in shapes_of(model) if shape not in fixed)
+    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data)
+    if not shapes or max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
+        return fit
+    freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data)
+    return freed if _left(freed) < _left(fit) else fit
+
+
+def _best_fit(
+    fitted: Callable[[Oscillator], Fit], starts: Iterable[Oscillator], progress: Callable[[str], None]
+) -> Fit:
+    """The fit from the first start; where that explains little, the best of all of them.
+
+    Where another effect bends the Hilbert estimates, their cubic and preload lead astray first.
+    """
+    fits: list[Fit] = []
+    problems: list[BadInput] = []
+    for start in starts:
+        try:
+            fits.append(fitted(start))
+        except BadInput as problem:  # it does not simulate from there
+            problems.append(problem)
+            continue
+        if len(fits) == 1 and not _lost(fits[0]):
+            return fits[0]
+        progress("that explains little; again from another start")
+    if not fits:
+        raise problems[0]
+    return min(fits, key=_left)
+
+
+def _plain(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Iterator[Oscillator]:
+    """Linear rigs: see ``plain_starts``."""
+    known = start.parameters()
+    for plain in plain_starts(hilbert, recordings):
+        values = {"cubic": 0.0, "preload": 0.0, "dry": 0.0} | plain
+        changed = {name: replace(known[name], value=value) for name, value in values.items() if name in known}
+        yield start.with_parameters(changed)
 
 
 def _lost(fit: Fit) -> bool:
@@ -98,21 +182,6 @@ def _left(fit: Fit) -> float:
     """Mean logarithm of what is left of the motion, by which fits of different stretches can be compared."""
     size = [s.segment.n for s in fit.segments]
     return float(np.average([np.log(max(s.nrmse, np.finfo(float).tiny)) for s in fit.segments], weights=size))
-
-
-def _from_plainer_starts(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> list[Fit]:
-    """Fits from a linear rig at the backbone's frequency and at that of the largest line: where another effect bends
-    the Hilbert estimates, their cubic and preload lead astray first."""
-    found = []
-    for omega0, viscous in plain_starts(hilbert, recordings):
-        plain = {"omega0": omega0, "viscous": viscous, "cubic": 0.0, "preload": 0.0, "dry": 0.0}
-        known = start.parameters()
-        changed = {name: replace(known[name], value=value) for name, value in plain.items()}
-        try:
-            found.append(maximum_likelihood(start.with_parameters(changed), recordings))
-        except BadInput:  # it does not simulate from there
-            continue
-    return found
 
 
 def belong_together(recordings: Sequence[Recording]) -> None:

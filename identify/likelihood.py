@@ -3,8 +3,9 @@
 The model is the recorded rig's but for a latent force (``prediction``). With a long enough memory of the model the
 likelihood is that of output error with the noise's own spectrum (Whittle 1953), which reaches the Cramér-Rao bound
 where regressions on differentiated data are biased by any noise; with a short one it is that of prediction over a
-cycle, which every start survives. The search runs from prediction to simulation, each time from where the last ended,
-and answers with the memory that makes the recordings most likely: for a model that is right that is simulation.
+cycle, which every start survives. The search runs from prediction to simulation, each time from where the last ended.
+The answer is that of simulation where the model keeps step with the recordings; what the most likely memory says
+otherwise is then in the standard errors. Where no simulation keeps step, the answer is that of the most likely memory.
 
 The map from what was measured to the prediction errors is causal with a unit diagonal, whatever the gain, so that
 likelihoods of different memories are those of the same data and may be compared.
@@ -20,7 +21,7 @@ import numpy as np
 from ..errors import BadInput
 from ..model import Oscillator
 from ..recording.recording import Recording
-from .data import data_of, expected_noise, noise_of
+from .data import Data, data_of, expected_noise, noise_of
 from .hilbert import noise_level
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
@@ -78,7 +79,7 @@ class Fit:
         log_likelihood: at the maximum, with the noise spectra found.
         segments: one per segment.
         noise: noise spectrum of each segment.
-        memory: how far the model predicts, in cycles, where it is most likely; ``FREE`` for simulation.
+        memory: how far the model predicts in this answer, in cycles; ``FREE`` for simulation.
         offsets: what the sensors show at zero, as far as the recordings ask for it.
         iterations: steps of the search, all rounds together.
         converged: whether the last round came to rest.
@@ -98,18 +99,21 @@ class Fit:
     notes: tuple[str, ...]
 
 
-def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording], fixed: Sequence[str] = ()) -> Fit:
+def maximum_likelihood(
+    start: Oscillator, recordings: Sequence[Recording], fixed: Sequence[str] = (), data: Data | None = None
+) -> Fit:
     """Find the parameters of ``start``'s structure that make the recordings most likely.
 
     Args:
         start: structure, with any laws of the library, and start values; ``mass`` None where no recording has a force.
         recordings: of one rig, all of the same quantity.
         fixed: names of parameters that keep their values.
+        data: the recordings as they are fitted, where they have been cut before.
 
     Raises:
         BadInput: where nothing in the recordings can be simulated.
     """
-    data = data_of(recordings, start, coarse=False)
+    data = data or data_of(recordings, start, coarse=False)
     structure = Structure(start, data, fixed, response_offsets(data, recordings, start))
     problem = structure.problem
     free, rungs, iterations = _from_prediction(problem, structure.state(None))
@@ -120,16 +124,24 @@ def maximum_likelihood(start: Oscillator, recordings: Sequence[Recording], fixed
         problem, free, rungs = problem.over(smooth), left, {}
     answer, steps = _whitened(problem, free, start)
     iterations += steps
+    other = answer
     if max(_over_noise(problem, answer, start, recordings)) > _ABOVE_NOISE:
-        answer, problem, steps = _best_memory(problem, answer, rungs, start)
+        other, predicting, steps = _best_memory(problem, answer, rungs, start)
         iterations += steps
+        if not _keeps_step(problem, answer.outcome.residuals):
+            answer, problem = other, predicting
+    if not np.isfinite(answer.likelihood):
+        raise BadInput(
+            "no model of this structure simulates along these recordings; check signs and units of force and response"
+        )
+    doubt = other.outcome.state.values - answer.outcome.state.values
     used = {segment.recording for segment in problem.segments}
     notes += [
         f"{recording.name}: nothing in it that could be fitted; it was left out"
         for i, recording in enumerate(recordings)
         if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
     ]
-    return _result(start, structure.free, problem, answer, recordings, iterations, notes)
+    return _result(start, structure.free, problem, answer, doubt, recordings, iterations, notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +164,7 @@ def _from_prediction(problem: OutputError, state: State) -> tuple[State, dict[fl
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
     rungs: dict[float, State] = {}
     for memory in memories(problem.segments):
-        if _keeps_step(problem, state):
+        if _keeps_step(problem, problem.residuals(state)):
             break
         outcome = problem.predicting(memory).search(state, tolerance=1.0, most=_EARLY_STEPS)
         state, iterations = outcome.state, iterations + outcome.iterations
@@ -172,12 +184,12 @@ def memories(segments: Sequence[Segment]) -> list[float]:
     return found
 
 
-def _keeps_step(problem: OutputError, state: State) -> bool:
+def _keeps_step(problem: OutputError, residuals: Sequence[np.ndarray]) -> bool:
     """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it."""
-    for segment, residual in zip(problem.segments, problem.residuals(state), strict=True):
-        if not np.sqrt(np.mean(residual**2)) < _IN_STEP * np.std(segment.response):
-            return False
-    return True
+    return all(
+        bool(np.sqrt(np.mean(residual**2)) < _IN_STEP * np.std(segment.response))
+        for segment, residual in zip(problem.segments, residuals, strict=True)
+    )
 
 
 def _simulates(problem: OutputError, state: State) -> bool:
@@ -186,15 +198,17 @@ def _simulates(problem: OutputError, state: State) -> bool:
 
 def _whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[_Answer, int]:
     """The maximum with every frequency weighed by the noise that is left there, and the steps to it."""
-    residuals = problem.residuals(state)
-    outcome, noise, steps = None, [], 0
-    for tolerance in (0.1, 1e-3):
-        noise = _noise(problem, residuals, state, start)
-        outcome = problem.search(state, noise, tolerance=tolerance)
-        state, residuals, steps = outcome.state, outcome.residuals, steps + outcome.iterations
-    assert outcome is not None
-    found = -0.5 * sum(s.log_determinant() for s in _noise(problem, residuals, state, start))
-    return _Answer(outcome, noise, float(found) if np.isfinite(outcome.cost) else -np.inf), steps
+    residuals, steps = problem.residuals(state), 0
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        nothing = np.zeros((len(problem.free), len(problem.free)))
+        return _Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
+    noise = _noise(problem, residuals, state, start)
+    outcome = problem.search(state, noise, tolerance=0.1)
+    state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
+    noise = _noise(problem, residuals, state, start)
+    outcome = problem.search(state, noise, tolerance=1e-3)
+    found = -0.5 * sum(s.log_determinant() for s in _noise(problem, outcome.residuals, outcome.state, start))
+    return _Answer(outcome, noise, float(found)), steps + outcome.iterations
 
 
 def _best_memory(
@@ -232,7 +246,8 @@ def _over_noise(
         sensor = noise_level(np.asarray(recording.response, float), recording.fs)
         force = 0.0 if recording.force is None else noise_level(np.asarray(recording.force, float), recording.fs)
         level = expected_noise(segment, values, start.response.quantity, sensor, force)
-        ratios.append(float(np.sqrt(np.mean(residual**2))) / level)
+        ratio = float(np.sqrt(np.mean(residual**2))) / level
+        ratios.append(ratio if np.isfinite(ratio) else np.inf)
     return ratios
 
 
@@ -250,6 +265,7 @@ def _result(
     names: tuple[str, ...],
     problem: OutputError,
     answer: _Answer,
+    doubt: np.ndarray,
     recordings: Sequence[Recording],
     iterations: int,
     remarks: Sequence[str],
@@ -258,8 +274,9 @@ def _result(
     force_noise = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
     spread = scatter(problem, outcome.state, noise, [force_noise[s.recording] for s in problem.segments], _DRAWS)
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
-    covariance = inverse @ spread @ inverse  # Huber (1967): right where the weights are not
-    errors = dict(zip(names, np.sqrt(np.diag(covariance)), strict=True))
+    doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)
+    covariance = inverse @ spread @ inverse + np.outer(doubt, doubt)  # Huber (1967): right where the weights are not
+    errors = dict(zip(names, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
     old = start.parameters()
     values = dict(zip(old, map(float, outcome.state.values), strict=True))
     identified = start.with_parameters(
@@ -298,7 +315,7 @@ def _result(
 
 
 def _std(name: str, names: Sequence[str], lost: Sequence[int], errors: dict[str, float]) -> float | None:
-    return None if name not in names or names.index(name) in lost else float(errors[name])
+    return None if name not in names or names.index(name) in lost or not errors[name] > 0 else float(errors[name])
 
 
 def _nrmse(residual: np.ndarray, response: np.ndarray) -> float:

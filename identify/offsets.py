@@ -48,18 +48,20 @@ def response_offsets(data: Data, recordings: Sequence[Recording], model: Oscilla
 
 
 def kept_offsets(problem: OutputError, state: State, start: Oscillator) -> tuple[OutputError, State]:
-    """The problem with the offsets that stand out of their errors alone, fitted again without the others."""
+    """The problem with the offsets that stand out of their errors alone; the others are zero from here on."""
     if not problem.offsets:
         return problem, state
+    judged = problem  # where no simulation runs to the end, a prediction over a cycle does
     residuals = problem.residuals(state)
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        judged = problem.predicting(1.0)
+        residuals = judged.residuals(state)
     values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    noise = noise_of(problem.segments, residuals, values, start.response.quantity, problem.memory)
-    covariance = pseudo_inverse(problem.shared_information(state, residuals, noise))
+    noise = noise_of(problem.segments, residuals, values, start.response.quantity, judged.memory)
+    covariance = pseudo_inverse(judged.shared_information(state, residuals, noise))
     errors = np.sqrt(np.maximum(np.diag(covariance)[len(problem.free) :], 0.0))
     stays = np.abs(state.offsets) > _STANDS_OUT * errors
     if np.all(stays):
         return problem, state
     kept = tuple(offset for offset, stay in zip(problem.offsets, stays, strict=True) if stay)
-    smaller = problem.with_offsets(kept)
-    state = smaller.search(replace(state, offsets=state.offsets[stays]), tolerance=1.0).state
-    return smaller, state
+    return problem.with_offsets(kept), replace(state, offsets=state.offsets[stays])

@@ -76,10 +76,13 @@ def regress(segments: Sequence[Segment]) -> RegressionStart:
     return regress_rows([segment_rows(s) for s in segments])
 
 
-def regress_rows(rows: Sequence[Rows]) -> RegressionStart:
-    """One regression over the rows of all segments, each weighed by its segment's noise. Raises BadInput as above."""
+def regress_rows(rows: Sequence[Rows], *, linear: bool = False) -> RegressionStart:
+    """One regression over the rows of all segments, each weighed by its segment's noise. Raises BadInput as above.
+
+    With ``linear`` mass, stiffness and viscous damping alone are regressed: another effect bends these least.
+    """
     forced = any(r.force_noise > 0 for r in rows)
-    use = [i for i in range(len(COLUMNS)) if forced or i > 0]
+    use = [i for i in range(len(COLUMNS)) if (forced or i > 0) and not (linear and COLUMNS[i] in OPTIONAL)]
     columns = np.concatenate([r.columns for r in rows])
     target = -np.concatenate([r.acceleration for r in rows])
     if target.size < 2 * len(use):

@@ -73,6 +73,7 @@ class HilbertEstimate:
     backbone: BackboneFit | None  # Eq. 6 family on all curves
     damping: DampingFit | None  # Eq. 7 family on all curves
     regression: RegressionStart | None
+    linear: RegressionStart | None  # the same of a linear rig
     notes: tuple[str, ...]
 
 
@@ -122,17 +123,25 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     if not motions:
         raise BadInput("No recording oscillates; " + " ".join(notes))
     backbone, damping = _fit_curves(curves, notes)
-    regression = _regression(segments, notes)
-    return _combine(motions, curves, tuple(decays), backbone, damping, regression, notes)
+    regression, linear = _regression(segments, notes)
+    return _combine(motions, curves, tuple(decays), backbone, damping, regression, linear, notes)
 
 
-def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> list[tuple[float, float]]:
-    """Frequency (rad/s) and viscous damping (1/s) of linear rigs to start from where the estimate leads nowhere."""
+def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> list[dict[str, float]]:
+    """Linear rigs to start from where the estimate leads nowhere: what is known of them, the most likely first.
+
+    By regression; at the backbone's frequency; at that of the largest line.
+    """
     lines = [dominant_frequency(np.asarray(r.response, float), r.fs) for r in recordings]
     omegas = [2 * np.pi * float(np.median(lines))]
     if estimate.backbone is not None:
         omegas.insert(0, float(estimate.backbone.omega0))
-    return [(omega, _PLAIN_DAMPING * omega) for omega in omegas]
+    found = [{"omega0": omega, "viscous": _PLAIN_DAMPING * omega} for omega in omegas]
+    linear = estimate.linear
+    if linear is not None:
+        known = {"omega0": linear.omega0, "viscous": max(linear.viscous, 1e-3 * linear.omega0)}
+        found.insert(0, known | ({} if linear.mass is None else {"mass": linear.mass}))
+    return found
 
 
 def _freevib_curve(r: Recording, x: np.ndarray, d: Decay, notes: list[str]) -> list[Curve]:
@@ -172,18 +181,22 @@ def _fit_curves(curves: list[Curve], notes: list[str]) -> tuple[BackboneFit | No
         return None, None
 
 
-def _regression(segments: list[Segment], notes: list[str]) -> RegressionStart | None:
+def _regression(segments: list[Segment], notes: list[str]) -> tuple[RegressionStart | None, RegressionStart | None]:
+    """Eq. 17 and a linear rig regressed on all segments; None where that cannot be."""
     rows: list[Rows] = []
     for s in segments:
         try:
             rows.append(segment_rows(s))
         except BadInput as problem:
             notes.append(f"A stretch of {s.x.size / s.fs:.4g} s was left out of the regression: {problem}")
-    try:
-        return regress_rows(rows) if rows else None
-    except BadInput as problem:
-        notes.append(str(problem))
-        return None
+    found: list[RegressionStart | None] = [None, None]
+    for place, linear in enumerate((False, True)):
+        try:
+            found[place] = regress_rows(rows, linear=linear) if rows else None
+        except BadInput as problem:
+            if not linear:
+                notes.append(str(problem))
+    return found[0], found[1]
 
 
 def _combine(
@@ -193,6 +206,7 @@ def _combine(
     backbone: BackboneFit | None,
     damping: DampingFit | None,
     regression: RegressionStart | None,
+    linear: RegressionStart | None,
     notes: list[str],
 ) -> HilbertEstimate:
     inf = float("inf")
@@ -243,6 +257,7 @@ def _combine(
         backbone=backbone,
         damping=damping,
         regression=regression,
+        linear=linear,
         notes=tuple(notes),
     )
 
@@ -275,9 +290,8 @@ def _make_safe(
     notes: list[str],
 ) -> None:
     """Keep the start simulable over the recorded amplitudes, and say what looks like another model family."""
-    for k in ("preload", "dry"):
-        if value[k] < -3 * std[k]:
-            notes.append(f"The start value of {k} is negative: the recordings hold something that Eq. 17 does not.")
+    for k in ("preload", "dry"):  # a start that pushes the mass away from rest, or feeds it, leads astray
+        value[k] = max(value[k], 0.0)
     if value["omega0"] ** 2 + value["cubic"] * reach**2 <= 0:
         notes.append(
             "The softening cubic would make the spring pull outward within the recorded amplitudes; start at 0."

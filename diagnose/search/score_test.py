@@ -7,7 +7,6 @@ log-likelihood that it promises (Rao 1948). A promise is then kept or broken by 
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -16,11 +15,12 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.measured_motion import probes
 from ...identify.normal_equations import pseudo_inverse
 from ...identify.output_error import State
 from ...identify.structure import Fitted, Structure, parameter_bounds
 from ...model import Oscillator
-from ...model.law import Law, Scales
+from ...model.law import Law
 from ...model.laws import LIBRARY
 from ...model.terms import with_term, with_values
 
@@ -252,19 +252,6 @@ class Screen:
         initial = np.hstack([self.fitted.initial[:, :states], phases])
         numbers = values | {strength.name: float(amplitude)}
         return _Step(law, numbers, np.zeros(len(self.places)), promise, initial)
-
-
-def probes(law: Law, scales: Scales) -> list[dict[str, float]]:
-    """Where to look for a law: every combination of its parameters' probes, strengths at zero."""
-    axes = []
-    for p in law.parameters:
-        if p.strength:
-            axes.append([(p.name, 0.0)])
-        elif p.probes == "lines":
-            axes.append([(p.name, line) for line in scales.lines])
-        else:
-            axes.append([(p.name, float(probe) * p.natural(scales)) for probe in p.probes])
-    return [dict(combination) for combination in itertools.product(*axes)]
 
 
 def _inner(model: Oscillator, law: Law, values: dict[str, float]) -> tuple:

@@ -14,15 +14,15 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.measured_motion import Regression
 from ...identify.noise_spectrum import NoiseSpectrum
 from ...identify.structure import Fitted, Structure, renamed, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
-from ...model.terms import generalised, with_term, without_term
+from ...model.terms import generalised, without_term
 from ...simulate.core import internal_step
 from .judgement import ACCEPT_TRAIN, INDISTINGUISHABLE, Round, Trial, ordered
-from .measured_motion import Guess, Regression
 from .residual_test import expected
 from .score_test import Screen
 from .spectral_lines import residual_lines
@@ -192,7 +192,7 @@ class Search:
             if guess is None or regression.gain(plain, guess) < _HALFWAY * max(self.by_motion.values(), default=0.0):
                 continue
             self.progress(law.name, 0.9)
-            one = self._paced(self._guessed(fitted.model, law, guess), law, fitted.initial)
+            one = self._paced(guess.put_into(fitted.model), law, fitted.initial)
             if one is not None:
                 one = self._fit(one.model, one.initial, 2 * _FEW_STEPS) or one
             if one is not None and one.likelihood > fitted.likelihood:
@@ -297,7 +297,7 @@ class Search:
             guesses = {guess.effect: guess for guess in regression.guesses(laws)}
             self.by_motion = by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
             for name in _leading(by_motion):
-                model = self._guessed(fitted.model, find(name), guesses[name])
+                model = guesses[name].put_into(fitted.model)
                 initial = guesses[name].begun(fitted.initial)
                 gain = self._worth(model, fitted, initial)
                 starts.setdefault(name, []).append((gain, model, initial))
@@ -332,14 +332,6 @@ class Search:
         except DashpotError:
             return -np.inf
         return likelihood(residuals, model, self.data) - fitted.likelihood
-
-    def _guessed(self, model: Oscillator, law: Law, guess: Guess) -> Oscillator:
-        own = {p.name: guess.values[f"{law.name}.{p.name}"] for p in law.parameters}
-        grown = with_term(model, law.name, own)
-        known = grown.parameters()
-        return grown.with_parameters(
-            {name: replace(known[name], value=value) for name, value in guess.values.items() if name in known}
-        )
 
     def _fit(
         self,

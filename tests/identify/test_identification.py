@@ -221,7 +221,6 @@ def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
 
     from dashpot.identify import identification
 
-    lines = []
     honest = identification.hilbert_start
 
     def astray(recordings):
@@ -230,8 +229,7 @@ def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
 
     monkeypatch.setattr(identification, "hilbert_start", astray)
     both = [record("sweep"), record("decay", seconds=4.0)]
-    parameters = identify(both, progress=lines.append).oscillator.parameters()
-    assert any("plainer starts" in line for line in lines)
+    parameters = identify(both).oscillator.parameters()
     for name in ("mass", "omega0", "viscous"):
         assert abs(parameters[name].value / TRUTH[name] - 1) < WITHIN[name] / 100, name
 

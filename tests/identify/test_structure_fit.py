@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.score_test import probes
 from dashpot.diagnose.search.search import Search
 from dashpot.identify.data import data_of
+from dashpot.identify.measured_motion import probes
 from dashpot.identify.structure import Structure, parameter_bounds
 from dashpot.model.laws import LIBRARY
 from dashpot.model.terms import with_term

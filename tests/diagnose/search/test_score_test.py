@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.measured_motion import Regression
-from dashpot.diagnose.search.score_test import Screen, probes
+from dashpot.diagnose.search.score_test import Screen
 from dashpot.identify.data import data_of, likelihood, noise_spectra
+from dashpot.identify.measured_motion import Regression, probes
 from dashpot.identify.structure import Structure
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY, find

@@ -8,23 +8,26 @@ to start from and never evidence.
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 
 import numpy as np
 
-from ...identify.data import Data
-from ...identify.displacement import displacement
-from ...identify.excitation import band_of
-from ...identify.regression import smooth_motion
-from ...identify.segments import stretches
-from ...identify.structure import SLACK
-from ...identify.weakform import Windows, windows
-from ...model import Oscillator
-from ...model.law import Law, Scales
-from ...simulate.along import Along
+from ..model import Oscillator
+from ..model.law import Law, Scales
+from ..model.laws import find
+from ..model.terms import with_term
+from ..simulate.along import Along
+from .data import Data
+from .displacement import displacement
+from .excitation import band_of
+from .regression import smooth_motion
+from .segments import stretches
+from .structure import SLACK
+from .weakform import Windows, windows
 
 #: Harmonics of the excited band that the windows reach: forces that are not linear show there.
 _HARMONICS = 3.5
@@ -69,6 +72,15 @@ class Guess:
     values: Mapping[str, float]
     misfit: float
     phases: Mapping[int, float] = field(default_factory=dict)
+
+    def put_into(self, model: Oscillator) -> Oscillator:
+        """The model with the law, all parameters with the values found."""
+        own = {p.name: self.values[f"{self.effect}.{p.name}"] for p in find(self.effect).parameters}
+        grown = with_term(model, self.effect, own)
+        known = grown.parameters()
+        return grown.with_parameters(
+            {name: replace(known[name], value=value) for name, value in self.values.items() if name in known}
+        )
 
     def begun(self, initial: np.ndarray) -> np.ndarray:
         """(segments, states) initial states, with the phases, where there are any, behind them."""
@@ -176,7 +188,7 @@ class Regression:
         if law.record is not None or (law.drive is not None and not self.forced) or not self.rows:
             return None
         scales = self.data.scales
-        found = [guess for probe in _probes(law, scales) if (guess := self._solve(law, probe)) is not None]
+        found = [guess for probe in probes(law, scales) if (guess := self._solve(law, probe)) is not None]
         if not found:
             return None
         guess = min(found, key=lambda one: one.misfit)
@@ -306,10 +318,17 @@ def _project(view: Windows, force: np.ndarray) -> np.ndarray:
     return found if np.max(np.abs(found), initial=0.0) > _NOTHING * whole else np.zeros_like(found)
 
 
-def _probes(law: Law, scales: Scales) -> list[dict[str, float]]:
-    from .score_test import probes
-
-    return [dict(probe.items()) for probe in probes(law, scales)]
+def probes(law: Law, scales: Scales) -> list[dict[str, float]]:
+    """Where to look for a law: every combination of its parameters' probes, strengths at zero."""
+    axes = []
+    for p in law.parameters:
+        if p.strength:
+            axes.append([(p.name, 0.0)])
+        elif p.probes == "lines":
+            axes.append([(p.name, line) for line in scales.lines])
+        else:
+            axes.append([(p.name, float(probe) * p.natural(scales)) for probe in p.probes])
+    return [dict(combination) for combination in itertools.product(*axes)]
 
 
 def _least_squares(matrix: np.ndarray, vector: np.ndarray, used: np.ndarray) -> np.ndarray:

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 from dashpot import examples
-from dashpot.diagnose.search.measured_motion import Regression
 from dashpot.examples.truth import ACTUATOR, TRUTH
 from dashpot.identify.data import data_of
+from dashpot.identify.measured_motion import Regression
 from dashpot.model import Oscillator
 from dashpot.model.laws import find
 from dashpot.recording import read

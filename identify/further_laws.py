@@ -1,0 +1,52 @@
+"""Start values for laws beside Eq. 17, where somebody says that they are there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ..errors import DashpotError
+from ..model import Oscillator
+from ..model.laws import find
+from ..model.terms import with_term
+from .data import Data
+from .measured_motion import Regression, probes
+from .structure import Structure, shapes_of
+
+#: Predicted over a cycle every start leads near its own place; so many steps show which is the best.
+_MEMORY = 1.0
+_STEPS = 4
+
+
+def with_laws(model: Oscillator, effects: Sequence[str], data: Data) -> Oscillator:
+    """The model with further laws, one after another, each at the place where the recordings like it best.
+
+    Places are those of the regression on the measured motion, and the law's own probes; each is fitted a few steps as a
+    prediction over a cycle.
+
+    Args:
+        model: Eq. 17 with start values, and the laws it has.
+        effects: names of laws of the library.
+        data: what is to be fitted.
+
+    Raises:
+        BadInput: where there is no law of that name.
+    """
+    near = replace(data, memory=_MEMORY)
+    for effect in effects:
+        law = find(effect)
+        guess = Regression(data, model).best(law)
+        places = [] if guess is None else [guess.put_into(model)]
+        places += [with_term(model, effect, probe) for probe in probes(law, data.scales)]
+        best, score = places[0] if places else with_term(model, effect, {p.name: 0.0 for p in law.parameters}), -np.inf
+        for place in places:
+            try:
+                fit = Structure(place, near, shapes_of(place)).fit(None, most=_STEPS)
+            except DashpotError:
+                continue
+            if np.isfinite(fit.likelihood) and fit.likelihood > score:
+                best, score = fit.model, fit.likelihood
+        model = best
+    return model
