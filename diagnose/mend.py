@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import DashpotError
 from ..export.fmu import export_fmu
 from ..export.platforms import own_platform
-from ..identify.replay import force_of, replayed
+from ..identify.replay import force_of, replay, replayed
 from ..model import Oscillator
 from ..recording.recording import Recording
 from ..verify.fmu_run import FmuRun
@@ -56,14 +56,14 @@ def _fit(
 ) -> RecordFit | None:
     times, forces, measured, old, new, variances = [], [], [], [], [], []
     for piece in pieces(recording):
-        first, _ = replayed(before, piece)
+        first = replay(before, piece)
         second = first
         model = before
         if after is not None:
             model = after
-            second, initial = replayed(after, piece)
+            second, initial, shown = replayed(after, piece)
             if run is not None:
-                second = run.record(force_of(piece), piece.n, piece.dt, initial, piece.start)
+                second = run.record(force_of(piece), piece.n, piece.dt, initial, piece.start) + shown
         times.append(piece.time)
         measured.append(np.asarray(piece.response, float))
         forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))

@@ -30,14 +30,15 @@ def initial_states(segments: Sequence[Segment], quantity: str, offsets: Sequence
         if quantity == "displacement":
             found[i] = first_motion(response, segment.dt, segment.pace)[0]
         else:
-            found[i] = _from_first_cycle(response, segment.dt, segment.pace, QUANTITIES.index(quantity))
+            found[i] = from_first_cycle(response, segment.dt, segment.pace, quantity)
     return found
 
 
-def _from_first_cycle(response: np.ndarray, dt: float, pace: float, order: int) -> tuple[float, float]:
+def from_first_cycle(response: np.ndarray, dt: float, pace: float, quantity: str) -> tuple[float, float]:
+    """Displacement and velocity at the first sample, by the line at ``pace`` (rad/s) in the first cycle of (n,)."""
     count = int(np.clip(round(2 * np.pi / pace / dt), 4, response.size))
     turn = pace * dt * np.arange(count)
     columns = np.column_stack([np.ones(count), np.cos(turn), np.sin(turn)])
     _, cosine, sine = np.linalg.lstsq(columns, response[:count])[0]
-    phasor = complex(cosine, -sine) / (1j * pace) ** order
+    phasor = complex(cosine, -sine) / (1j * pace) ** QUANTITIES.index(quantity)
     return phasor.real, (1j * pace * phasor).real

@@ -24,10 +24,9 @@ _STANDS_OUT = float(np.sqrt(2.0 * np.log(1000.0)))
 _SAME_THING = ("sensor-offset", "constant-force")
 
 
-def centre(recording: Recording, omega: float) -> float:
-    """Where a motion of angular frequency ``omega`` is centred: the median of the means over its cycles."""
-    response = np.asarray(recording.response, float)
-    period = max(2, round(2 * np.pi / omega * recording.fs))
+def centre(response: np.ndarray, fs: float, omega: float) -> float:
+    """Where a motion (n,) of angular frequency ``omega`` is centred: the median of the means over its cycles."""
+    period = max(2, round(2 * np.pi / omega * fs))
     count = response.size // period
     if count < 1:
         return float(np.mean(response))
@@ -43,7 +42,11 @@ def response_offsets(data: Data, recordings: Sequence[Recording], model: Oscilla
     for index in used:
         recording = recordings[index]
         size = 1e-2 * float(np.std(recording.response))
-        found.append(Offset(index, "response", size, centre(recording, data.scales.omega)))
+        found.append(
+            Offset(
+                index, "response", size, centre(np.asarray(recording.response, float), recording.fs, data.scales.omega)
+            )
+        )
     return tuple(found)
 
 

@@ -13,6 +13,8 @@ from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
 from ..simulate.force import Force, smooth_force
 from .hilbert import dominant_frequency, noise_level
+from .initial_motion import from_first_cycle
+from .offsets import centre
 from .reach import nearest_reach
 from .segments import FORCE_BAND, first_motion, starts_at_rest
 
@@ -47,10 +49,12 @@ def initial_state(
     inner: Sequence[InnerState] = (),
     force_size: float = 1.0,
     reaches: np.ndarray | None = None,
-) -> np.ndarray:
+) -> tuple[np.ndarray, float]:
     """Displacement, velocity and inner states at the first sample that bring a simulation closest to the recording.
 
-    Zero where the recording starts at rest, but for states that are free even there (phases, which are searched from
+    With it what the sensor shows at zero beside the simulation: the zero of a record is no part of its motion.
+
+    At rest where the recording starts so, but for states that are free even there (phases, which are searched from
     several starts); else Gauss-Newton over growing stretches.
 
     Args:
@@ -74,9 +78,11 @@ def initial_state(
     else:
         own = list(range(scale.size))
         if recording.quantity == "displacement":
-            initial[:2] = first_motion(moved, recording.dt, omega)[0]
+            initial[:2] = first_motion(moved - _centre(moved, recording, omega), recording.dt, omega)[0]
+        else:
+            initial[:2] = from_first_cycle(moved, recording.dt, omega, recording.quantity)
     if not own:
-        return initial
+        return initial, _shown(measured - simulator(initial, recording.n))
     forced = recording.force is not None and bool(np.any(recording.force))
     cycle = 2 * np.pi / omega * recording.fs
     lengths = [
@@ -85,7 +91,7 @@ def initial_state(
     ]
 
     def misfit(candidate: np.ndarray, n: int) -> float:
-        return float(np.sum((measured[:n] - simulator(candidate, n)) ** 2))
+        return _power(measured[:n] - simulator(candidate, n))
 
     if phases:
         turns = [initial.copy() for _ in range(_PHASES)]
@@ -99,7 +105,25 @@ def initial_state(
         if unlimited != own:  # a state at its limit has no derivative, and would spoil the step of the others
             initial = _closest(simulator, measured[:n], initial, unlimited, scale)
         initial = _closest(simulator, measured[:n], initial, own, scale)
-    return initial
+    return initial, _shown(measured - simulator(initial, recording.n))
+
+
+def _centre(moved: np.ndarray, recording: Recording, omega: float) -> float:
+    """Where a motion is centred that no force drives away from there; a driven one is taken as it is."""
+    if recording.force is not None and np.any(recording.force):
+        return 0.0
+    return centre(moved, recording.fs, omega)
+
+
+def _power(residual: np.ndarray) -> float:
+    """Of what a simulation leaves, but for a constant."""
+    return float(np.sum((residual - np.mean(residual)) ** 2))
+
+
+def _shown(residual: np.ndarray) -> float:
+    """What the sensor shows at zero."""
+    shown = float(np.mean(residual))
+    return shown if np.isfinite(shown) else 0.0
 
 
 def _closest(
@@ -109,14 +133,17 @@ def _closest(
     n = measured.size
     for _ in range(_ROUNDS):
         base = simulator(initial, n)
-        before = float(np.sum((measured - base) ** 2))
+        before = _power(measured - base)
         steps = np.diag(1e-4 * scale)[own]
         jacobian = np.array([(simulator(initial + step, n) - base) / 1e-4 for step in steps]).T
         if not np.all(np.isfinite(jacobian)):
             break
         trial = initial.copy()
-        trial[own] += np.linalg.lstsq(jacobian, measured - base)[0] * scale[own]
-        gain = before - float(np.sum((measured - simulator(trial, n)) ** 2))
+        residual = measured - base
+        trial[own] += (
+            np.linalg.lstsq(jacobian - np.mean(jacobian, axis=0), residual - np.mean(residual))[0] * scale[own]
+        )
+        gain = before - _power(measured - simulator(trial, n))
         if not gain > 0:
             break
         initial = trial
@@ -126,12 +153,15 @@ def _closest(
 
 
 def replay(oscillator: Oscillator, recording: Recording) -> np.ndarray:
-    """(n,) response of a model to the force of a recording, in the recording's quantity; NaN from where it diverges."""
+    """(n,) response of a model to the force of a recording, in the recording's quantity; NaN from where it diverges.
+
+    What the sensor shows at zero is in it.
+    """
     return replayed(oscillator, recording)[0]
 
 
-def replayed(oscillator: Oscillator, recording: Recording) -> tuple[np.ndarray, np.ndarray]:
-    """As ``replay``, and the initial state (states,) that it ran from."""
+def replayed(oscillator: Oscillator, recording: Recording) -> tuple[np.ndarray, np.ndarray, float]:
+    """As ``replay``, the initial state (states,) that it ran from, and what the sensor shows at zero."""
     core = core_of(oscillator)
     values = np.array(list(oscillator.values().values()))
     peak = float(np.max(np.abs(recording.response))) / natural_frequency(recording) ** QUANTITIES.index(
@@ -144,5 +174,5 @@ def replayed(oscillator: Oscillator, recording: Recording) -> tuple[np.ndarray, 
         return core.record(values, initial, force, n, recording.dt, step, start=recording.start)
 
     size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
-    initial = initial_state(simulator, recording, core.equations.inner, size, core.reaches(values))
-    return simulator(initial, recording.n), initial
+    initial, shown = initial_state(simulator, recording, core.equations.inner, size, core.reaches(values))
+    return simulator(initial, recording.n) + shown, initial, shown

@@ -182,9 +182,9 @@ def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
         return run.record(force, n, recording.dt, state, recording.start)
 
     size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
-    initial = initial_state(simulate, recording, run.inner, size)
+    initial, shown = initial_state(simulate, recording, run.inner, size)
     simulated = simulate(initial, recording.n)
-    return simulated, floor_of_fmu(run, recording, force, initial, simulated)
+    return simulated + shown, floor_of_fmu(run, recording, force, initial, simulated)
 
 
 def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backbone, Backbone], ...]:

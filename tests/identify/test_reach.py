@@ -32,5 +32,5 @@ def test_a_decay_that_begins_sliding_is_replayed():
     n, fs = 3000, 1000.0
     clean = core.record(values, start, None, n, 1 / fs, internal_step(model, model.values(), 4e-3))
     noise = 1e-6 * np.random.default_rng(2).standard_normal(n)
-    found, _ = replayed(model, Recording(name="decay", fs=fs, response=clean + noise))
+    found, _, _ = replayed(model, Recording(name="decay", fs=fs, response=clean + noise))
     assert np.sqrt(np.mean((found - clean) ** 2)) < 3e-6
