@@ -14,6 +14,7 @@ from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .hilbert import noise_level
 from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
+from .offset import Offset
 from .prediction import FREE
 from .segments import FORCE_BAND, Segment, cut
 
@@ -35,6 +36,7 @@ class Data:
         coarse: whether models are only compared on them: simulated with longer steps than what is delivered, with an
             error far below any noise.
         memory: how far models predict, in cycles; see ``prediction``.
+        offsets: what sensors show at zero, free in every fit.
     """
 
     recordings: tuple[Recording, ...]
@@ -44,6 +46,7 @@ class Data:
     scales: Scales
     coarse: bool = True
     memory: float = FREE
+    offsets: tuple[Offset, ...] = ()
 
     @property
     def points(self) -> int:

@@ -26,8 +26,9 @@ from .hilbert import noise_level
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
-from .offsets import kept_offsets, response_offsets
-from .output_error import Offset, Outcome, OutputError, State
+from .offset import FoundOffset
+from .offsets import found_offsets, kept_offsets, response_offsets
+from .output_error import Outcome, OutputError, State
 from .prediction import FREE
 from .scatter import scatter
 from .segments import Segment
@@ -93,7 +94,7 @@ class Fit:
     segments: tuple[SegmentFit, ...]
     noise: tuple[NoiseSpectrum, ...]
     memory: float
-    offsets: tuple[tuple[Offset, float], ...]
+    offsets: tuple[FoundOffset, ...]
     iterations: int
     converged: bool
     notes: tuple[str, ...]
@@ -307,7 +308,7 @@ def _result(
         fits,
         tuple(noise),
         problem.memory,
-        tuple(zip(problem.offsets, map(float, outcome.state.offsets), strict=True)),
+        found_offsets(problem, outcome.state, outcome.residuals, noise),
         iterations,
         outcome.converged,
         tuple(notes),

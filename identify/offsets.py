@@ -14,8 +14,10 @@ import numpy as np
 from ..model import Oscillator
 from ..recording.recording import Recording
 from .data import Data, noise_of
+from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
-from .output_error import Offset, OutputError, State
+from .offset import FoundOffset, Offset
+from .output_error import OutputError, State
 
 #: An offset stays where it is this many of its standard errors from zero: a thousand times as likely with it as
 #: without (a gain of ln 1000 is half the square of 3.7), by chance once in five thousand recordings.
@@ -68,3 +70,17 @@ def kept_offsets(problem: OutputError, state: State, start: Oscillator) -> tuple
         return problem, state
     kept = tuple(offset for offset, stay in zip(problem.offsets, stays, strict=True) if stay)
     return problem.with_offsets(kept), replace(state, offsets=state.offsets[stays])
+
+
+def found_offsets(
+    problem: OutputError, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
+) -> tuple[FoundOffset, ...]:
+    """The problem's offsets with their standard errors, at the maximum of the likelihood."""
+    if not problem.offsets:
+        return ()
+    covariance = pseudo_inverse(problem.shared_information(state, residuals, noise))
+    errors = np.sqrt(np.maximum(np.diag(covariance)[len(problem.free) :], 0.0))
+    return tuple(
+        FoundOffset(offset.recording, offset.channel, float(value), float(error))
+        for offset, value, error in zip(problem.offsets, state.offsets, errors, strict=True)
+    )

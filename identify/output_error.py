@@ -21,6 +21,7 @@ from ..simulate.core import STEPS_PER_PERIOD, Core
 from ..simulate.force import Force
 from .noise_spectrum import NoiseSpectrum, white
 from .normal_equations import Block, promise, shared_information, solve
+from .offset import Offset
 from .prediction import FREE, prediction_gain
 from .reach import nearest_reach
 from .segments import Segment
@@ -49,19 +50,6 @@ class State:
     values: np.ndarray
     initial: np.ndarray
     offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
-
-
-@dataclass(frozen=True)
-class Offset:
-    """What a sensor shows at zero, all through one recording: of the ``response`` or of the ``force``.
-
-    ``scale`` is its size for finite differences, ``guess`` where the search begins.
-    """
-
-    recording: int
-    channel: str
-    scale: float
-    guess: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

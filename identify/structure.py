@@ -21,7 +21,8 @@ from ..simulate.core import Core, core_of, internal_step
 from .data import Data, likelihood
 from .initial_motion import initial_states
 from .noise_spectrum import NoiseSpectrum
-from .output_error import Offset, OutputError, State
+from .offset import Offset
+from .output_error import OutputError, State
 from .segments import Segment, starts_at_rest
 
 #: Finite differences and first steps of a law's parameter, as a part of its natural size.
@@ -127,11 +128,11 @@ class Structure:
         model: structure and present values.
         data: what it is fitted to.
         fixed: names of parameters to keep.
-        offsets: of sensors, to be found with the parameters.
+        offsets: of sensors, to be found with the parameters; those of the data where None.
     """
 
     def __init__(
-        self, model: Oscillator, data: Data, fixed: Sequence[str] = (), offsets: Sequence[Offset] = ()
+        self, model: Oscillator, data: Data, fixed: Sequence[str] = (), offsets: Sequence[Offset] | None = None
     ) -> None:
         self.model = model
         self.data = data
@@ -153,7 +154,7 @@ class Structure:
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
             self._internal_step(length),
             parameter_bounds(model, scales),
-            offsets=offsets,
+            offsets=data.offsets if offsets is None else offsets,
             memory=data.memory,
             **({"step": _WIDE} if any(term.law.rugged for term in model.terms) else {}),
         )

@@ -1,0 +1,197 @@
+"""The best that the given family can do: what every law is held against, and what the sensors show at zero."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..errors import BadInput
+from ..identify.data import Data, data_of
+from ..identify.identification import Identification, identify
+from ..identify.likelihood import maximum_likelihood
+from ..identify.offset import Offset
+from ..identify.structure import Fitted, Structure
+from ..model import Oscillator
+from ..recording.recording import Recording
+from .search.residual_test import Leftover, leftovers
+from .search.search import Search
+from .wording import quantity
+
+#: A rig whose natural frequency or mass is off by more than this factor is another rig ...
+_OTHER_FREQUENCY = 1.3
+_OTHER_MASS = 2.0
+#: ... where the model knows its own to this part; else its file is of no use, and the recordings answer.
+_KNOWN = 0.1
+#: A family that leaves this part of the motion has started in the wrong place.
+_LOST = 0.5
+#: Training recordings told this well, and held-out ones that are not by far, are not of one rig.
+_STRANGE = 1.5
+#: Frequency and mass of one rig stay within this part of themselves from one recording to the next.
+_KEPT = 1e-3
+#: Offsets of several recordings that agree to this many of their errors have one cause, and are looked for among laws.
+_AGREE = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class Family:
+    """The family's best fit.
+
+    Attributes:
+        model: with the values found.
+        memory: how far it predicts, in cycles; see ``identify.prediction``.
+        recordings, holdout: less what their sensors show at zero.
+        offsets: whether each recording has a zero of its own.
+        notes: what a user should know.
+    """
+
+    model: Oscillator
+    memory: float
+    recordings: tuple[Recording, ...]
+    holdout: tuple[Recording, ...]
+    offsets: bool
+    notes: tuple[str, ...]
+
+
+def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Sequence[Recording]) -> Family:
+    """Fit the given family to the training recordings, from the model's values or, where these are of no use, anew.
+
+    Raises:
+        BadInput: where the recordings are not of the model's rig.
+    """
+    notes: list[str] = []
+    found = _from(model, recordings)
+    lost = found is None or max(s.nrmse for s in found.fit.segments) > _LOST
+    if lost:
+        effects = [term.effect for term in model.terms]
+        again = identify(recordings, name=model.name, effects=effects)
+        if found is None or _left(again) < _left(found):
+            found = again
+            notes.append(
+                "the values in the model file lead nowhere near these recordings: all were found anew from them"
+            )
+    assert found is not None
+    best = replace(found.oscillator, amplitude=model.amplitude, frequency=model.frequency)
+    _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
+    shown = {offset.recording: offset.value for offset in found.fit.offsets}
+    if not shown or _one_cause(found):
+        return Family(best, found.fit.memory, tuple(recordings), tuple(holdout), False, tuple(notes))
+    elsewhere = _offsets(best, holdout)
+    for group, values in ((recordings, shown), (holdout, elsewhere)):
+        for index, value in values.items():
+            unit = group[index].unit
+            notes.append(f"{group[index].name}: its sensor shows {quantity(value, unit)} at zero; taken off")
+    return Family(
+        best,
+        found.fit.memory,
+        tuple(_less(r, shown.get(i, 0.0)) for i, r in enumerate(recordings)),
+        tuple(_less(r, elsewhere.get(i, 0.0)) for i, r in enumerate(holdout)),
+        True,
+        tuple(notes),
+    )
+
+
+def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification | None:
+    try:
+        return identify(recordings, name=model.name, start=model)
+    except BadInput:  # it does not simulate from there
+        return None
+
+
+def _left(found: Identification) -> float:
+    return float(np.mean([np.log(max(s.nrmse, 1e-300)) for s in found.fit.segments]))
+
+
+def _one_cause(found: Identification) -> bool:
+    """Whether every recording shows the same at zero: a load or a sensor that sits elsewhere, and no matter of each."""
+    used = {s.segment.recording for s in found.fit.segments}
+    if len(used) < 2 or len(found.fit.offsets) < len(used):
+        return False
+    values = np.array([offset.value for offset in found.fit.offsets])
+    errors = np.array([max(offset.std, 1e-300) for offset in found.fit.offsets])
+    mean = np.average(values, weights=errors**-2)
+    return bool(np.all(np.abs(values - mean) < _AGREE * errors))
+
+
+def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, float]:
+    """What the sensors of recordings show at zero beside a model that stays as it is."""
+    if not recordings:
+        return {}
+    fit = maximum_likelihood(model, recordings, tuple(model.parameters()))
+    return {offset.recording: offset.value for offset in fit.offsets}
+
+
+def _less(recording: Recording, shown: float) -> Recording:
+    return replace(recording, response=np.asarray(recording.response, float) - shown) if shown else recording
+
+
+def with_offsets(data: Data) -> Data:
+    """Data whose recordings have a zero of their own each, free in every fit."""
+    used = sorted({segment.recording for segment in data.segments})
+    return replace(
+        data,
+        offsets=tuple(Offset(i, "response", 1e-2 * float(np.std(data.recordings[i].response))) for i in used),
+    )
+
+
+def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator) -> Data:
+    """Recordings as every law is fitted to them."""
+    data = replace(data_of(recordings, model), memory=family.memory)
+    return with_offsets(data) if family.offsets else data
+
+
+def _same_rig(given: Oscillator, found: Oscillator, *, slide: bool) -> None:
+    """A slide, moved as its force moves it, has no natural frequency to compare."""
+    frequency = heavier = 0.0
+    if not slide and _is_known(given.omega0.value, given.omega0.std):
+        frequency = abs(math.log(found.omega0.value / given.omega0.value))
+    if given.mass is not None and found.mass is not None and _is_known(given.mass.value, given.mass.std):
+        heavier = abs(math.log(found.mass.value / given.mass.value))
+    if frequency > math.log(_OTHER_FREQUENCY) or heavier > math.log(_OTHER_MASS):
+        mass = "" if found.mass is None else f" and {found.mass.value:.4g} {found.mass.unit}"
+        given_mass = "" if given.mass is None else f" and {given.mass.value:.4g} {given.mass.unit}"
+        raise BadInput(
+            f"the recordings are not of the model's rig: they show {found.omega0.value / (2 * math.pi):.4g} Hz{mass}, "
+            f"the model has {given.omega0.value / (2 * math.pi):.4g} Hz{given_mass}; identify a model from them first"
+        )
+
+
+def _is_known(value: float, std: float | None) -> bool:
+    return std is None or std < _KNOWN * abs(value)
+
+
+def stranger(final: Fitted, search: Search, left: Sequence[Leftover], training: int) -> str | None:
+    """A sentence where the held-out recordings are told well by a model of their own, but not by this one."""
+    ratios = [one.ratio for one in left]
+    if max(ratios[:training]) > _STRANGE or max(ratios[training:]) < _STRANGE**2:
+        return None
+    worst: dict[str, float] = {}
+    for one in left[training:]:
+        worst[one.file] = max(one.ratio, worst.get(one.file, 0.0))
+    if min(worst.values()) < _STRANGE:  # another rig shows in each; one alone may jump where a hair decides
+        return None
+    own = Structure(final.model, search.holdout).fit(settle=True)
+    again = [one.ratio for one in leftovers(own, search.holdout)]
+    if not own.finite or max(again) > 0.5 * max(ratios[training:]):
+        return None
+    here, there = final.model, own.model
+    if not _moved(here, there, slide=search.data.segments[0].slide):
+        return None
+    words = [f"{there.omega0.value / (2 * math.pi):.4g} Hz instead of {here.omega0.value / (2 * math.pi):.4g} Hz"]
+    if here.mass is not None and there.mass is not None:
+        words.append(f"{there.mass.value:.4g} {there.mass.unit} instead of {here.mass.value:.4g} {here.mass.unit}")
+    names = ", ".join(recording.name for recording in search.holdout.recordings)
+    return (
+        f"the held-out recordings ({names}) agree with a model of their own ({', '.join(words)}) and not with the one "
+        "of the training recordings: they are of another rig, or the rig was changed between; no effect is named"
+    )
+
+
+def _moved(here: Oscillator, there: Oscillator, *, slide: bool) -> bool:
+    """Whether frequency or mass differ by more than a thousandth, about what a lab can keep constant."""
+    ratios = [] if slide else [there.omega0.value / here.omega0.value]
+    if here.mass is not None and there.mass is not None:
+        ratios.append(there.mass.value / here.mass.value)
+    return any(ratio <= 0.0 or abs(math.log(ratio)) > _KEPT for ratio in ratios)

@@ -1,0 +1,92 @@
+"""The verdict, and the sentence that says it to a person."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from .result import Effect, RecordFit, Verdict
+from .search.residual_test import Leftover
+from .wording import figure, spoken
+
+#: A recording whose free simulation is so many times its noise off is not reproduced, whatever the colour of the noise.
+_FAR = 10.0
+
+
+def verdict_of(effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]) -> Verdict:
+    """``consistent`` only where nothing is left and every recording's simulation says so too; see ``Diagnosis``."""
+    if effects:
+        return "missing-physics"
+    near = all(record.nrmse_before <= _FAR * record.noise_floor for record in records)
+    return "consistent" if remainder is None and near else "unexplained"
+
+
+def sentence_of(
+    verdict: Verdict,
+    effects: Sequence[Effect],
+    remainder: str | None,
+    records: Sequence[RecordFit],
+    before: Sequence[Leftover],
+    after: Sequence[Leftover],
+) -> str:
+    """The verdict for a person: what is missing, how much of what was missing it takes away, what remains.
+
+    Args:
+        verdict: the verdict.
+        effects: what was named.
+        remainder: what is left beyond the noise, in words.
+        records: every recording, simulated freely.
+        before, after: what the family and the mended model leave in each stretch.
+    """
+    if verdict == "consistent":
+        return "Nothing is missing: the model reproduces every recording to within its noise."
+    if not effects:
+        return f"Something is missing that no effect of the library explains: {remainder or _worst(records)}."
+    named = []
+    for effect in effects:
+        rivals = f" (or {', '.join(effect.indistinguishable_from)})" if effect.indistinguishable_from else ""
+        named.append(f"{effect.effect}{rivals}")
+    parts = [f"Missing: {spoken(named)}"]
+    share = explained_share(before, after)
+    if share is not None and remainder is not None:
+        takes = "takes" if len(effects) == 1 else "take"
+        parts.append(
+            f"{'it' if len(effects) == 1 else 'they'} {takes} {figure(100 * share, 2)} % of what the model lacked"
+        )
+    parts += _held_out(records)
+    if remainder is not None:
+        parts.append(remainder)
+    return "; ".join(parts) + "."
+
+
+def explained_share(before: Sequence[Leftover], after: Sequence[Leftover]) -> float | None:
+    """Share of the power beyond the noise, in units of the noise of each stretch, that the effects take away."""
+    excess = [sum(max(one.ratio**2 - 1.0, 0.0) for one in left) for left in (before, after)]
+    if not math.isfinite(excess[0]) or not excess[0] > 0 or not math.isfinite(excess[1]):
+        return None
+    return max(0.0, 1.0 - excess[1] / excess[0])
+
+
+def _held_out(records: Sequence[RecordFit]) -> list[str]:
+    """The held-out recording that the family told worst, before and after."""
+    held = [r for r in records if r.holdout and math.isfinite(r.nrmse_after)]
+    if not held:
+        return []
+    worst = max(
+        held,
+        key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300) if math.isfinite(r.nrmse_before) else math.inf,
+    )
+    before = f"{100 * worst.nrmse_before:.3g}" if math.isfinite(worst.nrmse_before) else "where nothing simulates"
+    way = "rises" if worst.nrmse_after > worst.nrmse_before else "falls"
+    return [
+        f"the held-out error {way} from {before} to {100 * worst.nrmse_after:.3g} % of the motion in {worst.file} "
+        f"(noise {100 * worst.noise_floor:.3g} %)"
+    ]
+
+
+def _worst(records: Sequence[RecordFit]) -> str:
+    """The recording that the family's free simulation misses by most."""
+    if not records:
+        return "see the notes"
+    worst = max(records, key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300))
+    return f"a free simulation of {worst.file} is off by {figure(100 * worst.nrmse_before)} % of the motion"
