@@ -3,9 +3,10 @@
     python benchmarks/recorded.py [NAME ...] [-o DIR | -o FILE.json] [--quick] [--compare OLD.json] [--check]
 
 Every entry goes through the commands as a user would type them, each in a process of its own with a limit in time, and
-stands on one page beside a linear fit made here with nothing of the product, and beside published figures: DIR/gallery.html
-and DIR/gallery.json. The public recordings are not part of the project; they are looked for in ../shared/data or in
-$DASHPOT_DATA, and left out where they are absent. What is known of each stands in gallery/catalogue.py.
+stands on one page beside a linear fit made here with nothing of the product, and beside published figures:
+DIR/gallery.html and DIR/gallery.json. The public recordings are not part of the project; they are looked for in
+../shared/data or in $DASHPOT_DATA, and left out where they are absent. What is known of each stands in
+gallery/catalogue.py.
 """
 
 from __future__ import annotations

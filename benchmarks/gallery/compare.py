@@ -10,7 +10,7 @@ from .outcome import Outcome
 
 #: A verdict is worse where its rank falls: an answer, none, a refusal in words, none in time, a breakdown.
 _RANK = {"missing-physics": 4, "consistent": 4, "unexplained": 3, "refused": 2, "timeout": 1, "fault": 0, "": 0}
-#: Errors are told apart when they differ by this part: a run repeats itself to many more digits, but not across machines.
+#: Errors are told apart when they differ by this part: a run repeats itself better, but not on another machine.
 _SAME = 0.02
 #: ... and by this much of the motion, in per cent: less is nobody's concern.
 _NEGLIGIBLE = 0.01
@@ -71,7 +71,7 @@ def text(changes: Sequence[Change]) -> str:
 
 
 def broken(entry: Entry, outcome: Outcome) -> list[str]:
-    """The bounds of an entry that an outcome breaks, one sentence each; no figure where one is asked for breaks it too."""
+    """The bounds of an entry that an outcome breaks, one sentence each; a lacking figure breaks its bound."""
     found = []
     if entry.bounds.verdicts and outcome.verdict not in entry.bounds.verdicts:
         found.append(f"{entry.name}: {outcome.verdict}, where {' or '.join(entry.bounds.verdicts)} is asked for")

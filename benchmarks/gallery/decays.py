@@ -106,7 +106,7 @@ DECAYS = (
         "free",
         (Piece("leg_pendulum.csv.gz"),),
         Columns("phi_rad"),
-        "the first swing is cut by muscle tone; short-range stiffness; the rest angle lies to one side; gravity is a sine",
+        "first swing cut by muscle tone; short-range stiffness; the rest angle lies to one side; gravity is a sine",
         documented=(
             "hysteresis",
             "constant-force",
@@ -124,8 +124,8 @@ DECAYS = (
         Columns("phi_rad"),
         "attraction to the plate, swinging on the magnet's edge",
         documented=("quintic-stiffness", "softening-stiffness", "clearance", "quadratic-drag"),
-        note="Angle in the plane of x from both pixel coordinates (148 mm are 654 pixels, plate to magnet 110 mm, as its "
-        "authors have it), from 4 s, when the swing across has died away.",
+        note="Angle in the plane of x from both pixel coordinates (148 mm are 654 pixels, plate to magnet 110 mm, as "
+        "its authors have it), from 4 s, when the swing across has died away.",
         quick=True,
     ),
 )

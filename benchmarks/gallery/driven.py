@@ -17,8 +17,8 @@ _BEAM_FIGURES = (
 _WHEEL = Columns("driver_rad", "phi_rad")
 _WHEEL_OPTIONS = ("--force", "phi_rad", "--force-unit", "V", "--response", "driver_rad")
 _WHEEL_NOTE = (
-    "The columns bear each other's names: phi_rad keeps its amplitude throughout the sweep, driver_rad passes a resonance at "
-    "4.3 rad/s and lags by 90 degrees there. So phi_rad is taken as the force; its unit is written V."
+    "The columns bear each other's names: phi_rad keeps its amplitude throughout the sweep, driver_rad passes a "
+    "resonance at 4.3 rad/s and lags by 90 degrees there. So phi_rad is taken as the force; its unit is written V."
 )
 
 
@@ -108,7 +108,8 @@ DRIVEN = (
         options=("--force", "force_N", "--response", "x_mm"),
         documented=("stribeck", "hysteresis", "asymmetric-friction"),
         linear=True,
-        note="One frequency: mass and stiffness cannot be told apart. The force is made from the base's motion by the authors' figures.",
+        note="One frequency: mass and stiffness cannot be told apart. The force is made from the base's motion, by the "
+        "authors' figures.",
         quick=True,
     ),
     _wheel(1, 0.9),

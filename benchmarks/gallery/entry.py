@@ -61,7 +61,7 @@ class Published:
 
 @dataclass(frozen=True)
 class Bounds:
-    """What an entry must keep: errors in per cent of the motion, and the verdicts that are allowed (all where empty)."""
+    """What an entry must keep: errors in per cent of the motion, and the allowed verdicts (all where empty)."""
 
     training: float | None = None
     holdout: float | None = None

@@ -1,4 +1,4 @@
-"""One entry through the commands: identify, simulate, diagnose, simulate again, verify; and the plain fit beside them."""
+"""One entry through the commands: identify, simulate, diagnose, simulate again, verify; a plain fit beside them."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ class Outcome:
         return sum(step[3] for step in self.steps)
 
     def error(self, role: str) -> float | None:
-        """The worst error reached over files of that role; for ``holdout`` the diagnosis' own where none was held out."""
+        """The worst error reached over files of that role; for ``holdout`` the diagnosis' own where it chose."""
         reached = [errors.reached for errors in self.errors if errors.role == role]
         if role == "holdout" and not reached:
             reached = [row[3] for row in self.judged if row[1] == role]

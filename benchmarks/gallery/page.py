@@ -33,8 +33,9 @@ def gallery_page(outcomes: Mapping[str, Outcome], entries: Mapping[str, Entry], 
     sentences = [sentence for name, outcome in outcomes.items() for sentence in broken(entries[name], outcome)]
     lead: list[Block] = [
         Text(
-            f"{len(outcomes)} recordings that other people made, through the commands as a user would type them; of {right} the "
-            "verdict says what is documented. Errors are free runs, rms(simulated - measured) / std(measured), in per cent. "
+            f"{len(outcomes)} recordings that other people made, through the commands as a user would type them; "
+            f"of {right} the verdict says what is documented. Errors are free runs, "
+            "rms(simulated - measured) / std(measured), in per cent. "
             "The plain linear fit shares nothing with this software."
         ),
         Table(_HEAD, rows, numeric=(3, 4, 5, 6, 7, 9)),

@@ -2,9 +2,9 @@
 
     y'' + 2 h y' + omega0² y = gain F + constant
 
-is solved exactly for a force in straight lines between samples. Frequency and damping are searched by nonlinear least squares over
-a stretch that grows from few cycles to all; gain, initial state and an offset of the sensor follow from linear least squares at
-each step (variable projection, Golub and Pereyra 1973).
+is solved exactly for a force in straight lines between samples. Frequency and damping are searched by nonlinear least
+squares over a stretch that grows from few cycles to all; gain, initial state and an offset of the sensor follow from
+linear least squares at each step (variable projection, Golub and Pereyra 1973).
 """
 
 from __future__ import annotations

@@ -29,7 +29,7 @@ def options() -> argparse.ArgumentParser:
         "-o",
         "--output",
         type=Path,
-        default=Path("gallery"),
+        default=Path("recorded"),
         metavar="DIR",
         help=f"folder for {JSON}, {PAGE} and the files of each entry; entries that are not run keep what it holds of "
         f"them. FILE.json: the figures of {', '.join(PROOF)} (or those named) as the blind proof shows them",
@@ -58,7 +58,7 @@ def main(arguments: Sequence[str] | None = None, entries: Mapping[str, Entry] = 
         if given.output.suffix == ".json":
             chosen = [entries[name] for name in names or PROOF]
             work = given.output.with_suffix("")
-            found = [outcome for outcome in run(chosen, work, given.limit, given.quick, print)]
+            found = list(run(chosen, work, given.limit, given.quick, print))
             given.output.write_text(json.dumps([proof_row(outcome) for outcome in found], indent=1), encoding="utf-8")
             return 0
         kept = read(given.output / JSON) if (given.output / JSON).is_file() else {}
@@ -119,7 +119,7 @@ def read(path: Path) -> dict[str, Outcome]:
 
 
 def write(folder: Path, outcomes: Mapping[str, Outcome], entries: Mapping[str, Entry]) -> None:
-    """Write gallery.json and gallery.html, in the order of the catalogue; entries that are no longer there are dropped."""
+    """Write gallery.json and gallery.html, in the order of the catalogue; what it no longer has is dropped."""
     from .page import gallery_page
 
     ordered = {name: outcomes[name] for name in entries if name in outcomes}
@@ -129,7 +129,7 @@ def write(folder: Path, outcomes: Mapping[str, Outcome], entries: Mapping[str, E
 
 
 def proof_row(outcome: Outcome) -> dict[str, Any]:
-    """An outcome as the scoreboard of the blind proof shows it: errors as parts of one, published ones in milli-units."""
+    """An outcome as the scoreboard of the blind proof shows it: errors as parts of one, rms in milli-units."""
     tested = [errors for errors in outcome.errors if errors.rms_before is not None]
     return {
         "name": outcome.name,
