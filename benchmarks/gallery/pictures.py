@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from dashpot.report.decimate import envelope
-from dashpot.report.style import AFTER, BEFORE, FORCED, MEASURED, drawing, svg
+from dashpot.report.style import AFTER, BEFORE, FORCED, MEASURED, drawing, log_ticks, svg
 
 from . import inputs
 from .entry import Entry, Piece
@@ -27,7 +27,7 @@ _RUNS = (
 
 def draw(entry: Entry, piece: Piece, work: Path) -> str:
     """The picture as SVG, from the files that the commands and the plain fit left in `work`."""
-    with drawing(height=5.6) as figure:
+    with drawing(height=7.6) as figure:
         paint(figure, entry, piece, work)
         return svg(
             figure, f"{entry.name}-{piece.file.partition('.')[0]}".replace("_", "-"), f"{entry.title}: {piece.file}"
@@ -35,19 +35,24 @@ def draw(entry: Entry, piece: Piece, work: Path) -> str:
 
 
 def paint(figure: Any, entry: Entry, piece: Piece, work: Path) -> None:
-    """Draw on a matplotlib figure: above the whole recording with what each run leaves, below the largest motion."""
+    """Draw on a matplotlib figure: the whole recording, what each run leaves of it, and the largest motion."""
     time, measured = _measured(entry, work / piece.file)
-    runs = {name: _run(work / simulated_file(name, piece), time[0]) for name, *_ in _RUNS}
-    whole, near = figure.subplots(2, 1)
+    runs = {name: _run(work / simulated_file(name, piece), time, measured) for name, *_ in _RUNS}
+    whole, rest, near = figure.subplots(3, 1)
     band = envelope(time, measured - np.median(measured), _BINS)
     whole.fill_between(band.time, band.low, band.high, color=MEASURED, alpha=0.35, linewidth=0, label="measured")
+    whole.set_xlabel("Time [s]")
     limit = 1.3 * float(np.max(np.abs(measured - np.median(measured))))
+    _line(rest, band.time, band.rms, limit, color=MEASURED, alpha=0.5, label="measured")
     for name, words, colour, line in _RUNS:
         if (found := runs[name]) is not None:
-            rest = envelope(found[0], found[2] - found[1], _BINS)
-            whole.plot(rest.time, np.minimum(rest.rms, limit), line, color=colour, label=f"left by {words} (rms)")
-    whole.set_ylim(-limit, limit)
-    whole.set_xlabel("Time [s]")
+            remainder = envelope(found[0], found[2] - found[1], _BINS)
+            _line(rest, remainder.time, remainder.rms, limit, linestyle=line, color=colour, label=f"left by: {words}")
+    rest.set_yscale("log")
+    rest.set_ylim(top=20 * limit)  # room for the legend
+    log_ticks(rest.yaxis)
+    rest.set_xlim(whole.get_xlim())
+    rest.set_xlabel("Time [s] (rms)")
     begin, end = _largest(time, measured, runs)
     for at, signal, words, colour, line in (
         (time, measured, "measured", MEASURED, "-"),
@@ -69,7 +74,7 @@ def paint(figure: Any, entry: Entry, piece: Piece, work: Path) -> None:
     centre = float(np.median(measured))
     near.set_ylim(centre - limit, centre + limit)
     near.set_xlabel("Time [s]")
-    for axis in (whole, near):
+    for axis in (whole, rest, near):
         axis.legend(loc="upper right", ncols=4)
 
 
@@ -82,14 +87,25 @@ def _measured(entry: Entry, path: Path) -> tuple[np.ndarray, np.ndarray]:
     return np.arange(response.size) * dt, response
 
 
-def _run(path: Path, begin: float) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
-    """Time, measured and simulated of a free run; None where there is none or nothing simulates."""
+def _line(axis: Any, time: np.ndarray, rms: np.ndarray, limit: float, **look: Any) -> None:
+    """A rms on a logarithmic axis: what is zero or has run away is left out."""
+    axis.plot(time, np.where((rms > 0) & (rms < 1e3 * limit), rms, np.nan), **look)
+
+
+def _run(path: Path, time: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:
+    """Time, measured and simulated of a free run, in the unit of the file; None where nothing simulates.
+
+    The commands write SI whatever the file holds, and keep its measured response beside: the ratio of both is the unit.
+    """
     if not path.is_file():
         return None
     numbers = inputs.table(path)[1]
     if not np.all(np.isfinite(numbers[:, -1])):
         return None
-    return numbers[:, 0] - begin, numbers[:, -2], numbers[:, -1]
+    at = numbers[:, 0] - time[0]
+    seen = (time - time[0] >= at[0] - 1e-9) & (time - time[0] <= at[-1] + 1e-9)
+    unit = float(np.std(measured[seen]) / np.std(numbers[:, -2]))
+    return at, unit * numbers[:, -2], unit * numbers[:, -1]
 
 
 def _largest(time: np.ndarray, measured: np.ndarray, runs: dict[str, Any]) -> tuple[float, float]:
@@ -102,4 +118,4 @@ def _largest(time: np.ndarray, measured: np.ndarray, runs: dict[str, Any]) -> tu
     span = _CYCLES * 2 * (at[-1] - at[0]) / crossings
     middle = at[int(np.argmax(np.abs(moved)))]
     begin = max(at[0], min(middle - 0.3 * span, at[-1] - span))
-    return float(begin), float(begin + span)
+    return float(begin), float(min(begin + span, at[-1]))

@@ -7,17 +7,19 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.model.laws import LIBRARY
+from dashpot.report.style import drawing
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 sys.path.append(str(BENCHMARKS))
 
-from gallery import command, compare, examine, inputs, plain, run  # noqa: E402  (they lie beside the package, not in it)
+from gallery import command, compare, examine, inputs, pictures, plain, run  # noqa: E402  (they lie beside the package, not in it)
 from gallery.catalogue import ENTRIES, PROOF  # noqa: E402
 from gallery.entry import VERDICTS, Bounds, Columns, Entry, Piece  # noqa: E402
 from gallery.outcome import Effect, Errors, Outcome, as_json, from_json  # noqa: E402
@@ -307,6 +309,28 @@ def test_a_gallery_of_one_recording(
     strict = {"made": replace(asked, bounds=Bounds(verdicts=("consistent",)))}
     assert run.main([*again, "--check"], strict) == 1
     assert "timeout, where consistent is asked for" in capsys.readouterr().out
+
+
+def test_a_picture_is_in_the_unit_of_the_file_and_leaves_out_what_ran_away(tmp_path: Path) -> None:
+    entry = replace(ENTRY, columns=Columns("x_mm"), training=(Piece("made.csv", motion=(2.0, 4.0)),))
+    t = 0.01 * np.arange(600)
+    x = 8.0 * np.exp(-0.3 * t) * np.cos(20 * t)
+    part = slice(200, 400)
+    np.savetxt(tmp_path / "made.csv", np.column_stack([t, x]), "%.9g", ",", header="time_s,x_mm", comments="")
+    simulated = np.column_stack([t[part], 1e-3 * x[part], 1.1e-3 * x[part]])  # metres, as the commands write them
+    run_away = np.where(t[part] > 3, np.nan, simulated[:, 2])
+    for name, last in (("before", simulated[:, 2]), ("after", run_away)):
+        rows = np.column_stack([simulated[:, :2], last])
+        with gzip.open(tmp_path / f"{name}-made.csv.gz", "wt") as file:
+            np.savetxt(file, rows, "%.9g", ",", header="time_s,displacement_m,simulated_displacement_m", comments="")
+    drawn = SimpleNamespace()
+    with drawing(height=7.6) as figure:
+        pictures.paint(figure, entry, entry.training[0], tmp_path)
+        drawn.lines = {line.get_label(): line.get_xydata() for line in figure.axes[2].lines}
+    assert set(drawn.lines) == {"measured", "identified"}
+    assert drawn.lines["measured"][0, 0] >= 2.0
+    both = [lines[:, 1] for lines in drawn.lines.values()]
+    np.testing.assert_allclose(both[1], 1.1 * both[0], atol=1e-6)
 
 
 def test_a_wrong_name_or_file_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
