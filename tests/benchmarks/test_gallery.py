@@ -278,6 +278,15 @@ def test_a_figure_that_is_lacking_breaks_its_bound() -> None:
     assert compare.broken(replace(ENTRY, bounds=Bounds(holdout=5.0)), outcome(holdout=None))
 
 
+def test_a_quick_look_asks_nothing_of_a_diagnosis_that_it_stopped() -> None:
+    asked = replace(ENTRY, bounds=Bounds(training=5.0, holdout=5.0, verdicts=("consistent",)))
+    stopped = outcome("timeout", holdout=None)
+    assert len(compare.broken(asked, stopped)) == 2
+    assert compare.broken(asked, stopped, quick=True) == []
+    assert len(compare.broken(asked, outcome("timeout", training=6.0), quick=True)) == 1
+    assert len(compare.broken(asked, outcome("refused", holdout=None), quick=True)) == 2
+
+
 # The whole of it -----------------------------------------------------------------------------------------------------
 
 
