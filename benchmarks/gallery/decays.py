@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .entry import Columns, Entry, Piece, Published
+from .entry import Bounds, Columns, Entry, Piece, Published
 
 _NOTES = "README of the recordings"
 
@@ -41,6 +41,7 @@ DECAYS = (
         ),
         note="The unit is per cent of the tank's width, written as mm.",
         quick=True,
+        bounds=Bounds(training=5.0),
     ),
     Entry(
         "kvlcc2_roll_21338",
@@ -54,6 +55,7 @@ DECAYS = (
             Published("Eq. 17", 0.86, "%", "the project's issue on real recordings"),
             Published("with drag", 0.72, "%", "the project's issue on real recordings"),
         ),
+        bounds=Bounds(training=1.6),
     ),
     Entry(
         "frid_magmech_decay",
