@@ -1,7 +1,7 @@
 # Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check proof benchmark setup clean distclean
+.PHONY: help demo test check proof benchmark gallery setup clean distclean
 
 # Folders that another workspace put on Python's path must not reach into .venv.
 unexport PYTHONPATH PYTHONHOME
@@ -39,11 +39,15 @@ benchmark: ## set up, then print accuracy and speed
 	@sh .ci/setup dev
 	@.venv/bin/python benchmarks/run.py
 
+gallery: ## set up, then try the recordings of other people where they are there (ARGS="--quick"); results in recorded/
+	@sh .ci/setup dev
+	@.venv/bin/python -P benchmarks/recorded.py -o recorded $(ARGS)
+
 setup: ## set up .venv for development, nothing else
 	@sh .ci/setup dev
 
 clean: ## remove what the commands made, but for .venv
-	@rm -rf build dist demo proof dashpot.egg-info .pytest_cache .ruff_cache
+	@rm -rf build dist demo proof recorded dashpot.egg-info .pytest_cache .ruff_cache
 	@find . -name .venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean ## remove .venv as well

@@ -1,0 +1,133 @@
+"""Recordings of free motion: what was let go, struck or switched off, and left to itself."""
+
+from __future__ import annotations
+
+from .entry import Bounds, Columns, Entry, Piece, Published
+
+_NOTES = "README of the recordings"
+
+DECAYS = (
+    Entry(
+        "pendulum_1",
+        "Physical pendulum on an encoder, let go near upright",
+        "free",
+        (Piece("pendulum_1.csv.gz", motion=(2.3, 47.0)),),
+        Columns("theta_rad", time="t_s"),
+        "sine spring, dry friction, a little drag",
+        documented=("softening-stiffness", "quadratic-drag"),
+        published=(
+            Published("sine and dry friction", 1.9, "%", _NOTES),
+            Published("with drag", 0.3, "%", _NOTES),
+        ),
+        quick=True,
+    ),
+    Entry(
+        "sloshing_0",
+        "Liquid sloshing in a tank, free decay",
+        "free",
+        (Piece("sloshing_0.csv.gz", motion=(0.0, 60.0)),),
+        Columns("x_mm", time="t_s"),
+        "softening, quintic, amplitude-dependent damping",
+        documented=(
+            "softening-stiffness",
+            "quintic-stiffness",
+            "displacement-dependent-damping",
+            "quadratic-drag",
+            "cubic-damping",
+        ),
+        published=(
+            Published("Eq. 17, three decays, at best", 1.3, "%", _NOTES),
+            Published("quintic and drag, three decays, at best", 0.9, "%", _NOTES),
+        ),
+        note="The unit is per cent of the tank's width, written as mm.",
+        quick=True,
+        bounds=Bounds(training=5.0),
+    ),
+    Entry(
+        "kvlcc2_roll_21338",
+        "Ship model rolling after release",
+        "free",
+        (Piece("kvlcc2_roll_21338.csv.gz", motion=(8.5, 190.0)),),
+        Columns("phi_rad", time="t_s"),
+        "viscous and quadratic roll damping; some seconds of rest before the release",
+        documented=("quadratic-drag", "cubic-damping"),
+        published=(
+            Published("Eq. 17", 0.86, "%", "the project's issue on real recordings"),
+            Published("with drag", 0.72, "%", "the project's issue on real recordings"),
+        ),
+        bounds=Bounds(training=1.6),
+    ),
+    Entry(
+        "frid_magmech_decay",
+        "Beam between magnets: driven at 42 Hz, then free",
+        "free",
+        (Piece("frid_magmech_decay.csv.gz", motion=(12.3, 20.0)),),
+        Columns("strain0_microstrain", time="t_s"),
+        "magnets at the tip: a nonlinear spring; the drive before the decay was not recorded",
+        documented=("quintic-stiffness", "softening-stiffness", "quadratic-stiffness"),
+        note="The documentation names no law beyond the magnets; any further spring counts as right.",
+    ),
+    Entry(
+        "bolted_beam",
+        "Brake-Reuss beam with a bolted joint, hammer, accelerometer",
+        "free",
+        (Piece("bolted_beam.csv.gz", motion=(0.06, 3.0)),),
+        Columns("acceleration_m_s2", quantity="acceleration"),
+        "micro-slip in the joint: first mode 80.6 to 80.4 Hz and 0.14 to 0.24 % damping as the amplitude grows",
+        documented=("hysteresis",),
+        note="Several modes; the blow itself was not recorded.",
+    ),
+    Entry(
+        "bicycle_wheel",
+        "Bicycle wheel as a torsion pendulum, rate gyro",
+        "free",
+        (Piece("bicycle_wheel_axial_decay.csv.gz"),),
+        Columns("velocity_rad_s", quantity="velocity"),
+        "nearly linear; dry friction or air drag of small size",
+        documented=("quadratic-drag",),
+        linear=True,
+        note="Three and a half cycles.",
+        quick=True,
+    ),
+    Entry(
+        "torsion_lab_decay",
+        "Torsion pendulum of a teaching lab, transducer with an offset, decay from 0.1 rad",
+        "free",
+        (Piece("torsion_lab_decay_01rad.csv.gz", motion=(3.3, 20.0)),),
+        Columns("angle_V"),
+        "nearly linear, about 0.868 Hz, magnets as dampers; the transducer rests at 1.4 V",
+        options=("--force", "none", "--response", "angle_V"),
+        documented=("sensor-offset",),
+        linear=True,
+        note="Rest and a hand on the rig before the release.",
+        quick=True,
+    ),
+    Entry(
+        "leg_pendulum",
+        "Relaxed human shank after release",
+        "free",
+        (Piece("leg_pendulum.csv.gz"),),
+        Columns("phi_rad"),
+        "first swing cut by muscle tone; short-range stiffness; the rest angle lies to one side; gravity is a sine",
+        documented=(
+            "hysteresis",
+            "constant-force",
+            "softening-stiffness",
+            "asymmetric-friction",
+            "quadratic-stiffness",
+        ),
+        quick=True,
+    ),
+    Entry(
+        "magnet_pendulum_plate",
+        "Magnet on a thread below a steel plate, camera",
+        "free",
+        (Piece("magnet_pendulum_plate_10mm.csv.gz", rows=(960, 3426), name="magnet.csv", made="plate-angle"),),
+        Columns("phi_rad"),
+        "attraction to the plate, swinging on the magnet's edge",
+        documented=("quintic-stiffness", "softening-stiffness", "clearance", "quadratic-drag"),
+        note="Angle in the plane of x from both pixel coordinates (148 mm are 654 pixels, plate to magnet 110 mm, as "
+        "its authors have it), from 4 s, when the swing across has died away.",
+        quick=True,
+    ),
+)
