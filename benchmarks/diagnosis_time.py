@@ -18,6 +18,7 @@ from dashpot.diagnose import diagnose
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
 from dashpot.identify.data import data_of
+from dashpot.identify.settle import settled
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.model.terms import with_term
@@ -91,7 +92,7 @@ def measure(law: str) -> tuple[float, float, str]:
     model = identify(training, name="rig").oscillator
     data = data_of(training, model)
     structure = Structure(model, data)
-    state = structure.problem.settle(structure.state(None))
+    state = settled(structure.problem, structure.state(None))
     began = time.perf_counter()
     for segment, initial in zip(data.segments, state.initial, strict=True):
         core_of(model).record(

@@ -76,7 +76,10 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     best = replace(found.oscillator, amplitude=model.amplitude, frequency=model.frequency)
     _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
     shown = {offset.recording: offset.value for offset in found.fit.offsets}
-    if not shown or _one_cause(found):
+    # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
+    # a law is the shorter answer
+    single = len(recordings) == 1
+    if not single and (not shown or _one_cause(found)):
         return Family(best, found.fit.memory, tuple(recordings), tuple(holdout), False, tuple(notes))
     elsewhere = _offsets(best, holdout)
     for group, values in ((recordings, shown), (holdout, elsewhere)):

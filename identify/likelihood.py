@@ -32,6 +32,7 @@ from .output_error import Outcome, OutputError, State
 from .prediction import FREE
 from .scatter import scatter
 from .segments import Segment
+from .settle import settled
 from .structure import Structure
 
 #: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
@@ -160,7 +161,7 @@ def _from_prediction(problem: OutputError, state: State) -> tuple[State, dict[fl
     Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
     """
     first, iterations = problem.predicting(_FIRST_MEMORY), 0
-    state = first.settle(state)
+    state = settled(first, state)
     if not _simulates(first, state):
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
     rungs: dict[float, State] = {}
@@ -255,7 +256,7 @@ def _over_noise(
 def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
     """What the model leaves when it is simulated freely, from the initial states that suit that best."""
     alone = problem.predicting(FREE).keeping(state)
-    state = alone.settle(replace(state, offsets=np.zeros(0)))
+    state = settled(alone, replace(state, offsets=np.zeros(0)))
     if not _simulates(alone, state):
         return alone.residuals(state)
     return alone.search(state, tolerance=1.0, most=_EARLY_STEPS).residuals

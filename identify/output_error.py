@@ -17,13 +17,12 @@ from functools import cache
 
 import numpy as np
 
-from ..simulate.core import STEPS_PER_PERIOD, Core
+from ..simulate.core import Core
 from ..simulate.force import Force
 from .noise_spectrum import NoiseSpectrum, white
 from .normal_equations import Block, promise, shared_information, solve
 from .offset import Offset
 from .prediction import FREE, prediction_gain
-from .reach import nearest_reach
 from .segments import Segment
 
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
@@ -276,45 +275,6 @@ class OutputError:
             return replace(state, offsets=offsets)
         initial = state.initial.copy()
         initial[i, k - self.shared] += step
-        return replace(state, initial=initial)
-
-    def settle(self, state: State, cycles: float = 3.0) -> State:
-        """Better initial states from the first few cycles of each segment, the parameters as they are."""
-        rate = max(2 * np.pi / (self.max_step * STEPS_PER_PERIOD), np.finfo(float).tiny)
-        initial = state.initial.copy()
-        for i, segment in enumerate(self.segments):
-            own = self.own(segment)
-            if not own:
-                continue
-            n = int(np.clip(cycles / rate / segment.dt * 2 * np.pi, 8, segment.n))
-
-            def misfit(candidate: np.ndarray, i: int = i, n: int = n) -> float:
-                return float(np.sum((self.segments[i].response[:n] - response(candidate, i, n)) ** 2))
-
-            def response(candidate: np.ndarray, i: int = i, n: int = n) -> np.ndarray:
-                moved = initial.copy()
-                moved[i] = candidate
-                return self.simulate(i, replace(state, initial=moved), n)
-
-            initial[i] = nearest_reach(initial[i], self.core.reaches(state.values), own, misfit)
-            for _ in range(4):
-                base = response(initial[i])
-                rows = []
-                for k in own:
-                    moved = initial[i].copy()
-                    moved[k] += self.state_scale[k]
-                    rows.append((response(moved) - base) / self.state_scale[k])
-                jacobian = np.array(rows).T
-                residual = segment.response[:n] - base
-                if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
-                    break
-                scale = self.state_scale[list(own)]
-                trial = initial[i].copy()
-                trial[list(own)] += np.linalg.lstsq(jacobian * scale, residual)[0] * scale
-                after = segment.response[:n] - response(trial)
-                if not np.sum(after**2) < np.sum(residual**2):
-                    break
-                initial[i] = trial
         return replace(state, initial=initial)
 
     def search(

@@ -24,6 +24,7 @@ from .noise_spectrum import NoiseSpectrum
 from .offset import Offset
 from .output_error import OutputError, State
 from .segments import Segment, starts_at_rest
+from .settle import settled
 
 #: Finite differences and first steps of a law's parameter, as a part of its natural size.
 _SMALL = 1e-2
@@ -214,7 +215,7 @@ class Structure:
         """
         state = self.state(initial)
         if settle or initial is None:
-            state = self.problem.settle(state)
+            state = settled(self.problem, state)
         if not all(np.all(np.isfinite(residual)) for residual in self.problem.residuals(state)):
             raise BadInput("the model does not simulate with its start values; check the units of force and response")
         outcome = self.problem.search(state, noise, tolerance=tolerance, most=most, informed=False)

@@ -16,6 +16,7 @@ from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
 from ...identify.measured_motion import Regression
 from ...identify.noise_spectrum import NoiseSpectrum
+from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, renamed, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
@@ -36,6 +37,8 @@ _NEAR = 0.1
 #: ... and, once one law has reached the noise, within this part of its gain.
 _HALFWAY = 0.4
 _FEW_STEPS = 3
+#: The law of a sensor that sits elsewhere all the time.
+SENSOR_OFFSET = "sensor-offset"
 #: Factors of two by which a parameter is moved at most, where steps alone would be caught.
 _PACES = 4
 #: A law whose simulation takes this many times as many steps is given fewer of the search's.
@@ -87,7 +90,7 @@ class Search:
         A recording through which the model does not simulate is not told at all.
         """
         structure = Structure(model, self.holdout, tuple(model.parameters()))
-        state = structure.problem.settle(structure.state(None))
+        state = settled(structure.problem, structure.state(None))
         residuals = structure.problem.residuals(state)
         if all(np.all(np.isfinite(residual)) for residual in residuals):
             return structure.fit(state.initial, tolerance=0.1)
@@ -279,6 +282,8 @@ class Search:
         """For each law worth a fit the models to start from."""
         present = {name for term in fitted.model.terms for name in (term.law.effect, term.law.twin)}
         laws = [law for law in self.laws if law.effect not in present and not law.rugged and not _only_a_name(law)]
+        if self.data.offsets:  # each recording has a zero of its own already
+            laws = [law for law in laws if law.effect != SENSOR_OFFSET]
         self.progress("score of every law", 0.02)
         self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
         scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}
@@ -327,7 +332,7 @@ class Search:
         """Gain of log-likelihood of a model as it is."""
         try:
             structure = Structure(model, self.data)
-            state = structure.problem.settle(structure.state(fitted.initial if initial is None else initial))
+            state = settled(structure.problem, structure.state(fitted.initial if initial is None else initial))
             residuals = structure.problem.residuals(state)
         except DashpotError:
             return -np.inf
