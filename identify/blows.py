@@ -1,0 +1,78 @@
+"""Blows of a hammer in a recorded force: contacts that are over before the mass has swung back."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from .decay import Blow, Decay
+from .envelope import SHORTEST_CYCLES, Envelope
+from .force_off import runs
+
+#: A contact is over within half a cycle: the mass has its momentum before the spring takes it away (Ewins 2000, 3.4).
+_LONGEST = 0.5
+#: Contacts stand out of the force's noise by so many standard deviations, or it is no hammer.
+_STANDS_OUT = 10.0
+#: What falls back below this part of its peak is over; a smooth contact's flanks hold less than 1 % of its momentum.
+_OVER = 0.02
+#: The noise that ends a contact: of a thousand samples of white noise none is beyond so many standard deviations.
+_NOISE = 4.0
+#: A blow much weaker than the strongest says nothing beside the ringing.
+_WEAK = 0.05
+#: So many equal samples at the range's end: two astride a smooth peak are common (`recording.clipping`).
+_FLAT = 3
+
+
+def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
+    """Blows in a force (n,) upon a motion of so many samples a cycle; none where it pushes in any other way as well.
+
+    Contacts that follow one another before five cycles have rung are one blow that hit several times.
+    """
+    force = force - np.median(force)
+    size = np.abs(force)
+    peak = float(np.max(size))
+    noise = 1.4826 * float(np.median(size))
+    if not peak > _STANDS_OUT * noise:
+        return ()
+    flanks = [(a, b) for a, b in runs(size > max(_NOISE * noise, _OVER * peak))]
+    join = max(2, period // 20)
+    contacts: list[tuple[int, int]] = []
+    for a, b in flanks:
+        if contacts and a - contacts[-1][1] <= join:
+            contacts[-1] = (contacts[-1][0], b)
+        else:
+            contacts.append((a, b))
+    contacts = [(a, b) for a, b in contacts if np.max(size[a:b]) > _WEAK * peak]
+    if any(b - a > _LONGEST * period for a, b in contacts):
+        return ()
+    # not a few contacts but a train of them: a drive in pulses
+    if len(contacts) > 1 and np.median(np.diff([a for a, _ in contacts])) < SHORTEST_CYCLES * period / 2:
+        if len(contacts) > 3:
+            return ()
+    largest = float(np.max(force)) if abs(np.max(force)) >= abs(np.min(force)) else float(np.min(force))
+    blows: list[Blow] = []
+    for a, b in contacts:
+        clipped = int(np.sum(np.abs(force[a:b] - largest) <= 1e-9 * peak)) >= _FLAT
+        if blows and a - blows[-1].stop < SHORTEST_CYCLES * period:
+            last = blows[-1]
+            blows[-1] = Blow(last.start, b, last.clipped or clipped, last.contacts + 1)
+        else:
+            blows.append(Blow(a, b, clipped))
+    return tuple(blows)
+
+
+def ringing(blows: tuple[Blow, ...], envelope: Envelope) -> list[Decay]:
+    """Decays after blows: from the end of each to the noise or to the next one."""
+    size, floor, n = envelope.size, envelope.floor, envelope.size.size
+    decays: list[Decay] = []
+    ends = [blow.start for blow in blows[1:]] + [n]
+    for blow, end in zip(blows, ends, strict=True):
+        risen = min(blow.stop + envelope.period, end)  # the envelope's kernel reaches a cycle back
+        low = np.flatnonzero(size[risen:end] < floor)
+        stop = risen + int(low[0]) if low.size else end
+        if stop > risen and size[risen] > 2 * floor:
+            decays.append(Decay(blow.stop, stop))
+    first = blows[0].start
+    if first >= SHORTEST_CYCLES * envelope.period and size[0] > 2 * floor:  # it rang before
+        low = np.flatnonzero(size[:first] < floor)
+        decays.insert(0, Decay(0, int(low[0]) if low.size else first))
+    return decays
