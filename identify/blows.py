@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
 import numpy as np
 
+from ..simulate.force import Force
 from .decay import Blow, Decay
 from .envelope import SHORTEST_CYCLES, Envelope
 from .force_off import runs
@@ -18,6 +22,10 @@ _OVER = 0.02
 _NOISE = 4.0
 #: A blow much weaker than the strongest says nothing beside the ringing.
 _WEAK = 0.05
+#: Cycles after a blow that show how far it moved the mass; three are the shortest stretch that is fitted.
+_SHOWN = 4.0
+#: Samples whose median is the sensor's zero.
+_FEWEST_QUIET = 8
 #: So many equal samples at the range's end: two astride a smooth peak are common (`recording.clipping`).
 _FLAT = 3
 
@@ -76,3 +84,56 @@ def ringing(blows: tuple[Blow, ...], envelope: Envelope) -> list[Decay]:
         low = np.flatnonzero(size[:first] < floor)
         decays.insert(0, Decay(0, int(low[0]) if low.size else first))
     return decays
+
+
+@dataclass(frozen=True)
+class ContactForce(Force):
+    """A force that is known to be zero but for contacts, so that its sensor's noise counts during these alone."""
+
+    def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
+        """The same force with white noise of that standard deviation on the samples of its contacts."""
+        noisy = super().disturbed(std, random, dt)
+        size = np.abs(self.pieces[:, 0])
+        contact = size > _OVER * np.max(size, initial=0.0)
+        return replace(self, pieces=np.where(contact[:, None], noisy.pieces, self.pieces))
+
+
+def contact_force(force: np.ndarray, blows: Sequence[Blow], period: int) -> np.ndarray:
+    """The force (n,) during the contacts, about what the sensor read just before each, and zero elsewhere.
+
+    After a blow the hammer is in the air: what the sensor shows then is its offset and its noise (the force window of
+    impact testing, Ewins 2000, 3.7).
+    """
+    alone = np.zeros_like(force)
+    for blow in blows:
+        before = force[max(0, blow.start - period) : blow.start]
+        after = force[blow.stop : blow.stop + period]
+        quiet = before if before.size >= _FEWEST_QUIET else after
+        zero = float(np.median(quiet)) if quiet.size else 0.0
+        alone[blow.start : blow.stop] = force[blow.start : blow.stop] - zero
+    return alone
+
+
+def through(blows: Sequence[Blow], decays: Sequence[Decay], period: int) -> list[tuple[int, int, bool]]:
+    """Stretches (start, stop, forced) of a struck recording: each blow with cycles that it set going.
+
+    The mass is in how far a blow moves it; a contact alone is over before it has moved, so some cycles go with it. The
+    rest of the ringing is a free decay, to which the force's noise does nothing. Where a blow was clipped all of it is.
+    Each begins a quarter of a cycle before its blow, still at rest where it was.
+    """
+    parts: list[tuple[int, int, bool]] = []
+    for decay in decays:
+        blow = next((blow for blow in blows if blow.stop == decay.start and not blow.clipped), None)
+        start = decay.start if blow is None else max(0, blow.start - period // 4)
+        if parts and parts[-1][1] > start:
+            parts[-1] = (parts[-1][0], start, parts[-1][2])
+        if blow is None:
+            parts.append((start, decay.stop, False))
+            continue
+        shown = blow.stop + round(_SHOWN * period)
+        if decay.stop - shown < SHORTEST_CYCLES * period:
+            shown = decay.stop
+        parts.append((start, shown, True))
+        if shown < decay.stop:
+            parts.append((shown, decay.stop, False))
+    return parts

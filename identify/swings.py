@@ -107,6 +107,7 @@ def release(x: np.ndarray, swings: Swings, start: int) -> int | None:
     if k == 0 or k + 1 >= size.size or not _loses(size, k, known):
         return None
     held = at[k] - at[k - 1] > _LONGER * (at[k + 1] - at[k])
+    # what swelled little by little may have been driven, and a drive may let it sink
     return int(at[k]) if held or size[k - 1] < _PUSHED * size[k + 1] else None
 
 
@@ -133,14 +134,14 @@ def _still_before(x: np.ndarray, swings: Swings, k: int) -> bool:
 
 
 def _loses(size: np.ndarray, k: int, known: int) -> bool:
-    """Whether the swings k to known lose about as much as as many after them."""
+    """Whether the swings k to known lose about as much as as many after them: a larger swing loses no less."""
     if known - k < 2:
         return True
     later = min(2 * known - k, size.size - 1)
     if later <= known:
         return True
-    before = np.log(size[k] / size[known]) / (known - k)
-    return bool(before > _LOSS * np.log(size[known] / size[later]) / (later - known))
+    before = (size[k] - size[known]) / (known - k)
+    return bool(before > _LOSS * (size[known] - size[later]) / (later - known))
 
 
 def caught(swings: Swings, start: int, stop: int) -> int | None:
