@@ -75,7 +75,7 @@ def split(recordings: Sequence[Recording], model: Oscillator) -> tuple[list[Reco
     for recording in recordings:
         edges, free = _blocks(recording, model)
         out = [k for k in range(1, len(edges), 3) if carries(_block(recording, *edges[k], free), model)]
-        if not out:
+        if not (out and all(carries(_block(recording, a, b, free), model) for a, b in _joined(edges, out))):
             training.append(recording)
             continue
         held += [_block(recording, *edges[k], free) for k in out]
@@ -99,7 +99,9 @@ def _blocks(recording: Recording, model: Oscillator) -> tuple[list[tuple[int, in
         ends = [0, *(decay.stop for decay in motion.decays[:-1]), recording.n]
         return list(pairwise(ends)), False
     rate = max(0.5 * model.viscous.value, _LEAST_DAMPING * model.omega0.value)
-    return _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs)), False
+    blocks = _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs))
+    at = recording.n * 2 // _THIRDS
+    return blocks or [(0, at), (at, recording.n)], False  # the end of what is driven is as loud as its beginning
 
 
 def _even(start: int, stop: int, shortest: float) -> list[tuple[int, int]]:

@@ -16,8 +16,10 @@ from .force_off import runs
 _LONGEST = 0.5
 #: Contacts stand out of the force's noise by so many standard deviations, or it is no hammer.
 _STANDS_OUT = 10.0
-#: What falls back below this part of its peak is over; a smooth contact's flanks hold less than 1 % of its momentum.
+#: What falls back below this part of the highest peak is over but for its flanks ...
 _OVER = 0.02
+#: ... and its flanks below that are within this fraction of its length, on either side.
+_FLANK = 8
 #: The noise that ends a contact: of a thousand samples of white noise none is beyond so many standard deviations.
 _NOISE = 4.0
 #: A blow much weaker than the strongest says nothing beside the ringing.
@@ -50,6 +52,7 @@ def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
         else:
             contacts.append((a, b))
     contacts = [(a, b) for a, b in contacts if np.max(size[a:b]) > _WEAK * peak]
+    contacts = [(max(0, a - (b - a) // _FLANK), min(size.size, b + (b - a) // _FLANK)) for a, b in contacts]
     if any(b - a > _LONGEST * period for a, b in contacts):
         return ()
     # not a few contacts but a train of them: a drive in pulses

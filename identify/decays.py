@@ -49,17 +49,13 @@ def find_free_motion(recording: Recording) -> FreeMotion:
         if force is not None and np.ptp(force) > 0:
             # white noise may be a shaker's too: only a fall to the noise, or the whole record, is a free decay then
             decays = [
-                d
-                for d in decays
-                if envelope.size[d.stop - 1] < 1.1 * envelope.floor or d.stop - d.start > 0.8 * x.size
+                d for d in decays if envelope.size[d.stop - 1] < 1.1 * envelope.floor or d.stop - d.start > 0.8 * x.size
             ]
     else:
         beats = False
         force = np.asarray(force, float)
         blows = blows_of(force, period)
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period), envelope)
-    decays = tuple(
-        sorted((d for d in decays if d.stop - d.start >= SHORTEST_CYCLES * period), key=lambda d: d.start)
-    )
+    decays = tuple(sorted((d for d in decays if d.stop - d.start >= SHORTEST_CYCLES * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)
     return replace(motion, notes=left_out(recording, envelope, motion, beats))

@@ -54,6 +54,8 @@ def _one(x: np.ndarray, envelope: Envelope, swings: Swings, a: int, top: int, b:
     start = corner
     if start is None:
         start = 0 if a == 0 and top <= _AT_ONCE * period else top + period
+    if a == 0 < start and stop > size.size - period and falls_steadily(swings, 0, stop):
+        start = 0  # so slow a fall that no cycle of it shows
     end = caught(swings, start, stop)
     stop = stop if end is None else end
     freely = end is not None or _dies(size, stop, stop + round(_STAYS * period), size.size)

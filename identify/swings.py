@@ -189,4 +189,6 @@ def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
     size = swings.size[inside[:-1]]
     steady = np.all(size[2:] - size[:-2] < 2 * _NOISE * swings.noise)
     fall = float(size[0] + size[1] - size[-1] - size[-2]) / 2
-    return bool(steady and fall > _LEAST_FALL * size[0] and fall > 2 * _NOISE * swings.noise)
+    first, second = size[0] - size[size.size // 2], size[size.size // 2] - size[-1]
+    even = first > _LOSS * second  # a larger swing loses no less; what is driven at first loses nothing
+    return bool(steady and even and fall > _LEAST_FALL * size[0] and fall > 2 * _NOISE * swings.noise)
