@@ -85,8 +85,8 @@ def _is_cut(signal: np.ndarray, start: int, length: int, step: float) -> bool:
 def _bends_at_once(way: np.ndarray) -> bool:
     """Whether a signal is on its way when it meets the rail, which it does with the last of these samples.
 
-    Over as long as it then stays on the rail, a parabola cut below its peak makes 5/32 of its rise in the last quarter, a
-    straight line a quarter. A command that jumps makes all of it there; one that creeps up to its level nothing.
+    Over as long as it then stays on the rail, a parabola cut below its peak makes 5/32 of its rise in the last quarter,
+    a straight line a quarter. A command that jumps makes all of it there; one that creeps up to its level nothing.
     """
     rise, quarter = way[-1] - way[0], (len(way) - 1) // 4
     # the sample before the rail may lie just below it, so one interval says nothing about creeping

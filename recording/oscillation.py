@@ -64,7 +64,7 @@ def without_slow(signal: np.ndarray) -> np.ndarray:
 
 
 def strongest_line(signal: np.ndarray) -> int:
-    """How often the strongest line of the signal (n,) swings in it; the ends are tapered a little, so that a trend leaks less."""
+    """How often the strongest line of the signal (n,) swings in it; its ends are tapered a little, for a trend."""
     index = np.arange(len(signal))
     straight = signal - np.polyval(np.polyfit(index, signal, 1), index)
     return 1 + int(np.argmax(np.abs(np.fft.rfft(straight * np.hanning(len(signal) + 2)[1:-1] ** 0.25)[1:])))

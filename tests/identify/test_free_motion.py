@@ -188,7 +188,7 @@ def test_a_blow_goes_with_the_cycles_it_sets_going_and_its_zero_is_the_sensors()
     impulse = 0.5 * WIDTH * np.array([60.0, 40.0, 80.0])
     for segment, expected in zip(segments[::2], impulse, strict=True):
         assert segment.force is not None
-        assert segment.rests
+        assert segment.rests == (segment.start < 1000)  # the others strike what still rings
         pushed = np.sum(segment.force.pieces[:, 0]) * segment.dt / segment.force.fine
         assert pushed == pytest.approx(expected, rel=0.005)
         noisy = segment.force.disturbed(1.0, np.random.default_rng(2), segment.dt)
