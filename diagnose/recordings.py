@@ -19,7 +19,7 @@ from ..recording.recording import Recording
 
 #: Of three stretches one is held out, and of one motion no more than three: each bears an initial state of its own.
 _THIRDS, _MOST_HELD = 3, 3
-#: A driven stretch is long against what its rig remembers of the stretch before, which falls by exp(-3) in this time ...
+#: A driven stretch is long against what its rig remembers of the stretch before, which falls by exp(-3) meanwhile ...
 _MEMORIES = 3.0
 #: ... where it is damped by this part of the critical or more.
 _LEAST_DAMPING = 1e-3
@@ -67,8 +67,8 @@ def why_unused(recording: Recording, model: Oscillator) -> str:
 def split(recordings: Sequence[Recording], model: Oscillator) -> tuple[list[Recording], list[Recording]]:
     """Of each recording stretches to learn from, and between them others to be judged on.
 
-    A quiet end tells nothing of what depends on the amplitude. So of several decays, bursts or blows every third is held
-    out; one decay and one driven record are cut into blocks of time, of which the middle one of each three is, so
+    A quiet end tells nothing of what depends on the amplitude. So of several decays, bursts or blows every third is
+    held out; one decay and one driven record are cut into blocks of time, of which the middle one of each three is, so
     that large, middle and small motion are on both sides. A recording too short for that is learnt from whole.
     """
     training, held = [], []
@@ -124,7 +124,7 @@ def _joined(edges: Sequence[tuple[int, int]], out: Sequence[int]) -> list[tuple[
 
 
 def _block(recording: Recording, start: int, stop: int, free: bool) -> Recording:
-    """A stretch as a recording of its own; one of a free decay is known to be free, whatever its force channel shows."""
+    """A stretch as a recording of its own; one of a free decay is known to be free, whatever its force shows."""
     block = recording.slice(start, stop)
     first, last = (recording.start + i / recording.fs for i in (start, stop))
     name = f"{recording.name}, {first:.4g} to {last:.4g} s"

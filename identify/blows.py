@@ -56,9 +56,8 @@ def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
     if any(b - a > _LONGEST * period for a, b in contacts):
         return ()
     # not a few contacts but a train of them: a drive in pulses
-    if len(contacts) > 1 and np.median(np.diff([a for a, _ in contacts])) < SHORTEST_CYCLES * period / 2:
-        if len(contacts) > 3:
-            return ()
+    if len(contacts) > 3 and np.median(np.diff([a for a, _ in contacts])) < SHORTEST_CYCLES * period / 2:
+        return ()
     largest = float(np.max(force)) if abs(np.max(force)) >= abs(np.min(force)) else float(np.min(force))
     blows: list[Blow] = []
     for a, b in contacts:

@@ -55,7 +55,7 @@ def envelope_of(recording: Recording) -> Envelope | None:
 def motion_frequency(x: np.ndarray, fs: float) -> float | None:
     """Frequency in Hz of the strongest motion of (n,) samples; None where nothing moves.
 
-    A sensor's offset, a rest position that changed and a slow drift are stronger than many a motion; they are taken off.
+    A sensor's offset, a rest position that changed and a drift are stronger than many a motion; they are left out.
     """
     swinging = without_slow(x)
     try:

@@ -91,8 +91,8 @@ def _zigzag(x: list[float], turn: list[float]) -> list[int]:
 def release(x: np.ndarray, swings: Swings, start: int) -> int | None:
     """The turning point from which the motion is free, where it was let go, pushed or struck by something unrecorded.
 
-    From the sample ``start`` on the motion is known to be free. Going back, each swing must be larger than the next; the
-    first that is not is the hand's. Where the motion begins from a hold, its first swing is left out too: nobody
+    From the sample ``start`` on the motion is known to be free. Going back, each swing must be larger than the next;
+    the first that is not is the hand's. Where the motion begins from a hold, its first swing is left out too: nobody
     knows when the hand was gone. None where no release is seen, as after a drive that was switched off.
     """
     at, size = swings.at, swings.size
@@ -182,7 +182,7 @@ def still_falls(swings: Swings, stop: int, last: int, level: float) -> int:
 
 
 def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
-    """Whether every swing between two samples is smaller than the one before, and the last by a tenth than the first."""
+    """Whether every swing between two samples is smaller than the one before, the last by a tenth than the first."""
     inside = np.flatnonzero((swings.at >= start) & (swings.at < stop))
     if inside.size < 8:
         return False
