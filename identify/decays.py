@@ -40,7 +40,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
         return FreeMotion((Decay(0, recording.n),))
     envelope = envelope_of(recording)
     if envelope is None:
-        return FreeMotion((), (), left_out(recording, None, ()))
+        return FreeMotion(())
     x, force = np.asarray(recording.response, float), recording.force
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):

@@ -13,14 +13,12 @@ if TYPE_CHECKING:
     from ..recording.recording import Recording
 
 
-def left_out(
-    recording: Recording, envelope: Envelope | None, motion: FreeMotion | None, beats: bool = False
-) -> tuple[str, ...]:
+def left_out(recording: Recording, envelope: Envelope, motion: FreeMotion, beats: bool = False) -> tuple[str, ...]:
     """Sentences for the user; none where the whole motion is used.
 
     The noise that a decay ends in needs no word. Where a force was recorded, what lies between decays is driven by it.
     """
-    if envelope is None or motion is None or not (motion.decays or motion.blows):
+    if not (motion.decays or motion.blows):
         return ()
     sentences = []
     if motion.blows:
