@@ -88,7 +88,7 @@ def diagnose(
     if not holdout:
         recordings, holdout = split(recordings, model)
         notes.append(
-            "no recording was held out, so the end of each that can spare it is: judge with one of another level"
+            "no recording was held out, so stretches of each that can spare them are: judge with one of another level"
             if holdout
             else "nothing could be held out: what is named rests on the recordings that it was fitted to; judge with "
             "a recording of another level"

@@ -5,18 +5,24 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.decays import find_decays
+from ..identify.decays import find_free_motion, force_is_silent
+from ..identify.envelope import SHORTEST_CYCLES
 from ..identify.hilbert import noise_level
-from ..identify.segments import cut
+from ..identify.segments import cut, pace_of
 from ..model import Oscillator
 from ..recording.recording import Recording
 
-#: Of a record that is to be split the first part trains.
-_TRAINING_PART = 2.0 / 3.0
+#: Of three stretches one is held out, and of one motion no more than three: each bears an initial state of its own.
+_THIRDS, _MOST_HELD = 3, 3
+#: A driven stretch is long against what its rig remembers of the stretch before, which falls by exp(-3) meanwhile ...
+_MEMORIES = 3.0
+#: ... where it is damped by this part of the critical or more.
+_LEAST_DAMPING = 1e-3
 #: A recording of fewer cycles than this holds no stretch to fit.
 _FEWEST_CYCLES = 10.0
 #: A response below this many times its noise says little.
@@ -54,20 +60,72 @@ def why_unused(recording: Recording, model: Oscillator) -> str:
         why = "driven, and the model has no mass to tell what a force does; no free decay was found in it"
     else:
         why = "neither a free decay nor a stretch driven by a recorded force was found in it"
+        why += "; a decay falls by a tenth or more over five cycles or more"
     return f"{recording.name}: {why}"
 
 
 def split(recordings: Sequence[Recording], model: Oscillator) -> tuple[list[Recording], list[Recording]]:
-    """The beginning of each recording to learn from, its end to be judged on; no ends where they carry nothing."""
-    training, ends = [], []
+    """Of each recording stretches to learn from, and between them others to be judged on.
+
+    A quiet end tells nothing of what depends on the amplitude. So of several decays, bursts or blows every third is
+    held out; one decay and one driven record are cut into blocks of time, of which the middle one of each three is, so
+    that large, middle and small motion are on both sides. A recording too short for that is learnt from whole.
+    """
+    training, held = [], []
     for recording in recordings:
-        at = int(_TRAINING_PART * recording.n)
-        if recording.force is None or not np.any(recording.force):
-            for decay in find_decays(recording)[:1]:  # its quiet half is a recording of another level
-                at = (decay.start + decay.stop) // 2
-        beginning = replace(recording.slice(0, at), name=recording.name)
-        end = replace(recording.slice(at, recording.n), name=f"{recording.name}, its end")
-        whole = not (carries(beginning, model) and carries(end, model))
-        training.append(recording if whole else beginning)
-        ends += [] if whole else [end]
-    return training, ends
+        edges, free = _blocks(recording, model)
+        out = [k for k in range(1, len(edges), 3) if carries(_block(recording, *edges[k], free), model)]
+        if not (out and all(carries(_block(recording, a, b, free), model) for a, b in _joined(edges, out))):
+            training.append(recording)
+            continue
+        held += [_block(recording, *edges[k], free) for k in out]
+        training += [_block(recording, a, b, free) for a, b in _joined(edges, out)]
+    return training, held
+
+
+def _blocks(recording: Recording, model: Oscillator) -> tuple[list[tuple[int, int]], bool]:
+    """Stretches that may be held out or not, in order of time, and whether they are free decays; few are none."""
+    motion = find_free_motion(recording)
+    cycle = 2 * math.pi / pace_of([recording], model.omega0.value) * recording.fs
+    if recording.force is None or not np.any(recording.force) or (motion.decays and force_is_silent(recording)):
+        spans = [(decay.start, decay.stop) for decay in motion.decays]
+        if len(spans) < _THIRDS:
+            spans = [block for span in spans for block in _even(*span, SHORTEST_CYCLES * cycle)]
+        return spans, True
+    if len(motion.blows) >= _THIRDS:
+        starts = [0, *(max(0, round(blow.start - cycle / 2)) for blow in motion.blows[1:]), recording.n]
+        return list(pairwise(starts)), False
+    if len(motion.decays) >= _THIRDS:
+        ends = [0, *(decay.stop for decay in motion.decays[:-1]), recording.n]
+        return list(pairwise(ends)), False
+    rate = max(0.5 * model.viscous.value, _LEAST_DAMPING * model.omega0.value)
+    blocks = _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs))
+    at = recording.n * 2 // _THIRDS
+    return blocks or [(0, at), (at, recording.n)], False  # the end of what is driven is as loud as its beginning
+
+
+def _even(start: int, stop: int, shortest: float) -> list[tuple[int, int]]:
+    """Blocks of equal length, three or six or nine of them, each of `shortest` samples or more; none where none fit."""
+    count = _THIRDS * min(int((stop - start) / (_THIRDS * shortest)), _MOST_HELD)
+    return list(pairwise(np.linspace(start, stop, count + 1).round().astype(int).tolist())) if count else []
+
+
+def _joined(edges: Sequence[tuple[int, int]], out: Sequence[int]) -> list[tuple[int, int]]:
+    """What is not held out, blocks that follow one another as one."""
+    joined: list[tuple[int, int]] = []
+    for k, (a, b) in enumerate(edges):
+        if k in out:
+            continue
+        if joined and joined[-1][1] == a:
+            joined[-1] = (joined[-1][0], b)
+        else:
+            joined.append((a, b))
+    return joined
+
+
+def _block(recording: Recording, start: int, stop: int, free: bool) -> Recording:
+    """A stretch as a recording of its own; one of a free decay is known to be free, whatever its force shows."""
+    block = recording.slice(start, stop)
+    first, last = (recording.start + i / recording.fs for i in (start, stop))
+    name = f"{recording.name}, {first:.4g} to {last:.4g} s"
+    return replace(block, name=name, free=free, force=None if free else block.force)

@@ -10,7 +10,8 @@ import numpy as np
 
 from ..recording.recording import Recording
 from ..simulate.force import Force, smooth_force
-from .decays import find_decays
+from .blows import ContactForce, contact_force, through
+from .decays import find_free_motion, force_is_silent
 from .hilbert import dominant_frequency, noise_level
 
 #: A recording of so many natural periods is one of a rig that swings ...
@@ -66,7 +67,7 @@ class Segment:
         """The samples from ``begin`` to ``end`` of this segment."""
         force = self.force
         if force is not None:
-            force = Force(force.pieces[begin * force.fine : max(end - 1, begin) * force.fine], force.fine)
+            force = replace(force, pieces=force.pieces[begin * force.fine : max(end - 1, begin) * force.fine])
         return replace(
             self,
             start=self.start + begin,
@@ -82,7 +83,8 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
     """Segments of all recordings.
 
     A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
-    force contributes its decays alone. The rest of a recording with force is forced. Where nothing moves there is
+    force, or with a silent one, contributes its decays alone. The rest of a recording with force is forced; a hammer's
+    blow is simulated together with the ringing after it. Where nothing moves there is
     nothing to fit.
 
     Args:
@@ -96,16 +98,24 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
     for index, recording in enumerate(recordings):
         shortest = (_SHORTEST_SLIDE if slide else _SHORTEST_CYCLES) * 2 * np.pi / pace * recording.fs
         force = recording.force
-        decays = find_decays(recording)
+        motion = find_free_motion(recording)
+        decays = motion.decays
         ends = [(decay.start, decay.stop, False) for decay in decays]
-        if force is not None and np.any(force):
+        period = round(2 * np.pi / pace * recording.fs)
+        if motion.blows and force is not None:
+            ends = through(motion.blows, decays, period)
+            force = contact_force(np.asarray(force, float), motion.blows, period)
+        elif force is not None and np.any(force) and not (decays and force_is_silent(recording)):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         highest = force_band * pace / (2 * np.pi)
         for start, stop, forced in sorted(ends):
             if stop - start < shortest:
                 continue
-            driven = forced and force is not None and np.any(force[start:stop])
+            driven = None
+            if forced and force is not None and np.any(force[start:stop]):
+                driven = smooth_force(np.asarray(force[start:stop], float), recording.dt, highest)
+                driven = ContactForce(driven.pieces, driven.fine) if motion.blows else driven
             response = np.asarray(recording.response[start:stop], float)
             noise = noise_level(response, recording.fs)
             if not np.std(response) > _MOVES * noise:
@@ -115,9 +125,7 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
                 start=start,
                 stop=stop,
                 response=response,
-                force=smooth_force(np.asarray(force[start:stop], float), recording.dt, highest)
-                if driven and force is not None
-                else None,
+                force=driven,
                 dt=recording.dt,
                 time=recording.start + start * recording.dt,
                 pace=pace,

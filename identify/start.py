@@ -16,7 +16,7 @@ import numpy as np
 
 from ..errors import BadInput
 from .curves import BackboneFit, DampingFit, fit_backbone, fit_damping
-from .decays import Decay, find_decays, force_is_silent
+from .decays import Decay, find_free_motion, force_is_silent
 from .displacement import displacement
 from .forcevib import forcevib
 from .freevib import freevib
@@ -98,7 +98,9 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     decays: list[tuple[Decay, ...]] = []
     motions: list[_Motion] = []
     for r in recordings:
-        found = find_decays(r)
+        motion = find_free_motion(r)
+        found = motion.decays
+        notes += motion.notes
         decays.append(found)
         try:
             x = displacement(r)

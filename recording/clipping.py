@@ -10,6 +10,7 @@ SHORTEST = 3  # samples: two equal samples astride a smooth peak are common
 VISITS = 2  # one flat top may be the signal's own
 MARGIN = 16.0  # a smooth peak falls at most 8 steps of resolution within one run length; twice that
 MOST = 0.6  # of the samples: a signal that is mostly at its extremes switches between levels
+CREEPS, JUMPS = 0.05, 0.75  # of the rise before the flat top, in its last quarter: a third of 5/32; three quarters
 SENSOR_NOISE = 1e-5  # of the peak: no sensor is quieter, so below it the signal was computed or commanded
 
 
@@ -77,4 +78,18 @@ def _is_cut(signal: np.ndarray, start: int, length: int, step: float) -> bool:
     if before < 0 or after >= len(signal):
         return False
     drop = signal[start] - max(signal[before], signal[after])
-    return drop > MARGIN * step
+    rises = _bends_at_once(signal[before : start + 1])
+    return bool(drop > MARGIN * step and (rises or _bends_at_once(signal[after : start + length - 2 : -1])))
+
+
+def _bends_at_once(way: np.ndarray) -> bool:
+    """Whether a signal is on its way when it meets the rail, which it does with the last of these samples.
+
+    Over as long as it then stays on the rail, a parabola cut below its peak makes 5/32 of its rise in the last quarter,
+    a straight line a quarter. A command that jumps makes all of it there; one that creeps up to its level nothing.
+    """
+    rise, quarter = way[-1] - way[0], (len(way) - 1) // 4
+    # the sample before the rail may lie just below it, so one interval says nothing about creeping
+    jump, creep = way[-1] - way[-1 - max(1, quarter)], way[-1] - way[-1 - max(2, quarter)]
+    in_one = float(np.max(np.diff(way[-1 - quarter :]))) if quarter >= SHORTEST else 0.0  # from another level
+    return bool(jump < JUMPS * rise and in_one < JUMPS * jump and creep > CREEPS * rise)

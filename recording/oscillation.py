@@ -10,6 +10,8 @@ NOISE_BAND = 0.8  # of Nyquist: above it a vibration record holds little but noi
 SMALLEST = 1e-3  # of the peak: -60 dB, below it no cycle is counted even without noise
 DECAY_WINDOWS = (5, 10, 20, 40)  # cycles
 LEAST_FALL = 0.10  # relative: a steady tone's amplitude stays within a few percent
+LEAST_SWINGS = 5  # what swings fewer times in a record is no oscillation of it
+SLOW_PARTS = 3  # a held position, a rest position and a drift
 LUCK = 0.01  # chance of calling noise a decay, over all windows tried
 
 
@@ -25,7 +27,7 @@ class Oscillation:
 
 def oscillation(signal: np.ndarray, fs: float) -> Oscillation:
     """Describe a signal (n,) sampled at `fs` Hz. The noise is the upper fifth of the spectrum, taken as white."""
-    centred = signal - np.median(signal)
+    centred = without_slow(signal)
     n = len(signal)
     index = np.arange(n)
     straight = centred - np.polyval(np.polyfit(index, centred, 1), index)
@@ -34,11 +36,48 @@ def oscillation(signal: np.ndarray, fs: float) -> Oscillation:
     # the Hann window keeps a slow, strong oscillation from leaking into the band of the noise
     tapered = np.abs(np.fft.rfft(straight * np.hanning(n))) ** 2 / (0.375 * n)
     noise = float(np.sqrt(np.median(tapered[int(NOISE_BAND * len(tapered)) :]) / np.log(2)))
-    strongest = float(frequency[1 + int(np.argmax(power[1:]))])
+    slowest = LEAST_SWINGS if strongest_line(centred) >= LEAST_SWINGS else 1
+    strongest = float(frequency[slowest + int(np.argmax(power[slowest:]))])
     threshold = max(4 * noise, SMALLEST * float(np.max(np.abs(centred))))
     side = np.sign(centred[np.abs(centred) > threshold])
     cycles = np.count_nonzero(side[1:] != side[:-1]) / 2
     return Oscillation(strongest, float(np.ptp(signal)) / 2, noise, float(cycles))
+
+
+def without_slow(signal: np.ndarray) -> np.ndarray:
+    """The signal (n,) about its median or, where what is slower than a fifth of it outweighs the rest, about that.
+
+    A hand that holds the thing aside before it lets go, a rest position that changed, and a drifting sensor are often
+    larger than the motion itself. What swings fewer than five times is none; it is taken off by the mean under a window
+    of two fifths of the record, where something that swings stands out then.
+    """
+    centred = signal - np.median(signal)
+    if len(signal) < 4 * LEAST_SWINGS:  # too short to tell slow from fast
+        return centred
+    rest = centred
+    for _ in range(SLOW_PARTS):
+        if strongest_line(rest) >= LEAST_SWINGS:
+            return rest
+        rest = rest - _window_mean(rest, len(signal) // LEAST_SWINGS)
+        rest = rest - np.median(rest)
+    return rest if strongest_line(rest) >= LEAST_SWINGS else centred
+
+
+def strongest_line(signal: np.ndarray) -> int:
+    """How often the strongest line of the signal (n,) swings in it; its ends are tapered a little, for a trend."""
+    index = np.arange(len(signal))
+    straight = signal - np.polyval(np.polyfit(index, signal, 1), index)
+    return 1 + int(np.argmax(np.abs(np.fft.rfft(straight * np.hanning(len(signal) + 2)[1:-1] ** 0.25)[1:])))
+
+
+def _window_mean(signal: np.ndarray, half: int) -> np.ndarray:
+    """Mean of the signal (n,) under a Hann window of 2 half + 1 samples, the ends continued by point reflection."""
+    from scipy.signal import fftconvolve
+
+    window = np.hanning(2 * half + 3)[1:-1]
+    before, after = 2 * signal[0] - signal[half:0:-1], 2 * signal[-1] - signal[-2 : -half - 2 : -1]
+    wide = np.concatenate([before, signal, after])
+    return np.asarray(fftconvolve(wide, window / window.sum(), mode="valid"))
 
 
 def is_white(signal: np.ndarray) -> bool:

@@ -21,7 +21,8 @@ class Recording:
 
     `response` and `force` are float64 of shape (n,) and read-only; `force` is None for a free decay. `unit` and
     `force_unit` are SI, or as recorded where no SI factor exists (V, strain). `fs` is in Hz, `start` in s.
-    `sha256` is of the file as read; `notes` are the sentences that reading or checking had to say.
+    `sha256` is of the file as read; `notes` are the sentences that reading or checking had to say. `free` is set where
+    the record is known to be a piece of one free decay, which need not be sought in it again.
 
     Raises BadInput when shapes, `fs`, `start` or `quantity` do not make a record.
     """
@@ -36,6 +37,7 @@ class Recording:
     start: float = 0.0
     sha256: str | None = None
     notes: tuple[str, ...] = ()
+    free: bool = False
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.fs) and self.fs > 0):

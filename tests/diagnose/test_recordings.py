@@ -9,6 +9,7 @@ import pytest
 from dashpot.diagnose import diagnose
 from dashpot.diagnose.recordings import carries, split, why_unused
 from dashpot.errors import BadInput
+from dashpot.identify.hilbert import noise_level
 from dashpot.recording import Recording
 
 
@@ -59,6 +60,14 @@ def test_split_keeps_whole_what_cannot_spare_its_end(rig):
     whole = case.training[0]
     training, ends = split([whole], case.model)
     assert [r.n for r in (*training, *ends)] == [whole.n * 2 // 3, whole.n - whole.n * 2 // 3]
+    decay = case.training[2]
+    training, held = split([decay], case.model)
+    assert held
+    assert all(piece.free for piece in (*training, *held))
+    loudest = [float(np.max(np.abs(piece.response))) for piece in (*training, *held)]
+    assert min(loudest[: len(training)]) < min(loudest[len(training) :])  # the quiet end is learnt from
+    assert max(loudest[: len(training)]) > max(loudest[len(training) :])
+    assert max(loudest[len(training) :]) > 5 * noise_level(decay.response, decay.fs)
     short = replace(whole.slice(0, round(4 * 2 * np.pi / case.model.omega0.value * whole.fs)), name="short")
     assert carries(short, case.model)
     assert split([short], case.model) == ([short], [])

@@ -1,0 +1,38 @@
+"""A free decay, and all free motion of a recording."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Decay:
+    """A free decay: samples start to stop of a recording, as Python slices them."""
+
+    start: int
+    stop: int
+
+
+@dataclass(frozen=True)
+class Blow:
+    """A blow of a hammer: the samples start to stop of its contact, whether its force was cut off, how often it hit."""
+
+    start: int
+    stop: int
+    clipped: bool = False
+    contacts: int = 1
+
+
+@dataclass(frozen=True)
+class FreeMotion:
+    """What moves freely in a recording, in order of time, and what was left out.
+
+    Attributes:
+        decays: where nothing drives the motion.
+        blows: what set it going, where a hammer's force was recorded.
+        notes: one sentence each on what was left out and why; none where all that moves is used.
+    """
+
+    decays: tuple[Decay, ...]
+    blows: tuple[Blow, ...] = ()
+    notes: tuple[str, ...] = ()

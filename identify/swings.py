@@ -1,0 +1,194 @@
+"""Turning points of a motion, and what they say: where it was let go, where it was caught.
+
+The energy of what swings freely only falls. Each swing, from one turning point to the next, is therefore no larger than
+the one before it, whatever the spring's law, the amplitude and the pace; and the loss of a swing does not grow as
+the swings become smaller (viscous friction takes a part of them, dry friction the same from each, drag their square).
+Swings are compared with those in the same direction, so that a drift of the sensor adds alike to both.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .envelope import Envelope
+
+#: Turning points are sought in so many samples a cycle.
+_SAMPLES_A_CYCLE = 32
+#: A turn back by less than this many amplitudes is another mode's, or noise.
+_TURN = 0.5
+#: Chance in a thousand million that white noise alone turns so far, in standard deviations.
+_NOISE = 6.0
+#: Near the top of a large swing a pendulum dwells: each swing may last so many times as long as the next.
+_LONGER = 2.0
+#: Of a swing before the release: a hand that pushes swells the motion by more than a drive near resonance does.
+_PUSHED = 0.8
+#: A still hand keeps within this part of the swing; a turning point of a sine stays there for a tenth of its swing, a
+#: pendulum let go at 160 degrees for a quarter.
+_STILL, _HELD = 0.02, 0.35
+#: What was gained going back must be lost at this part of the later rate at least, or a steady drive is taken for it.
+_LOSS = 0.4
+#: A swing that loses this many times as much as those before it, and this part of itself, was stopped from outside.
+_CAUGHT, _CAUGHT_PART = 3.0, 0.4
+#: Friction that takes a loss from each swing holds the mass when a swing is no larger than that; with twice a margin.
+_STUCK = 4.0
+#: Swings that last alike, within this factor, would have gone on so.
+_EVEN = 1.5
+#: Least fall of a whole record that is a decay: a steady tone's amplitude stays within a few per cent.
+_LEAST_FALL = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class Swings:
+    """Turning points: samples ``at`` (m,) of ``n``, the motion there ``value`` (m,) with white noise ``noise``."""
+
+    at: np.ndarray
+    value: np.ndarray
+    noise: float
+    n: int
+
+    @property
+    def size(self) -> np.ndarray:
+        """(m - 1,) from one turning point to the next."""
+        return np.abs(np.diff(self.value))
+
+
+def swings_of(x: np.ndarray, envelope: Envelope) -> Swings:
+    """Turning points of the motion (n,): where it turns back by half its local amplitude."""
+    from scipy.ndimage import maximum_filter1d, uniform_filter1d
+
+    step = max(1, envelope.period // _SAMPLES_A_CYCLE)
+    noise = envelope.noise / np.sqrt(step)
+    local = maximum_filter1d(envelope.size, 2 * envelope.period + 1)[::step]
+    turn = np.maximum(_TURN * local, max(_NOISE * noise, 0.25 * envelope.floor))
+    smoothed = uniform_filter1d(x, step)[::step] if step > 1 else x
+    at = np.array(_zigzag(smoothed.tolist(), turn.tolist()), int)
+    return Swings(at * step, smoothed[at], noise, x.size)
+
+
+def _zigzag(x: list[float], turn: list[float]) -> list[int]:
+    """Indices at which the samples turn back by more than `turn`."""
+    low = high = 0
+    rising = 0
+    turns: list[int] = []
+    for i, value in enumerate(x):
+        if value > x[high]:
+            high = i
+        if value < x[low]:
+            low = i
+        if rising >= 0 and x[high] - value > turn[i]:
+            turns.append(high)
+            rising, low, high = -1, i, i
+        elif rising <= 0 and value - x[low] > turn[i]:
+            turns.append(low)
+            rising, low, high = 1, i, i
+    if turns:
+        turns.append(high if rising > 0 else low)
+    return turns
+
+
+def release(x: np.ndarray, swings: Swings, start: int) -> int | None:
+    """The turning point from which the motion is free, where it was let go, pushed or struck by something unrecorded.
+
+    From the sample ``start`` on the motion is known to be free. Going back, each swing must be larger than the next;
+    the first that is not is the hand's. Where the motion begins from a hold, its first swing is left out too: nobody
+    knows when the hand was gone. None where no release is seen, as after a drive that was switched off.
+    """
+    at, size = swings.at, swings.size
+    known = int(np.searchsorted(at, start))
+    if known + 2 > size.size:
+        return None
+    k = known
+    while k > 0 and _precedes(swings, k - 1):
+        k -= 1
+    if _still_before(x, swings, k):
+        return int(at[min(k + 1, known) if k < known else k + 1])
+    if k == 0 or k + 1 >= size.size or not _loses(size, k, known):
+        return None
+    held = at[k] - at[k - 1] > _LONGER * (at[k + 1] - at[k])
+    # what swelled little by little may have been driven, and a drive may let it sink
+    return int(at[k]) if held or size[k - 1] < _PUSHED * size[k + 1] else None
+
+
+def _precedes(swings: Swings, j: int) -> bool:
+    """Whether swing j may have been free, as the one after it was."""
+    size, lasts = swings.size, np.diff(swings.at)
+    if j + 2 >= size.size:
+        return False
+    grows = size[j] >= size[j + 2] - 2 * swings.noise and size[j] < 2.5 * size[j + 1]
+    return bool(grows and lasts[j] <= _LONGER * lasts[j + 1])
+
+
+def _still_before(x: np.ndarray, swings: Swings, k: int) -> bool:
+    """Whether the motion stands still before it leaves the turning point k."""
+    swing, lasts = swings.size[k], swings.at[k + 1] - swings.at[k]
+    after = lasts if k + 2 >= swings.at.size else min(lasts, swings.at[k + 2] - swings.at[k + 1])
+    first = max(0, swings.at[k] - after)
+    near = np.abs(x[first : swings.at[k + 1]] - swings.value[k]) < max(_STILL * swing, _NOISE * swings.noise)
+    leaves = int(np.flatnonzero(near)[-1]) + 1 if near.any() else 0
+    away = np.flatnonzero(~near[:leaves])
+    dwell = leaves - (int(away[-1]) + 1 if away.size else 0)
+    # a turning point is reached and left: it dwells on both sides of it
+    return dwell > _HELD * (2 if first < swings.at[k] - 1 else 1) * after
+
+
+def _loses(size: np.ndarray, k: int, known: int) -> bool:
+    """Whether the swings k to known lose about as much as as many after them: a larger swing loses no less."""
+    if known - k < 2:
+        return True
+    later = min(2 * known - k, size.size - 1)
+    if later <= known:
+        return True
+    before = (size[k] - size[known]) / (known - k)
+    return bool(before > _LOSS * (size[known] - size[later]) / (later - known))
+
+
+def caught(swings: Swings, start: int, stop: int) -> int | None:
+    """The last turning point between two samples after which the motion was still free, where it was stopped then."""
+    inside = np.flatnonzero((swings.at >= start) & (swings.at < stop))
+    if inside.size < 6:
+        return None
+    size, lasts = swings.size, np.diff(swings.at)
+    last = size.size  # the record may end within its last swing
+    if swings.n - swings.at[-1] < lasts[-2]:
+        last -= 1
+    for k in range(int(inside[0]) + 6, min(int(inside[-1]) + 1, last)):
+        before = slice(max(int(inside[0]), k - 6), k)
+        usual = np.max(np.abs(size[before][:-2] - size[before][2:])) + 2 * _NOISE * swings.noise / _CAUGHT
+        if np.max(lasts[before]) > _EVEN * np.min(lasts[before]):
+            continue  # several modes at once
+        loss = size[k - 2] - size[k]
+        if loss > _CAUGHT * usual and loss > _CAUGHT_PART * size[k - 2]:
+            return int(swings.at[k])
+        # dry friction holds the mass by itself once it swings no further than a few losses
+        if lasts[k] > _LONGER * np.max(lasts[before]) and size[k - 1] > _STUCK * usual:
+            return int(swings.at[k])
+    return None
+
+
+def still_falls(swings: Swings, stop: int, last: int, level: float) -> int:
+    """How far beyond the sample ``stop`` the swings go on falling without a rise, down to a level, at most to last."""
+    size = swings.size
+    k = int(np.searchsorted(swings.at, stop))
+    if k == 0 or k >= size.size:
+        return stop
+    k = max(k - 1, 1)
+    least = [float(size[k]), float(size[k - 1])]  # in either direction
+    while k + 1 < size.size and least[1] + 2 * swings.noise >= size[k + 1] > 2 * level:
+        k += 1
+        least = [min(float(size[k]), least[1]), least[0]]
+    return max(stop, min(int(swings.at[k]), last))
+
+
+def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
+    """Whether every swing between two samples is smaller than the one before, the last by a tenth than the first."""
+    inside = np.flatnonzero((swings.at >= start) & (swings.at < stop))
+    if inside.size < 8:
+        return False
+    size = swings.size[inside[:-1]]
+    steady = np.all(size[2:] - size[:-2] < 2 * _NOISE * swings.noise)
+    fall = float(size[0] + size[1] - size[-1] - size[-2]) / 2
+    first, second = size[0] - size[size.size // 2], size[size.size // 2] - size[-1]
+    even = first > _LOSS * second  # a larger swing loses no less; what is driven at first loses nothing
+    return bool(steady and even and fall > _LEAST_FALL * size[0] and fall > 2 * _NOISE * swings.noise)
