@@ -16,6 +16,7 @@ from ..identify.data import Data, noise_spectra
 from ..identify.excitation import band_of
 from ..identify.identification import belong_together
 from ..identify.normal_equations import pseudo_inverse
+from ..identify.prediction import FREE
 from ..identify.scatter import scatter
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator, Provenance, Range
@@ -102,14 +103,18 @@ def diagnose(
     judged = cut_for(best, holdout, model) if holdout else data
     search = Search(data, judged, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     found = _search(search, search.best_of_family(best.model), progress)
-    left = (*leftovers(found.final, data), *leftovers(search.judge(found.final.model), judged))
-    before_left = (*leftovers(found.family, data), *leftovers(search.judge(found.family.model), judged))
+    # what is left is said of simulations: a prediction leaves less
+    data, judged = (replace(part, memory=FREE) for part in (search.data, search.holdout))
+    final = found.final if search.data.memory == FREE else search.judge(found.final.model, data)
+    family = found.family if best.memory == FREE else search.judge(found.family.model, data)
+    left = (*leftovers(final, data), *leftovers(search.judge(found.final.model, judged), judged))
+    before_left = (*leftovers(family, data), *leftovers(search.judge(found.family.model, judged), judged))
     other_rig = stranger(found.final, search, left, len(data.segments))
     if other_rig:
         notes.append(other_rig)
     progress("standard errors", 0.86)
-    before = _with_errors(found.family, data, recordings)
-    after = _with_errors(found.final, data, recordings) if found.chain and not other_rig else None
+    before = _with_errors(found.family, replace(data, memory=best.memory), recordings)
+    after = _with_errors(found.final, search.data, recordings) if found.chain and not other_rig else None
     progress("the mended model as an FMU on every recording", 0.9)
     with TemporaryDirectory() as folder:
         artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
@@ -121,8 +126,8 @@ def diagnose(
         effects = tuple(_effect(trial, found.round_of(trial).rivals(trial), after) for trial in found.chain)
     verdict = verdict_of(effects, remainder, records)
     progress("where, and what to record next", 0.95)
-    location = None if verdict == "consistent" else locate(found.family, data)
-    latent = () if verdict == "consistent" else latent_forces(found.family, data, after)
+    location = None if verdict == "consistent" else locate(family, data)
+    latent = () if verdict == "consistent" else latent_forces(family, data, after)
     experiment = next_experiment(_survivors(found, after or before), data)
     effects = tuple(replace(e, separated_by=experiment.sentence) if e.indistinguishable_from else e for e in effects)
     progress("done", 1.0)
@@ -173,6 +178,7 @@ def _search(search: Search, family: Fitted, progress: Callable[[str, float], Non
         current = round_.best.fitted
         if len(chain) > 1:
             chain, current = search.reconsidered(chain)
+        current = search.simulated(current)
     return _Found(family, current, tuple(chain), tuple(rounds))
 
 
@@ -181,7 +187,7 @@ def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) ->
     shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
     structure = Structure(fitted.model, data, shapes)
     noise = noise_spectra(fitted.residuals, fitted.model, data)
-    state = structure.state(fitted.initial)
+    state = structure.state(fitted.initial, fitted.offsets)
     spread = scatter(structure.problem, state, noise, data.force, _DRAWS)
     derivatives = structure.problem.derivatives(state, fitted.residuals)
     information = structure.problem.information(derivatives, noise)

@@ -67,7 +67,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     if lost:
         effects = [term.effect for term in model.terms]
         again = identify(recordings, name=model.name, effects=effects)
-        if found is None or _left(again) < _left(found):
+        if found is None or _left(again) < _left(found) - math.log(2.0):
             found = again
             notes.append(
                 "the values in the model file lead nowhere near these recordings: all were found anew from them"

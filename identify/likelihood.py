@@ -130,7 +130,7 @@ def maximum_likelihood(
     if max(_over_noise(problem, answer, start, recordings)) > _ABOVE_NOISE:
         other, predicting, steps = _best_memory(problem, answer, rungs, start)
         iterations += steps
-        if not _keeps_step(problem, answer.outcome.residuals):
+        if not keeps_step(problem.segments, answer.outcome.residuals):
             answer, problem = other, predicting
     if not np.isfinite(answer.likelihood):
         raise BadInput(
@@ -166,7 +166,7 @@ def _from_prediction(problem: OutputError, state: State) -> tuple[State, dict[fl
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
     rungs: dict[float, State] = {}
     for memory in memories(problem.segments):
-        if _keeps_step(problem, problem.residuals(state)):
+        if keeps_step(problem.segments, problem.residuals(state)):
             break
         outcome = problem.predicting(memory).search(state, tolerance=1.0, most=_EARLY_STEPS)
         state, iterations = outcome.state, iterations + outcome.iterations
@@ -186,11 +186,11 @@ def memories(segments: Sequence[Segment]) -> list[float]:
     return found
 
 
-def _keeps_step(problem: OutputError, residuals: Sequence[np.ndarray]) -> bool:
+def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
     """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it."""
     return all(
         bool(np.sqrt(np.mean(residual**2)) < _IN_STEP * np.std(segment.response))
-        for segment, residual in zip(problem.segments, residuals, strict=True)
+        for segment, residual in zip(segments, residuals, strict=True)
     )
 
 

@@ -7,7 +7,7 @@ be told in units of log-likelihood.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -52,6 +52,7 @@ class Fitted:
         residuals: measured minus simulated, one (n,) array a segment.
         likelihood: log-likelihood, concentrated over a noise spectrum of each segment.
         free: names of the parameters that were fitted.
+        offsets: what the sensors show at zero, in the order of the data's.
     """
 
     model: Oscillator
@@ -59,6 +60,7 @@ class Fitted:
     residuals: tuple[np.ndarray, ...]
     likelihood: float
     free: tuple[str, ...]
+    offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     @property
     def finite(self) -> bool:
@@ -176,7 +178,7 @@ class Structure:
             for s, noise in zip(self.data.segments, self.data.sensor, strict=True)
         )
 
-    def state(self, initial: np.ndarray | None) -> State:
+    def state(self, initial: np.ndarray | None, offsets: np.ndarray | None = None) -> State:
         """A point of the search: initial states of a smaller model are completed with zeros."""
         states = self.problem.core.states
         own = np.zeros((len(self.data.segments), states))
@@ -188,7 +190,9 @@ class Structure:
         for segment, begin in zip(self.segments, own, strict=True):
             if segment.rests:
                 begin[[i for i in range(states) if i not in self.problem.own(segment)]] = 0.0
-        return State(self.values, own, np.array([offset.guess for offset in self.problem.offsets]))
+        if offsets is None or offsets.size != len(self.problem.offsets):
+            offsets = np.array([offset.guess for offset in self.problem.offsets])
+        return State(self.values, own, offsets)
 
     def here(self, initial: np.ndarray | None = None) -> tuple[State, tuple[np.ndarray, ...]]:
         """The present point and its residuals."""
@@ -226,6 +230,7 @@ class Structure:
             outcome.residuals,
             likelihood(outcome.residuals, model, self.data),
             self.free,
+            outcome.state.offsets,
         )
 
 

@@ -14,8 +14,10 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.likelihood import keeps_step
 from ...identify.measured_motion import Regression
 from ...identify.noise_spectrum import NoiseSpectrum
+from ...identify.prediction import FREE
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, renamed, shapes_of
 from ...model import Oscillator
@@ -84,21 +86,37 @@ class Search:
         fitted = Structure(model, self.data).fit(settle=True, most=15)
         return self._polish(fitted, ())
 
-    def judge(self, model: Oscillator) -> Fitted:
-        """The held-out recordings under a model as it is; only initial states are found anew.
+    def simulated(self, fitted: Fitted) -> Fitted:
+        """The model fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""
+        if self.data.memory == FREE:
+            return fitted
+        free = replace(self.data, memory=FREE)
+        fixed = [name for name in fitted.model.parameters() if name not in fitted.free]
+        try:
+            found = Structure(fitted.model, free, fixed).fit(fitted.initial, settle=True)
+        except DashpotError:
+            return fitted
+        if not found.finite or not keeps_step(free.segments, found.residuals):
+            return fitted
+        self.data, self.holdout = free, replace(self.holdout, memory=FREE)
+        return self._polish(found, fixed)
+
+    def judge(self, model: Oscillator, data: Data | None = None) -> Fitted:
+        """The held-out recordings, or others, under a model as it is; only initial states and offsets are found anew.
 
         A recording through which the model does not simulate is not told at all.
         """
-        structure = Structure(model, self.holdout, tuple(model.parameters()))
+        data = data or self.holdout
+        structure = Structure(model, data, tuple(model.parameters()))
         state = settled(structure.problem, structure.state(None))
         residuals = structure.problem.residuals(state)
         if all(np.all(np.isfinite(residual)) for residual in residuals):
             return structure.fit(state.initial, tolerance=0.1)
         told = tuple(
             residual if np.all(np.isfinite(residual)) else segment.response
-            for segment, residual in zip(self.holdout.segments, residuals, strict=True)
+            for segment, residual in zip(data.segments, residuals, strict=True)
         )
-        return Fitted(model, state.initial, told, likelihood(told, model, self.holdout), ())
+        return Fitted(model, state.initial, told, likelihood(told, model, data), ())
 
     def round(self, fitted: Fitted) -> Round:
         """Try the library on a fitted model."""
