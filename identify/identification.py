@@ -116,18 +116,17 @@ def _with_hold(
     if found.hold != "smooth":
         held = held_as(recordings, found.hold)
         again = answer(held)  # in full: a fit under a wrong hold may have ended far away
-        if _likelier(again, fit) and found.believed(further_of_fit(again, recordings, found.hold)):
+        if _no_worse(again, fit) and found.believed(further_of_fit(again, recordings, found.hold)):
             fit, recordings, notes = again, held, [hold_note(found.hold)]
     hold = hold_of_recordings(recordings)
     fit = with_hold_unknown(fit, found.spread(hold) if fit.names == names else 0.0)
     return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
 
 
-def _likelier(fit: Fit, other: Fit) -> bool:
-    """Whether a fit is better than another of the same recordings: likelier, or with less left where parts differ."""
-    if [s.segment.n for s in fit.segments] == [s.segment.n for s in other.segments]:
-        return fit.log_likelihood > other.log_likelihood
-    return _left(fit) < _left(other)
+def _no_worse(fit: Fit, other: Fit) -> bool:
+    """Whether a fit leaves no more than noise, or no more than another does: it has not run away."""
+    left, allowed = (max(s.over_noise for s in one.segments) for one in (fit, other))
+    return left <= max(allowed, _ABOVE_NOISE)
 
 
 def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
