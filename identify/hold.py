@@ -19,6 +19,7 @@ from ..model import Oscillator
 from ..model.oscillator import HOLDS as HOLDS_IN_WORDS
 from ..recording.recording import HOLDS, Recording
 from ..simulate.force import force_between, smooth_force
+from .blows import ContactForce
 from .data import data_of, noise_of
 from .likelihood import Fit
 from .noise_spectrum import NoiseSpectrum
@@ -187,6 +188,8 @@ def _noise(problem: OutputError, residuals: Sequence[np.ndarray], oscillator: Os
 def _driven(segment: Segment, recording: Recording, hold: str, delay: float = 0.0, loss: float = 0.0) -> Segment:
     """The segment under a hold, its force's samples first delayed and smoothed: F - delay F' + loss F'', s and s²."""
     if segment.force is None or recording.force is None or recording.hold is not None:
+        return segment
+    if isinstance(segment.force, ContactForce):  # a hammer's sensor shows a force that no converter makes
         return segment
     samples = np.asarray(recording.force[segment.start : segment.stop], float)
     highest = FORCE_BAND * segment.pace / (2 * np.pi)
