@@ -35,6 +35,12 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--force-unit", metavar="UNIT", help="Unit of the force, for example kN."),
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
     click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
+    click.option(
+        "--hold",
+        type=click.Choice(["zero", "linear", "smooth"]),
+        help="How the force runs between samples: held from one to the next (as behind a converter), in straight "
+        "lines, or smooth. Default: the model's; for a new one, what the recordings show.",
+    ),
 )
 
 
@@ -237,6 +243,7 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     """Response of a model to the force of a recording, event-exact."""
     import numpy as np
 
+    from .identify.hold import held_as
     from .identify.replay import replay
     from .model.file import load
     from .recording.csv_output import write_response
@@ -245,7 +252,7 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     if not output.name.endswith((".csv", ".csv.gz")):
         raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
     _outputs([output], [model, recording])
-    (measured,) = _read((recording,), options)
+    (measured,) = held_as(_read((recording,), options), oscillator.hold)
     if (measured.quantity, measured.unit) != (oscillator.response.quantity, oscillator.response.unit):
         raise BadInput(
             f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "

@@ -14,6 +14,7 @@ from .. import __version__
 from ..errors import BadInput
 from ..identify.data import Data, noise_spectra
 from ..identify.excitation import band_of
+from ..identify.hold import hold_of_recordings
 from ..identify.identification import belong_together
 from ..identify.normal_equations import pseudo_inverse
 from ..identify.prediction import FREE
@@ -206,6 +207,7 @@ def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) ->
         model,
         amplitude=model.amplitude or Range(0.0, peak, model.response.displacement_unit),
         frequency=model.frequency or Range(min(bands), max(bands), "Hz"),
+        hold=hold_of_recordings(recordings),
         identified=Provenance(
             recordings=tuple({"file": r.name, "sha256": r.sha256} for r in recordings),
             method="maximum-likelihood",

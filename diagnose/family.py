@@ -10,6 +10,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..identify.data import Data, data_of
+from ..identify.hold import held_as, hold_note
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
 from ..identify.offset import Offset
@@ -42,7 +43,7 @@ class Family:
     Attributes:
         model: with the values found.
         memory: how far it predicts, in cycles; see ``identify.prediction``.
-        recordings, holdout: less what their sensors show at zero.
+        recordings, holdout: less what their sensors show at zero, with the hold of their force.
         offsets: whether each recording has a zero of its own.
         notes: what a user should know.
     """
@@ -74,6 +75,10 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
             )
     assert found is not None
     best = replace(found.oscillator, amplitude=model.amplitude, frequency=model.frequency)
+    if any(mine.hold != given.hold for mine, given in zip(found.recordings, recordings, strict=True)):
+        if best.hold != model.hold:
+            notes.append(hold_note(best.hold))
+        recordings, holdout = found.recordings, held_as(holdout, best.hold)
     _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
     shown = {offset.recording: offset.value for offset in found.fit.offsets}
     # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same

@@ -50,19 +50,19 @@ static void dp_correct(dp_engine *e, const double *gain, double innovation, doub
 }
 
 /* n samples dt apart; the force is a cubic in each of `fine` equal parts of a sample interval (force: 4 coefficients a
- * part, (n - 1) * fine parts, or null for a free motion). Writes the response y (n) and, where not null, the states
- * z (n * DP_NZ, sample by sample) and the signs at each sample, kept (n * (DP_NS + 1)). With signs given (the same
- * shape) the response is what the states give under these. With measured (n) and gain (DP_NZ) the state is corrected
- * after each sample: y is then the prediction from one sample to the next. Returns the number of samples written; fewer
- * than n: it failed there. */
-DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long n, int fine, double dt,
-                         double max_step, double *y, double *z, const double *measured, const double *gain,
+ * part, `parts` of them, at least (n - 1) * fine, or null for a free motion). A force that jumps at a sample has its new
+ * value there. Writes the response y (n) and, where not null, the states z (n * DP_NZ, sample by sample) and the signs at
+ * each sample, kept (n * (DP_NS + 1)). With signs given (the same shape) the response is what the states give under
+ * these. With measured (n) and gain (DP_NZ) the state is corrected after each sample: y is then the prediction from one
+ * sample to the next. Returns the number of samples written; fewer than n: it failed there. */
+DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long parts, long n, int fine,
+                         double dt, double max_step, double *y, double *z, const double *measured, const double *gain,
                          const signed char *given, signed char *kept) {
     static const double none[4] = {0.0, 0.0, 0.0, 0.0};
     dp_engine e;
     double out[DP_NY], u = force ? force[0] : 0.0;
     const double step = dt / fine;
-    const double *piece = force ? force : none;
+    const double *piece = force ? force : none, *end = force ? force + 4 * parts : none;
     long i;
     int j;
     dp_start(&e, p, z0, t0, max_step);
@@ -71,6 +71,7 @@ DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const dou
             if (dp_advance_along(&e, piece, step) != DP_OK || e.events > DP_CHATTER * (i + 500)) return i;
             u = e.node_u;
         }
+        if (piece < end) u = *piece;
         if (given)
             dp_outputs_under(&e, given + i * (DP_NS + 1), u, out);
         else

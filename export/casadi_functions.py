@@ -38,6 +38,12 @@ if TYPE_CHECKING:
 #: Internal steps of the smooth step per period of the fastest motion, and per time constant of what merely decays.
 _SMOOTH_STEPS = 60.0
 _SMOOTH_STEPS_PER_DECAY = 2.0
+#: What to give a step at the sample time of the recordings, by how their force ran between samples.
+_STEP_TAKES = {
+    "zero": "u: the recorded force was held from sample to sample",
+    "linear": "[u, u_next]: the recorded force ran in straight lines between samples",
+    "smooth": "[u, u_next], at 30 steps a cycle or more: the recorded force was smooth",
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,7 +195,7 @@ def describe(oscillator: Oscillator, stem: str, dt: float, made: Functions) -> d
             {"name": name, "unit": one, "starts_from": None if leader is None else eq.state_names[leader]}
             for name, one, leader in zip(eq.state_names, state_units, eq.follows, strict=True)
         ],
-        "u": [{"name": "F", "unit": force_unit}],
+        "u": [{"name": "F", "unit": force_unit, "hold": oscillator.hold, "step_takes": _STEP_TAKES[oscillator.hold]}],
         "p": [
             {"name": name, "value": q.value, "std": q.std, "unit": q.unit, "description": descriptions[name]}
             for name, q in oscillator.parameters().items()

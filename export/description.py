@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..errors import BadInput
 from ..model import units
 from ..model.equations import Equations, equations
+from ..model.oscillator import HOLDS
 from ..simulate.core import internal_step
 from .knowns import Knowns
 from .render import plain_text
@@ -162,6 +163,8 @@ def describe_fmu(oscillator: Oscillator, *, version: int = 2, continuous: bool =
     if oscillator.mass is None:
         text = "excitation force per unit mass, positive along x (the mass was not identified)"
         force = replace(force, unit=acceleration, description=text)
+    elif oscillator.hold != "smooth":
+        force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")
     descriptions = oscillator.descriptions()
     size = motion_size(oscillator, eq)
     known = Knowns(eq)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..model.display import full_stop, number, percent_text, pretty_unit, scale_of, typeset, value_text
 from ..model.laws import BASE
+from ..model.oscillator import HOLDS
 from ..model.show import percent, strong_correlations
 from ..model.show import warnings as model_warnings
 from .curves import curves, pictures, table
@@ -82,7 +83,7 @@ def _forces(o: Oscillator) -> str:
     force = pretty_unit(o.force_unit)
     return (
         f"Forces inside the bracket are per unit mass. The displacement x is in {length}, the force F in {force}; "
-        f"{response}."
+        f"{response}. In the recordings the force was taken to be {HOLDS[o.hold]}."
     )
 
 

@@ -19,6 +19,7 @@ from .data import Data, data_of
 from .excitation import band_of, kind_of
 from .further_laws import with_laws
 from .hilbert import noise_level
+from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
 from .likelihood import Fit, maximum_likelihood
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
@@ -79,26 +80,53 @@ def identify(
     progress("Hilbert transform: decays, FREEVIB, FORCEVIB")
     hilbert = hilbert_start(recordings)
     base = _hilbert_model(hilbert, recordings, name) if start is None else replace(start, name=name)
-    data = data_of(recordings, base, coarse=False)
+    if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
+        recordings = held_as(recordings, start.hold)
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
-    def fitted(model: Oscillator) -> Fit:
-        model = _with_values(model, fixed, final=not laws)
-        if laws:
-            progress(f"start values for {', '.join(laws)}")
-            model = with_laws(model, laws, replace(data, coarse=True))
-            model = _with_values(model, fixed, final=True)
-        progress("maximum likelihood, from prediction to simulation")
-        return _with_shapes(model, recordings, data, tuple(fixed))
+    def answer(recordings: Sequence[Recording]) -> Fit:
+        data = data_of(recordings, base, coarse=False)
 
-    fit = _best_fit(fitted, [base] if start is not None else [base, *_plain(base, hilbert, recordings)], progress)
+        def fitted(model: Oscillator) -> Fit:
+            model = _with_values(model, fixed, final=not laws)
+            if laws:
+                progress(f"start values for {', '.join(laws)}")
+                model = with_laws(model, laws, replace(data, coarse=True))
+                model = _with_values(model, fixed, final=True)
+            progress("maximum likelihood, from prediction to simulation")
+            return _with_shapes(model, recordings, data, tuple(fixed))
+
+        return _best_fit(fitted, [base] if start is not None else [base, *_plain(base, hilbert, recordings)], progress)
+
+    fit, recordings, chain = _with_hold(answer(recordings), recordings, answer)
     return Identification(
         oscillator=_with_provenance(fit, hilbert, recordings),
         hilbert=hilbert,
         fit=fit,
         recordings=tuple(recordings),
-        notes=(*hilbert.notes, *fit.notes, *_remarks(fit, recordings)),
+        notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings)),
     )
+
+
+def _with_hold(
+    fit: Fit, recordings: Sequence[Recording], answer: Callable[[Sequence[Recording]], Fit]
+) -> tuple[Fit, Sequence[Recording], list[str]]:
+    """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it."""
+    found, names, notes = hold_of_fit(fit, recordings), fit.names, []
+    if found.hold != "smooth":
+        held = held_as(recordings, found.hold)
+        again = answer(held)  # in full: a fit under a wrong hold may have ended far away
+        if _no_worse(again, fit) and found.believed(further_of_fit(again, recordings, found.hold)):
+            fit, recordings, notes = again, held, [hold_note(found.hold)]
+    hold = hold_of_recordings(recordings)
+    fit = with_hold_unknown(fit, found.spread(hold) if fit.names == names else 0.0)
+    return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
+
+
+def _no_worse(fit: Fit, other: Fit) -> bool:
+    """Whether a fit leaves no more than noise, or no more than another does: it has not run away."""
+    left, allowed = (max(s.over_noise for s in one.segments) for one in (fit, other))
+    return left <= max(allowed, _ABOVE_NOISE)
 
 
 def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:

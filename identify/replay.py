@@ -11,7 +11,7 @@ from ..model.law import InnerState, Scales
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
-from ..simulate.force import Force, smooth_force
+from ..simulate.force import Force, force_between
 from .hilbert import dominant_frequency, noise_level
 from .initial_motion import from_first_cycle
 from .offsets import centre
@@ -36,11 +36,11 @@ def natural_frequency(recording: Recording) -> float:
 
 
 def force_of(recording: Recording) -> Force | None:
-    """The recorded force as the smooth signal it is; None where there is none or it is zero throughout."""
+    """The recorded force between its samples, smooth where its hold is not known; None where it is zero throughout."""
     if recording.force is None or not np.any(recording.force):
         return None
     highest = FORCE_BAND * natural_frequency(recording) / (2 * np.pi)
-    return smooth_force(np.asarray(recording.force, float), recording.dt, highest)
+    return force_between(np.asarray(recording.force, float), recording.dt, recording.hold or "smooth", highest)
 
 
 def initial_state(

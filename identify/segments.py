@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..recording.recording import Recording
-from ..simulate.force import Force, smooth_force
+from ..simulate.force import Force, force_between
 from .blows import ContactForce, contact_force, through
 from .decays import find_free_motion, force_is_silent
 from .hilbert import dominant_frequency, noise_level
@@ -67,7 +67,7 @@ class Segment:
         """The samples from ``begin`` to ``end`` of this segment."""
         force = self.force
         if force is not None:
-            force = replace(force, pieces=force.pieces[begin * force.fine : max(end - 1, begin) * force.fine])
+            force = force.part(begin, end)
         return replace(
             self,
             start=self.start + begin,
@@ -114,8 +114,9 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
                 continue
             driven = None
             if forced and force is not None and np.any(force[start:stop]):
-                driven = smooth_force(np.asarray(force[start:stop], float), recording.dt, highest)
-                driven = ContactForce(driven.pieces, driven.fine) if motion.blows else driven
+                samples = np.asarray(force[start:stop], float)
+                driven = force_between(samples, recording.dt, recording.hold or "smooth", highest)
+                driven = ContactForce(driven.pieces, driven.fine, driven.hold) if motion.blows else driven
             response = np.asarray(recording.response[start:stop], float)
             noise = noise_level(response, recording.fs)
             if not np.std(response) > _MOVES * noise:

@@ -47,7 +47,8 @@ class Meaning:
         self.report = document.report
         response = raw.get("response", {"quantity": "displacement", "unit": "m"})
         self.quantity, self.unit = _item(response, "quantity"), _item(response, "unit")
-        self.force = _item(raw.get("excitation", {"unit": "N"}), "unit")
+        excitation = raw.get("excitation", {})
+        self.force = _item({"unit": "N"} | excitation if isinstance(excitation, dict) else excitation, "unit")
         usable = self.quantity in QUANTITIES and _readable(self.unit) and _readable(self.force)
         #: unit of the displacement, or None where the file does not say it rightly
         self.displacement = Response(self.quantity, self.unit).displacement_unit if usable else None

@@ -67,8 +67,9 @@ def dumps(oscillator: Oscillator) -> str:
         lines += [f"  - effect: {_text(term.effect)}", "    parameters:"]
         lines += [f"      {line}" for line in _table(term.parameters)]
     lines.append(f"response: {_flow({'quantity': o.response.quantity, 'unit': o.response.unit})}")
-    if o.force_unit != "N":
-        lines.append(f"excitation: {_flow({'unit': o.force_unit})}")
+    unit = {"unit": o.force_unit} if o.force_unit != "N" else {}
+    if o.mass is not None or unit or o.hold != "smooth":
+        lines.append(f"excitation: {_flow({**unit, 'hold': o.hold})}")
     ranges = {name: found for name in ("amplitude", "frequency") if (found := getattr(o, name)) is not None}
     if ranges:
         lines.append("valid:   # what the recordings covered")
@@ -106,6 +107,7 @@ def _oscillator(form: ModelForm, free: list[str]) -> Oscillator:
         terms=tuple(Term(t.effect, {n: _parameter(p) for n, p in t.parameters.items()}) for t in form.terms),
         response=Response(form.response.quantity, form.response.unit),
         force_unit=form.excitation.unit,
+        hold=form.excitation.hold,
         amplitude=_range(form.valid.amplitude),
         frequency=_range(form.valid.frequency),
         identified=Provenance(

@@ -14,6 +14,12 @@ from .parameter import Parameter
 
 MASS_UNIT = "Q.s2/X"
 QUANTITIES = ("displacement", "velocity", "acceleration")
+#: How the recorded force ran between its samples, and in words.
+HOLDS = {
+    "zero": "held from sample to sample",
+    "linear": "in straight lines between samples",
+    "smooth": "smooth between samples",
+}
 
 
 @dataclass(frozen=True)
@@ -80,7 +86,8 @@ class Oscillator:
     ``mass (x'' + viscous x' + dry sgn x' + omega0² x + cubic x³ + preload sgn x + terms) = F``
 
     All forces are per unit mass. ``mass`` is None where only free decays were recorded; the input is then
-    a force per unit mass. Source: Feldman, Bucher, Rotberg, Eq. 17, in SI units (cubic in 1/(m² s²)).
+    a force per unit mass. ``hold`` says for which course of the force between its samples the numbers were identified,
+    one of HOLDS; the equation is the same. Source: Feldman, Bucher, Rotberg, Eq. 17, in SI units (cubic in 1/(m² s²)).
     """
 
     mass: Parameter | None
@@ -93,6 +100,7 @@ class Oscillator:
     terms: tuple[Term, ...] = ()
     response: Response = Response()
     force_unit: str = "N"
+    hold: str = "smooth"
     amplitude: Range | None = None
     frequency: Range | None = None
     identified: Provenance = field(default_factory=Provenance)

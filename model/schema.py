@@ -64,9 +64,10 @@ class ResponseForm(_Form):
 
 
 class ExcitationForm(_Form):
-    """What drives the oscillator."""
+    """What drives the oscillator, and how it ran between the samples of the recordings."""
 
-    unit: _RecordedUnit
+    unit: _RecordedUnit = "N"
+    hold: Literal["zero", "linear", "smooth"] = "smooth"
 
 
 class RangeForm(_Form):
@@ -116,7 +117,7 @@ class ModelForm(_Form):
     dry: ParameterForm
     terms: list[TermForm] = []
     response: ResponseForm = ResponseForm(quantity="displacement", unit="m")
-    excitation: ExcitationForm = ExcitationForm(unit="N")
+    excitation: ExcitationForm = ExcitationForm()
     valid: ValidForm = ValidForm()
     identified: IdentifiedForm = IdentifiedForm()
 

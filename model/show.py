@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from .oscillator import HOLDS
+
 if TYPE_CHECKING:
     from .oscillator import Oscillator
     from .parameter import Parameter
@@ -61,7 +63,7 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
         },
         "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in o.terms],
         "response": {"quantity": o.response.quantity, "unit": o.response.unit},
-        "excitation": {"unit": o.force_unit},
+        "excitation": {"unit": o.force_unit, "hold": o.hold},
         "valid": {
             name: None if r is None else {"min": float(r.min), "max": float(r.max), "unit": r.unit}
             for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
@@ -199,7 +201,8 @@ def _validity(o: Oscillator) -> list[str]:
         for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
         if r is not None
     ]
-    return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}"]
+    force = [] if o.mass is None else [f"  force      {HOLDS[o.hold]} (hold: {o.hold})"]
+    return [*(ranges or ["  not stated"]), f"  response   {o.response.quantity} in {o.response.unit}", *force]
 
 
 def _origin(o: Oscillator) -> list[str]:

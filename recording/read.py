@@ -31,13 +31,15 @@ def read(
     force_unit: str | None = None,
     fs: float | None = None,
     part: tuple[float, float] | None = None,
+    hold: str | None = None,
     checked: bool = True,
 ) -> Recording:
     """Read one recording and convert it to SI.
 
     `time`, `force`, `response` name a column or give its number from 1 ("none" leaves time or force out); `quantity` is
     displacement, velocity or acceleration; `unit` and `force_unit` overrule the header; `fs` in Hz stands in for a
-    time column; `part` keeps the stretch from and to so many seconds after the first sample. With `checked`, the errors
+    time column; `part` keeps the stretch from and to so many seconds after the first sample; `hold` says how
+    the force runs between samples (zero, linear, smooth; None: not said). With `checked`, the errors
     that `check` finds are raised and its notes kept in `Recording.notes`.
 
     Raises BadInput with one sentence for each thing that is wrong.
@@ -49,6 +51,7 @@ def read(
     table = _reader(path)(path.name, content)
     choice = choose_columns(table, time, force, response, quantity)
     recording = _recording(table, choice, quantity, unit, force_unit, fs, hashlib.sha256(content).hexdigest())
+    recording = replace(recording, hold=hold)
     if part is not None:
         recording = cut_out(recording, part)
     return _checked(recording) if checked else recording

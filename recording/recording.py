@@ -13,6 +13,8 @@ from ..errors import BadInput
 from .units import parse_unit
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
+#: How a force may run between its samples: held from one to the next, in straight lines, or as a band-limited signal.
+HOLDS = ("zero", "linear", "smooth")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,9 +24,10 @@ class Recording:
     `response` and `force` are float64 of shape (n,) and read-only; `force` is None for a free decay. `unit` and
     `force_unit` are SI, or as recorded where no SI factor exists (V, strain). `fs` is in Hz, `start` in s.
     `sha256` is of the file as read; `notes` are the sentences that reading or checking had to say. `free` is set where
-    the record is known to be a piece of one free decay, which need not be sought in it again.
+    the record is known to be a piece of one free decay, which need not be sought in it again. `hold` is how the force
+    runs between its samples, one of HOLDS, None where nobody said.
 
-    Raises BadInput when shapes, `fs`, `start` or `quantity` do not make a record.
+    Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
 
     name: str
@@ -38,6 +41,7 @@ class Recording:
     sha256: str | None = None
     notes: tuple[str, ...] = ()
     free: bool = False
+    hold: str | None = None
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.fs) and self.fs > 0):
@@ -46,6 +50,8 @@ class Recording:
             raise BadInput(f"{self.name}: the first time stamp is {self.start} s; it must be a number")
         if self.quantity not in QUANTITIES:
             raise BadInput(f"{self.name}: quantity '{self.quantity}' is not known; use one of {', '.join(QUANTITIES)}")
+        if self.hold is not None and self.hold not in HOLDS:
+            raise BadInput(f"{self.name}: hold '{self.hold}' is not known; use one of {', '.join(HOLDS)}")
         response = _frozen(self.response, f"{self.name}: the response")
         if len(response) < 2:
             raise BadInput(f"{self.name}: the response has {len(response)} samples; a record needs at least 2")

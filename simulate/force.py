@@ -1,13 +1,15 @@
-"""The recorded force between its samples.
+"""The recorded force between its samples: its hold.
 
-A hold is the largest error of all: straight lines through 77 samples a cycle lose 0.055 % of the force, which
-is fifty standard errors of a mass. A recording is the band-limited image of a smooth force, so it is interpolated as
-one: up-sampled first where samples are few, then joined by a cubic spline, which the engine integrates exactly.
+A wrong hold is the largest error of all: straight lines through 77 samples a cycle lose 0.055 % of the force, which
+is fifty standard errors of a mass. What an amplifier or a shaker puts out is smooth, and its samples are the
+band-limited image of it: up-sampled first where they are few, then joined by a cubic spline. What a converter puts out
+is held from sample to sample, and what many simulations were driven by runs in straight lines. All three are cubics,
+which the engine integrates exactly.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,26 +19,66 @@ SAMPLES_A_CYCLE = 30.0
 
 @dataclass(frozen=True)
 class Force:
-    """A force as cubics: ``pieces`` (m, 4), coefficients of 1, tau, tau², tau³, ``fine`` pieces a sample interval."""
+    """A force as cubics.
+
+    Attributes:
+        pieces: (m, 4) coefficients of 1, tau, tau², tau³, tau from the piece's start; one more than the intervals
+            between samples where the last sample's value is not the end of the piece before it.
+        fine: pieces a sample interval.
+        hold: what they make of the samples: ``zero``, ``linear`` or ``smooth``.
+    """
 
     pieces: np.ndarray
     fine: int = 1
+    hold: str = "smooth"
 
     def shifted(self, by: float) -> Force:
         """The same force with a constant added."""
         pieces = self.pieces.copy()
         pieces[:, 0] += by
-        return Force(pieces, self.fine)
+        return replace(self, pieces=pieces)
+
+    def part(self, begin: int, end: int) -> Force:
+        """The force over the samples from ``begin`` to ``end``, as Python slices them."""
+        last = max(end - 1, begin) * self.fine + (1 if self.hold == "zero" else 0)
+        return replace(self, pieces=self.pieces[begin * self.fine : last])
 
     def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
-        """The same force with white noise of that standard deviation on its samples, ``dt`` apart."""
+        """The same force with white noise of that standard deviation on its samples, ``dt`` apart.
+
+        The noise runs between samples as the force does; but for a smooth force it is joined as cheaply as its
+        pieces allow, in straight lines or (where they are finer than samples) held, which at 30 samples a cycle moves a
+        rig as much to 0.4 %.
+        """
         count = self.pieces.shape[0] // self.fine
         step = dt / self.fine
         noise = np.repeat(std * random.standard_normal(count + 1), self.fine)[: self.pieces.shape[0] + 1]
         pieces = self.pieces.copy()
         pieces[:, 0] += noise[:-1]
-        pieces[:, 1] += np.diff(noise) / step if self.fine == 1 else 0.0
-        return Force(pieces, self.fine)
+        if self.hold != "zero" and self.fine == 1:
+            pieces[:, 1] += np.diff(noise) / step
+        return replace(self, pieces=pieces)
+
+
+def force_between(samples: np.ndarray, dt: float, hold: str, highest: float) -> Force:
+    """The force that (n,) samples ``dt`` apart stand for.
+
+    Args:
+        samples: recorded force.
+        dt: sample interval, s.
+        hold: ``zero``: held from each sample to the next; ``linear``: straight lines; ``smooth``: band-limited.
+        highest: as in ``smooth_force``.
+    """
+    if hold == "zero":
+        return staircase(samples)
+    return straight_lines(samples, dt) if hold == "linear" else smooth_force(samples, dt, highest)
+
+
+def staircase(samples: np.ndarray) -> Force:
+    """Zero-order hold of (n,) samples: each stays until the next, as behind a digital-to-analogue converter."""
+    pieces = np.zeros((samples.size, 4))
+    pieces[:, 0] = samples
+    return Force(pieces, hold="zero")
 
 
 def straight_lines(samples: np.ndarray, dt: float) -> Force:
@@ -44,7 +86,7 @@ def straight_lines(samples: np.ndarray, dt: float) -> Force:
     pieces = np.zeros((max(samples.size - 1, 0), 4))
     pieces[:, 0] = samples[:-1]
     pieces[:, 1] = np.diff(samples) / dt
-    return Force(pieces)
+    return Force(pieces, hold="linear")
 
 
 def smooth_force(samples: np.ndarray, dt: float, highest: float) -> Force:

@@ -19,6 +19,8 @@ from ..errors import BadInput
 from ..export.description import OWN
 from ..export.platforms import library_for_here
 from ..model.law import InnerState
+from ..model.oscillator import HOLDS
+from ..model.yaml_loader import read_yaml
 from ..simulate.force import Force
 from .slave import FACTORIAL, SLAVES, Slave
 
@@ -58,6 +60,17 @@ def _inner(variables: Mapping[str, Any], name: str) -> InnerState:
     return InnerState(name, "rad" if free else known.get(unit, "1"), free=free)
 
 
+def _hold(file: Path) -> str | None:
+    """What a model file says of its force between samples; None where there is no such file, or it says nothing."""
+    try:
+        found = read_yaml(file.read_text(encoding="utf-8"), file.name).data
+    except (OSError, UnicodeDecodeError, BadInput):
+        return None  # an FMU of another make may hold anything under that name
+    excitation = found.get("excitation") if isinstance(found, dict) else None
+    hold = excitation.get("hold") if isinstance(excitation, dict) else None
+    return hold if hold in HOLDS else None
+
+
 def _unit(variable: Any) -> str | None:
     """Unit of a variable; None where the FMU states none."""
     return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
@@ -95,6 +108,8 @@ class FmuRun:
         self.inner = tuple(_inner(self.variables, name) for name in self.starts[2:])
         #: Unit of the first output; None where the FMU states none.
         self.unit: str | None = _unit(next(v for v in description.modelVariables if v.causality == "output"))
+        #: How the force ran between the samples that the model inside was identified from; None where it holds none.
+        self.hold = _hold(Path(self._folder) / "resources" / "model.yaml")
 
     def _described(self) -> Any:
         """What the FMU says of itself, read where it was unpacked: FMPy leaves an archive open that it cannot read."""
@@ -182,11 +197,14 @@ class FmuRun:
         pieces, step = self._points(force, n, dt)
         rows = iter([] if pieces is None else (pieces[:, : 1 + slave.orders] * FACTORIAL[: 1 + slave.orders]).tolist())
         per_sample = 1 if pieces is None else round(dt / step)
+        jumps = force is not None and force.hold == "zero"
         for i in range(1, n):
             for k in range((i - 1) * per_sample, i * per_sample):
                 if pieces is not None:
                     slave.push(next(rows))
                 slave.step(start + k * step, step)
+            if jumps and force is not None and i < force.pieces.shape[0]:
+                slave.push([float(force.pieces[i, 0]), 0.0, 0.0, 0.0][: 1 + slave.orders])  # it acts on this sample
             out[i] = slave.read()
 
     def _points(self, force: Force | None, n: int, dt: float) -> tuple[np.ndarray | None, float]:
@@ -195,7 +213,7 @@ class FmuRun:
             return None, dt
         pieces = force.pieces[: (n - 1) * force.fine]
         step = dt / force.fine
-        if self._slave.orders == 3:
+        if self._slave.orders == 3 or force.hold == "zero":  # what is held needs no derivatives
             return pieces, step
         tau = np.arange(_LINES + 1) * (step / _LINES)
         points = pieces @ np.vander(tau, 4, increasing=True).T

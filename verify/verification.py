@@ -1,7 +1,8 @@
 """Proof that the artefact reproduces the recordings: the FMU run under FMPy with the recorded force.
 
-The force is fed as the smooth signal that it is: by input derivatives of up to third order where the FMU takes
-them (those that dashpot makes), else by straight lines between points closer together than the samples.
+The force is fed as it ran between its samples: as the recordings say, else as the FMU's own model was identified, else
+smooth. It goes in by input derivatives of up to third order where the FMU takes them (those that dashpot makes),
+else by straight lines between points closer together than the samples; where it is held, by its samples alone.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from ..identify.displacement import displacement
 from ..identify.excitation import kind_of
 from ..identify.forcevib import forcevib
 from ..identify.freevib import freevib
+from ..identify.hold import held_as
 from ..identify.replay import force_of, initial_state, natural_frequency
 from ..recording.recording import Recording
 from .fmu_run import FmuRun
@@ -128,7 +130,7 @@ def verify(
     """
     checks = []
     with FmuRun(Path(fmu)) as run:
-        for recording in recordings:
+        for recording in held_as(recordings, run.hold):
             if run.unit not in (None, recording.unit):
                 raise BadInput(
                     f"{recording.name}: records {recording.quantity} in {recording.unit}, {fmu} gives its response in "

@@ -117,7 +117,8 @@ def test_names_units_and_errors_stand_beside(folder):
     assert [p["value"] for p in about["p"]] == VALUES
     assert {p["name"]: p["unit"] for p in about["p"]}["cubic"] == "1/(m2.s2)"
     assert [s["unit"] for s in about["x"]] == ["m", "m/s"]
-    assert about["u"] == [{"name": "F", "unit": "N"}]
+    (force,) = about["u"]
+    assert (force["name"], force["unit"], force["hold"]) == ("F", "N", "smooth")
     assert about["smoothing_width"][0] == {"surface": "x", "width": pytest.approx(9e-6), "unit": "m"}
     assert [(y["name"], y["unit"]) for y in about["y"]][2:] == [("velocity", "m/s"), ("acceleration", "m/s2")]
     assert "t" not in about

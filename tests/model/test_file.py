@@ -14,6 +14,8 @@ from dashpot.errors import BadInput
 from dashpot.model import Oscillator, Parameter, Provenance, Range, Response
 from dashpot.model.file import dumps, load, loads, save
 from dashpot.model.laws import LIBRARY
+from dashpot.model.oscillator import HOLDS
+from dashpot.recording.recording import HOLDS as RECORDED_HOLDS
 
 RIG = {
     "mass": 0.27,
@@ -35,6 +37,7 @@ viscous: {value: 5.0,      std: 0.002,  unit: 1/s}
 dry:     {value: 0.015,    std: 0.0005, unit: m/s2}
 terms: []
 response: {quantity: displacement, unit: m}
+excitation: {hold: zero}
 valid:   # what the recordings covered
   amplitude: {min: 0.0002, max: 0.009, unit: m}
   frequency: {min: 5.0, max: 20.0, unit: Hz}
@@ -108,7 +111,20 @@ def test_the_file_looks_as_designed():
     assert dumps(o) == WRITTEN
     assert o.cubic == Parameter(4.6e5, 5e3, "1/(m2.s2)")
     assert o.amplitude == Range(2e-4, 9e-3, "m")
+    assert o.hold == "zero"
     assert o.identified.covariance == ((6.4e-7, 1e-7), (1e-7, 2.5e-7))
+
+
+def test_a_file_that_says_nothing_of_the_hold_means_smooth_and_one_that_says_nonsense_is_refused():
+    silent = WRITTEN.replace("excitation: {hold: zero}\n", "")
+    assert loads(silent).hold == "smooth"
+    assert loads(dumps(loads(WRITTEN.replace("{hold: zero}", "{unit: N, hold: linear}")))).hold == "linear"
+    with pytest.raises(BadInput, match=r"\$\.excitation\.hold: must be 'zero', 'linear' or 'smooth', not 'first'"):
+        loads(WRITTEN.replace("hold: zero", "hold: first"))
+
+
+def test_recordings_and_models_know_the_same_holds():
+    assert set(HOLDS) == set(RECORDED_HOLDS)
 
 
 def test_the_standard_error_is_written_to_four_digits():

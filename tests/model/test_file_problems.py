@@ -332,6 +332,6 @@ def test_anything_in_the_place_of_anything_is_read_or_refused(key, junk):
         line for line in GOOD.splitlines() if not line.startswith((" ", f"{key}:", "terms", "valid", "identified"))
     ]
     said = refusal("\n".join([*lines, f"{key}: {junk}"]))
-    fits = {"mass": "null", "terms": "[]", "valid": "{}", "identified": "{}", "name": "x"}
+    fits = {"mass": "null", "terms": "[]", "valid": "{}", "identified": "{}", "excitation": "{}", "name": "x"}
     assert (said == "") == (fits.get(key) == junk)
     assert said == "" or f"$.{key}" in said

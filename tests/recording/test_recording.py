@@ -38,6 +38,7 @@ def test_derived_values_and_slice():
         ({"fs": float("nan")}, "sampling rate"),
         ({"start": float("inf")}, "time stamp"),
         ({"quantity": "jerk"}, "displacement, velocity, acceleration"),
+        ({"hold": "first"}, "zero, linear, smooth"),
         ({"response": np.zeros((10, 2))}, "one column"),
         ({"response": np.zeros(1)}, "at least 2"),
         ({"response": np.array(["a", "b"])}, "not an array of numbers"),

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.examples.oscillator import integrate
+from dashpot.examples.oscillator import integrate, integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Response
 from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.force import staircase
 
 DT = 1e-3
 
@@ -32,6 +33,20 @@ def test_sweeps_agree_with_the_independent_integration(amplitude):
     z = simulated(TRUTH, force, DT)
     assert np.max(np.abs(z[:, 0] - x)) < 1e-6 * np.max(np.abs(x))
     assert np.max(np.abs(z[:, 1] - v)) < 1e-6 * np.max(np.abs(v))
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+def test_a_held_force_acts_from_its_sample_on(quantity):
+    force = sweep(1.0, 10.0, 4e-3)
+    x, v = integrate_pieces(TRUTH, force[:-1, None], 4e-3)
+    m, c, dry, k, c3, pre = (TRUTH[n] for n in ("mass", "viscous", "dry", "omega0", "cubic", "preload"))
+    a = force / m - c * v - dry * np.sign(v) - k**2 * x - c3 * x**3 - pre * np.sign(x)
+    expected = {"displacement": x, "velocity": v, "acceleration": a}[quantity][2:]  # at the first two friction holds it
+    unit = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity]
+    model = Oscillator.from_values(TRUTH, response=Response(quantity, unit))
+    p, step = np.array(list(TRUTH.values())), internal_step(model, model.values(), 9e-3)
+    y = core_of(model).record(p, np.zeros(2), staircase(force), force.size, 4e-3, step)[2:]
+    assert np.max(np.abs(y - expected)) < 1e-5 * np.max(np.abs(expected))  # to the very last sample
 
 
 def test_the_result_does_not_depend_on_the_communication_step():

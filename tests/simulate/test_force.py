@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.simulate.force import smooth_force, straight_lines, upsample
+from dashpot.simulate.force import force_between, smooth_force, staircase, straight_lines, upsample
 
 
 def values(force, dt, points=5):
@@ -43,3 +43,28 @@ def test_disturbing_a_force_moves_its_samples_by_the_stated_noise():
     assert np.std(noisy.pieces[:, 0]) == pytest.approx(0.3, rel=0.03)
     ends = noisy.pieces[:-1, 0] + noisy.pieces[:-1, 1] * 1e-3
     assert ends == pytest.approx(noisy.pieces[1:, 0], abs=1e-12)
+
+
+def test_a_held_force_stays_until_the_next_sample():
+    samples = np.array([0.0, 1.0, -1.0, 3.0])
+    force = staircase(samples)
+    assert force.pieces[:, 0] == pytest.approx(samples)  # the last one too: it acts at the last sample
+    assert not np.any(force.pieces[:, 1:])
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear", "smooth"])
+def test_every_hold_passes_through_the_samples_and_parts_keep_it(hold):
+    samples = np.sin(np.arange(400) / 7.0)
+    force = force_between(samples, 1e-3, hold, 1.0)
+    assert force.hold == hold
+    assert force.pieces[:: force.fine, 0][:399] == pytest.approx(samples[:399], abs=1e-12)
+    part = force.part(100, 200)
+    assert part.hold == hold
+    assert part.pieces[: 99 * part.fine] == pytest.approx(force.pieces[100 * force.fine : 199 * force.fine])
+
+
+def test_noise_on_a_held_force_is_held():
+    noisy = staircase(np.zeros(20_000)).disturbed(0.3, np.random.default_rng(1), 1e-3)
+    assert np.std(noisy.pieces[:, 0]) == pytest.approx(0.3, rel=0.03)
+    assert not np.any(noisy.pieces[:, 1:])
+    assert noisy.hold == "zero"

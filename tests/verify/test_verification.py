@@ -12,7 +12,7 @@ from dashpot.export import export
 from dashpot.model import Oscillator, Response
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
-from dashpot.simulate.force import smooth_force, straight_lines
+from dashpot.simulate.force import smooth_force, staircase, straight_lines
 from dashpot.verify.fmu_run import FmuRun
 from dashpot.verify.verification import verify
 
@@ -112,6 +112,26 @@ def test_a_recording_with_neither_force_nor_decay_is_refused(fmu):
     steady = Recording(name="steady.csv", fs=FS, response=np.sin(80 * np.arange(N) / FS))
     with pytest.raises(BadInput, match="neither a force nor a free decay"):
         verify(fmu, [steady])
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "acceleration"])
+@pytest.mark.parametrize("version", [2, 3])
+def test_an_fmu_is_fed_as_the_recordings_of_its_model_ran(tmp_path, quantity, version):
+    """A force that is held from sample to sample, at twenty samples a cycle."""
+    fs, n = 250.0, 3000
+    force = np.sin(2 * np.pi * (8.0 * np.arange(n) / fs + 5.0 * (np.arange(n) / fs) ** 2 / 12))
+    model = replace(model_of(quantity), hold="zero")
+    export(model, tmp_path / "rig.fmu", version=version)
+    core, p = core_of(model), np.array(list(model.values().values()))
+    y = core.record(p, np.zeros(2), staircase(force), n, 1 / fs, internal_step(model, TRUTH, 9e-3))
+    noise = 1e-3 * np.std(y) * np.random.default_rng(0).standard_normal(n)
+    held = Recording(
+        name="held.csv", fs=fs, response=y + noise, force=force, quantity=quantity, unit=model.response.unit
+    )
+    (check,) = verify(tmp_path / "rig.fmu", [held]).recordings
+    assert check.nrmse < 1.1 * check.noise_floor
+    (check,) = verify(tmp_path / "rig.fmu", [replace(held, hold="smooth")]).recordings
+    assert check.nrmse > 10 * check.noise_floor
 
 
 def test_the_python_fmu_agrees_with_the_native_one(tmp_path, fmu):

@@ -1,0 +1,239 @@
+"""How the force ran between its samples, where nobody said: the hold that the recordings ask for.
+
+A hold is a known filter: what is held lags by half a sample and loses (pi f dt)²/6 of its size, straight lines lose
+twice that and do not lag. A fit under a wrong hold takes the loss for mass and the lag for damping (Pintelon and
+Schoukens 2012: what is assumed of the force between samples is part of the model). So the same model is fitted under
+each hold, and the likelihoods decide. Physics that the model lacks may lie nearer to one hold than to another by
+chance: no hold is believed whose residual asks for a further lag or a further loss of the force.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..model import Oscillator
+from ..model.oscillator import HOLDS as HOLDS_IN_WORDS
+from ..recording.recording import HOLDS, Recording
+from ..simulate.force import force_between, smooth_force
+from .blows import ContactForce
+from .data import data_of, noise_of
+from .likelihood import Fit
+from .noise_spectrum import NoiseSpectrum
+from .normal_equations import pseudo_inverse
+from .offset import Offset
+from .output_error import Outcome, OutputError, State
+from .segments import FORCE_BAND, Segment
+from .structure import Structure
+
+#: A hold is believed at these odds against a smooth force; "decisive" begins at 100 (Jeffreys 1961, appendix B). Of
+#: right holds one in as many shows a further lag or loss by chance.
+ODDS = 1000.0
+#: ... which does not speak against it where it is smaller than this part of the hold's own (half a sample: a twentieth
+#: of a sample): no model is exact, and what it lacks leaves a trace of everything.
+_NEAR = 0.1
+#: It matters where it moves a parameter by this many of its standard errors.
+_MATTERS = 1.0
+#: Steps of the search from one hold to another; the difference is small, and each step squares what is left of it.
+_STEPS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class HoldFound:
+    """What recordings say of the force between their samples.
+
+    Attributes:
+        hold: ``zero`` or ``linear`` where that is decisively likelier than ``smooth`` and matters; else ``smooth``.
+        log_odds: of each hold against a smooth force; empty where no hold makes a difference.
+        values: (k,) free parameters under each hold.
+        further: gain of log-likelihood that a further lag and loss of the force would bring under ``hold``.
+    """
+
+    hold: str
+    log_odds: Mapping[str, float]
+    values: Mapping[str, np.ndarray]
+    further: float = 0.0
+
+    def believed(self, further: float | None = None) -> bool:
+        """Whether the hold is all that the records ask for; ``further`` stands in for that of another fit."""
+        shown = self.further if further is None else further
+        # a gain grows with the square of what it is gained by
+        return shown < max(math.log(ODDS), _NEAR**2 * self.log_odds.get(self.hold, 0.0))
+
+    def spread(self, hold: str) -> np.ndarray | float:
+        """(k, k) mean square of the parameters' distance from those under ``hold``, every hold by its likelihood.
+
+        What not knowing the hold adds to a covariance: the law of total variance over models that are equally
+        probable beforehand (Hoeting et al. 1999, Eq. 3).
+        """
+        if hold not in self.values:
+            return 0.0
+        log_odds = np.array([self.log_odds[other] for other in self.values])
+        weights = np.exp(log_odds - np.max(log_odds))
+        distances = np.array([values - self.values[hold] for values in self.values.values()])
+        distances[weights == 0.0] = 0.0
+        return (distances.T * (weights / weights.sum())) @ distances
+
+
+def held_as(recordings: Sequence[Recording], hold: str | None) -> list[Recording]:
+    """The recordings, with that hold where nobody said theirs."""
+    return [replace(r, hold=hold) if r.hold is None else r for r in recordings]
+
+
+def hold_note(hold: str) -> str:
+    """A sentence for the user on a hold that was found."""
+    return f"the force is {HOLDS_IN_WORDS[hold]}: fitted so, as the recordings ask for it (--hold says otherwise)"
+
+
+def hold_of_recordings(recordings: Sequence[Recording]) -> str:
+    """The hold that driven recordings have in common; smooth where they have none, or nobody said."""
+    holds = {r.hold or "smooth" for r in recordings if r.force is not None and np.any(r.force)}
+    return holds.pop() if len(holds) == 1 else "smooth"
+
+
+def find_hold(problem: OutputError, state: State, oscillator: Oscillator, recordings: Sequence[Recording]) -> HoldFound:
+    """Compare the holds at the best fit under a smooth force.
+
+    Args:
+        problem: the model over the recordings' segments.
+        state: its best point.
+        oscillator: the model there.
+        recordings: of the segments; the hold is sought of those that do not say theirs.
+    """
+    unknown = HoldFound("smooth", {}, {})
+    here = problem.residuals(state)
+    noise = _noise(problem, here, oscillator)
+    others = {hold: _under(problem, hold, recordings) for hold in HOLDS if hold != "smooth"}
+    if max(_distance(other, state, here, noise) for other in others.values()) < _MATTERS:
+        return unknown  # no parameter can be moved by more of its standard errors than the whole response is
+    smooth = _Trial("smooth", problem, problem.search(state, noise, tolerance=0.1, most=1), oscillator)
+    trials = [smooth]
+    for hold, other in others.items():
+        first = other.search(state, noise, tolerance=0.1, most=_STEPS)
+        again = other.search(first.state, _noise(other, first.residuals, oscillator), tolerance=0.1, most=_STEPS)
+        trials.append(_Trial(hold, other, again, oscillator))
+    moving = [trial for trial in trials[1:] if trial.moved(smooth) > _MATTERS]
+    if not moving:
+        return unknown
+    best = max(moving, key=lambda trial: trial.likelihood)
+    decisive = best.likelihood - smooth.likelihood > math.log(ODDS)
+    return HoldFound(
+        best.hold if decisive else "smooth",
+        {trial.hold: trial.likelihood - smooth.likelihood for trial in trials},
+        {trial.hold: trial.values for trial in trials},
+        _further(best.problem, best.outcome.state, best.noise, recordings, best.hold) if decisive else 0.0,
+    )
+
+
+def hold_of_fit(fit: Fit, recordings: Sequence[Recording]) -> HoldFound:
+    """``find_hold`` at the maximum of the likelihood, with the memory and the offsets found there."""
+    return find_hold(*_point(fit, recordings), fit.oscillator, recordings)
+
+
+def further_of_fit(fit: Fit, recordings: Sequence[Recording], hold: str) -> float:
+    """What a further lag and loss of the force would gain at a fit under ``hold`` of those that do not say theirs."""
+    problem, state = _point(fit, recordings)
+    return _further(problem, state, fit.noise, recordings, hold)
+
+
+def _point(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, State]:
+    model = fit.oscillator
+    fixed = [name for name in model.parameters() if name not in fit.names]
+    data = data_of(recordings, model, coarse=False)
+    tiny = np.finfo(float).tiny
+    offsets = [Offset(o.recording, o.channel, max(o.std, tiny), o.value) for o in fit.offsets]
+    structure = Structure(model, data, fixed, offsets)
+    problem = structure.problem.over([s.segment for s in fit.segments]).predicting(fit.memory)
+    initial = np.array([s.initial for s in fit.segments])
+    return problem, State(structure.values, initial, np.array([o.value for o in fit.offsets]))
+
+
+def with_hold_unknown(fit: Fit, spread: np.ndarray | float) -> Fit:
+    """The fit with what not knowing the hold adds to its covariance and standard errors."""
+    covariance = fit.covariance + spread
+    errors = dict(zip(fit.names, np.sqrt(np.diag(covariance)), strict=True))
+    known = fit.oscillator.parameters()
+    wider = {n: replace(p, std=float(errors[n])) for n, p in known.items() if p.std is not None and n in errors}
+    return replace(fit, covariance=covariance, oscillator=fit.oscillator.with_parameters(wider))
+
+
+class _Trial:
+    """The fit under one hold; its likelihood is concentrated over the noise spectra (Whittle 1953)."""
+
+    def __init__(self, hold: str, problem: OutputError, outcome: Outcome, oscillator: Oscillator) -> None:
+        self.hold, self.problem, self.outcome = hold, problem, outcome
+        self.noise = _noise(problem, outcome.residuals, oscillator) if np.isfinite(outcome.cost) else []
+        self.likelihood = -0.5 * sum(s.log_determinant() for s in self.noise) if self.noise else -math.inf
+        self.values = outcome.state.values[list(problem.free)]
+        self.errors = np.sqrt(np.diag(pseudo_inverse(outcome.information)))
+
+    def moved(self, other: _Trial) -> float:
+        """Largest distance of a parameter from that of another fit, in standard errors."""
+        known = self.errors > 0
+        return float(np.max(np.abs(self.values - other.values)[known] / self.errors[known], initial=0.0))
+
+
+def _under(problem: OutputError, hold: str, recordings: Sequence[Recording]) -> OutputError:
+    """The same problem with the force under another hold where a recording does not say its own."""
+    return problem.over([_driven(s, recordings[s.recording], hold) for s in problem.segments])
+
+
+def _noise(problem: OutputError, residuals: Sequence[np.ndarray], oscillator: Oscillator) -> list[NoiseSpectrum]:
+    return noise_of(problem.segments, residuals, oscillator.values(), oscillator.response.quantity, problem.memory)
+
+
+def _driven(segment: Segment, recording: Recording, hold: str, delay: float = 0.0, loss: float = 0.0) -> Segment:
+    """The segment under a hold, its force's samples first delayed and smoothed: F - delay F' + loss F'', s and s²."""
+    if segment.force is None or recording.force is None or recording.hold is not None:
+        return segment
+    if isinstance(segment.force, ContactForce):  # a hammer's sensor shows a force that no converter makes
+        return segment
+    samples = np.asarray(recording.force[segment.start : segment.stop], float)
+    highest = FORCE_BAND * segment.pace / (2 * np.pi)
+    if delay or loss:
+        spline = smooth_force(samples, segment.dt, highest)
+        starts = spline.pieces[:: spline.fine]
+        samples = samples.copy()
+        samples[:-1] += 2.0 * loss * starts[:, 2] - delay * starts[:, 1]
+    return replace(segment, force=force_between(samples, segment.dt, hold, highest))
+
+
+def _distance(other: OutputError, state: State, here: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> float:
+    """Size of the difference that a hold makes to the responses, in standard deviations of the noise."""
+    moved = [r - base for r, base in zip(other.residuals(state), here, strict=True)]
+    if not all(np.all(np.isfinite(m)) for m in moved):
+        return math.inf
+    return math.sqrt(sum(float(np.sum(s.whiten(m) ** 2)) for s, m in zip(noise, moved, strict=True)))
+
+
+def _further(
+    problem: OutputError, state: State, noise: Sequence[NoiseSpectrum], recordings: Sequence[Recording], hold: str
+) -> float:
+    """Gain of log-likelihood from a further delay and a further loss, both free, linearised (a score test, Rao 1948).
+
+    Twice the gain is chi² of two degrees of freedom, so that a right hold shows as much by chance once in exp(gain).
+    """
+    residuals = problem.residuals(state)
+    directions = []
+    for delay, loss in ((0.5, 0.0), (0.0, 1.0 / 12.0)):  # what the holds themselves differ by
+        other = problem.over(
+            [_driven(s, recordings[s.recording], hold, delay * s.dt, loss * s.dt**2) for s in problem.segments]
+        )
+        directions.append([r - moved for r, moved in zip(residuals, other.residuals(state), strict=True)])
+    k = problem.shared
+    normal, gradient = np.zeros((k + 2, k + 2)), np.zeros(k + 2)
+    for i, rows in enumerate(problem.derivatives(state, residuals)):
+        columns = np.vstack([rows[:k], directions[0][i], directions[1][i], rows[k:], residuals[i]])
+        white = noise[i].whiten(columns)
+        shared, own, left = white[: k + 2], white[k + 2 : -1], white[-1]
+        shared = shared - (shared @ own.T) @ pseudo_inverse(own @ own.T) @ own
+        normal += shared @ shared.T
+        gradient += shared @ left
+    inverse = pseudo_inverse(normal[:k, :k])
+    border = normal[k:, :k] @ inverse
+    score = gradient[k:] - border @ gradient[:k]
+    gain = 0.5 * score @ pseudo_inverse(normal[k:, k:] - border @ normal[:k, k:]) @ score
+    return float(gain) if np.isfinite(gain) else math.inf

@@ -1,0 +1,122 @@
+"""The hold of a force is found from the records where it matters, and only there; by the independent integrator."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from dashpot.examples.force import chirp, multisine
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
+from dashpot.identify import identify
+from dashpot.identify.hold import ODDS, HoldFound, held_as, hold_of_recordings
+from dashpot.model.file import dumps, loads
+from dashpot.recording import Recording
+
+FREQUENCY = TRUTH["omega0"] / (2 * np.pi)
+
+
+def driven(force, hold):
+    """Polynomials over the steps for a force (n, terms) whose samples are its first column."""
+    samples = force[:, 0]
+    if hold == "zero":
+        return samples[:, None].copy()
+    return np.column_stack([samples, np.append(np.diff(samples), 0.0)]) if hold == "linear" else force
+
+
+@cache
+def rig(hold, per_cycle=40, kind="sweep", seed=0, lag=0.0, band=(5.0, 20.0), noise=2e-6):
+    """Two levels of a sweep or a random force, 200 cycles each; ``lag`` in samples delays what the mass feels."""
+    random = np.random.default_rng(seed)
+    fs = float(round(per_cycle * FREQUENCY))
+    n = int(200 * per_cycle)
+    found = []
+    for level in (0.3, 1.0):
+        t = np.arange(n) / fs
+        low, high = band
+        if kind == "sweep":
+            made = [chirp(level, low, (high - low) * fs / n, when, 1 / fs) for when in (t, t - lag / fs)]
+        else:
+            lines = np.arange(np.ceil(low * n / fs), high * n / fs) * fs / n
+            phases = random.uniform(0, 2 * np.pi, lines.size)
+            size = 2 * level / np.sqrt(lines.size)
+            made = [multisine(size, lines, phases, when, 1 / fs) for when in (t, t - lag / fs)]
+        x = integrate_pieces(TRUTH, driven(made[1], hold)[:-1], 1 / fs)[0]
+        y = x + noise * random.standard_normal(n)
+        force = made[0][:, 0] + 1e-3 * level * random.standard_normal(n)
+        found.append(Recording(name=f"{kind} {level}", fs=fs, response=y, force=force))
+    return tuple(found)
+
+
+def scores(oscillator):
+    return np.array([(p.value - TRUTH[name]) / (p.std or np.nan) for name, p in oscillator.parameters().items()])
+
+
+@pytest.mark.parametrize(
+    ("hold", "per_cycle", "kind"), [("zero", 77, "sweep"), ("zero", 25, "random"), ("linear", 40, "random")]
+)
+def test_a_hold_is_found_told_and_kept(hold, per_cycle, kind):
+    found = identify(rig(hold, per_cycle, kind))
+    assert found.oscillator.hold == hold
+    assert any("between samples" in note or "sample to sample" in note for note in found.notes)
+    assert np.all(np.abs(scores(found.oscillator)) < 3.5)
+    assert hold_of_recordings(found.recordings) == hold
+    assert loads(dumps(found.oscillator)).hold == hold
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_smooth_force_stays_smooth(seed):
+    found = identify(rig("smooth", 40, "random", seed))
+    assert found.oscillator.hold == "smooth"
+    assert not any("fitted so" in note for note in found.notes)
+    assert np.all(np.abs(scores(found.oscillator)) < 3.5)
+
+
+def test_what_is_said_is_not_questioned():
+    found = identify(held_as(rig("zero", 25, "random"), "smooth"))
+    assert found.oscillator.hold == "smooth"
+    assert np.max(np.abs(scores(found.oscillator))) > 5  # half a sample of lag has to go somewhere
+
+
+def test_a_lag_that_is_not_half_a_sample_is_no_hold():
+    assert identify(rig("smooth", 40, "random", lag=1.5)).oscillator.hold == "smooth"
+
+
+def test_where_the_hold_cannot_be_known_it_is_in_the_errors():
+    """Near the resonance alone a loss that grows with frequency looks like mass."""
+    recordings = rig("linear", 40, band=(11.5, 14.5), noise=2e-5)
+    found = identify(recordings).oscillator
+    said = identify(held_as(recordings, "smooth")).oscillator
+    assert found.hold == "smooth"
+    assert abs(scores(said)[0]) > 3
+    assert abs(scores(found)[0]) < 2
+    assert found.mass.std > 3 * said.mass.std
+    assert np.sqrt(found.identified.covariance[0][0]) == pytest.approx(found.mass.std)
+
+
+def test_a_hold_is_believed_up_to_a_tenth_of_it():
+    gain = 100.0 * np.log(ODDS)
+    held = HoldFound("zero", {"smooth": 0.0, "zero": 4 * gain}, {}, further=0.0)
+    assert held.believed(0.039 * gain)
+    assert not held.believed(0.041 * gain)
+    little = replace(held, log_odds={"smooth": 0.0, "zero": 10.0})
+    assert little.believed(0.99 * np.log(ODDS))
+    assert not little.believed(1.01 * np.log(ODDS))
+
+
+def test_what_is_not_known_is_spread_by_its_probability():
+    values = {"smooth": np.array([1.0, 0.0]), "linear": np.array([1.2, 0.1])}
+    even = HoldFound("smooth", {"smooth": 0.0, "linear": 0.0}, values)
+    assert even.spread("smooth") == pytest.approx(np.array([[0.02, 0.01], [0.01, 0.005]]))
+    assert HoldFound("smooth", {"smooth": 0.0, "linear": -800.0}, values).spread("smooth") == pytest.approx(0.0)
+    assert HoldFound("smooth", {}, {}).spread("smooth") == 0.0
+
+
+def test_only_recordings_that_say_nothing_are_given_a_hold():
+    first, second = rig("smooth", 40, "random")
+    mixed = held_as([replace(first, hold="linear"), second], "zero")
+    assert [r.hold for r in mixed] == ["linear", "zero"]
+    assert hold_of_recordings(mixed) == "smooth"
+    assert hold_of_recordings(held_as([first, second], "zero")) == "zero"
