@@ -10,8 +10,8 @@ export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 # Further arguments for pytest or the proof, for example: make test ARGS="-k backbone"
 ARGS ?=
-# Tests run on all cores, those of a file on one, for they share what is made once.
-PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile
+# Tests run on all cores: those of a file on one, for they share what is made once, and whole diagnoses first.
+PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 help: ## list these commands
 	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1|\2/p' Makefile | awk -F'|' '{printf "%-16s %s\n", $$1, $$2}'

@@ -216,6 +216,7 @@ def test_fmi_3_has_a_folder_for_each(contents, models):
     assert alone["binaries/linux64/stand.so"] == alone["binaries/aarch64-linux/stand.so"]
 
 
+@pytest.mark.long
 def test_same_model_same_bytes_and_no_trace_of_where(everywhere, contents, models, tmp_path, monkeypatch):
     again = tmp_path / "rig.fmu"
     with monkeypatch.context() as patch:
