@@ -1,7 +1,7 @@
 # Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test check proof benchmark gallery setup clean distclean
+.PHONY: help demo test test-all check proof benchmark gallery setup clean distclean
 
 # Folders that another workspace put on Python's path must not reach into .venv.
 unexport PYTHONPATH PYTHONHOME
@@ -10,17 +10,23 @@ export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 # Further arguments for pytest or the proof, for example: make test ARGS="-k backbone"
 ARGS ?=
+# Tests run on all cores: those of a file on one, for they share what is made once, and whole diagnoses first.
+PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 help: ## list these commands
-	@sed -n 's/^\([a-z]*\):.*## \(.*\)/make \1|\2/p' Makefile | awk -F'|' '{printf "%-16s %s\n", $$1, $$2}'
+	@sed -n 's/^\([a-z-]*\):.*## \(.*\)/make \1|\2/p' Makefile | awk -F'|' '{printf "%-16s %s\n", $$1, $$2}'
 
 demo: ## set up, then run the whole story on the built-in rig; results in demo/
 	@sh .ci/setup run
 	@.venv/bin/dashpot demo -o demo
 
-test: ## set up, then run the tests
+test: ## set up, then run the tests, a few minutes: of the laws one of each kind
 	@sh .ci/setup dev
-	@.venv/bin/pytest $(ARGS)
+	@$(PYTEST) $(ARGS)
+
+test-all: ## set up, then run all tests: every law through every rendering, and long diagnoses
+	@sh .ci/setup dev
+	@$(PYTEST) -m "" $(ARGS)
 
 check: ## set up, then check style, types and structure
 	@sh .ci/setup dev

@@ -16,6 +16,7 @@ import click
 
 from . import __version__
 from .errors import BadInput, DashpotError
+from .several_values import CommandOfSeveral, SeveralValues
 
 if TYPE_CHECKING:
     from .recording import Recording
@@ -322,15 +323,15 @@ def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: 
             _say(f"written: {path}")
 
 
-@cli.command()
+@cli.command(cls=CommandOfSeveral)
 @click.argument("model", type=_FILE)
 @click.argument("recordings", nargs=-1, required=True, type=_FILE)
 @click.option(
     "--holdout",
-    multiple=True,
+    cls=SeveralValues,
     type=_FILE,
-    metavar="REC",
-    help="Recording to judge by, of another level or kind; may be given several times.",
+    metavar="REC...",
+    help="Recordings to judge by, of another level or kind: all up to the next option; may be given several times.",
 )
 @click.option("-o", "--output", type=_FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON.")

@@ -24,13 +24,13 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model import units
-from ..model.equations import Equations, equations, signed
+from ..model.equations import Equations, signed
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_output, exact_step, with_defaults
-from ..simulate.core import internal_step
 from ..simulate.runge_kutta import dormand_prince
 from ..writing import replacing
-from .smoothing import Sample, Surface, amplitude_of, check_step, sample_motion, surfaces
+from .facts import Facts
+from .smoothing import Sample, Surface, check_step, surfaces
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -62,11 +62,11 @@ def depends_on_time(eq: Equations) -> bool:
     return bool(ca.depends_on(ca.vertcat(eq.zdot, eq.y, eq.surfaces), eq.t))
 
 
-def functions(oscillator: Oscillator, dt: float = 1e-3) -> Functions:
+def functions(facts: Facts, dt: float = 1e-3) -> Functions:
     """The five functions.
 
     Args:
-        oscillator: the model.
+        facts: of the model.
         dt: sample time of the discrete steps, s.
 
     Returns:
@@ -81,21 +81,18 @@ def functions(oscillator: Oscillator, dt: float = 1e-3) -> Functions:
     """
     import casadi as ca
 
+    oscillator, eq = facts.oscillator, facts.equations
     half_period = math.pi / oscillator.omega0.value
     if not 1e-6 * half_period <= dt <= half_period:
         raise BadInput(
             f"the step of {dt:g} s does not suit an oscillation of {2 * half_period:.3g} s a cycle; "
             f"choose one between {1e-6 * half_period:.2g} s and half a cycle, {half_period:.3g} s"
         )
-    eq = equations(oscillator)
     timed = depends_on_time(eq)
-    values = oscillator.values()
-    identified = list(values.values())
-    longest = internal_step(oscillator, values, amplitude_of(oscillator))
-    check_step(dt, longest)
-    event_step = exact_step(oscillator, dt, longest)
-    sample = sample_motion(oscillator, eq, longest)
-    found = surfaces(oscillator, eq, sample)
+    identified = list(facts.values.values())
+    check_step(dt, facts.longest)
+    event_step = exact_step(oscillator, dt, facts.longest)
+    found = surfaces(oscillator, eq, facts.sample)
     names = ["x", "u", "p", "t"] if timed else ["x", "u", "p"]
     options = {"default_in": [0.0, 0.0, ca.inf, 0.0][: len(names)]}
 
@@ -118,7 +115,7 @@ def functions(oscillator: Oscillator, dt: float = 1e-3) -> Functions:
     inputs = [start, forces, given, clock]
     made["step.casadi"] = function("step", inputs, event_step(start, forces, given, clock, dt), "x_next")
 
-    pace = _pace(oscillator, eq, plain, sample)
+    pace = _pace(oscillator, eq, plain, facts.sample)
     check_step(dt, 1 / pace)
     count = max(1, math.ceil(dt * pace))
     state, force_line, h = start, (forces[1] - forces[0]) / dt, dt / count
@@ -155,7 +152,8 @@ def export_casadi(oscillator: Oscillator, path: Path, *, dt: float = 1e-3) -> tu
     path = Path(path)
     stem = path.name.removesuffix(".casadi")
     written = []
-    made = functions(oscillator, dt)
+    facts = Facts(oscillator)
+    made = functions(facts, dt)
     for suffix, function in made.by_suffix.items():
         target = path.with_name(f"{stem}.{suffix}")
         with replacing(target) as temporary:
@@ -163,14 +161,14 @@ def export_casadi(oscillator: Oscillator, path: Path, *, dt: float = 1e-3) -> tu
         written.append(target)
     target = path.with_name(f"{stem}.casadi.json")
     with replacing(target) as temporary:
-        text = json.dumps(describe(oscillator, stem, dt, made), indent=2, ensure_ascii=False)
+        text = json.dumps(describe(facts, stem, dt, made), indent=2, ensure_ascii=False)
         temporary.write_text(text + "\n", encoding="utf-8")
     return (*written, target)
 
 
-def describe(oscillator: Oscillator, stem: str, dt: float, made: Functions) -> dict[str, Any]:
+def describe(facts: Facts, stem: str, dt: float, made: Functions) -> dict[str, Any]:
     """Names and units of everything that goes into and comes out of the functions."""
-    eq = equations(oscillator)
+    oscillator, eq = facts.oscillator, facts.equations
     response = oscillator.response
     unit = response.displacement_unit
     force_unit = oscillator.force_unit if oscillator.mass is not None else units.compose("X/s2", unit)

@@ -6,6 +6,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..model.file import dumps
+from .description import Description
+from .facts import Facts
 from .reference import reference_result
 from .render import plain_text
 
@@ -16,12 +18,12 @@ if TYPE_CHECKING:
 _LONGEST_NAME = 255
 
 
-def further_contents(oscillator: Oscillator) -> dict[str, bytes]:
+def further_contents(facts: Facts, description: Description) -> dict[str, bytes]:
     """Model file and reference result by their names in the archive.
 
     Raises BadInput where the model has no motion to integrate.
     """
-    return model_file(oscillator) | reference_result(oscillator)
+    return model_file(facts.oscillator) | reference_result(facts, description)
 
 
 def model_file(oscillator: Oscillator) -> dict[str, bytes]:

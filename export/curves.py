@@ -9,18 +9,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from html import escape
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import BadInput
-from ..model.describing import natural_motion
 from ..model.display import Scale, number, scale_of, tick_text, typeset
-from ..model.inner_force import without_memory
-from .smoothing import amplitude_of
-
-if TYPE_CHECKING:
-    from ..model import Oscillator
+from .facts import Facts
 
 #: Points within the range; fewer with a law that has a memory, for each of them is then an integration.
 _POINTS, _MEMORY_POINTS = 57, 33
@@ -53,25 +47,25 @@ class Curves:
     stated: bool
 
 
-def curves(oscillator: Oscillator) -> Curves | None:
+def curves(facts: Facts) -> Curves | None:
     """The curves that the Hilbert transform measures (FREEVIB), from the model's describing functions.
 
     Returns None where the model has no periodic motion at any of the amplitudes.
     """
-    valid = oscillator.amplitude
-    high = amplitude_of(oscillator)
+    valid = facts.oscillator.amplitude
+    high = facts.amplitude
     if not (math.isfinite(high) and high > 0):
         return None
     low = valid.min if valid is not None and 0 < valid.min < high else _FLOOR * high
     beyond = _BEYOND if valid is not None else 1.0
-    points = _POINTS if without_memory(oscillator)[1] is None else _MEMORY_POINTS
+    points = _MEMORY_POINTS if facts.harmonic.remembers else _POINTS
     inside = np.geomspace(low, high, points)
     more = min(math.ceil(math.log(beyond) / math.log(inside[1] / low)), points // 6)
     tail = np.geomspace(1.0, beyond, more + 1)[1:]
     amplitude = np.concatenate([low / tail[::-1], inside, high * tail])
     try:
         with np.errstate(all="ignore"):
-            omega, damping = natural_motion(oscillator, amplitude)
+            omega, damping = facts.harmonic.natural(amplitude)
     except BadInput:
         return None
     if not np.any(np.isfinite(omega) & np.isfinite(damping)):

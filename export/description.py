@@ -9,20 +9,18 @@ from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..model import units
-from ..model.equations import Equations, equations
+from ..model.equations import Equations
 from ..model.oscillator import HOLDS
-from ..simulate.core import internal_step
+from .facts import Facts
 from .knowns import Knowns
 from .render import plain_text
-from .smoothing import MotionSize, amplitude_of, motion_size
+from .smoothing import MotionSize
 
 if TYPE_CHECKING:
     from ..model import Oscillator
 
 #: What the description of a start value ends with that each run has for itself: a phase.
 OWN = ", another in each run"
-#: Longest internal step, s, of a model that neither swings nor decays.
-_STILL_STEP = 1e-3
 #: Names that are a word of C or a device of Windows, so that no file or function can bear them.
 _TAKEN = re.compile(
     "auto|break|case|char|const|continue|default|do|double|else|enum|extern|float|for|goto|if|inline|int|long|register|"
@@ -144,11 +142,11 @@ class Description:
         return {name: units.base_exponents(name) if _is_si(name) else None for name in names}
 
 
-def describe_fmu(oscillator: Oscillator, *, version: int = 2, continuous: bool = True) -> Description:
+def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> Description:
     """Table of the FMU's variables.
 
     Args:
-        oscillator: the model.
+        facts: of the model.
         version: of FMI: 3 has no call for the slope of an input, so that it is an input of its own, ``F_rate``, and
             wants time and event indicators among the variables.
         continuous: with what model exchange needs: states and derivatives.
@@ -156,7 +154,7 @@ def describe_fmu(oscillator: Oscillator, *, version: int = 2, continuous: bool =
     Raises:
         BadInput: where a value is not a finite number or a unit cannot be read.
     """
-    eq = equations(oscillator)
+    oscillator, eq, size = facts.oscillator, facts.equations, facts.size
     length = oscillator.response.displacement_unit
     speed, acceleration = (units.compose(template, length) for template in ("X/s", "X/s2"))
     force = Variable("F", "input", 0, oscillator.force_unit, "excitation force, positive along x", 0.0)
@@ -166,7 +164,6 @@ def describe_fmu(oscillator: Oscillator, *, version: int = 2, continuous: bool =
     elif oscillator.hold != "smooth":
         force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")
     descriptions = oscillator.descriptions()
-    size = motion_size(oscillator, eq)
     known = Knowns(eq)
     variables = [force, *_outputs(oscillator, eq, known, size if continuous else None)]
     for i, (name, parameter) in enumerate(oscillator.parameters().items()):
@@ -186,7 +183,7 @@ def describe_fmu(oscillator: Oscillator, *, version: int = 2, continuous: bool =
             "s",
             "longest internal step: a seventy-fifth of the fastest period of the identified model; "
             "shorten it when changed parameters make the motion faster",
-            _longest_step(oscillator),
+            facts.max_step,
         ),
     ]
     if continuous:
@@ -321,13 +318,6 @@ def identifier_of(name: str) -> str:
 
 def _is_si(unit: str) -> bool:
     return all(symbol in units.SYMBOLS for symbol in units.factors(unit))
-
-
-def _longest_step(oscillator: Oscillator) -> float:
-    try:
-        return internal_step(oscillator, oscillator.values(), amplitude_of(oscillator))
-    except BadInput:  # no spring and no damper: any step will do
-        return _STILL_STEP
 
 
 def _stop_time(omega0: float) -> float:

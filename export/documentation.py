@@ -14,6 +14,7 @@ from ..model.show import percent, strong_correlations
 from ..model.show import warnings as model_warnings
 from .curves import curves, pictures, table
 from .description import Description
+from .facts import Facts
 from .render import plain_text, render
 
 if TYPE_CHECKING:
@@ -26,17 +27,18 @@ def guid_of(texts: list[str]) -> str:
     return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
 
 
-def documentation(oscillator: Oscillator, description: Description, hold: str) -> str:
+def documentation(facts: Facts, description: Description, hold: str) -> str:
     """The FMU's documentation/index.html, one page that stands alone.
 
     Equation, parameters with their errors, backbone and damping curve, validity, how the inputs are taken, variables,
     laws with their sources, recordings.
 
     Args:
-        oscillator: the model.
+        facts: of the model.
         description: the FMU's variables.
         hold: what becomes of the input between two communication points, for a user.
     """
+    oscillator = facts.oscillator
     identified = oscillator.identified
     count = len(identified.recordings)
     return render(
@@ -68,7 +70,7 @@ def documentation(oscillator: Oscillator, description: Description, hold: str) -
         ],
         provenance=_provenance(oscillator),
         footer=f"Made by dashpot {__version__}.",
-        **_curves(oscillator),
+        **_curves(facts),
     )
 
 
@@ -114,11 +116,11 @@ def _ranges(o: Oscillator) -> list[tuple[str, str, str, str]]:
     return found
 
 
-def _curves(o: Oscillator) -> dict[str, Any]:
-    found = curves(o)
+def _curves(facts: Facts) -> dict[str, Any]:
+    found = curves(facts)
     if found is None:
         return {"pictures": (), "caption": "", "curve_head": (), "curve_rows": ()}
-    unit = o.response.displacement_unit
+    unit = facts.oscillator.response.displacement_unit
     caption = (
         "The natural frequency of the model's free vibration (backbone) and its damping, each as the mean over "
         "a cycle, which is what the Hilbert transform measures. "

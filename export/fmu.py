@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from .. import engine
 from ..errors import BadInput
-from ..model.equations import equations
 from ..simulate.law_source import law_source
 from .archive import write_archive
 from .backend import choose_backend
@@ -17,6 +16,7 @@ from .binaries import binaries, chosen, inside, remark
 from .contents import further_contents
 from .description import Description, describe_fmu
 from .documentation import documentation, guid_of
+from .facts import Facts
 from .model_description import build_description, model_description
 from .platforms import Platform
 
@@ -83,6 +83,21 @@ def export_fmu(
         BadInput: where the backend is unknown, a value of the model is not finite, or the path cannot be written.
         ToolchainMissing: where the compiler for ``native`` or for one of the platforms is missing or fails.
     """
+    _, entries = fmu_entries(
+        Facts(oscillator), version=version, backend=backend, platforms=platforms, progress=progress
+    )
+    return write_archive(Path(path), entries)
+
+
+def fmu_entries(
+    facts: Facts,
+    *,
+    version: int = 2,
+    backend: str | None = None,
+    platforms: Sequence[Platform] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> tuple[Description, dict[str, bytes]]:
+    """The model's variables as its FMU has them, and the contents of that by their names; as ``export_fmu``."""
     if version not in engine.FMU:
         raise BadInput(f"there is no FMI {version} here; use 2 or 3")
     if choose_backend(backend, platforms, progress) == "python":
@@ -93,17 +108,20 @@ def export_fmu(
             )
         from .python_fmu import python_entries
 
-        return write_archive(Path(path), python_entries(oscillator))
-    return write_archive(Path(path), _native_entries(oscillator, version, chosen(platforms), progress))
+        description = describe_fmu(facts, continuous=False)
+        return description, python_entries(facts, description)
+    targets = chosen(platforms)
+    description = describe_fmu(facts, version=version)
+    return description, _native_entries(facts, description, version, targets, progress)
 
 
 def fmu_sources(
-    oscillator: Oscillator, description: Description | None = None, *, version: int = 2
+    facts: Facts, description: Description | None = None, *, version: int = 2
 ) -> tuple[dict[str, str], str]:
     """The C texts of the FMU by file name, and the GUID that ties them to their modelDescription.xml."""
-    description = description or describe_fmu(oscillator, version=version)
+    description = description or describe_fmu(facts, version=version)
     sources = engine.fmu_texts(version)
-    sources["law.c"] = law_source(equations(oscillator), exported=True)
+    sources["law.c"] = law_source(facts.equations, exported=True)
     sources[_MAIN] = engine.included("law.c", *engine.FMU[version])
     text = model_description(description, "", version=version)
     guid = guid_of([_variables_header(description, ""), text, *sorted(sources.values())])
@@ -112,20 +130,23 @@ def fmu_sources(
 
 
 def _native_entries(
-    oscillator: Oscillator, version: int, platforms: Sequence[Platform], progress: Callable[[str], None] | None
+    facts: Facts,
+    description: Description,
+    version: int,
+    platforms: Sequence[Platform],
+    progress: Callable[[str], None] | None,
 ) -> dict[str, bytes]:
-    description = describe_fmu(oscillator, version=version)
-    sources, guid = fmu_sources(oscillator, description, version=version)
+    sources, guid = fmu_sources(facts, description, version=version)
     entries = {f"sources/{name}": text.encode() for name, text in sources.items()}
     entries["sources/buildDescription.xml"] = build_description(description.identifier, (_MAIN,)).encode()
     text = model_description(description, guid, version=version, source_files=(_MAIN,))
     entries["modelDescription.xml"] = text.encode()
-    page = documentation(oscillator, description, f"{_HOLD[version]} {_EVENTS} {inside(platforms)}")
+    page = documentation(facts, description, f"{_HOLD[version]} {_EVENTS} {inside(platforms)}")
     entries["documentation/index.html"] = page.encode()
     entries |= binaries(sources, _MAIN, description.identifier, platforms, version=version, progress=progress)
     if progress is not None:
         progress(remark(platforms))
-    return entries | further_contents(oscillator)
+    return entries | further_contents(facts, description)
 
 
 def _variables_header(description: Description, guid: str) -> str:

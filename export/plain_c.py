@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__, engine
 from ..errors import BadInput
 from ..model import units
-from ..model.equations import Equations, equations
+from ..model.equations import Equations
 from ..model.show import value_and_error
 from ..simulate.law_source import law_source
 from ..templates import template
 from ..writing import replacing, writable
 from .description import Description, describe_fmu
+from .facts import Facts
 
 if TYPE_CHECKING:
     from ..model import Oscillator, Parameter
@@ -55,7 +56,7 @@ def export_plain_c(oscillator: Oscillator, path: str | Path) -> tuple[Path, Path
     header = source.with_suffix(".h")
     if not header.name.isprintable() or any(mark in header.name for mark in ('"', "\\", "??")):
         raise BadInput(f"{source}: this name cannot stand in an #include of C; choose letters, digits and hyphens")
-    texts = plain_c(oscillator, header.name)
+    texts = plain_c(Facts(oscillator), header.name)
     writable(header)  # both or none
     for target, text in zip((source, header), texts, strict=True):
         with replacing(target) as temporary:
@@ -63,19 +64,19 @@ def export_plain_c(oscillator: Oscillator, path: str | Path) -> tuple[Path, Path
     return source, header
 
 
-def plain_c(oscillator: Oscillator, header: str) -> tuple[str, str]:
+def plain_c(facts: Facts, header: str) -> tuple[str, str]:
     """Text of the C source and of its header, which the source includes by the name ``header``.
 
     Raises BadInput where a value of the model is not finite.
     """
-    description = describe_fmu(oscillator)
-    eq = equations(oscillator)
+    oscillator, eq = facts.oscillator, facts.equations
+    description = describe_fmu(facts)
     prefix = prefix_of(description.identifier)
     values: dict[str, Any] = {
         "id": prefix,
         "header": header,
         "most_steps": _MOST_STEPS,
-        "values": [repr(float(value)) for value in oscillator.values().values()],
+        "values": [repr(float(value)) for value in facts.values.values()],
         "longest": description.variables[description.reference("max_step")].start_text,
         "follows": ", ".join("-1" if leader is None else str(leader) for leader in eq.follows),
         **_words(oscillator, description, eq),

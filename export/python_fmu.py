@@ -15,20 +15,17 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from ..model import units
-from ..model.equations import equations
+from ..model.equations import Equations
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_output, exact_step
 from ..templates import template
 from .contents import further_contents
-from .description import Description, Variable, describe_fmu
+from .description import Description, Variable
 from .documentation import documentation, guid_of
+from .facts import Facts
 from .model_description import model_description
-
-if TYPE_CHECKING:
-    from ..model import Oscillator
 
 _HOLD = (
     "This FMU needs Python with the package casadi on the machine where it runs. "
@@ -38,16 +35,15 @@ _HOLD = (
 )
 
 
-def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
-    """Contents of the FMU by their names in the archive.
+def python_entries(facts: Facts, description: Description) -> dict[str, bytes]:
+    """Contents of the FMU by their names in the archive; its description has what co-simulation needs alone.
 
     Raises:
         BadInput: where a value of the model is not finite.
     """
     import pythonfmu
 
-    description = _with_slope(describe_fmu(oscillator, continuous=False))
-    longest = description.variables[description.reference("max_step")].start or 0.0
+    description, longest = _with_slope(description), facts.max_step
     text = template("slave.py.txt")
     # Python keeps modules by name: slaves of different versions in one process must not share one.
     module = f"dashpot_slave_{hashlib.sha256(text.encode()).hexdigest()[:12]}"
@@ -56,8 +52,8 @@ def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
         script = folder / f"{module}.py"
         script.write_text(text, encoding="utf-8")
         resources = [folder / "step.casadi", folder / "output.casadi", folder / "model.json"]
-        exact_step(oscillator, longest, longest).save(str(resources[0]))
-        output_function(oscillator).save(str(resources[1]))
+        exact_step(facts.oscillator, longest, longest).save(str(resources[0]))
+        output_function(facts.equations).save(str(resources[1]))
         resources[2].write_text(_model_json(description), encoding="utf-8")
         built = folder / "built.fmu"
         with _imports_undone(module):
@@ -70,15 +66,14 @@ def python_entries(oscillator: Oscillator) -> dict[str, bytes]:
     parts += [f"{name} {hashlib.sha256(entries[name]).hexdigest()}" for name in sorted(entries)]
     tool = f"PythonFMU {pythonfmu.__version__}"
     entries["modelDescription.xml"] = model_description(description, guid_of(parts), tool=tool, python=True).encode()
-    entries["documentation/index.html"] = documentation(oscillator, description, _HOLD).encode()
-    return entries | further_contents(oscillator)
+    entries["documentation/index.html"] = documentation(facts, description, _HOLD).encode()
+    return entries | further_contents(facts, description)
 
 
-def output_function(oscillator: Oscillator) -> Expression:
+def output_function(eq: Equations) -> Expression:
     """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration; energy and its loss."""
     import casadi as ca
 
-    eq = equations(oscillator)
     y = exact_output(eq, eq.z, eq.u, eq.p, eq.t, ca.vertcat(eq.y, eq.energy, eq.dissipated))
     return ca.Function("output", [eq.z, eq.u, eq.p, eq.t], [y], ["z", "u", "p", "t"], ["y"])
 

@@ -12,16 +12,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..model.describing import natural_motion
 from ..model.display import number
-from ..model.equations import Equations, equations
 from ..simulate.casadi_step import exact_output, exact_step
 from ..simulate.compiler import find_compiler
 from ..simulate.core import core_of
 from ..simulate.force import Force, straight_lines
-from .description import describe_fmu
+from .description import Description
+from .facts import Facts
 from .render import plain_text
-from .smoothing import amplitude_of
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -61,36 +59,36 @@ class Reference:
     held: np.ndarray
 
 
-def reference_result(oscillator: Oscillator) -> dict[str, bytes]:
+def reference_result(facts: Facts, description: Description) -> dict[str, bytes]:
     """Input, outputs and a word about them by their names in the archive; the same model gives the same bytes.
 
     Raises BadInput where a value of the model is not finite.
     """
-    found = reference(oscillator)
+    found = reference(facts)
     if isinstance(found, str):
-        name = plain_text(oscillator.name) or "the model"
+        name = plain_text(facts.oscillator.name) or "the model"
         return {f"{FOLDER}/README.txt": f"There is no reference result of {name}: {found}.\n".encode()}
-    outputs = ["time", *equations(oscillator).output_names]
+    outputs = ["time", *facts.equations.output_names]
     tables = {
         "input.csv": (["time", "F"], np.column_stack([found.time, found.force])),
         "output_straight.csv": (outputs, np.column_stack([found.time, found.straight])),
         "output_held.csv": (outputs, np.column_stack([found.time, found.held])),
     }
     files = {f"{FOLDER}/{name}": _csv(*one).encode() for name, one in tables.items()}
-    return {f"{FOLDER}/README.txt": _words(oscillator, found).encode(), **files}
+    return {f"{FOLDER}/README.txt": _words(facts, description, found).encode(), **files}
 
 
-def reference(oscillator: Oscillator) -> Reference | str:
+def reference(facts: Facts) -> Reference | str:
     """The sweep that keeps the model within its validity, and the response; or in words why there is none.
 
     Raises BadInput where a value of the model is not finite.
     """
-    run = _Run(oscillator)
-    top = amplitude_of(oscillator)
-    omega, h = _natural(oscillator, _MOST * top)
+    oscillator, top = facts.oscillator, facts.amplitude
+    run = _Run(facts)
+    omega, h = _natural(facts, _MOST * top)
     dt = _round_down(2 * math.pi / omega / _SAMPLES_A_CYCLE)
-    if dt * _SAMPLES > _MOST_STEPS * run.longest:
-        return f"its fastest motion needs internal steps of {run.longest:.2g} s, too many for a sweep"
+    if dt * _SAMPLES > _MOST_STEPS * facts.max_step:
+        return f"its fastest motion needs internal steps of {facts.max_step:.2g} s, too many for a sweep"
     start, end = _band(oscillator, omega / (2 * math.pi))
     time = np.array([float(f"{k * dt:.12g}") for k in range(_SAMPLES)])
     phase = 2 * np.pi * (start * time + (end - start) * time**2 / (2 * time[-1]))
@@ -128,15 +126,12 @@ def reference(oscillator: Oscillator) -> Reference | str:
 class _Run:
     """The model from rest, by the compiled core or, where there is no compiler, by the CasADi step that repeats it."""
 
-    def __init__(self, oscillator: Oscillator) -> None:
+    def __init__(self, facts: Facts) -> None:
         import casadi as ca
 
-        self.oscillator = oscillator
-        self.equations: Equations = equations(oscillator)
-        self.values = np.array(list(oscillator.values().values()))
-        description = describe_fmu(oscillator)
-        self.longest = description.variables[description.reference("max_step")].start or 0.0
-        eq = self.equations
+        self.facts = facts
+        self.values = np.array(list(facts.values.values()))
+        eq = facts.equations
         y = exact_output(eq, eq.z, eq.u, eq.p, eq.t)
         self.output = ca.Function("output", [eq.z, eq.u, eq.p, eq.t], [y])
 
@@ -149,10 +144,11 @@ class _Run:
         return np.array(self.output(z.T, at_samples[None, :], p, time[None, :])).T
 
     def _states(self, force: Force, n: int, dt: float) -> np.ndarray:
-        rest = np.zeros(self.equations.z.numel())
+        oscillator, longest = self.facts.oscillator, self.facts.max_step
+        rest = np.zeros(self.facts.equations.z.numel())
         if find_compiler() is not None:
-            return core_of(self.oscillator).record(self.values, rest, force, n, dt, self.longest, states=True)
-        step = exact_step(self.oscillator, dt, self.longest)
+            return core_of(oscillator).record(self.values, rest, force, n, dt, longest, states=True)
+        step = exact_step(oscillator, dt, longest)
         found = [rest]
         for k in range(n - 1):
             ends = [force.pieces[k, 0], force.pieces[k, 0] + force.pieces[k, 1] * dt]
@@ -160,16 +156,16 @@ class _Run:
         return np.array(found)
 
 
-def _natural(oscillator: Oscillator, amplitude: float) -> tuple[float, float]:
+def _natural(facts: Facts, amplitude: float) -> tuple[float, float]:
     """Natural frequency, rad/s, and damping h, 1/s, at the amplitude, or what stands in where it does not swing."""
     from ..errors import BadInput
 
     try:
         with np.errstate(all="ignore"):
-            omega, h = (float(one[0]) for one in natural_motion(oscillator, amplitude))
+            omega, h = (float(one[0]) for one in facts.harmonic.natural(amplitude))
     except BadInput:
         omega, h = math.nan, math.nan
-    plain = oscillator.omega0.value
+    plain = facts.oscillator.omega0.value
     omega = omega if math.isfinite(omega) and omega > 0 else plain if plain > 0 else 2 * math.pi
     return omega, h if math.isfinite(h) and h > 0 else 0.0
 
@@ -196,14 +192,14 @@ def _csv(names: list[str], columns: np.ndarray) -> str:
     return "\n".join([",".join(names), *rows]) + "\n"
 
 
-def _words(o: Oscillator, found: Reference) -> str:
-    description = describe_fmu(o)
+def _words(facts: Facts, description: Description, found: Reference) -> str:
+    o = facts.oscillator
     unit = {v.name: v.unit for v in description.variables}
     dt, stop = found.time[1], found.time[-1]
     bend = (found.end - found.start) / (2 * stop)
     peak = float(np.max(np.abs(found.straight[:, 1])))
     valid = "" if o.amplitude is None else f"; the model is valid to {o.amplitude.max:.4g} {o.amplitude.unit}"
-    columns = ", ".join(f"{name} [{unit[name]}]" for name in equations(o).output_names)
+    columns = ", ".join(f"{name} [{unit[name]}]" for name in facts.equations.output_names)
     return f"""\
 Reference result of {plain_text(o.name) or "the model"}
 

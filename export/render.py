@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import cache
 from typing import Any
 
 from ..templates import template
@@ -18,9 +19,15 @@ def plain_text(text: str) -> str:
 
 def render(name: str, **values: Any) -> str:
     """The template ``name`` filled in; every value is escaped for XML and HTML."""
+    return _prepared(name).render(**values)
+
+
+@cache
+def _prepared(name: str) -> Any:
+    """The template made into a program, which takes longer than to run it."""
     from jinja2 import Environment, StrictUndefined
 
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True, keep_trailing_newline=True
     )
-    return environment.from_string(template(name)).render(**values)
+    return environment.from_string(template(name))

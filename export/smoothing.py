@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -13,7 +14,6 @@ from ..model import units
 from ..model.equations import Equations, SurfaceKind, signed
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_step
-from ..simulate.core import internal_step
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -135,14 +135,20 @@ class MotionSize:
         return tuple(surface.width / RELATIVE_WIDTH for surface in self.surfaces)
 
 
-def motion_size(oscillator: Oscillator, eq: Equations) -> MotionSize:
-    """How large surfaces and states become; inner ones as in a motion at the natural frequency."""
+def motion_size(oscillator: Oscillator, eq: Equations, sampled: Callable[[], Sample]) -> MotionSize:
+    """How large surfaces and states become; inner ones as in the motion at the natural frequency.
+
+    Args:
+        oscillator: the model.
+        eq: its equations.
+        sampled: that motion, called only where it is needed; it may raise BadInput.
+    """
     amplitude = amplitude_of(oscillator)
     nominals = [amplitude, amplitude * oscillator.omega0.value or amplitude]
     sample = None
     if eq.inner or SurfaceKind.OTHER in eq.kinds:
         try:
-            sample = sample_motion(oscillator, eq, internal_step(oscillator, oscillator.values(), amplitude))
+            sample = sampled()
         except BadInput:  # no spring, or a motion too fast to be followed here: sizes of 1 are as good as any
             sample = None
     for i in range(len(eq.inner)):

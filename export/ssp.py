@@ -21,9 +21,10 @@ from .. import __version__
 from ..errors import BadInput
 from ..model.display import pretty_unit
 from .archive import write_archive
-from .description import Description, Variable, describe_fmu
+from .description import Description, Variable
 from .draws import draws as drawn
-from .fmu import export_fmu
+from .facts import Facts
+from .fmu import fmu_entries
 from .render import render
 
 if TYPE_CHECKING:
@@ -67,9 +68,10 @@ def export_ssp(
     sets = {"nominal": oscillator.values()}
     made = drawn(oscillator, count, seed) if count else []
     sets |= {f"draw_{i:0{max(width, 2)}d}": values for i, values in enumerate(made, start=1)}
+    description, contents = fmu_entries(Facts(oscillator), **fmu)
     with tempfile.TemporaryDirectory() as folder:
-        inner = export_fmu(oscillator, Path(folder) / "rig.fmu", **fmu).read_bytes()
-    return write_archive(Path(path), _entries(oscillator, sets, seed, note(oscillator, draws), inner))
+        inner = write_archive(Path(folder) / "rig.fmu", contents).read_bytes()
+    return write_archive(Path(path), _entries(description, sets, seed, note(oscillator, draws), inner))
 
 
 def note(oscillator: Oscillator, draws: int | None = None) -> str | None:
@@ -87,10 +89,9 @@ def _default(oscillator: Oscillator) -> int:
 
 
 def _entries(
-    oscillator: Oscillator, sets: Mapping[str, Mapping[str, float]], seed: int, remark: str | None, fmu: bytes
+    description: Description, sets: Mapping[str, Mapping[str, float]], seed: int, remark: str | None, fmu: bytes
 ) -> dict[str, bytes]:
     """Contents of the archive by their names in it."""
-    description = describe_fmu(oscillator)
     source = f"resources/{description.identifier}.fmu"
     units = {v.name: v.unit for v in description.variables if v.role == "parameter"}
     entries = {source: fmu}

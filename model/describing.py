@@ -64,7 +64,7 @@ def describing_functions(
 
     Arguments and other errors as above.
     """
-    return _describing(oscillator, amplitude, omega)
+    return HarmonicMotion(oscillator)(amplitude, omega)
 
 
 def natural_motion(oscillator: Oscillator, amplitude: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
@@ -74,12 +74,15 @@ def natural_motion(oscillator: Oscillator, amplitude: ArrayLike) -> tuple[np.nda
     memory does k depend on the frequency; of several solutions one near omega0 is taken, and NaN where none is found.
     Raises BadInput as above.
     """
-    a = positive(amplitude, "amplitude", oscillator.response.displacement_unit)
-    omega = np.full(a.shape, oscillator.omega0.value)
-    k, d = _describing(oscillator, a, omega)
-    if without_memory(oscillator)[1] is None:
+    return HarmonicMotion(oscillator).natural(amplitude)
+
+
+def _natural(harmonic: HarmonicMotion, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    omega = np.full(a.shape, harmonic.omega0)
+    k, d = harmonic(a, omega)
+    if not harmonic.remembers:
         omega = np.sqrt(np.where(k > 0, k, np.nan))
-        return omega, np.where(k > 0, _describing(oscillator, a, np.where(k > 0, omega, 1.0))[1] / 2, np.nan)
+        return omega, np.where(k > 0, harmonic(a, np.where(k > 0, omega, 1.0))[1] / 2, np.nan)
     last, excess = omega, k - omega**2
     omega = np.sqrt(np.where(k > 0, k, omega**2))
     open_ = np.flatnonzero(k > 0)
@@ -87,7 +90,7 @@ def natural_motion(oscillator: Oscillator, amplitude: ArrayLike) -> tuple[np.nda
         if not open_.size:
             break
         w = omega[open_]
-        k[open_], d[open_] = _describing(oscillator, a[open_], w)
+        k[open_], d[open_] = harmonic(a[open_], w)
         now = k[open_] - w**2
         with np.errstate(divide="ignore", invalid="ignore"):
             new = w - now * (w - last[open_]) / (now - excess[open_])
@@ -102,7 +105,7 @@ def natural_motion(oscillator: Oscillator, amplitude: ArrayLike) -> tuple[np.nda
 
 
 def _periodic(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    found = _describing(oscillator, amplitude, omega)
+    found = HarmonicMotion(oscillator)(amplitude, omega)
     if not np.all(np.isfinite(found)):
         a = np.broadcast_to(positive(amplitude, "amplitude", ""), found[0].shape)[~np.isfinite(found[0])]
         raise BadInput(
@@ -123,24 +126,46 @@ def positive(values: ArrayLike, what: str, unit: str) -> np.ndarray:
     return array
 
 
-def _describing(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    a = positive(amplitude, "amplitude", oscillator.response.displacement_unit)
-    w = positive(omega, "omega", "rad/s")
-    if w.size not in (1, a.size):
-        raise BadInput(f"{a.size} amplitudes with {w.size} frequencies; give one frequency or one for each amplitude")
-    w = np.broadcast_to(w, a.shape)
-    oscillator, memory = without_memory(oscillator)
-    force = InnerForce(oscillator)
+class HarmonicMotion:
+    """The laws of one oscillator in a harmonic motion, ready for any amplitudes and frequencies.
 
-    def surfaces(phi: np.ndarray, row: np.ndarray) -> np.ndarray:
-        return force.surfaces(a[row] * np.cos(phi), -a[row] * w[row] * np.sin(phi))
+    Attributes:
+        omega0: natural frequency of the linear spring, rad/s.
+        remembers: whether a law has a memory, so that the stiffness depends on the frequency.
+    """
 
-    panels = split_panels(surfaces, a.size, 2 * np.pi, _INTERVALS)
-    cos, sin = np.cos(panels.angle), np.sin(panels.angle)
-    f = force(a[:, None, None] * cos, -(a * w)[:, None, None] * sin)
-    stiffness = panels.integral(f * cos) / (np.pi * a)
-    damping = -panels.integral(f * sin) / (np.pi * a * w)
-    if memory is not None:
-        more = Memory(memory).fundamental(a, w)
-        stiffness, damping = stiffness + more.stiffness, damping + more.damping
-    return stiffness, damping
+    def __init__(self, oscillator: Oscillator) -> None:
+        plain, memory = without_memory(oscillator)
+        self.omega0 = oscillator.omega0.value
+        self.remembers = memory is not None
+        self._unit = oscillator.response.displacement_unit
+        self._force = InnerForce(plain)
+        self._memory = None if memory is None else Memory(memory)
+
+    def natural(self, amplitude: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Mean natural frequency (n,), rad/s, and h (n,), 1/s, as ``natural_motion`` gives them."""
+        return _natural(self, positive(amplitude, "amplitude", self._unit))
+
+    def __call__(self, amplitude: ArrayLike, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
+        """Equivalent stiffness k (n,) and damping d (n,), as ``describing_functions`` gives them."""
+        a = positive(amplitude, "amplitude", self._unit)
+        w = positive(omega, "omega", "rad/s")
+        if w.size not in (1, a.size):
+            raise BadInput(
+                f"{a.size} amplitudes with {w.size} frequencies; give one frequency or one for each amplitude"
+            )
+        w = np.broadcast_to(w, a.shape)
+        force = self._force
+
+        def surfaces(phi: np.ndarray, row: np.ndarray) -> np.ndarray:
+            return force.surfaces(a[row] * np.cos(phi), -a[row] * w[row] * np.sin(phi))
+
+        panels = split_panels(surfaces, a.size, 2 * np.pi, _INTERVALS)
+        cos, sin = np.cos(panels.angle), np.sin(panels.angle)
+        f = force(a[:, None, None] * cos, -(a * w)[:, None, None] * sin)
+        stiffness = panels.integral(f * cos) / (np.pi * a)
+        damping = -panels.integral(f * sin) / (np.pi * a * w)
+        if self._memory is not None:
+            more = self._memory.fundamental(a, w)
+            stiffness, damping = stiffness + more.stiffness, damping + more.damping
+        return stiffness, damping

@@ -8,8 +8,9 @@ keeps its order (Filippov 1988 for what happens on a surface).
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import IntEnum
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
@@ -18,6 +19,10 @@ from .laws import BASE
 
 if TYPE_CHECKING:
     from .oscillator import Oscillator
+
+
+#: Structures whose equations are kept; a search goes through some hundred of them.
+_KEPT = 512
 
 
 class SurfaceKind(IntEnum):
@@ -85,17 +90,47 @@ class Equations:
         return (False, False, *(state.free for state in self.inner))
 
 
+@dataclass(frozen=True)
+class Structure:
+    """What the equations of an oscillator follow from: neither values nor units.
+
+    Attributes:
+        parameters: names, in the order of ``Oscillator.parameters()``.
+        laws: of the terms beside Eq. 17, in their order; a law read again from a changed file is another one.
+        recorded: what the recordings show: displacement, velocity or acceleration.
+    """
+
+    parameters: tuple[str, ...]
+    laws: tuple[Law, ...] = field(hash=False)
+    recorded: str
+
+
+def structure_of(oscillator: Oscillator) -> Structure:
+    """The structure of an oscillator, by which what is made of its equations alone is kept."""
+    laws = tuple(term.law for term in oscillator.terms)
+    return Structure(tuple(oscillator.parameters()), laws, oscillator.response.quantity)
+
+
 def equations(oscillator: Oscillator) -> Equations:
-    """Assemble the laws of an oscillator; only its structure matters, the values stay symbols."""
+    """The laws of an oscillator assembled; only its structure matters, the values stay symbols.
+
+    Oscillators of one structure share one value: an export or a fit asks for it dozens of times.
+    """
+    return equations_of(structure_of(oscillator))
+
+
+@lru_cache(maxsize=_KEPT)
+def equations_of(structure: Structure) -> Equations:
+    """The same from the structure alone."""
     import casadi as ca
 
     x, v = ca.SX.sym("x"), ca.SX.sym("v")
     t, u, u_rate = ca.SX.sym("t"), ca.SX.sym("u"), ca.SX.sym("u_rate")
-    names = tuple(oscillator.parameters())
+    names = structure.parameters
     p = ca.SX.sym("p", len(names))
     value = {name: p[i] for i, name in enumerate(names)}
-    motion = Motion(x=x, v=v, t=t, recorded=oscillator.response.quantity)
-    terms = [(term.law, {n: value[f"{term.effect}.{n}"] for n in term.parameters}) for term in oscillator.terms]
+    motion = Motion(x=x, v=v, t=t, recorded=structure.recorded)
+    terms = [(law, {q.name: value[f"{law.name}.{q.name}"] for q in law.parameters}) for law in structure.laws]
     taken: list[tuple[Expression, Expression]] = []  # the force of each law and what it has stored
 
     def ask(law: Law, own: Mapping[str, Expression], *signal: Expression) -> Expression:
@@ -113,13 +148,13 @@ def equations(oscillator: Oscillator) -> Equations:
     inner = sum(ask(law, value) for law in BASE)
     inner += sum(ask(law, own) for law, own in terms if law.force)
     acceleration = (drive / value["mass"] if "mass" in value else drive) - inner
-    recorded = {"displacement": x, "velocity": v, "acceleration": acceleration}[oscillator.response.quantity]
+    recorded = {"displacement": x, "velocity": v, "acceleration": acceleration}[structure.recorded]
     for law, own in terms:
         if law.record:
             recorded = ask(law, own, recorded)
 
     # in the order of the terms, whatever their paths: a model with one more term has its states at the end
-    rank = [term.effect for term in oscillator.terms]
+    rank = [law.name for law in structure.laws]
     order = sorted(range(len(motion.owners)), key=lambda i: rank.index(motion.owners[i]))
     inner_states = [motion.states[i] for i in order]
 

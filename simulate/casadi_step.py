@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING
 
-from ..model.equations import Equations, SurfaceKind, equations, rates_feel_rest
+from ..model.equations import Equations, Structure, SurfaceKind, equations_of, rates_feel_rest, structure_of
 from ..model.law import Expression
 from .runge_kutta import dormand_prince
 
@@ -282,7 +283,37 @@ def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression
     """
     import casadi as ca
 
-    eq = equations(oscillator)
+    structure = structure_of(oscillator)
+    go, nz, np_ = _phase(structure), len(equations_of(structure).state_names), len(structure.parameters)
+    x, force, given = ca.MX.sym("x", nz), ca.MX.sym("u", 2), ca.MX.sym("p", np_)
+    clock, length = ca.MX.sym("t"), ca.MX.sym("dt")
+    values = with_defaults(given, list(oscillator.values().values()))
+    duration = ca.if_else(length < ca.inf, length, dt)
+    slope = (force[1] - force[0]) / duration
+    count = max(1, math.ceil(dt / max_step - 1e-9))
+    inner = duration / count
+    current = x
+    for n in range(count):
+        at, rest = n * inner, inner
+        for _ in range(PHASES):
+            current, part = go(rest > 0, current, at, rest, inner, force[0], slope, clock, values)
+            at, rest = at + part * rest, rest * (1 - part)
+    inputs = [x, force, given, clock, length]
+    options = {"default_in": [0.0, 0.0, ca.inf, 0.0, ca.inf]}
+    return ca.Function("step", inputs, [current], ["x", "u", "p", "t", "dt"], ["x_next"], options)
+
+
+@cache
+def _phase(structure: Structure) -> Expression:
+    """One phase of an internal step, up to its end or the next event: the same for every step of a structure.
+
+    Returns:
+        casadi.Function of whether there is anything left to do, state, time within the step, what is left of the
+        internal step, its length, force and its slope, time, parameters; state and the part of ``left`` that was used.
+    """
+    import casadi as ca
+
+    eq = equations_of(structure)
     stepper = _Stepper(eq)
     nz, np_ = eq.z.numel(), eq.p.numel()
     z, p = ca.SX.sym("z", nz), ca.SX.sym("p", np_)
@@ -304,24 +335,7 @@ def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression
         phase = ca.Function("phase", symbols, list(resolve(flag, end, *symbols)))
     else:
         phase = ca.Function("phase", arguments, [state, ca.SX(1)])
-    go = ca.Function.if_else("go", phase, done)
-
-    x, force, given = ca.MX.sym("x", nz), ca.MX.sym("u", 2), ca.MX.sym("p", np_)
-    clock, length = ca.MX.sym("t"), ca.MX.sym("dt")
-    values = with_defaults(given, list(oscillator.values().values()))
-    duration = ca.if_else(length < ca.inf, length, dt)
-    slope = (force[1] - force[0]) / duration
-    count = max(1, math.ceil(dt / max_step - 1e-9))
-    inner = duration / count
-    current = x
-    for n in range(count):
-        at, rest = n * inner, inner
-        for _ in range(PHASES):
-            current, part = go(rest > 0, current, at, rest, inner, force[0], slope, clock, values)
-            at, rest = at + part * rest, rest * (1 - part)
-    inputs = [x, force, given, clock, length]
-    options = {"default_in": [0.0, 0.0, ca.inf, 0.0, ca.inf]}
-    return ca.Function("step", inputs, [current], ["x", "u", "p", "t", "dt"], ["x_next"], options)
+    return ca.Function.if_else("go", phase, done)
 
 
 def exact_field(eq: Equations, z: Expression, u: Expression, p: Expression, t: Expression) -> Expression:

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
-from functools import cached_property
+from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import engine
 from ..errors import BadInput
-from ..model.equations import Equations, equations
+from ..model.equations import Equations, Structure, equations, equations_of, structure_of
 from ..model.law import Expression
 from .compiler import shared_library
 from .force import Force, straight_lines
@@ -164,29 +164,22 @@ def _pointer(values: np.ndarray | None) -> Any:
     return None if values is None else values.ctypes.data_as(_DOUBLES)
 
 
-_cores: dict[tuple[object, ...], Core] = {}
-_linear: dict[tuple[object, ...], tuple[Equations, Expression, Expression]] = {}
+_cores: dict[Structure, Core] = {}
 
 
-def _structure(oscillator: Oscillator) -> tuple[object, ...]:
-    """What cores are kept by: which laws, which response."""
-    return tuple(oscillator.parameters()), oscillator.response.quantity
-
-
-def _linearised(key: tuple[object, ...], oscillator: Oscillator) -> tuple[Equations, Expression, Expression]:
+@cache
+def _linearised(structure: Structure) -> tuple[Equations, Expression, Expression]:
     """Equations of a structure, their Jacobian in the state, and how far inner states reach, as functions."""
     import casadi as ca
 
-    if key not in _linear:
-        eq = equations(oscillator)
-        jacobian = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p, eq.s], [ca.densify(ca.jacobian(eq.zdot, eq.z))])
-        _linear[key] = (eq, jacobian, ca.Function("reaches", [eq.p], [eq.reaches]))
-    return _linear[key]
+    eq = equations_of(structure)
+    jacobian = ca.Function("jacobian", [eq.z, eq.t, eq.u, eq.p, eq.s], [ca.densify(ca.jacobian(eq.zdot, eq.z))])
+    return eq, jacobian, ca.Function("reaches", [eq.p], [eq.reaches])
 
 
 def core_of(oscillator: Oscillator) -> Core:
     """The core for the structure of ``oscillator`` (which laws, which response), built at first use."""
-    key = _structure(oscillator)
+    key = structure_of(oscillator)
     if key not in _cores:
         _cores[key] = Core(oscillator)
     return _cores[key]
@@ -206,7 +199,7 @@ def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude
     whichever side of its surfaces it is on: a seventy-fifth of the rig's own period, a thirtieth of that of a faster
     motion, and two thirds of a time constant of what merely decays.
     """
-    eq, jacobian, reaches = _linearised(_structure(oscillator), oscillator)
+    eq, jacobian, reaches = _linearised(structure_of(oscillator))
     p = [values[name] for name in eq.parameter_names]
     reach = np.array(reaches(p)).ravel()
     count = len(eq.kinds)

@@ -10,6 +10,7 @@ import os
 import platform
 import sys
 from collections.abc import Mapping, Sequence
+from functools import cache
 from importlib import metadata, util
 from pathlib import Path
 
@@ -30,9 +31,15 @@ def zig_version() -> str | None:
     if util.find_spec("ziglang") is None:
         return None
     try:
-        return metadata.version("ziglang")
+        return _installed()
     except metadata.PackageNotFoundError:  # on the path without having been installed
         return "unknown"
+
+
+@cache
+def _installed() -> str:
+    # an export asks several times, and each time a file would be searched for and read
+    return metadata.version("ziglang")
 
 
 def zig_target() -> str | None:

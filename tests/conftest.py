@@ -1,19 +1,35 @@
-"""What all tests share: a model with any law of the library, and how the test process ends."""
+"""What all tests share: a model with any law of the library, which tests are long, and how the test process ends."""
 
 from __future__ import annotations
 
 import os
 import sys
+from collections import defaultdict
 from collections.abc import Callable, Iterator
 
 import pytest
 from dashpot.model import Oscillator, Response
 from dashpot.model.law import LawParameter, Scales
-from dashpot.model.laws import find
+from dashpot.model.laws import LIBRARY, find
 
 #: The paper's stand, and the sizes of its motion.
 STAND = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.02 / 0.27, "viscous": 5.0, "dry": 0.015}
 SCALES = Scales(length=8e-3, omega=79.6, force=1.0, response=8e-3, duration=1.0, mass=0.27, lines=(60.0,))
+#: A law of each path, of each kind of surface, with and without states, time and a phase: where a test goes through the
+#: library, `make test` takes these, and `make test-all` the whole of it (tests/test_lanes.py holds them complete).
+KINDS = (
+    "one-sided-stop",
+    "quadratic-drag",
+    "hysteresis",
+    "attached-resonator",
+    "actuator-saturation",
+    "sensor-lag",
+    "time-delay",
+    "stiffness-drift",
+    "tonal-disturbance",
+)
+#: A test of so many laws goes through the library; one of fewer has chosen them itself.
+MANY = 12
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
 
 
@@ -72,6 +88,30 @@ def no_compiler(monkeypatch: pytest.MonkeyPatch, no_zig: None) -> None:
     """A machine without any C compiler."""
     monkeypatch.setenv("PATH", "")
     monkeypatch.delenv("CC", raising=False)
+
+
+@pytest.fixture(scope="session")
+def kinds() -> tuple[str, ...]:
+    """The laws that stand for the library in `make test`."""
+    return KINDS
+
+
+def laws_of(item: pytest.Item) -> set[str]:
+    """The laws that a test is about by its parameters."""
+    given = getattr(item, "callspec", None)
+    values = [] if given is None else list(given.params.values())
+    flat = [part for value in values for part in (value if isinstance(value, tuple | list) else [value])]
+    return {value for value in flat if isinstance(value, str) and value in LIBRARY}
+
+
+@pytest.hookimpl(tryfirst=True)  # before pytest leaves out what is long
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    whole: defaultdict[str, set[str]] = defaultdict(set)
+    for item in items:
+        whole[item.nodeid.partition("[")[0]] |= laws_of(item)
+    for item in items:
+        if len(whole[item.nodeid.partition("[")[0]]) >= MANY and laws_of(item) - set(KINDS):
+            item.add_marker(pytest.mark.long)
 
 
 _status = 0

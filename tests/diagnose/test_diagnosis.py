@@ -13,7 +13,12 @@ from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
 
 
-@pytest.mark.parametrize("effect", ["clearance", "quadratic-drag", "tonal-disturbance"])
+def long(value: str):
+    """A further case, for `make test-all`: each is a whole diagnosis."""
+    return pytest.param(value, marks=pytest.mark.long)
+
+
+@pytest.mark.parametrize("effect", [long("clearance"), "quadratic-drag", long("tonal-disturbance")])
 def test_a_concealed_effect_is_named_and_mended(rig, effect, tmp_path):
     case = rig("single", effect)
     found = diagnose(case.model, case.training, case.holdout, fmu=tmp_path / "mended.fmu")
@@ -28,7 +33,7 @@ def test_a_concealed_effect_is_named_and_mended(rig, effect, tmp_path):
     assert loads(dumps(found.model)).values() == found.model.values()
 
 
-@pytest.mark.parametrize("noise", ["white", "ar1", "quantised"])
+@pytest.mark.parametrize("noise", ["white", long("ar1"), long("quantised")])
 def test_noise_is_not_physics(rig, noise):
     case = rig("none", noise=noise)
     found = diagnose(case.model, case.training, case.holdout)
@@ -108,6 +113,7 @@ def test_a_rig_that_was_changed_before_the_held_out_recordings_is_told_apart(rig
     assert any("another rig" in note for note in changed.notes)
 
 
+@pytest.mark.long
 def test_one_held_out_recording_that_jumps_is_no_other_rig(rig):
     """A bifurcation may go either way by a hair: the others still agree."""
     case = rig("single", "quadratic-drag")

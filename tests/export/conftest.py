@@ -185,7 +185,7 @@ def law_fmu(tmp_path_factory: pytest.TempPathFactory, with_law: Callable[..., Os
         path = folder / f"{name}.fmu"
         if not path.exists():
             with pytest.MonkeyPatch.context() as patch:  # what only surrounds the model takes half of the time
-                patch.setattr("dashpot.export.fmu.further_contents", lambda oscillator: {})
+                patch.setattr("dashpot.export.fmu.further_contents", lambda *_: {})
                 patch.setattr("dashpot.export.fmu.documentation", lambda *_: "")
                 export_fmu(with_law(*effects, **further), path, version=version, platforms=(own_platform(),))
         return path

@@ -162,6 +162,7 @@ def exact_with(law: str, t: np.ndarray, force: np.ndarray) -> np.ndarray:
     return simulate(values | sizes | LAWS[law][1], drive, 0.0, 1 / dt, t.size, 1e-13, 300.0).x
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("law", [*LAWS, "actuator-backlash"])
 def test_further_laws(run, law, tmp_path):
     """In steps of 1 ms and of 10 ms; the law is no small part of the motion."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import pytest
 from dashpot.errors import ToolchainMissing
 from dashpot.export.binaries import binaries, can_build, inside, remark
+from dashpot.export.facts import Facts
 from dashpot.export.fmu import export_fmu, fmu_sources
 from dashpot.export.platforms import PLATFORMS, own_platform, parse_platforms
 from fmpy import fmi2
@@ -202,7 +203,7 @@ def test_the_signature_that_arm64_asks_for_holds(contents):
 
 
 def test_fmi_3_has_a_folder_for_each(contents, models):
-    sources, _ = fmu_sources(models["base"]())
+    sources, _ = fmu_sources(Facts(models["base"]()))
     found = binaries(sources, "all.c", "stand", PLATFORMS, version=3)
     assert set(found) == {f"binaries/{p.fmi3}/stand{p.suffix}" for p in PLATFORMS}
     assert found["binaries/x86_64-linux/stand.so"] == contents["binaries/linux64/stand.so"]
@@ -215,6 +216,7 @@ def test_fmi_3_has_a_folder_for_each(contents, models):
     assert alone["binaries/linux64/stand.so"] == alone["binaries/aarch64-linux/stand.so"]
 
 
+@pytest.mark.long
 def test_same_model_same_bytes_and_no_trace_of_where(everywhere, contents, models, tmp_path, monkeypatch):
     again = tmp_path / "rig.fmu"
     with monkeypatch.context() as patch:

@@ -14,6 +14,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.export import export
 from dashpot.export.casadi_functions import describe, functions
+from dashpot.export.facts import Facts
 from dashpot.model import Oscillator, Range
 from dashpot.model.equations import equations, signed
 from dashpot.model.laws import LIBRARY
@@ -138,8 +139,8 @@ def test_without_a_mass_the_input_is_a_force_per_unit_mass(tmp_path):
 def test_every_law_has_its_functions(effect, with_law):
     """The right-hand side, the output and the smooth law agree where no sign is near its change."""
     model = with_law(effect, dry=0.0, preload=0.0)
-    made = functions(model)
-    about = describe(model, "rig", DT, made)
+    made = functions(Facts(model))
+    about = describe(Facts(model), "rig", DT, made)
     eq = equations(model)
     assert [x["name"] for x in about["x"]] == list(eq.state_names)
     assert made.timed == ("t" in about) == effect.startswith("stiffness-drift")
@@ -160,7 +161,7 @@ SCALES = {"X": 5e-3, "X/s": 0.4, "Q": 1e-3, "Y": 5e-3, "rad": 1.0}
 @pytest.mark.parametrize("effect", LIBRARY)
 def test_the_smooth_step_of_every_law_follows_the_exact_one(effect, with_law):
     model = with_law(effect)
-    made = functions(model).by_suffix
+    made = functions(Facts(model)).by_suffix
     step, smooth = made["step.casadi"], made["smooth.step.casadi"]
     eq = equations(model)
     a = b = np.array([6e-3, 0.0, *(6e-3 if leader == 0 else 0.0 for leader in eq.follows[2:])])
@@ -187,4 +188,4 @@ def test_a_surface_is_smoothed_in_its_own_size_and_unit(with_law, tmp_path):
 
 def test_a_law_too_fast_for_the_step_is_refused(with_law):
     with pytest.raises(BadInput, match="choose one below"):
-        functions(with_law("actuator-lag", **{"actuator-lag.time": 1e-8}))
+        functions(Facts(with_law("actuator-lag", **{"actuator-lag.time": 1e-8})))

@@ -13,6 +13,7 @@ import pytest
 from dashpot.export.curves import curves, pictures, table
 from dashpot.export.description import describe_fmu
 from dashpot.export.documentation import documentation
+from dashpot.export.facts import Facts
 from dashpot.model import Oscillator, Parameter, Provenance, Range, Response
 from dashpot.model.backbone import damping_curve
 from dashpot.model.laws import LIBRARY
@@ -23,7 +24,7 @@ VOID = {"meta", "path", "rect"}
 
 
 def page(model: Oscillator, hold: str = "The input is held.") -> str:
-    return documentation(model, describe_fmu(model), hold)
+    return documentation(Facts(model), describe_fmu(Facts(model)), hold)
 
 
 def words(text: str) -> str:
@@ -152,7 +153,7 @@ def test_curves_are_those_of_the_closed_forms():
     """Eq. 6 for the cubic spring, Eq. 7 for viscous and dry friction (Feldman, Bucher, Rotberg 2009)."""
     values = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.0, "viscous": 5.0, "dry": 0.015}
     model = replace(Oscillator.from_values(values), amplitude=Range(2e-4, 9e-3, "m"))
-    found = curves(model)
+    found = curves(Facts(model))
     assert found is not None
     expected = np.sqrt(79.6**2 + 0.75 * 4.6e5 * found.amplitude**2) / (2 * np.pi)
     assert np.max(np.abs(found.frequency / expected - 1)) < 1e-9
@@ -167,7 +168,7 @@ def test_curves_are_those_of_the_closed_forms():
 
 
 def test_the_picture_shows_the_numbers_and_marks_the_range(identified):
-    found = curves(identified)
+    found = curves(Facts(identified))
     assert found is not None
     backbone = ElementTree.fromstring(pictures(found, "m")[0])
     assert backbone.get("role") == "img"
@@ -219,7 +220,7 @@ def test_odd_models_have_sound_pictures_or_none(models, changed):
             ElementTree.fromstring(svg)
             assert len(svg) < 12_000
         assert ("<svg" in text) or "No periodic motion" in text
-    assert curves(replace(model, amplitude=Range(0.0, 0.0, "m"))) is None
+    assert curves(Facts(replace(model, amplitude=Range(0.0, 0.0, "m")))) is None
 
 
 def test_a_recorded_velocity_has_its_curves_over_the_displacement(models):

@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 from dashpot.errors import BadInput
 from dashpot.export.description import describe_fmu, identifier_of
+from dashpot.export.facts import Facts
 from dashpot.export.fmu import export_fmu, fmu_sources
 from dashpot.export.platforms import own_platform
 from dashpot.model import Parameter, Range
@@ -47,7 +48,7 @@ def test_variables_carry_units_descriptions_and_start_values_to_the_last_bit(mod
     # a value that six, and even sixteen, digits would not bring back
     odd = 0.1 + 0.2
     oscillator = oscillator.with_parameters({"dry": Parameter(odd, 1e-3, "m/s2")})
-    description = describe_fmu(oscillator)
+    description = describe_fmu(Facts(oscillator))
     by_name = {v.name: v for v in description.variables}
     assert list(by_name)[:5] == ["F", "x", "displacement", "velocity", "acceleration"]
     assert set(oscillator.parameters()) < set(by_name)
@@ -57,7 +58,7 @@ def test_variables_carry_units_descriptions_and_start_values_to_the_last_bit(mod
     assert units == {"F": "N", "x": "m", "velocity": "m/s", "x0": "m", "v0": "m/s", "max_step": "s"}
     assert all(v.description for v in description.variables)
     assert {v.variability for n, v in by_name.items() if n in oscillator.parameters()} == {"tunable"}
-    assert f" {odd!r}}}" in fmu_sources(oscillator)[0]["variables.h"]
+    assert f" {odd!r}}}" in fmu_sources(Facts(oscillator))[0]["variables.h"]
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
@@ -165,11 +166,11 @@ def test_same_model_same_bytes(models, tmp_path, monkeypatch, backend):
 
 @pytest.mark.parametrize("name", NASTY)
 def test_no_text_of_a_model_reaches_c_and_no_name_breaks_anything(models, tmp_path, name):
-    plain, _ = fmu_sources(models["base"]())
-    nasty, guid = fmu_sources(replace(models["base"](), name=name))
+    plain, own = fmu_sources(Facts(models["base"]()))
+    nasty, guid = fmu_sources(Facts(replace(models["base"](), name=name)))
     changed = {file for file in plain if plain[file] != nasty[file]}
     assert changed <= {"variables.h"}  # the GUID alone
-    assert nasty["variables.h"].replace(guid, "") == plain["variables.h"].replace(fmu_sources(models["base"]())[1], "")
+    assert nasty["variables.h"].replace(guid, "") == plain["variables.h"].replace(own, "")
     for backend in BACKENDS if name in NASTY[:3] else ["python"]:
         path = export_fmu(replace(models["base"](), name=name), tmp_path / f"{backend}.fmu", backend=backend)
         assert validate_fmu(str(path)) == []
@@ -210,7 +211,7 @@ def test_our_c_compiles_without_a_warning(models, tmp_path):
     compiler = find_compiler()
     if compiler is None:
         pytest.skip("there is no C compiler")
-    sources, _ = fmu_sources(models["drag"]())
+    sources, _ = fmu_sources(Facts(models["drag"]()))
     for name, text in sources.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wshadow", "-pedantic", "-fsyntax-only"]

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dashpot.export.description import describe_fmu
+from dashpot.export.facts import Facts
 from dashpot.export.fmu import export_fmu
 from dashpot.model.laws import LIBRARY
 from dashpot.verify.fmu_run import FmuRun
@@ -24,7 +25,7 @@ def test_validator_finds_no_problem(effect, version, law_fmu):
 
 
 def test_start_values_of_inner_states_are_named_and_explained(with_law):
-    description = describe_fmu(with_law("actuator-backlash", "viscoelastic", "tonal-disturbance"))
+    description = describe_fmu(Facts(with_law("actuator-backlash", "viscoelastic", "tonal-disturbance")))
     found = {v.name: (v.unit, v.start, v.description) for v in description.variables if v.role == "initial"}
     assert found == {
         "x0": ("m", 0.0, "displacement at the start"),

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
+from dashpot.export.facts import Facts
 from dashpot.export.plain_c import export_plain_c, own, plain_c, prefix_of, symbols
 from dashpot.export.smoothing import amplitude_of
 from dashpot.model import Oscillator, Parameter, Provenance, Range
@@ -277,7 +278,7 @@ def test_numbers_units_and_validity_stand_in_the_header(models):
         frequency=Range(5.0, 20.0, "Hz"),
         identified=Provenance(recordings=({"file": "sweep.csv"},), method="maximum-likelihood", software="dashpot 0"),
     )
-    source, header = plain_c(model, "rig.h")
+    source, header = plain_c(Facts(model), "rig.h")
     assert f"    {odd!r},\n" in source
     assert "    1e-300,\n" in source
     words = " ".join(header.replace("*", " ").split())
@@ -286,7 +287,7 @@ def test_numbers_units_and_validity_stand_in_the_header(models):
     assert "Identified from sweep.csv by maximum-likelihood dashpot 0." in words
     assert "omega0^2 x + cubic x^3" in words
     assert "input F in N" in words
-    free = plain_c(models["massless"](), "rig.h")[1]
+    free = plain_c(Facts(models["massless"]()), "rig.h")[1]
     assert "massless_p_mass" not in free
     assert "input is a force per unit mass" in " ".join(free.replace("*", " ").split())
 

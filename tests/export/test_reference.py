@@ -14,6 +14,8 @@ import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.export import reference as module
+from dashpot.export.description import describe_fmu
+from dashpot.export.facts import Facts
 from dashpot.export.fmu import export_fmu
 from dashpot.export.reference import FOLDER, Reference, reference, reference_result
 from dashpot.model import Range
@@ -28,6 +30,12 @@ LAWS = [
     "actuator-backlash",
     "two-sided-stop",
 ]
+
+
+def result_of(model) -> dict[str, bytes]:
+    """The files of the reference result of a model."""
+    facts = Facts(model)
+    return reference_result(facts, describe_fmu(facts))
 
 
 def column(files: dict[str, bytes], name: str) -> np.ndarray:
@@ -82,7 +90,7 @@ def test_laws_of_every_kind_are_met(with_law, tmp_path, effect):
 
 
 def test_an_integrator_that_shares_no_code_meets_it(models):
-    files = reference_result(models["base"]())
+    files = result_of(models["base"]())
     expected, force = column(files, "output_straight.csv"), column(files, "input.csv")["F"]
     x, v = integrate(models["base"]().values(), force, float(expected["time"][1]))
     assert distance({"displacement": x, "velocity": v}, expected, ("displacement", "velocity")) < 1e-6
@@ -101,13 +109,13 @@ def test_the_command_in_its_readme_repeats_it(fmus, tmp_path):
 
 def test_it_stays_within_validity_and_says_what_it_is(models):
     model = replace(models["base"](), amplitude=Range(2e-4, 4e-3, "m"), frequency=Range(10.0, 14.0, "Hz"))
-    found = reference(model)
+    found = reference(Facts(model))
     assert isinstance(found, Reference)
     assert (found.start, found.end) == (10.0, 14.0)
     assert 0.45 * 4e-3 <= np.max(np.abs(found.straight[:, 1])) <= 0.9 * 4e-3
     assert np.max(np.abs(found.force)) == pytest.approx(found.level, rel=1e-2)
     assert np.max(np.abs(found.held - found.straight)) > 0
-    files = reference_result(model)
+    files = result_of(model)
     words = files[f"{FOLDER}/README.txt"].decode()
     assert "from 10 to 14 Hz" in words
     assert "valid to 0.004 m" in words
@@ -121,16 +129,16 @@ def test_it_stays_within_validity_and_says_what_it_is(models):
 
 def test_it_is_small_and_the_same_every_time(models):
     for kind in models:
-        files = reference_result(models[kind]())
-        assert files == reference_result(models[kind]())
+        files = result_of(models[kind]())
+        assert files == result_of(models[kind]())
         assert sum(len(zlib.compress(content)) for content in files.values()) < 40_000
         assert b"nan" not in b"".join(content for name, content in files.items() if name.endswith(".csv"))
 
 
 def test_without_a_compiler_it_is_the_same(models, monkeypatch):
-    expected = reference(models["acceleration"]())
+    expected = reference(Facts(models["acceleration"]()))
     monkeypatch.setattr(module, "find_compiler", lambda: None)
-    found = reference(models["acceleration"]())
+    found = reference(Facts(models["acceleration"]()))
     assert isinstance(found, Reference)
     assert isinstance(expected, Reference)
     assert found.level == expected.level
@@ -140,10 +148,10 @@ def test_without_a_compiler_it_is_the_same(models, monkeypatch):
 
 def test_where_there_is_none_it_is_said(models, with_law):
     feeding = models["base"]().with_parameters({"viscous": replace(models["base"]().viscous, value=-200.0)})
-    assert "no sweep from rest was found" in reference_result(feeding)[f"{FOLDER}/README.txt"].decode()
+    assert "no sweep from rest was found" in result_of(feeding)[f"{FOLDER}/README.txt"].decode()
     fast = with_law("sensor-lag", **{"sensor-lag.time": 1e-9})
-    files = reference_result(fast)
+    files = result_of(fast)
     assert list(files) == [f"{FOLDER}/README.txt"]
     assert "needs internal steps of" in files[f"{FOLDER}/README.txt"].decode()
     nowhere = replace(models["base"](), amplitude=Range(0.0, 0.0, "m"))
-    assert isinstance(reference(nowhere), str)
+    assert isinstance(reference(Facts(nowhere)), str)

@@ -216,6 +216,7 @@ def test_what_the_family_cannot_do_is_remarked():
     assert any("times the noise" in note for note in found.notes)
 
 
+@pytest.mark.long
 def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
     from dataclasses import replace
 

@@ -126,7 +126,7 @@ def test_the_casadi_step_agrees_with_the_engine(effect, kind, with_law, offsets)
 def stepped(model, force, initial):
     """Response (N,) by the CasADi step and output function."""
     p = values_of(model)
-    step, output = exact_step(model, DT, longest_step(model)), output_function(model)
+    step, output = exact_step(model, DT, longest_step(model)), output_function(equations(model))
     z = core_of(model).begin(initial)
     y = [float(output(z, force[0], p, TIME[0])[0])]
     for (here, there), (before, now) in zip(itertools.pairwise(force), itertools.pairwise(TIME), strict=True):

@@ -58,6 +58,7 @@ def test_no_call_does_damage_to_a_model_with_memory(program, with_law, tmp_path)
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("changed", "words"),
     [

@@ -1,0 +1,72 @@
+"""What an export needs to know of a model, measured once and handed on from file to file."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from ..errors import BadInput
+from ..model.describing import HarmonicMotion
+from ..model.equations import Equations, equations
+from ..simulate.core import internal_step
+from .smoothing import MotionSize, Sample, amplitude_of, motion_size, sample_motion
+
+if TYPE_CHECKING:
+    from ..model import Oscillator
+
+#: Longest internal step, s, of a model that neither swings nor decays.
+_STILL_STEP = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class Facts:
+    """A model and the facts of it that more than one file of an export states; each is measured when first asked for.
+
+    Made at the door of an export (``export_fmu``, ``export_ssp``, ``export_plain_c``, ``export_casadi``).
+    """
+
+    oscillator: Oscillator
+
+    @cached_property
+    def equations(self) -> Equations:
+        """The equations of motion."""
+        return equations(self.oscillator)
+
+    @cached_property
+    def values(self) -> dict[str, float]:
+        """Plain values of the parameters by their names."""
+        return self.oscillator.values()
+
+    @property
+    def amplitude(self) -> float:
+        """Largest amplitude that the model was identified for, in the displacement's unit."""
+        return amplitude_of(self.oscillator)
+
+    @cached_property
+    def longest(self) -> float:
+        """Longest internal step within that amplitude, s; raises BadInput where the model has no motion."""
+        return internal_step(self.oscillator, self.values, self.amplitude)
+
+    @cached_property
+    def max_step(self) -> float:
+        """The same, s, for a model without any motion too: there any step will do."""
+        try:
+            return self.longest
+        except BadInput:
+            return _STILL_STEP
+
+    @cached_property
+    def sample(self) -> Sample:
+        """A motion from the largest amplitude on; raises BadInput where it is too fast to be followed."""
+        return sample_motion(self.oscillator, self.equations, self.longest)
+
+    @cached_property
+    def size(self) -> MotionSize:
+        """How large surfaces and states become in the model's own motion."""
+        return motion_size(self.oscillator, self.equations, lambda: self.sample)
+
+    @cached_property
+    def harmonic(self) -> HarmonicMotion:
+        """The laws in a harmonic motion: natural frequency and damping at any amplitude."""
+        return HarmonicMotion(self.oscillator)
