@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import functools
 import json
 import os
 import sys
@@ -16,85 +15,11 @@ import click
 
 from . import __version__
 from .errors import BadInput, DashpotError
+from .options import FILE, fixed_values, read_all, with_laws, with_recordings
 from .several_values import CommandOfSeveral, SeveralValues
 
 if TYPE_CHECKING:
-    from .recording import Recording
-
-_FILE = click.Path(path_type=Path)
-
-_RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
-    click.option("--time", metavar="COLUMN", help="Column of the time, by name or number."),
-    click.option("--force", metavar="COLUMN", help="Column of the force; none: leave it out."),
-    click.option("--response", metavar="COLUMN", help="Column of the response, by name or number."),
-    click.option(
-        "--quantity",
-        type=click.Choice(["displacement", "velocity", "acceleration"]),
-        help="What the response column measures, where its unit does not say.",
-    ),
-    click.option("--unit", metavar="UNIT", help="Unit of the response, for example mm."),
-    click.option("--force-unit", metavar="UNIT", help="Unit of the force, for example kN."),
-    click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
-    click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
-    click.option(
-        "--hold",
-        type=click.Choice(["zero", "linear", "smooth"]),
-        help="How the force runs between samples: held from one to the next (as behind a converter), in straight "
-        "lines, or smooth. Default: the model's; for a new one, what the recordings show.",
-    ),
-)
-
-
-def _with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The options that say how a recording is to be read."""
-    return functools.reduce(lambda wrapped, option: option(wrapped), reversed(_RECORDING_OPTIONS), command)
-
-
-def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[Path, ...]) -> None:
-    from .model.user_laws import load_law_file
-
-    for file in files:
-        load_law_file(file)
-
-
-def _fixed(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
-    """``NAME=VALUE`` as a dictionary."""
-    found = {}
-    for text in values:
-        name, sign, number = text.partition("=")
-        try:
-            found[name.strip()] = float(number)
-        except ValueError:
-            sign = ""
-        if not sign or not name.strip():
-            raise click.BadParameter(f"'{text}' is not NAME=VALUE with a number, such as viscous=0.5")
-    return found
-
-
-def _with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
-    """The option that adds laws to the library before the command reads a model."""
-    return click.option(
-        "--law",
-        metavar="FILE.py",
-        type=_FILE,
-        multiple=True,
-        expose_value=False,
-        is_eager=True,
-        callback=_load_laws,
-        help="Python file with laws of your own; it is run. May be given several times.",
-    )(command)
-
-
-def _read(files: tuple[Path, ...], options: dict[str, Any]) -> list[Recording]:
-    from .recording import read
-    from .recording.part import parse_part
-
-    options = {**options, "part": parse_part(options["part"]) if options["part"] else None}
-    recordings = [read(file, **options) for file in files]
-    for recording in recordings:
-        for note in recording.notes:
-            _say(f"note: {note}")
-    return recordings
+    pass
 
 
 def _outputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
@@ -138,7 +63,7 @@ def cli() -> None:
 
 
 @cli.command()
-@click.option("-o", "--output", type=_FILE, default=Path("demo"), show_default=True, help="Folder for the files.")
+@click.option("-o", "--output", type=FILE, default=Path("demo"), show_default=True, help="Folder for the files.")
 def demo(output: Path) -> None:
     """The whole story on the built-in rig, in under two minutes."""
     from .demo import run
@@ -148,10 +73,10 @@ def demo(output: Path) -> None:
 
 
 @cli.command()
-@click.argument("recordings", nargs=-1, required=True, type=_FILE)
-@click.option("-o", "--output", type=_FILE, required=True, help="Model file to write (YAML).")
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="Model file to write (YAML).")
 @click.option("--name", help="Name of the rig; default: the output's name.")
-@click.option("--report", type=_FILE, help="HTML page to write beside it.")
+@click.option("--report", type=FILE, help="HTML page to write beside it.")
 @click.option("--json", "as_json", is_flag=True, help="Print the model as JSON too.")
 @click.option(
     "--with", "effects", metavar="LAW", multiple=True, help="Law of the library to fit beside Eq. 17; several times."
@@ -160,13 +85,13 @@ def demo(output: Path) -> None:
     "--fix",
     metavar="NAME=VALUE",
     multiple=True,
-    callback=_fixed,
+    callback=fixed_values,
     help="Parameter that keeps a value, in SI; several times.",
 )
 @click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
-@click.option("--from", "start", type=_FILE, metavar="MODEL.yaml", help="Model to start from, with its laws.")
-@_with_laws
-@_with_recordings
+@click.option("--from", "start", type=FILE, metavar="MODEL.yaml", help="Model to start from, with its laws.")
+@with_laws
+@with_recordings
 def identify(
     recordings: tuple[Path, ...],
     output: Path,
@@ -199,7 +124,12 @@ def identify(
     laws = [find_law(effect).name for effect in effects]
     begin = None if start is None else load(start)
     found = find(
-        _read(recordings, options), name=name or output.stem, effects=laws, fixed=fix, start=begin, progress=_say
+        read_all(recordings, options, _say),
+        name=name or output.stem,
+        effects=laws,
+        fixed=fix,
+        start=begin,
+        progress=_say,
     )
     for note in found.notes:
         _say(f"note: {note}")
@@ -218,9 +148,9 @@ def identify(
 
 
 @cli.command()
-@click.argument("model", type=_FILE)
+@click.argument("model", type=FILE)
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
-@_with_laws
+@with_laws
 def show(model: Path, as_json: bool) -> None:
     """Parameters with their errors, equation and validity."""
     from .model.file import load
@@ -235,11 +165,11 @@ def show(model: Path, as_json: bool) -> None:
 
 
 @cli.command()
-@click.argument("model", type=_FILE)
-@click.argument("recording", type=_FILE)
-@click.option("-o", "--output", type=_FILE, required=True, help="CSV file to write (.csv or .csv.gz).")
-@_with_laws
-@_with_recordings
+@click.argument("model", type=FILE)
+@click.argument("recording", type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="CSV file to write (.csv or .csv.gz).")
+@with_laws
+@with_recordings
 def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
     """Response of a model to the force of a recording, event-exact."""
     import numpy as np
@@ -253,7 +183,7 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     if not output.name.endswith((".csv", ".csv.gz")):
         raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
     _outputs([output], [model, recording])
-    (measured,) = held_as(_read((recording,), options), oscillator.hold)
+    (measured,) = held_as(read_all((recording,), options, _say), oscillator.hold)
     if (measured.quantity, measured.unit) != (oscillator.response.quantity, oscillator.response.unit):
         raise BadInput(
             f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "
@@ -271,8 +201,8 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 
 
 @cli.command()
-@click.argument("model", type=_FILE)
-@click.argument("outputs", nargs=-1, required=True, type=_FILE)
+@click.argument("model", type=FILE)
+@click.argument("outputs", nargs=-1, required=True, type=FILE)
 @click.option(
     "--fmi",
     "version",
@@ -300,7 +230,7 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     "--draws", type=click.IntRange(min=0), metavar="N", help="Of an SSP: parameters drawn from their covariance; 20."
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the draws.")
-@_with_laws
+@with_laws
 def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: int | None, **options: Any) -> None:
     """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp)."""
     from .export import check_suffix
@@ -324,19 +254,19 @@ def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: 
 
 
 @cli.command(cls=CommandOfSeveral)
-@click.argument("model", type=_FILE)
-@click.argument("recordings", nargs=-1, required=True, type=_FILE)
+@click.argument("model", type=FILE)
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
 @click.option(
     "--holdout",
     cls=SeveralValues,
-    type=_FILE,
+    type=FILE,
     metavar="REC...",
     help="Recordings to judge by, of another level or kind: all up to the next option; may be given several times.",
 )
-@click.option("-o", "--output", type=_FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
+@click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON.")
-@_with_laws
-@_with_recordings
+@with_laws
+@with_recordings
 def diagnose(
     model: Path,
     recordings: tuple[Path, ...],
@@ -356,7 +286,7 @@ def diagnose(
     files = (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT)
     _outputs([output / name for name in files], [model, *recordings, *holdout])
     oscillator = load(model)
-    training, held = _read(recordings, options), _read(holdout, options)
+    training, held = read_all(recordings, options, _say), read_all(holdout, options, _say)
     with tempfile.TemporaryDirectory() as scratch, _progress() as progress:
         artefact = Path(scratch) / FMU
         found = find(oscillator, training, held, fmu=artefact, progress=progress)
@@ -394,10 +324,10 @@ def _progress() -> Iterator[Callable[[str, float], None]]:
 
 
 @cli.command()
-@click.argument("fmu", type=_FILE)
-@click.argument("recordings", nargs=-1, required=True, type=_FILE)
-@click.option("--json", "json_file", type=_FILE, metavar="OUT.json", help="File for the result.")
-@_with_recordings
+@click.argument("fmu", type=FILE)
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
+@click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result.")
+@with_recordings
 def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **options: Any) -> None:
     """Run an FMU under FMPy with recorded forces and compare response and backbone; exit code 1 where they differ."""
     from .verify.verification import verify as check
@@ -405,7 +335,7 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **op
 
     if json_file is not None:
         _outputs([json_file], [fmu, *recordings])
-    result = check(fmu, _read(recordings, options), progress=_say)
+    result = check(fmu, read_all(recordings, options, _say), progress=_say)
     if json_file is not None:
         with replacing(json_file) as temporary:
             temporary.write_text(json.dumps(result.as_json(), indent=2) + "\n", encoding="utf-8")

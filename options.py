@@ -1,0 +1,89 @@
+"""The options that commands share: how a recording is read, which laws there are, which parameters keep a value."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from .recording import Recording
+
+FILE = click.Path(path_type=Path)
+
+_RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
+    click.option("--time", metavar="COLUMN", help="Column of the time, by name or number."),
+    click.option("--force", metavar="COLUMN", help="Column of the force; none: leave it out."),
+    click.option("--response", metavar="COLUMN", help="Column of the response, by name or number."),
+    click.option(
+        "--quantity",
+        type=click.Choice(["displacement", "velocity", "acceleration"]),
+        help="What the response column measures, where its unit does not say.",
+    ),
+    click.option("--unit", metavar="UNIT", help="Unit of the response, for example mm."),
+    click.option("--force-unit", metavar="UNIT", help="Unit of the force, for example kN."),
+    click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
+    click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
+    click.option(
+        "--hold",
+        type=click.Choice(["zero", "linear", "smooth"]),
+        help="How the force runs between samples: held from one to the next (as behind a converter), in straight "
+        "lines, or smooth. Default: the model's; for a new one, what the recordings show.",
+    ),
+)
+
+
+def with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The options that say how a recording is to be read."""
+    return functools.reduce(lambda wrapped, option: option(wrapped), reversed(_RECORDING_OPTIONS), command)
+
+
+def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[Path, ...]) -> None:
+    from .model.user_laws import load_law_file
+
+    for file in files:
+        load_law_file(file)
+
+
+def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
+    """``NAME=VALUE`` as a dictionary."""
+    found = {}
+    for text in values:
+        name, sign, number = text.partition("=")
+        try:
+            found[name.strip()] = float(number)
+        except ValueError:
+            sign = ""
+        if not sign or not name.strip():
+            raise click.BadParameter(f"'{text}' is not NAME=VALUE with a number, such as viscous=0.5")
+    return found
+
+
+def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option that adds laws to the library before the command reads a model."""
+    return click.option(
+        "--law",
+        metavar="FILE.py",
+        type=FILE,
+        multiple=True,
+        expose_value=False,
+        is_eager=True,
+        callback=_load_laws,
+        help="Python file with laws of your own; it is run. May be given several times.",
+    )(command)
+
+
+def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Callable[[str], None]) -> list[Recording]:
+    """The recordings, each note on them said."""
+    from .recording import read
+    from .recording.part import parse_part
+
+    options = {**options, "part": parse_part(options["part"]) if options["part"] else None}
+    recordings = [read(file, **options) for file in files]
+    for recording in recordings:
+        for note in recording.notes:
+            say(f"note: {note}")
+    return recordings
