@@ -31,8 +31,8 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
     state is taken from the simulation. Where nothing smooth is left at all, everything stays as it was.
     """
     residuals = problem.residuals(state)
-    forward = problem.derivatives(state, residuals)
-    backward = problem.derivatives(state, residuals, backward=True)
+    forward = problem.derivatives(state, residuals, raw=True)
+    backward = problem.derivatives(state, residuals, backward=True, raw=True)
     kept: list[Segment] = []
     initial: list[np.ndarray] = []
     for i, segment in enumerate(problem.segments):

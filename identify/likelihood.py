@@ -38,11 +38,17 @@ from .structure import Structure
 #: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
 _FIRST_MEMORY = 1.0
 _GROWTH = 8.0
-#: Steps at each of them: it only has to lead to the next.
+#: Free decays are fitted over this many cycles first, then over so many times as many.
+_FIRST_CYCLES = 12.0
+_LONGER = 4.0
+#: Steps at each memory: it only has to lead to the next.
 _EARLY_STEPS = 8
 #: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
 #: much in radians, where a sine is still a straight line.
 _IN_STEP = 0.3
+#: ... in stretches of so many cycles, and but for so many times the noise.
+_STRETCH = 8.0
+_BEYOND_NOISE = 3.0
 #: Simulation is given up for prediction where that is a thousand times as likely.
 _DECISIVE = float(np.log(1000.0))
 #: Residuals this many times the noise are more than the noise's own estimate leaves open.
@@ -118,20 +124,28 @@ def maximum_likelihood(
     data = data or data_of(recordings, start, coarse=False)
     structure = Structure(start, data, fixed, response_offsets(data, recordings, start))
     problem = structure.problem
-    free, rungs, iterations = _from_prediction(problem, structure.state(None))
+    free, rungs, iterations = structure.state(None), {}, 0
+    for stage in _growing(problem.segments):
+        free, rungs, steps = _from_prediction(problem.over(stage), free)
+        iterations += steps
     problem, free = kept_offsets(problem, free, start)
     smooth, left = smooth_stretches(problem, free)
     notes = left_out(problem.segments, smooth, [recording.name for recording in recordings])
     if notes:
-        problem, free, rungs = problem.over(smooth), left, {}
+        problem = problem.over(smooth)  # what has no derivative may have held the search back
+        free, rungs, steps = _from_prediction(problem, left)
+        iterations += steps
     answer, steps = _whitened(problem, free, start)
     iterations += steps
     other = answer
     if max(_over_noise(problem, answer, start, recordings)) > _ABOVE_NOISE:
-        other, predicting, steps = _best_memory(problem, answer, rungs, start)
+        predicted, steps = _predictions(problem, answer, rungs, start)
         iterations += steps
         if not keeps_step(problem.segments, answer.outcome.residuals):
-            answer, problem = other, predicting
+            memory, answer = predicted[0]
+            problem, other = problem.predicting(memory), predicted[min(1, len(predicted) - 1)][1]
+        elif predicted[0][1].likelihood > answer.likelihood + _DECISIVE:
+            other = predicted[0][1]
     if not np.isfinite(answer.likelihood):
         raise BadInput(
             "no model of this structure simulates along these recordings; check signs and units of force and response"
@@ -177,6 +191,23 @@ def _from_prediction(problem: OutputError, state: State) -> tuple[State, dict[fl
     return outcome.state, rungs, iterations + outcome.iterations
 
 
+def _growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
+    """Ever longer beginnings of the free segments, then the whole; forced ones are whole, their memory is short.
+
+    The quiet end of a decay, where friction and preload rule, has a pace of its own: it is told once the rest is.
+    """
+    longest = max((s.n * s.dt * s.pace / (2 * np.pi) for s in segments if s.force is None), default=0.0)
+    stages, cycles = [], _FIRST_CYCLES
+    while cycles < longest:
+        stages.append(tuple(_beginning(s, cycles) if s.force is None else s for s in segments))
+        cycles *= _LONGER
+    return [*stages, tuple(segments)]
+
+
+def _beginning(segment: Segment, cycles: float) -> Segment:
+    return segment.part(0, min(segment.n, int(cycles * 2 * np.pi / segment.pace / segment.dt)))
+
+
 def memories(segments: Sequence[Segment]) -> list[float]:
     """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
     longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
@@ -187,11 +218,21 @@ def memories(segments: Sequence[Segment]) -> list[float]:
 
 
 def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
-    """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it."""
-    return all(
-        bool(np.sqrt(np.mean(residual**2)) < _IN_STEP * np.std(segment.response))
-        for segment, residual in zip(segments, residuals, strict=True)
-    )
+    """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it.
+
+    In every stretch of some cycles: the quiet end of a decay may have lost its phase where its loud beginning has not.
+    """
+    for segment, residual in zip(segments, residuals, strict=True):
+        if not np.all(np.isfinite(residual)):
+            return False
+        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _STRETCH)))
+        noise = noise_level(segment.response, 1.0 / segment.dt)
+        for measured, rest in zip(
+            np.array_split(segment.response, count), np.array_split(residual, count), strict=True
+        ):
+            if np.sqrt(np.mean(rest**2)) > _IN_STEP * np.std(measured) + _BEYOND_NOISE * noise:
+                return False
+    return True
 
 
 def _simulates(problem: OutputError, state: State) -> bool:
@@ -213,21 +254,17 @@ def _whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[_A
     return _Answer(outcome, noise, float(found)), steps + outcome.iterations
 
 
-def _best_memory(
+def _predictions(
     problem: OutputError, free: _Answer, rungs: Mapping[float, State], start: Oscillator
-) -> tuple[_Answer, OutputError, int]:
-    """The most likely of simulation and prediction, the longest memory first."""
-    best, chosen, steps = free, problem, 0
-    for memory in reversed(memories(problem.segments)):
-        predicting = problem.predicting(memory)
+) -> tuple[list[tuple[float, _Answer]], int]:
+    """The answer of each finite memory, the most likely first, and the steps to them."""
+    found, steps = [], 0
+    for memory in memories(problem.segments):
         state = replace(rungs.get(memory, free.outcome.state), offsets=free.outcome.state.offsets)
-        answer, taken = _whitened(predicting, state, start)
+        answer, taken = _whitened(problem.predicting(memory), state, start)
+        found.append((memory, answer))
         steps += taken
-        if answer.likelihood > best.likelihood + (_DECISIVE if best is free else 0.0):
-            best, chosen = answer, predicting
-        elif answer.likelihood < best.likelihood - _DECISIVE and best is not free:
-            break
-    return best, chosen, steps
+    return sorted(found, key=lambda pair: -pair[1].likelihood), steps
 
 
 def _noise(

@@ -28,6 +28,8 @@ from .segments import Segment
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
 _MOST_ITERATIONS = 40
+#: Harmonics and a motion beside its pace may add this much to what a parameter can do.
+_MOST_TURN = 2.0
 
 
 @cache
@@ -210,11 +212,15 @@ class OutputError:
         n, step = segment.n, self.max_step
         return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
 
-    def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False) -> list[np.ndarray]:
+    def derivatives(
+        self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False, raw: bool = False
+    ) -> list[np.ndarray]:
         """(shared + states, n) derivatives of each segment's response: free parameters, offsets, its initial state.
 
         Where the response jumps (an acceleration, when friction turns), all runs of a segment show what their states
-        give under the same signs, sample by sample: the jump itself has no derivative.
+        give under the same signs, sample by sample: the jump itself has no derivative. Where a hair decides whether
+        friction holds the mass, a difference quotient is no derivative either: samples at which a parameter would move
+        the response by more than its phase can turn are left at zero, unless the ``raw`` quotients are asked for.
         """
         jobs: list[Callable[[], np.ndarray]] = []
         signs: list[np.ndarray | None] = [None] * len(self.segments)
@@ -244,7 +250,21 @@ class OutputError:
                 else:
                     jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
         rows = iter(self.parallel(jobs))
-        return [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
+        found = [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
+        return found if raw else [self._bounded(i, made, state) for i, made in enumerate(found)]
+
+    def _bounded(self, i: int, rows: np.ndarray, state: State) -> np.ndarray:
+        """Derivatives of a segment without the samples at which they cannot be any.
+
+        A frequency that changes by all of itself turns the phase by 2 pi a cycle, as far back as the model remembers;
+        no parameter does more.
+        """
+        segment = self.segments[i]
+        cycles = max(1.0, min(self.memory, segment.n * segment.dt * segment.pace / (2 * np.pi)))
+        limit = _MOST_TURN * 2 * np.pi * cycles * float(np.ptp(segment.response)) / 2
+        sizes = np.array([self._size(i, k, state) for k in range(len(self.free))])
+        beyond = np.any(np.abs(rows[: len(self.free)]) * sizes[:, None] > limit, axis=0)
+        return np.where(beyond, 0.0, rows) if np.any(beyond) else rows
 
     def _signs(self, i: int, state: State) -> np.ndarray:
         """Signs of a segment's surfaces at each sample."""
