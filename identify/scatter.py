@@ -56,7 +56,8 @@ def scatter(
             return weighed @ (problem.simulate(i, state, force=force) - base)
 
         scores = np.array(problem.parallel([lambda f=f, m=moved: m(f) for f in noises]))
-        total += scores.T @ scores / draws
+        scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
+        total += scores.T @ scores / len(scores) if len(scores) else projected @ projected.T
     if shared == free:
         return total
     normal = shared_information(blocks, shared)  # the parameters' score once the offsets have taken their part
