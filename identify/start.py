@@ -232,7 +232,7 @@ def _combine(
         value["viscous"] = _PLAIN_DAMPING * value["omega0"]
         notes.append("No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum.")
     reach = max(float(np.quantile(np.abs(m.x - np.median(m.x)), 0.999)) for m in motions)
-    _make_safe(value, std, reach, backbone, damping, notes)
+    _make_safe(value, reach, backbone, damping, notes)
     if mass is None and any(m.driven for m in motions):
         mass = _static_mass(motions, value["omega0"])
         notes.append(
@@ -285,7 +285,6 @@ def _static_mass(motions: list[_Motion], omega0: float) -> float | None:
 
 def _make_safe(
     value: dict[str, float],
-    std: dict[str, float],
     reach: float,
     backbone: BackboneFit | None,
     damping: DampingFit | None,
