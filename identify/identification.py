@@ -292,11 +292,12 @@ def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Re
 
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     found = []
+    family = "model" if fit.oscillator.terms else "Eq. 17 family"
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
             found.append(
-                f"{name} came out negative, a sign that the Eq. 17 family lacks something these recordings show"
+                f"{name} came out negative, a sign that the {family} lacks something these recordings show"
             )
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
@@ -306,7 +307,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
         if ratio > _ABOVE_NOISE:
             found.append(
                 f"{recording.name}: the model leaves {ratio:.2g} times the noise, so the recording holds something "
-                "that the Eq. 17 family does not, and the parameters may be off by more than their errors"
+                f"that the {family} does not, and the parameters may be off by more than their errors"
             )
     for segment in fit.segments:
         if segment.nrmse > _POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
