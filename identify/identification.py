@@ -296,9 +296,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
-            found.append(
-                f"{name} came out negative, a sign that the {family} lacks something these recordings show"
-            )
+            found.append(f"{name} came out negative, a sign that the {family} lacks something these recordings show")
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             found.append(f"{name} is not distinguishable from zero in these recordings")
