@@ -104,7 +104,7 @@ def identify(
     start: Path | None,
     **options: Any,
 ) -> None:
-    """Identify a model from recordings: decays, bursts, sweeps, multisines, in any mixture."""
+    """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture."""
     from .identify import identify as find
     from .model.file import load, save
     from .model.laws import find as find_law

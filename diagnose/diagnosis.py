@@ -68,7 +68,8 @@ def diagnose(
     Args:
         model: gives the family: Eq. 17 and whatever terms it has; its values are where the fit starts.
         recordings: to fit to.
-        holdout: of another level or kind, to judge by; where there are none the end of each recording is held out.
+        holdout: of another level or kind, to judge by; where there are none, stretches of each recording that can
+            spare them are held out.
         fmu: where to write the mended model as an FMU; a temporary place where None.
         progress: called with what is being done and how much of all is done, 0 to 1.
 
@@ -116,7 +117,7 @@ def diagnose(
     progress("standard errors", 0.86)
     before = _with_errors(found.family, replace(data, memory=best.memory), recordings)
     after = _with_errors(found.final, search.data, recordings) if found.chain and not other_rig else None
-    progress("the mended model as an FMU on every recording", 0.9)
+    progress("the mended model on every recording, as an FMU on those held out", 0.9)
     with TemporaryDirectory() as folder:
         artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
         records = record_fits(before, after, recordings, holdout=False)

@@ -1,4 +1,4 @@
-"""The improvement shown with the artefact: the mended model as an FMU, run under FMPy on every recording."""
+"""The improvement shown with the artefact: the mended model as an FMU, run under FMPy on what was held out."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@ _FAR = 10.0
 
 
 def verdict_of(effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]) -> Verdict:
-    """``consistent`` only where nothing is left and every recording's simulation says so too; see ``Diagnosis``."""
+    """``consistent`` only where nothing is left and every recording's free simulation says so too."""
     if effects:
         return "missing-physics"
     near = all(record.nrmse_before <= _FAR * record.noise_floor for record in records)

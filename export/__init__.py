@@ -1,4 +1,4 @@
-"""Model to FMU, SSP, plain C and CasADi functions; the proof that the artefact reproduces the recordings."""
+"""Model to FMU, SSP, plain C and CasADi functions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Recordings to model: Hilbert transform, FREEVIB, FORCEVIB, maximum likelihood, uncertainty."""
+"""Recordings to model: free motion, start values, FREEVIB and FORCEVIB, maximum likelihood, uncertainty."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Free motion in a recording, found by itself: where the force is off, or where the motion falls steadily."""
+"""Free motion in a recording, found by itself: where the force is off, after a blow, or where the motion falls."""
 
 from __future__ import annotations
 

@@ -1,4 +1,7 @@
-"""From recordings to a model: Hilbert transform for the start and the pictures, maximum likelihood for the answer."""
+"""From recordings to a model: a regression for the start, maximum likelihood for the answer.
+
+The Hilbert transform's curves are for the pictures, and for the start where the regression fails.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +43,7 @@ class Identification:
 
     Attributes:
         oscillator: parameters with standard errors, validity and provenance.
-        hilbert: FREEVIB and FORCEVIB: curves and start values.
+        hilbert: start values, and the curves of FREEVIB and FORCEVIB.
         fit: maximum likelihood: covariance, simulated responses.
         recordings: what was identified from.
         notes: one sentence each on what a user should know.
@@ -69,7 +72,7 @@ def identify(
         name: the rig's name, for the model file.
         effects: names of laws of the library to be fitted beside Eq. 17.
         fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
-        start: model to start from, with its laws, instead of the Hilbert transform's estimates.
+        start: model to start from, with its laws, instead of estimates from the recordings.
         progress: called with one line per step.
 
     Raises:
@@ -77,7 +80,7 @@ def identify(
             not known.
     """
     belong_together(recordings)
-    progress("Hilbert transform: decays, FREEVIB, FORCEVIB")
+    progress("free motion, FREEVIB, FORCEVIB, start values by regression")
     hilbert = hilbert_start(recordings)
     base = _hilbert_model(hilbert, recordings, name) if start is None else replace(start, name=name)
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
@@ -130,7 +133,7 @@ def _no_worse(fit: Fit, other: Fit) -> bool:
 
 
 def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
-    """Eq. 17 with the values that the Hilbert transform starts from."""
+    """Eq. 17 with the values estimated from the recordings."""
     first = recordings[0]
     return Oscillator.from_values(
         {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")},
@@ -174,7 +177,7 @@ def _best_fit(
 ) -> Fit:
     """The fit from the first start; where that explains little, the best of all of them.
 
-    Where another effect bends the Hilbert estimates, their cubic and preload lead astray first.
+    Where another effect bends the estimates, their cubic and preload lead astray first.
     """
     fits: list[Fit] = []
     problems: list[BadInput] = []
@@ -289,12 +292,11 @@ def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Re
 
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     found = []
+    family = "model" if fit.oscillator.terms else "Eq. 17 family"
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
-            found.append(
-                f"{name} came out negative, a sign that the Eq. 17 family lacks something these recordings show"
-            )
+            found.append(f"{name} came out negative, a sign that the {family} lacks something these recordings show")
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             found.append(f"{name} is not distinguishable from zero in these recordings")
@@ -303,7 +305,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
         if ratio > _ABOVE_NOISE:
             found.append(
                 f"{recording.name}: the model leaves {ratio:.2g} times the noise, so the recording holds something "
-                "that the Eq. 17 family does not, and the parameters may be off by more than their errors"
+                f"that the {family} does not, and the parameters may be off by more than their errors"
             )
     for segment in fit.segments:
         if segment.nrmse > _POOR_NRMSE and not _is_quiet(segment.segment.response, fit):

@@ -1,7 +1,7 @@
 """What a sensor shows at zero: a nuisance of each recording, fitted with the parameters where the motion asks for it.
 
-The zero of a record is a setting of an amplifier and no physics. A displacement that rests elsewhere is told, left
-out of the model, and costs the parameters what it must.
+The zero of a record is a setting of an amplifier and no physics. It stands beside the model, in ``Fit.offsets``, and
+costs the parameters what it must.
 """
 
 from __future__ import annotations

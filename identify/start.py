@@ -1,9 +1,10 @@
-"""Start values of Eq. 17 from recordings of any kind, by the Hilbert transform and its windowed form.
+"""Start values of Eq. 17 from recordings of any kind: by regression, else from Hilbert curves, else from the spectrum.
 
-Every decay gives a FREEVIB backbone and damping curve, every forced record FORCEVIB's mass and curves; the Eq. 17
-family is fitted to all curves together. One regression over all recordings (`regression`) gives the same parameters
-without the detour over an amplitude. Where it works its values are the start, because it loses nothing at the ends of
-a decay, where the cubic and the preload show themselves; otherwise the curve fits are.
+One regression over all recordings (`regression`), the Hilbert transform in a windowed form, needs no detour over an
+amplitude. Where it works its values are the start, because it loses nothing at the ends of a decay, where the cubic and
+the preload show themselves. Every decay also gives a FREEVIB backbone and damping curve, every forced record FORCEVIB's
+mass and curves; Eq. 17 fitted to all curves together is the start where the regression fails, and the largest line of
+the spectrum where there is no curve either.
 """
 
 from __future__ import annotations
@@ -232,7 +233,7 @@ def _combine(
         value["viscous"] = _PLAIN_DAMPING * value["omega0"]
         notes.append("No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum.")
     reach = max(float(np.quantile(np.abs(m.x - np.median(m.x)), 0.999)) for m in motions)
-    _make_safe(value, std, reach, backbone, damping, notes)
+    _make_safe(value, reach, backbone, damping, notes)
     if mass is None and any(m.driven for m in motions):
         mass = _static_mass(motions, value["omega0"])
         notes.append(
@@ -285,7 +286,6 @@ def _static_mass(motions: list[_Motion], omega0: float) -> float | None:
 
 def _make_safe(
     value: dict[str, float],
-    std: dict[str, float],
     reach: float,
     backbone: BackboneFit | None,
     damping: DampingFit | None,

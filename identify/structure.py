@@ -6,7 +6,7 @@ be told in units of log-likelihood.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,7 +14,6 @@ import numpy as np
 from ..errors import BadInput
 from ..model import Oscillator
 from ..model.law import Law, Scales
-from ..model.laws import find
 from ..model.oscillator import Term
 from ..model.terms import with_values
 from ..simulate.core import Core, core_of, internal_step
@@ -194,11 +193,6 @@ class Structure:
             offsets = np.array([offset.guess for offset in self.problem.offsets])
         return State(self.values, own, offsets)
 
-    def here(self, initial: np.ndarray | None = None) -> tuple[State, tuple[np.ndarray, ...]]:
-        """The present point and its residuals."""
-        state = self.state(initial)
-        return state, self.problem.residuals(state)
-
     def fit(
         self,
         initial: np.ndarray | None = None,
@@ -232,9 +226,3 @@ class Structure:
             self.free,
             outcome.state.offsets,
         )
-
-
-def natural_values(effect: str, scales: Scales, probe: Mapping[str, float]) -> dict[str, float]:
-    """Parameters of a law from probes in natural sizes."""
-    law = find(effect)
-    return {p.name: probe.get(p.name, 0.0) * p.natural(scales) for p in law.parameters}

@@ -25,6 +25,13 @@ if TYPE_CHECKING:
     from ..identify.identification import Identification
     from ..verify.verification import Verification
 
+#: Where the estimates that need no simulation came from.
+_SOURCES = {
+    "regression": "a regression over all recordings",
+    "curves": "the Hilbert transform's curves",
+    "spectrum": "the largest line of the spectrum",
+}
+
 
 def identification_page(
     identification: Identification,
@@ -159,7 +166,7 @@ def _provenance(identification: Identification, files: Sequence[str]) -> list[Bl
     rest = "came to rest" if fit.converged else "was stopped at its limit"
     how = (
         f"Method: {found.method or 'not stated'}, "
-        f"started from the Hilbert transform ({identification.hilbert.source}); "
+        f"direct estimates from {_SOURCES[identification.hilbert.source]}; "
         f"the search {rest} after {fit.iterations} steps"
         + ("" if found.log_likelihood is None else f", log likelihood {number(found.log_likelihood, 7)}")
         + f". Software: {found.software or 'not stated'}."

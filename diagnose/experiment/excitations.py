@@ -8,7 +8,6 @@ import numpy as np
 
 from ...identify.data import Data
 from ...identify.excitation import band_of
-from ...model import Oscillator
 
 #: How far beyond what was recorded an experiment may go.
 BEYOND = 1.5
@@ -69,7 +68,7 @@ class Excitation:
         return self.level * wave * np.sin(0.5 * np.pi * gate) ** 2
 
 
-def limits_of(data: Data, model: Oscillator) -> Limits:
+def limits_of(data: Data) -> Limits:
     """The largest force, displacement and band that were recorded; the band spans the resonance at least."""
     natural = data.scales.omega / (2 * np.pi)
     bands = [band for recording in data.recordings if (band := band_of(recording)) is not None]

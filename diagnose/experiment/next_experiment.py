@@ -48,7 +48,7 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
         return _nothing("no model is left to choose an experiment for")
     first = models[names[0]]
     natural = data.scales.omega / (2 * np.pi)
-    limits = limits or limits_of(data, first)
+    limits = limits or limits_of(data)
     plans = candidates(limits, natural)
     fs = max(recording.fs for recording in data.recordings)
     rate = min(fs, _DENSITY * natural)

@@ -7,7 +7,6 @@ import numpy as np
 from ...errors import DashpotError
 from ...identify.data import Data
 from ...identify.structure import Fitted
-from ...model import Oscillator
 from ..result import Location
 from .equation_error import equation_error
 from .mismatch_ranges import excess_range
@@ -30,25 +29,23 @@ def locate(fitted: Fitted, data: Data) -> Location:
     """
     model = fitted.model
     if not np.all(np.isfinite(list(model.values().values()))):
-        return _everywhere(data, model, "the place cannot be told: the model has values that are no numbers")
+        return _everywhere(data, "the place cannot be told: the model has values that are no numbers")
     try:
         stretches, evidence = equation_error(model, data)
     except (DashpotError, np.linalg.LinAlgError) as problem:
-        return _everywhere(data, model, f"the place cannot be told: {problem}")
+        return _everywhere(data, f"the place cannot be told: {problem}")
     if not stretches:
-        return _everywhere(
-            data, model, "the place cannot be told: the recordings move too little or for too few cycles"
-        )
+        return _everywhere(data, "the place cannot be told: the recordings move too little or for too few cycles")
     off = how_far_off(fitted, data)
     if evidence < _EVIDENCE:
-        return _everywhere(data, model, f"no missing force stands out of the noise in any recording{off}")
+        return _everywhere(data, f"no missing force stands out of the noise in any recording{off}")
     found = symptoms(stretches)
     if not found.here:
-        return _everywhere(data, model, f"too little stands out of the noise in any one recording to tell where{off}")
+        return _everywhere(data, f"too little stands out of the noise in any one recording to tell where{off}")
     return _location(found, data, fitted)
 
 
-def _everywhere(data: Data, model: Oscillator, statement: str) -> Location:
+def _everywhere(data: Data, statement: str) -> Location:
     """The widest ranges, with an honest sentence."""
     length, speed = data.scales.length, data.scales.length * data.scales.omega
     nyquist = max(0.5 * r.fs for r in data.recordings)
@@ -67,7 +64,7 @@ def _everywhere(data: Data, model: Oscillator, statement: str) -> Location:
 
 def _location(found: Symptoms, data: Data, fitted: Fitted) -> Location:
     rows, model = found.rows, fitted.model
-    wide = _everywhere(data, model, "")
+    wide = _everywhere(data, "")
     x, v = rows.joined(lambda s: s.x), rows.joined(lambda s: s.v)
     ranges = {
         "displacement": excess_range(rows, x) or (float(np.min(x)), float(np.max(x))),

@@ -21,6 +21,7 @@ from ...identify.prediction import FREE
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, renamed, shapes_of
 from ...model import Oscillator
+from ...model.equations import equations
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from ...model.terms import generalised, without_term
@@ -384,8 +385,6 @@ class Search:
 
 def _without_states(fitted: Fitted, effect: str) -> np.ndarray:
     """Initial states of a model once the states of one of its laws are gone."""
-    from ...model.equations import equations
-
     names = equations(fitted.model).state_names
     return fitted.initial[:, [i for i, name in enumerate(names) if not name.startswith(f"{effect}.")]]
 

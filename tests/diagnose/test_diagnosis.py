@@ -78,7 +78,7 @@ def test_what_cannot_be_split_is_fitted_whole(rig):
     assert not any(record.holdout for record in found.records)
 
 
-def test_without_held_out_recordings_the_end_of_each_is_held_out(rig):
+def test_without_held_out_recordings_stretches_of_each_are_held_out(rig):
     case = rig("single", "quadratic-drag")
     found = diagnose(case.model, case.training)
     assert any("no recording was held out" in note for note in found.notes)

@@ -55,7 +55,7 @@ def test_one_that_cannot_be_used_among_others_is_left_out_and_named(rig):
     assert found.effects == ()
 
 
-def test_split_keeps_whole_what_cannot_spare_its_end(rig):
+def test_split_keeps_whole_what_cannot_spare_a_stretch(rig):
     case = rig("none")
     whole = case.training[0]
     training, ends = split([whole], case.model)

@@ -6,15 +6,16 @@ import numpy as np
 import pytest
 from dashpot.diagnose.place.missing_force import latent_forces
 from dashpot.identify.data import data_of
-from dashpot.identify.structure import Structure, natural_values
+from dashpot.identify.structure import Structure
+from dashpot.model.laws import find
 from dashpot.model.terms import with_term
 
 
 def fits(case, effect: str, values: dict[str, float] | None = None):
-    """The family's best, and the best with an effect, begun from natural sizes or from values."""
+    """The family's best, and the best with an effect, begun from nothing of it or from values."""
     data = data_of(case.training, case.model)
     family = Structure(case.model, data).fit(settle=True)
-    start = with_term(family.model, effect, values or natural_values(effect, data.scales, {}))
+    start = with_term(family.model, effect, values or {p.name: 0.0 for p in find(effect).parameters})
     return data, family, Structure(start, data).fit(family.initial, most=30)
 
 

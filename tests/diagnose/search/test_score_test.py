@@ -31,8 +31,8 @@ def test_the_score_promises_what_a_small_effect_then_gains(rig):
     # a drag so small that the response is linear in it
     drag = 0.01 * case.model.viscous.value / (data.scales.length * data.scales.omega)
     disturbed = with_term(fitted.model, "quadratic-drag", {"coefficient": drag})
-    other, _ = Structure(disturbed, data).here(fitted.initial)
-    moved = Structure(disturbed, data).problem.residuals(other)
+    structure = Structure(disturbed, data)
+    moved = structure.problem.residuals(structure.state(fitted.initial))
     shifted = tuple(r - (m - r) for r, m in zip(fitted.residuals, moved, strict=True))
     from dataclasses import replace
 
