@@ -22,6 +22,7 @@ from ..errors import BadInput
 from ..model import Oscillator
 from ..recording.recording import Recording
 from .data import Data, data_of, expected_noise, noise_of
+from .from_prediction import EARLY_STEPS, from_prediction, growing, keeps_step, memories, simulates
 from .hilbert import noise_level
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
@@ -35,20 +36,6 @@ from .segments import Segment
 from .settle import settled
 from .structure import Structure
 
-#: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
-_FIRST_MEMORY = 1.0
-_GROWTH = 8.0
-#: Free decays are fitted over this many cycles first, then over so many times as many.
-_FIRST_CYCLES = 12.0
-_LONGER = 4.0
-#: Steps at each memory: it only has to lead to the next.
-_EARLY_STEPS = 8
-#: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
-#: much in radians, where a sine is still a straight line.
-_IN_STEP = 0.3
-#: ... in stretches of so many cycles, and but for so many times the noise.
-_STRETCH = 8.0
-_BEYOND_NOISE = 3.0
 #: Simulation is given up for prediction where that is a thousand times as likely.
 _DECISIVE = float(np.log(1000.0))
 #: Residuals this many times the noise are more than the noise's own estimate leaves open.
@@ -124,16 +111,23 @@ def maximum_likelihood(
     data = data or data_of(recordings, start, coarse=False)
     structure = Structure(start, data, fixed, response_offsets(data, recordings, start))
     problem = structure.problem
-    free, rungs, iterations = structure.state(None), {}, 0
-    for stage in _growing(problem.segments):
-        free, rungs, steps = _from_prediction(problem.over(stage), free)
-        iterations += steps
-    problem, free = kept_offsets(problem, free, start)
+    first, *later = growing(problem.segments)
+    told, notes = problem.over(first), []
+    free, rungs, iterations = from_prediction(told, structure.state(None))
+    for stage in later:
+        try:
+            free, rungs, steps = from_prediction(problem.over(stage), free)
+        except BadInput:  # what remains is at rest, say, where these values push the mass away
+            notes = [_beyond(told.segments, problem.segments, recordings)]
+            break
+        told, iterations = problem.over(stage), iterations + steps
+    problem, free = kept_offsets(told, free, start)
     smooth, left = smooth_stretches(problem, free)
-    notes = left_out(problem.segments, smooth, [recording.name for recording in recordings])
-    if notes:
+    jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
+    notes += jumps
+    if jumps:
         problem = problem.over(smooth)  # what has no derivative may have held the search back
-        free, rungs, steps = _from_prediction(problem, left)
+        free, rungs, steps = from_prediction(problem, left)
         iterations += steps
     answer, steps = _whitened(problem, free, start)
     iterations += steps
@@ -169,74 +163,16 @@ class _Answer:
     likelihood: float
 
 
-def _from_prediction(problem: OutputError, state: State) -> tuple[State, dict[float, State], int]:
-    """Where the search from prediction to simulation ended, where each memory before it did, and the steps it took.
-
-    Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
-    """
-    first, iterations = problem.predicting(_FIRST_MEMORY), 0
-    state = settled(first, state)
-    if not _simulates(first, state):
-        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
-    rungs: dict[float, State] = {}
-    for memory in memories(problem.segments):
-        if keeps_step(problem.segments, problem.residuals(state)):
-            break
-        outcome = problem.predicting(memory).search(state, tolerance=1.0, most=_EARLY_STEPS)
-        state, iterations = outcome.state, iterations + outcome.iterations
-        rungs[memory] = state
-    if not _simulates(problem, state):
-        return state, rungs, iterations
-    outcome = problem.search(state, tolerance=1.0)
-    return outcome.state, rungs, iterations + outcome.iterations
-
-
-def _growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
-    """Ever longer beginnings of the free segments, then the whole; forced ones are whole, their memory is short.
-
-    The quiet end of a decay, where friction and preload rule, has a pace of its own: it is told once the rest is.
-    """
-    longest = max((s.n * s.dt * s.pace / (2 * np.pi) for s in segments if s.force is None), default=0.0)
-    stages, cycles = [], _FIRST_CYCLES
-    while cycles < longest:
-        stages.append(tuple(_beginning(s, cycles) if s.force is None else s for s in segments))
-        cycles *= _LONGER
-    return [*stages, tuple(segments)]
-
-
-def _beginning(segment: Segment, cycles: float) -> Segment:
-    return segment.part(0, min(segment.n, int(cycles * 2 * np.pi / segment.pace / segment.dt)))
-
-
-def memories(segments: Sequence[Segment]) -> list[float]:
-    """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
-    longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
-    found = [_FIRST_MEMORY]
-    while found[-1] * _GROWTH < longest:
-        found.append(found[-1] * _GROWTH)
-    return found
-
-
-def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
-    """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it.
-
-    In every stretch of some cycles: the quiet end of a decay may have lost its phase where its loud beginning has not.
-    """
-    for segment, residual in zip(segments, residuals, strict=True):
-        if not np.all(np.isfinite(residual)):
-            return False
-        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _STRETCH)))
-        noise = noise_level(segment.response, 1.0 / segment.dt)
-        for measured, rest in zip(
-            np.array_split(segment.response, count), np.array_split(residual, count), strict=True
-        ):
-            if np.sqrt(np.mean(rest**2)) > _IN_STEP * np.std(measured) + _BEYOND_NOISE * noise:
-                return False
-    return True
-
-
-def _simulates(problem: OutputError, state: State) -> bool:
-    return all(bool(np.all(np.isfinite(residual))) for residual in problem.residuals(state))
+def _beyond(told: Sequence[Segment], whole: Sequence[Segment], recordings: Sequence[Recording]) -> str:
+    """Which ends of decays no model of the structure was found to simulate."""
+    ends = [
+        f"{recordings[part.recording].name} from {part.time + part.n * part.dt:.4g} s"
+        for part, all_of_it in zip(told, whole, strict=True)
+        if part.n < all_of_it.n
+    ]
+    return (
+        f"no model of this structure that tells the beginning simulates the end of {', '.join(ends)}; it was left out"
+    )
 
 
 def _whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[_Answer, int]:
@@ -294,9 +230,9 @@ def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
     """What the model leaves when it is simulated freely, from the initial states that suit that best."""
     alone = problem.predicting(FREE).keeping(state)
     state = settled(alone, replace(state, offsets=np.zeros(0)))
-    if not _simulates(alone, state):
+    if not simulates(alone, state):
         return alone.residuals(state)
-    return alone.search(state, tolerance=1.0, most=_EARLY_STEPS).residuals
+    return alone.search(state, tolerance=1.0, most=EARLY_STEPS).residuals
 
 
 def _result(

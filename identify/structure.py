@@ -104,7 +104,8 @@ def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:
 
 def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
     """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes."""
-    known = {"mass": (1e-300, np.inf), "omega0": (SLACK / scales.duration, np.inf)}
+    mass = 1.0 if model.mass is None else model.mass.value
+    known = {"mass": (mass / _MASS_SPAN, mass * _MASS_SPAN), "omega0": (SLACK / scales.duration, np.inf)}
     for term in model.terms:
         for p in term.law.parameters:
             low, high = p.lower, p.upper

@@ -17,7 +17,6 @@ from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
 from ...identify.measured_motion import probes
 from ...identify.normal_equations import pseudo_inverse
-from ...identify.output_error import State
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, parameter_bounds
 from ...model import Oscillator
@@ -220,7 +219,7 @@ class Screen:
         model = with_term(with_values(self.fitted.model, moved), law.name, numbers)
         structure = Structure(model, self.data)
         state = structure.state(self.fitted.initial if initial is None else initial)
-        state = settled(structure.problem, State(state.values, state.initial))
+        state = settled(structure.problem, state)
         residuals = structure.problem.residuals(state)
         value = likelihood(residuals, model, self.data)
         if not np.isfinite(value):

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
-from ...identify.likelihood import keeps_step
+from ...identify.from_prediction import keeps_step
 from ...identify.measured_motion import Regression
 from ...identify.noise_spectrum import NoiseSpectrum
 from ...identify.prediction import FREE

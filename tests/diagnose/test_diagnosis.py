@@ -129,10 +129,10 @@ def test_one_held_out_recording_that_jumps_is_no_other_rig(rig):
 
 @pytest.mark.parametrize(("after", "words"), [(0.1, "falls from 50 to 10 %"), (0.6, "rises from 50 to 60 %")])
 def test_an_error_that_rises_is_not_said_to_fall(after, words):
-    from dashpot.diagnose.diagnosis import _sentence
     from dashpot.diagnose.result import Effect, RecordFit
+    from dashpot.diagnose.verdict import sentence_of
 
     nothing = np.zeros(1)
     record = RecordFit("end", True, 0.5, after, 0.05, nothing, nothing, nothing, nothing, None)
     stop = Effect("one-sided-stop", "one-sided-stop", "spring", {})
-    assert words in _sentence("unexplained", [stop], "there remains more", [record])
+    assert words in sentence_of("missing-physics", [stop], "there remains more", [record], [], [])

@@ -14,7 +14,7 @@ from scipy.signal import lfilter
 
 @pytest.fixture(scope="module")
 def fitted():
-    from .conftest import concealed
+    from ..conftest import concealed
 
     case = concealed("none")
     data = data_of(case.training, case.model)

@@ -1,0 +1,103 @@
+"""The search from prediction to simulation, and from the beginning of each decay to its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..errors import BadInput
+from .hilbert import noise_level
+from .output_error import OutputError, State
+from .segments import Segment
+from .settle import settled
+
+#: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
+_FIRST_MEMORY = 1.0
+_GROWTH = 8.0
+#: Free decays are fitted over this many cycles first, then over so many times as many.
+_FIRST_CYCLES = 12.0
+_LONGER = 4.0
+#: Steps at each memory: it only has to lead to the next.
+EARLY_STEPS = 8
+#: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
+#: much in radians, where a sine is still a straight line.
+_IN_STEP = 0.3
+#: ... in stretches of so many cycles, and but for so many times the noise.
+_STRETCH = 8.0
+_BEYOND_NOISE = 3.0
+
+
+def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[float, State], int]:
+    """Where the search from prediction to simulation ended, where each memory before it did, and the steps it took.
+
+    Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
+    """
+    first, iterations = problem.predicting(_FIRST_MEMORY), 0
+    state = settled(first, state)
+    if not simulates(first, state):
+        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
+    rungs: dict[float, State] = {}
+    for memory in memories(problem.segments):
+        if keeps_step(problem.segments, problem.residuals(state), _STRETCH):
+            break
+        outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
+        state, iterations = outcome.state, iterations + outcome.iterations
+        rungs[memory] = state
+    if not simulates(problem, state):
+        return state, rungs, iterations
+    outcome = problem.search(state, tolerance=1.0)
+    return outcome.state, rungs, iterations + outcome.iterations
+
+
+def growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
+    """Ever longer beginnings of the free segments, then the whole; forced ones are whole, their memory is short.
+
+    The quiet end of a decay, where friction and preload rule, has a pace of its own: it is told once the rest is.
+    """
+    longest = max((s.n * s.dt * s.pace / (2 * np.pi) for s in segments if s.force is None), default=0.0)
+    stages, cycles = [], _FIRST_CYCLES
+    while cycles < longest:
+        stages.append(tuple(_beginning(s, cycles) if s.force is None else s for s in segments))
+        cycles *= _LONGER
+    return [*stages, tuple(segments)]
+
+
+def _beginning(segment: Segment, cycles: float) -> Segment:
+    return segment.part(0, min(segment.n, int(cycles * 2 * np.pi / segment.pace / segment.dt)))
+
+
+def memories(segments: Sequence[Segment]) -> list[float]:
+    """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
+    longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
+    found = [_FIRST_MEMORY]
+    while found[-1] * _GROWTH < longest:
+        found.append(found[-1] * _GROWTH)
+    return found
+
+
+def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray], cycles: float = np.inf) -> bool:
+    """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it.
+
+    Args:
+        segments: of the recordings.
+        residuals: measured minus simulated, one (n,) array a segment.
+        cycles: it has to be so in every stretch of so many: the quiet end of a decay may have lost its phase where its
+            loud beginning has not.
+    """
+    for segment, residual in zip(segments, residuals, strict=True):
+        if not np.all(np.isfinite(residual)):
+            return False
+        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * cycles)))
+        noise = noise_level(segment.response, 1.0 / segment.dt)
+        for measured, rest in zip(
+            np.array_split(segment.response, count), np.array_split(residual, count), strict=True
+        ):
+            if np.sqrt(np.mean(rest**2)) > _IN_STEP * np.std(measured) + _BEYOND_NOISE * noise:
+                return False
+    return True
+
+
+def simulates(problem: OutputError, state: State) -> bool:
+    """Whether every segment is simulated to its end."""
+    return all(bool(np.all(np.isfinite(residual))) for residual in problem.residuals(state))
