@@ -34,7 +34,7 @@ from .result import Considered, Diagnosis, Effect
 from .search.judgement import Round, Trial
 from .search.residual_test import leftovers
 from .search.residual_test import sentence as remainder_sentence
-from .search.search import Search
+from .search.search import SENSOR_OFFSET, Search
 from .verdict import sentence_of, verdict_of
 
 _DRAWS = 30
@@ -88,22 +88,24 @@ def diagnose(
             f"no recording can carry a diagnosis ({'; '.join(unused)}); record a decay of at least ten cycles or a "
             "sweep through the resonance"
         )
+    progress("best of the given family", 0.0)
+    best = family_of(model, recordings, holdout)
+    notes += best.notes
+    recordings, holdout = list(best.recordings), list(best.holdout)
     if not holdout:
         recordings, holdout = split(recordings, model)
+        best = replace(best, free_zeros=False)  # the pieces of a recording share what was taken off
         notes.append(
             "no recording was held out, so stretches of each that can spare them are: judge with one of another level"
             if holdout
             else "nothing could be held out: what is named rests on the recordings that it was fitted to; judge with "
             "a recording of another level"
         )
-    progress("best of the given family", 0.0)
-    best = family_of(model, recordings, holdout)
-    notes += best.notes
-    recordings, holdout = list(best.recordings), list(best.holdout)
     data = cut_for(best, recordings, model)
     # cut as the training was, whatever the fit made of the spring
     judged = cut_for(best, holdout, model) if holdout else data
-    search = Search(data, judged, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
+    laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != SENSOR_OFFSET]
+    search = Search(data, judged, laws, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     found = _search(search, search.best_of_family(best.model), progress)
     # what is left is said of simulations: a prediction leaves less
     data, judged = (replace(part, memory=FREE) for part in (search.data, search.holdout))

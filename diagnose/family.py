@@ -10,10 +10,12 @@ import numpy as np
 
 from ..errors import BadInput
 from ..identify.data import Data, data_of
+from ..identify.from_prediction import memories
 from ..identify.hold import held_as, hold_note
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
 from ..identify.offset import Offset
+from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
 from ..recording.recording import Recording
@@ -44,7 +46,8 @@ class Family:
         model: with the values found.
         memory: how far it predicts, in cycles; see ``identify.prediction``.
         recordings, holdout: less what their sensors show at zero, with the hold of their force.
-        offsets: whether each recording has a zero of its own.
+        zeros_are_shared: whether the recordings show the same at zero, so that a law may stand for it.
+        free_zeros: whether each recording's zero is free in every fit.
         notes: what a user should know.
     """
 
@@ -52,7 +55,8 @@ class Family:
     memory: float
     recordings: tuple[Recording, ...]
     holdout: tuple[Recording, ...]
-    offsets: bool
+    zeros_are_shared: bool
+    free_zeros: bool
     notes: tuple[str, ...]
 
 
@@ -80,12 +84,14 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
             notes.append(hold_note(best.hold))
         recordings, holdout = found.recordings, held_as(holdout, best.hold)
     _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
+    # what is missing adds up over time: the longer the memory, the more of it shows
+    memory = FREE if found.fit.memory == FREE else max(memories([s.segment for s in found.fit.segments]))
     shown = {offset.recording: offset.value for offset in found.fit.offsets}
     # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
     # a law is the shorter answer
     single = len(recordings) == 1
     if not single and (not shown or _one_cause(found)):
-        return Family(best, found.fit.memory, tuple(recordings), tuple(holdout), False, tuple(notes))
+        return Family(best, memory, tuple(recordings), tuple(holdout), True, False, tuple(notes))
     elsewhere = _offsets(best, holdout)
     for group, values in ((recordings, shown), (holdout, elsewhere)):
         for index, value in values.items():
@@ -93,9 +99,10 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
             notes.append(f"{group[index].name}: its sensor shows {quantity(value, unit)} at zero; taken off")
     return Family(
         best,
-        found.fit.memory,
+        memory,
         tuple(_less(r, shown.get(i, 0.0)) for i, r in enumerate(recordings)),
         tuple(_less(r, elsewhere.get(i, 0.0)) for i, r in enumerate(holdout)),
+        False,
         True,
         tuple(notes),
     )
@@ -147,7 +154,7 @@ def with_offsets(data: Data) -> Data:
 def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator) -> Data:
     """Recordings as every law is fitted to them."""
     data = replace(data_of(recordings, model), memory=family.memory)
-    return with_offsets(data) if family.offsets else data
+    return with_offsets(data) if family.free_zeros else data
 
 
 def _same_rig(given: Oscillator, found: Oscillator, *, slide: bool) -> None:

@@ -55,7 +55,12 @@ class Data:
 
 
 def data_of(
-    recordings: Sequence[Recording], model: Oscillator, lines: Sequence[float] = (), *, coarse: bool = True
+    recordings: Sequence[Recording],
+    model: Oscillator,
+    lines: Sequence[float] = (),
+    *,
+    coarse: bool = True,
+    pace: float | None = None,
 ) -> Data:
     """Cut recordings and measure their noise and the sizes of the motion.
 
@@ -71,6 +76,18 @@ def data_of(
             f"{names}: neither a free decay nor a stretch driven by a force that is long and loud enough to fit; "
             "record a decay of at least ten cycles or a sweep through the resonance"
         )
+    return measured(segments, recordings, model, lines, coarse=coarse)
+
+
+def measured(
+    segments: Sequence[Segment],
+    recordings: Sequence[Recording],
+    model: Oscillator,
+    lines: Sequence[float] = (),
+    *,
+    coarse: bool = True,
+) -> Data:
+    """Segments of recordings with their noise and the sizes of the motion."""
     responses = [np.asarray(r.response, float) for r in recordings]
     sensor = [noise_level(response, r.fs) for response, r in zip(responses, recordings, strict=True)]
     force = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
@@ -87,7 +104,7 @@ def data_of(
     )
     return Data(
         tuple(recordings),
-        segments,
+        tuple(segments),
         tuple(sensor[segment.recording] for segment in segments),
         tuple(force[segment.recording] for segment in segments),
         scales,

@@ -39,7 +39,7 @@ def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[flo
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
     rungs: dict[float, State] = {}
     for memory in memories(problem.segments):
-        if keeps_step(problem.segments, problem.residuals(state), _STRETCH):
+        if keeps_step_throughout(problem.segments, problem.residuals(state)):
             break
         outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
         state, iterations = outcome.state, iterations + outcome.iterations
@@ -76,19 +76,19 @@ def memories(segments: Sequence[Segment]) -> list[float]:
     return found
 
 
-def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray], cycles: float = np.inf) -> bool:
-    """Whether a simulation is so near to the recordings that its error is one of phase and size, and no turn of it.
+def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
+    """Whether a simulation is so near to the motion, all of it together, that its error is one of phase and size."""
+    power = [float(np.sum((s.response - np.mean(s.response)) ** 2)) for s in segments]
+    missed = [float(np.sum(residual**2)) for residual in residuals]
+    return bool(np.isfinite(sum(missed)) and sum(missed) < _IN_STEP**2 * sum(power))
 
-    Args:
-        segments: of the recordings.
-        residuals: measured minus simulated, one (n,) array a segment.
-        cycles: it has to be so in every stretch of so many: the quiet end of a decay may have lost its phase where its
-            loud beginning has not.
-    """
+
+def keeps_step_throughout(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
+    """Whether it does so in every stretch of some cycles: the quiet end of a decay may have lost its phase early."""
     for segment, residual in zip(segments, residuals, strict=True):
         if not np.all(np.isfinite(residual)):
             return False
-        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * cycles)))
+        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _STRETCH)))
         noise = noise_level(segment.response, 1.0 / segment.dt)
         for measured, rest in zip(
             np.array_split(segment.response, count), np.array_split(residual, count), strict=True

@@ -20,7 +20,7 @@ from ..model.oscillator import HOLDS as HOLDS_IN_WORDS
 from ..recording.recording import HOLDS, Recording
 from ..simulate.force import force_between, smooth_force
 from .blows import ContactForce
-from .data import data_of, noise_of
+from .data import measured, noise_of
 from .likelihood import Fit
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
@@ -142,11 +142,11 @@ def further_of_fit(fit: Fit, recordings: Sequence[Recording], hold: str) -> floa
 def _point(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, State]:
     model = fit.oscillator
     fixed = [name for name in model.parameters() if name not in fit.names]
-    data = data_of(recordings, model, coarse=False)
+    data = measured([s.segment for s in fit.segments], recordings, model, coarse=False)
     tiny = np.finfo(float).tiny
     offsets = [Offset(o.recording, o.channel, max(o.std, tiny), o.value) for o in fit.offsets]
     structure = Structure(model, data, fixed, offsets)
-    problem = structure.problem.over([s.segment for s in fit.segments]).predicting(fit.memory)
+    problem = structure.problem.predicting(fit.memory)
     initial = np.array([s.initial for s in fit.segments])
     return problem, State(structure.values, initial, np.array([o.value for o in fit.offsets]))
 

@@ -97,6 +97,7 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
     slide = pace > omega0
     for index, recording in enumerate(recordings):
         shortest = (_SHORTEST_SLIDE if slide else _SHORTEST_CYCLES) * 2 * np.pi / pace * recording.fs
+        least = _SHORTEST_SLIDE * 2 * np.pi / pace * recording.fs
         force = recording.force
         motion = find_free_motion(recording)
         decays = motion.decays
@@ -110,7 +111,8 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         highest = force_band * pace / (2 * np.pi)
         for start, stop, forced in sorted(ends):
-            if stop - start < shortest:
+            # what a force drives all through a recording says more than it costs once it has gone through a cycle
+            if stop - start < (shortest if (start, stop) != (0, recording.n) or not forced else least):
                 continue
             driven = None
             if forced and force is not None and np.any(force[start:stop]):

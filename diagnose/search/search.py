@@ -97,7 +97,7 @@ class Search:
             found = Structure(fitted.model, free, fixed).fit(fitted.initial, settle=True)
         except DashpotError:
             return fitted
-        if not found.finite or not keeps_step(free.segments, found.residuals):
+        if not keeps_step(free.segments, found.residuals):
             return fitted
         self.data, self.holdout = free, replace(self.holdout, memory=FREE)
         return self._polish(found, fixed)
@@ -301,8 +301,6 @@ class Search:
         """For each law worth a fit the models to start from."""
         present = {name for term in fitted.model.terms for name in (term.law.effect, term.law.twin)}
         laws = [law for law in self.laws if law.effect not in present and not law.rugged and not _only_a_name(law)]
-        if self.data.offsets:  # each recording has a zero of its own already
-            laws = [law for law in laws if law.effect != SENSOR_OFFSET]
         self.progress("score of every law", 0.02)
         self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
         scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}
