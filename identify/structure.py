@@ -13,6 +13,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model import Oscillator
+from ..model.equations import equations
 from ..model.law import Law, Scales
 from ..model.oscillator import Term
 from ..model.terms import with_values
@@ -227,3 +228,14 @@ class Structure:
             self.free,
             outcome.state.offsets,
         )
+
+
+def without_states(fitted: Fitted, effect: str) -> np.ndarray:
+    """Initial states of a model once the states of one of its laws are gone."""
+    names = equations(fitted.model).state_names
+    return fitted.initial[:, [i for i, name in enumerate(names) if not name.startswith(f"{effect}.")]]
+
+
+def phases_of(model: Oscillator) -> int:
+    """How many states of a model have a value of their own in each recording, whatever its start."""
+    return sum(equations(model).free)

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...identify.structure import Fitted
+from ...model.law import Law
 from ...model.laws import find
 
 #: A law is accepted where, its parameters paid for, it gains at least this much on the training recordings
@@ -129,3 +130,8 @@ class Round:
 def ordered(trials: Sequence[Trial]) -> tuple[Trial, ...]:
     """Those fitted to the end first, the largest gain first."""
     return tuple(sorted(trials, key=lambda t: (-t.finished, -t.score)))
+
+
+def only_a_name(law: Law) -> bool:
+    """Whether a law has the parameters of its twin, all of them."""
+    return law.twin is not None and len(find(law.twin).parameters) == len(law.parameters)

@@ -19,14 +19,13 @@ from ...identify.measured_motion import Regression
 from ...identify.noise_spectrum import NoiseSpectrum
 from ...identify.prediction import FREE
 from ...identify.settle import settled
-from ...identify.structure import Fitted, Structure, renamed, shapes_of
+from ...identify.structure import Fitted, Structure, phases_of, renamed, shapes_of, without_states
 from ...model import Oscillator
-from ...model.equations import equations
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from ...model.terms import generalised, without_term
 from ...simulate.core import internal_step
-from .judgement import ACCEPT_TRAIN, INDISTINGUISHABLE, Round, Trial, ordered
+from .judgement import ACCEPT_TRAIN, INDISTINGUISHABLE, Round, Trial, only_a_name, ordered
 from .residual_test import expected
 from .score_test import Screen
 from .spectral_lines import residual_lines
@@ -138,10 +137,12 @@ class Search:
             self.progress(f"{effect}", 0.3 + 0.3 * (i + 1) / len(starts))
         early.sort(key=lambda one: -one[0])
         trials: list[Trial] = []
-        bar = ACCEPT_TRAIN / 2 if near else _NEAR * (early[0][0] - fitted.likelihood) if early else 0.0
+        # far from the truth first steps are those of white noise; the family is held against them after the same
+        base = fitted.likelihood if near or not early else self._like_the_others(fitted)
+        bar = ACCEPT_TRAIN / 2 if near else _NEAR * (early[0][0] - base) if early else 0.0
         for i, (value, effect, one) in enumerate(early):
             trial = self.trial(effect, one, fitted, before, finished=False)
-            if i < _FINALISTS and (trial.gain if near else value - fitted.likelihood) > bar:
+            if i < _FINALISTS and (trial.gain if near else value - base) > bar:
                 trial = self.trial(effect, self.finish(one), fitted, before, finished=True)
                 if max(self._ratios(trial.fitted)) <= _FAR:  # nothing can do much better than reach the noise
                     bar = max(bar, _HALFWAY * (trial.fitted.likelihood - fitted.likelihood))
@@ -164,6 +165,12 @@ class Search:
         lost, lost_holdout = again.likelihood - fitted.likelihood, judged.likelihood - before.likelihood
         moved = [replace(t, gain=t.gain - lost, holdout_gain=t.holdout_gain - lost_holdout) for t in trials]
         return Round(again, judged, ordered(moved))
+
+    def _like_the_others(self, fitted: Fitted) -> float:
+        """Log-likelihood of a model after the first steps that laws are given."""
+        fixed = [name for name in fitted.model.parameters() if name not in fitted.free]
+        plain = self._fit(fitted.model, fitted.initial, _FEW_STEPS, fixed)
+        return fitted.likelihood if plain is None else min(plain.likelihood, fitted.likelihood)
 
     def _to_the_end(self, trials: Sequence[Trial], fitted: Fitted, before: Fitted) -> list[Trial]:
         """The trials; the best, where they have nearly reached the noise, fitted once more to be compared there."""
@@ -188,7 +195,7 @@ class Search:
         found = {trial.effect: trial for trial in trials}
         for trial in trials:
             for law in self.laws:
-                if law.twin == trial.effect and _only_a_name(law):
+                if law.twin == trial.effect and only_a_name(law):
                     found[law.name] = replace(trial, effect=law.name, fitted=renamed(trial.fitted, trial.effect, law))
             general = find(trial.effect).twin
             if general is None or trial.proper or not trial.supported:
@@ -261,7 +268,7 @@ class Search:
         for trial in chain[:-1]:
             smaller = without_term(current.model, trial.effect)
             noise = noise_spectra(current.residuals, current.model, self.data)
-            reduced = self._fit(smaller, _without_states(current, trial.effect), 15, noise=noise)
+            reduced = self._fit(smaller, without_states(current, trial.effect), 15, noise=noise)
             if reduced is not None:
                 reduced = self._polish(reduced, shapes_of(reduced.model))
             cost = 0.5 * len(find(trial.effect).parameters) * math.log(self.data.points)
@@ -275,12 +282,14 @@ class Search:
 
     def trial(self, effect: str, one: Fitted, fitted: Fitted, before: Fitted, *, finished: bool) -> Trial:
         """A fitted law against the model without it."""
-        cost = 0.5 * (len(one.free) - len(fitted.free)) * math.log(self.data.points)
-        holdout = self.judge(one.model) if finished else None
-        gain = one.likelihood - fitted.likelihood - cost
-        return Trial(
-            effect, one, holdout, gain, holdout.likelihood - before.likelihood if holdout else -np.inf, finished
-        )
+        phases = phases_of(one.model) - phases_of(fitted.model)  # a phase of each stretch is a parameter like any other
+        count = len(one.free) - len(fitted.free) + phases * len(self.data.segments)
+        gain = one.likelihood - fitted.likelihood - 0.5 * count * math.log(self.data.points)
+        if not finished:
+            return Trial(effect, one, None, gain, -np.inf, finished)
+        holdout = self.judge(one.model)
+        cost = 0.5 * phases * len(self.holdout.segments) * math.log(self.holdout.points)
+        return Trial(effect, one, holdout, gain, holdout.likelihood - before.likelihood - cost, finished)
 
     def finish(self, fitted: Fitted) -> Fitted:
         """Fit to the end: first the shape of its laws as it is, then that too where more than noise is left."""
@@ -300,7 +309,7 @@ class Search:
     def _starts(self, fitted: Fitted) -> dict[str, list[tuple[Oscillator, np.ndarray]]]:
         """For each law worth a fit the models to start from."""
         present = {name for term in fitted.model.terms for name in (term.law.effect, term.law.twin)}
-        laws = [law for law in self.laws if law.effect not in present and not law.rugged and not _only_a_name(law)]
+        laws = [law for law in self.laws if law.effect not in present and not law.rugged and not only_a_name(law)]
         self.progress("score of every law", 0.02)
         self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
         scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}
@@ -374,22 +383,14 @@ class Search:
         """Further steps, every frequency weighed by the noise that is left there."""
         for most in (8, 4):
             noise = noise_spectra(fitted.residuals, fitted.model, self.data)
-            again = Structure(fitted.model, self.data, fixed).fit(fitted.initial, noise=noise, most=most)
+            try:
+                again = Structure(fitted.model, self.data, fixed).fit(fitted.initial, noise=noise, most=most)
+            except DashpotError:  # it jumps with the smallest change
+                return fitted
             if not again.finite or again.likelihood < fitted.likelihood + 0.5:
                 return again if again.likelihood > fitted.likelihood else fitted
             fitted = again
         return fitted
-
-
-def _without_states(fitted: Fitted, effect: str) -> np.ndarray:
-    """Initial states of a model once the states of one of its laws are gone."""
-    names = equations(fitted.model).state_names
-    return fitted.initial[:, [i for i, name in enumerate(names) if not name.startswith(f"{effect}.")]]
-
-
-def _only_a_name(law: Law) -> bool:
-    """Whether a law has the parameters of its twin, all of them."""
-    return law.twin is not None and len(find(law.twin).parameters) == len(law.parameters)
 
 
 def _leading(gains: dict[str, float]) -> list[str]:
