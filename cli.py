@@ -145,6 +145,9 @@ def identify(
     else:
         click.echo(describe(found.oscillator))
     _say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
+    if found.useless:
+        _say(f"{output}: {found.useless}")
+        sys.exit(1)
 
 
 @cli.command()

@@ -25,7 +25,7 @@ from ..model.laws import LIBRARY, find
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
-from .family import cut_for, family_of, stranger
+from .family import cut_for, family_of, first_fit, stranger
 from .mend import exported, record_fits
 from .place.locate import locate
 from .place.missing_force import latent_forces
@@ -106,18 +106,20 @@ def diagnose(
     judged = cut_for(best, holdout, model) if holdout else data
     laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != SENSOR_OFFSET]
     search = Search(data, judged, laws, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
-    found = _search(search, search.best_of_family(best.model), progress)
+    begun = first_fit(search, best.model)
+    memory = search.data.memory
+    found = _search(search, begun, progress)
     # what is left is said of simulations: a prediction leaves less
     data, judged = (replace(part, memory=FREE) for part in (search.data, search.holdout))
     final = found.final if search.data.memory == FREE else search.judge(found.final.model, data)
-    family = found.family if best.memory == FREE else search.judge(found.family.model, data)
+    family = found.family if memory == FREE else search.judge(found.family.model, data)
     left = (*leftovers(final, data), *leftovers(search.judge(found.final.model, judged), judged))
     before_left = (*leftovers(family, data), *leftovers(search.judge(found.family.model, judged), judged))
     other_rig = stranger(found.final, search, left, len(data.segments))
     if other_rig:
         notes.append(other_rig)
     progress("standard errors", 0.86)
-    before = _with_errors(found.family, replace(data, memory=best.memory), recordings)
+    before = _with_errors(found.family, replace(data, memory=memory), recordings)
     after = _with_errors(found.final, search.data, recordings) if found.chain and not other_rig else None
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     with TemporaryDirectory() as folder:
@@ -242,8 +244,10 @@ def _considered(found: _Found, holdout: Data) -> list[Considered]:
             )
     for law in LIBRARY.values():
         if law.name not in taken and law.name not in seen:
-            seen[law.name] = Considered(law.name, None, 0.0, "neither its score nor the measured motion asks for it")
-    return sorted(seen.values(), key=lambda one: (one.holdout_nrmse is None, one.delta_bic))
+            seen[law.name] = Considered(law.name, None, None, "neither its score nor the measured motion asks for it")
+    fitted = [law for law in seen.values() if law.delta_bic is not None]
+    rest = [law for law in seen.values() if law.delta_bic is None]
+    return sorted(fitted, key=lambda law: (law.holdout_nrmse is None, law.delta_bic or 0.0)) + rest
 
 
 def _nrmse(fitted: Fitted | None, data: Data) -> float | None:

@@ -18,6 +18,7 @@ from ..identify.offset import Offset
 from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
+from ..model.terms import without_hold
 from ..recording.recording import Recording
 from .search.residual_test import Leftover, leftovers
 from .search.search import Search
@@ -155,6 +156,24 @@ def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator) 
     """Recordings as every law is fitted to them."""
     data = replace(data_of(recordings, model), memory=family.memory)
     return with_offsets(data) if family.free_zeros else data
+
+
+def first_fit(search: Search, model: Oscillator) -> Fitted:
+    """The family on the training recordings: simulated or, where no simulation runs to its end, predicted.
+
+    The longest memory that does is the search's from here on. Raises BadInput where none does.
+    """
+    data, holdout = search.data, search.holdout
+    for memory in (data.memory, *reversed(memories(data.segments))):
+        search.data, search.holdout = replace(data, memory=memory), replace(holdout, memory=memory)
+        for start in (model, without_hold(model)):
+            try:
+                fitted = search.best_of_family(start)
+            except BadInput:  # it does not simulate from there
+                continue
+            if fitted.finite:
+                return fitted
+    raise BadInput("no model of this family simulates along these recordings; check the units of force and response")
 
 
 def _same_rig(given: Oscillator, found: Oscillator, *, slide: bool) -> None:

@@ -80,11 +80,11 @@ class Location:
 
 @dataclass(frozen=True)
 class Considered:
-    """A law that was tried: held-out NRMSE, BIC less that of the family without it, and why it was not taken."""
+    """A law that was not taken: held-out NRMSE, BIC less that of the model without it (None: not fitted), and why."""
 
     effect: str
     holdout_nrmse: float | None
-    delta_bic: float
+    delta_bic: float | None
     why_not: str
 
 

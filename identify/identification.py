@@ -55,6 +55,19 @@ class Identification:
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
 
+    @property
+    def useless(self) -> str | None:
+        """A sentence on what the model is good for where its simulation does not follow the recordings; else None."""
+        loud = [s for s in self.fit.segments if not _is_quiet(s.segment.response, self.fit)]
+        worst = max(loud, key=lambda s: s.nrmse, default=None)
+        if worst is None or worst.nrmse <= _POOR_NRMSE:
+            return None
+        name = self.recordings[worst.segment.recording].name
+        return (
+            f"its simulation leaves {100 * worst.nrmse:.0f} % of the motion in {name}: it is good as a start for dashpot "
+            "diagnose, and for nothing else"
+        )
+
 
 def identify(
     recordings: Sequence[Recording],
@@ -293,6 +306,9 @@ def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Re
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     found = []
     family = "model" if fit.oscillator.terms else "Eq. 17 family"
+    for offset in fit.offsets:
+        name, unit = recordings[offset.recording].name, recordings[offset.recording].unit
+        found.append(f"{name}: the sensor shows {offset.value:.4g} ± {offset.std:.2g} {unit} at zero; it was taken off")
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:

@@ -45,3 +45,9 @@ def with_values(model: Oscillator, values: np.ndarray) -> Oscillator:
     return model.with_parameters(
         {name: Parameter(float(value), None, old[name].unit) for name, value in zip(old, values, strict=True)}
     )
+
+
+def without_hold(model: Oscillator) -> Oscillator:
+    """The model without what can hold the mass: dry friction and preload at zero."""
+    known = model.parameters()
+    return model.with_parameters({name: replace(known[name], value=0.0) for name in ("dry", "preload")})

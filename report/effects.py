@@ -117,7 +117,7 @@ def by_rank(diagnosis: Diagnosis) -> list[Considered]:
     def rank(one: Considered) -> tuple[float, float]:
         error = one.holdout_nrmse
         known = error is not None and math.isfinite(error)
-        bic = one.delta_bic if math.isfinite(one.delta_bic) else math.inf
+        bic = one.delta_bic if one.delta_bic is not None and math.isfinite(one.delta_bic) else math.inf
         return (error if known and error is not None else math.inf, bic)
 
     return sorted(diagnosis.considered, key=rank)
@@ -131,7 +131,9 @@ def _known(value: float | None) -> str | Cell:
     return Cell("not run", "quiet") if value is None or not math.isfinite(value) else number(value)
 
 
-def _bic(value: float) -> str:
+def _bic(value: float | None) -> str:
+    if value is None:
+        return "–"
     if not math.isfinite(value):
         return number(value)
     return typeset(f"{value:+.1f}" if abs(value) < 100 else f"{value:+.0f}")
