@@ -64,8 +64,8 @@ class Identification:
             return None
         name = self.recordings[worst.segment.recording].name
         return (
-            f"its simulation leaves {100 * worst.nrmse:.0f} % of the motion in {name}: it is good as a start for dashpot "
-            "diagnose, and for nothing else"
+            f"its simulation leaves {100 * worst.nrmse:.0f} % of the motion in {name}: it is good as a start for "
+            "dashpot diagnose, and for nothing else"
         )
 
 
