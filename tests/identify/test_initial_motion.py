@@ -1,4 +1,4 @@
-"""Displacement and velocity at the first sample, from each quantity, in closed form and by the independent integrator."""
+"""Displacement and velocity at the first sample, of each quantity: closed forms and the independent integrator."""
 
 from __future__ import annotations
 
