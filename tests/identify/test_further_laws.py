@@ -102,6 +102,27 @@ def test_a_pendulums_radian(angle, viscous, seconds):
     assert free.parameters()[f"{SINE}.width"].value == pytest.approx(1.0, abs=4e-3)
 
 
+def test_a_rate_gyro_on_a_pendulum_tells_its_angle():
+    """Where gravity is the law's, omega0 is zero and no measure of the motion's pace."""
+    t = np.arange(2500) / 100.0
+    v = solve_ivp(
+        lambda _, y: (y[1], -GRAVITY * math.sin(y[0]) - 0.2 * y[1]),
+        (0, t[-1]),
+        (2.0, 0.0),
+        t_eval=t,
+        method="DOP853",
+        rtol=1e-10,
+        atol=1e-13,
+    ).y[1]
+    gyro = Recording(
+        "gyro", 100.0, v + 1e-4 * np.random.default_rng(0).standard_normal(t.size), quantity="velocity", unit="rad/s"
+    )
+    found = identify([gyro], effects=[SINE], fixed=NOTHING_ELSE).oscillator
+    assert found.parameters()[f"{SINE}.width"].value == pytest.approx(1.0, abs=4e-3)
+    # of the speed's peak over the small motion's pace
+    assert found.amplitude.max == pytest.approx(np.max(np.abs(v)) / math.sqrt(GRAVITY), rel=0.1)
+
+
 def test_a_mass_that_is_known_comes_with_the_decay():
     decay, _ = drag()
     without = identify([decay], effects=["quadratic-drag"], fixed=NOTHING_ELSE).oscillator

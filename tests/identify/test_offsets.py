@@ -50,6 +50,7 @@ def test_an_offset_five_times_the_decay(recorded, offset):
     assert abs(shown.value - offset) < 4 * shown.std < 1e-3 * abs(offset)
     assert len(good(found)) == 5
     assert all(good(found))
+    assert found.oscillator.amplitude.max == pytest.approx(5e-3, rel=0.01)  # of the motion
 
 
 @pytest.mark.parametrize("offset", [OFFSET, -OFFSET])
