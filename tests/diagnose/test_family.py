@@ -68,7 +68,7 @@ def test_the_rigs_own_model_is_found_and_nothing_is_said():
     family = family_of(MODEL, training(), held())
     assert is_the_rig(family.model)
     assert family.memory == np.inf
-    assert not family.offsets
+    assert not family.free_zeros
     assert family.notes == ()
     assert [r.name for r in (*family.recordings, *family.holdout)] == ["decay", "sweep", "held out"]
 
@@ -113,7 +113,7 @@ def test_only_a_model_that_knows_its_rig_can_tell_that_it_is_another(part, refus
 def test_zeros_that_differ_are_the_sensors_and_are_taken_off():
     family = family_of(MODEL, training(3e-3, -2e-3), held(5e-3))
     assert is_the_rig(family.model)
-    assert family.offsets
+    assert family.free_zeros
     for recording in family.recordings[1:]:
         assert float(np.mean(recording.response)) == pytest.approx(0.0, abs=1e-4)
     taken = [r.response - s.response for r, s in zip([*training(3e-3, -2e-3), *held(5e-3)], _all(family), strict=True)]
@@ -132,7 +132,7 @@ def test_one_zero_in_all_recordings_is_left_to_the_laws():
     """A load, a sensor that sits elsewhere: a constant force or an offset that the model itself may have."""
     given = training(3e-3, 3e-3)
     family = family_of(MODEL, given, held(3e-3))
-    assert not family.offsets
+    assert not family.free_zeros
     assert all(a is b for a, b in zip([*family.recordings, *family.holdout][:2], given, strict=True))
     assert not any("at zero" in note for note in family.notes)
     assert cut_for(family, family.recordings, family.model).offsets == ()
@@ -141,7 +141,7 @@ def test_one_zero_in_all_recordings_is_left_to_the_laws():
 def test_of_a_single_recording_it_is_taken_off():
     """Nothing but the motion says what is its zero."""
     family = family_of(MODEL, training(3e-3)[:1], held(1e-3))
-    assert family.offsets
+    assert family.free_zeros
     assert float(np.mean(family.recordings[0].response[-200:])) == pytest.approx(0.0, abs=1e-5)
     assert [note.split(":")[0] for note in family.notes] == ["decay", "held out"]
 
