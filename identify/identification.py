@@ -277,8 +277,12 @@ def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Re
     amplitudes = [curve.amplitude for curve in hilbert.curves if curve.amplitude.size]
     floor = min((float(a.min()) for a in amplitudes), default=0.0)
     order = QUANTITIES.index(model.response.quantity)
-    peaks = [float(np.max(np.abs(s.simulated))) for s in fit.segments]
-    peak = max(peaks) / model.omega0.value**order
+    # by the pace of the motion, which omega0 is not where a law is the spring; less what the sensor shows at zero
+    shown = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
+    peak = max(
+        float(np.max(np.abs(s.simulated - shown.get(s.segment.recording, 0.0)))) / s.segment.pace**order
+        for s in fit.segments
+    )
     bands = [band_of(r) for r in recordings]
     frequencies = [f for band in bands if band for f in band]
     if not frequencies:

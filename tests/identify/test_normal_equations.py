@@ -1,0 +1,98 @@
+"""Bordered systems with each segment's unknowns eliminated, against the dense least squares of all unknowns at once."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify.normal_equations import promise, pseudo_inverse, shared_information, solve
+
+SHARED, OWN, SEGMENTS, SAMPLES = 4, 3, 5, 40
+
+
+def system(seed=0, scale=None):
+    """Rows and right sides of each segment, their blocks, and the dense matrix of all unknowns."""
+    random = np.random.default_rng(seed)
+    scale = np.ones(SHARED + OWN) if scale is None else scale
+    rows = [random.standard_normal((SAMPLES, SHARED + OWN)) * scale for _ in range(SEGMENTS)]
+    right = [random.standard_normal(SAMPLES) for _ in range(SEGMENTS)]
+    dense = np.zeros((SEGMENTS * SAMPLES, SHARED + SEGMENTS * OWN))
+    for i, part in enumerate(rows):
+        span = slice(i * SAMPLES, (i + 1) * SAMPLES)
+        dense[span, :SHARED] = part[:, :SHARED]
+        dense[span, SHARED + i * OWN : SHARED + (i + 1) * OWN] = part[:, SHARED:]
+    blocks = [(part.T @ part, part.T @ b) for part, b in zip(rows, right, strict=True)]
+    return blocks, dense, np.concatenate(right)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_step_is_that_of_dense_least_squares(seed):
+    blocks, dense, right = system(seed)
+    expected = np.linalg.lstsq(dense, right)[0]
+    shared, own = solve(blocks, 0.0, SHARED)
+    assert shared == pytest.approx(expected[:SHARED], abs=1e-12)
+    assert own.ravel() == pytest.approx(expected[SHARED:], abs=1e-12)
+
+
+@pytest.mark.parametrize("damping", [1e-3, 1.0, 100.0])
+def test_a_damped_step_is_marquardts(damping):
+    """Dense: (J'J + damping diag(J'J)) step = J'r."""
+    blocks, dense, right = system(1)
+    normal = dense.T @ dense
+    expected = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), dense.T @ right)
+    shared, own = solve(blocks, damping, SHARED)
+    assert np.concatenate([shared, own.ravel()]) == pytest.approx(expected, abs=1e-12)
+
+
+def test_units_of_the_unknowns_do_not_matter():
+    scale = np.array([1e9, 1e-7, 1.0, 1e4, 1e-5, 1e6, 1.0])
+    plain, _, _ = system(2)
+    scaled, _, _ = system(2, scale)
+    shared, own = solve(plain, 1e-2, SHARED)
+    other, others = solve(scaled, 1e-2, SHARED)
+    assert other * scale[:SHARED] == pytest.approx(shared, rel=1e-9)
+    assert others * scale[SHARED:] == pytest.approx(own, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_shared_information_is_the_dense_schur_complement(seed):
+    blocks, dense, _ = system(seed)
+    covariance = np.linalg.inv(dense.T @ dense)[:SHARED, :SHARED]
+    found = shared_information(blocks, SHARED)
+    assert np.linalg.inv(found) == pytest.approx(covariance, rel=1e-9)
+    plain = sum(normal[:SHARED, :SHARED] for normal, _ in blocks)
+    assert np.all(np.linalg.eigvalsh(plain - found) > 0)  # initial states that are free cost information
+
+
+def test_a_state_that_a_segment_does_not_have_takes_no_part():
+    """A stretch from rest has no free initial state: its rows are zeros."""
+    blocks, dense, right = system(3)
+    normal, gradient = (part.copy() for part in blocks[0])
+    normal[SHARED:], normal[:, SHARED:], gradient[SHARED:] = 0.0, 0.0, 0.0
+    kept = np.delete(np.arange(dense.shape[1]), np.arange(SHARED, SHARED + OWN))
+    expected = np.linalg.lstsq(dense[:, kept], right)[0]
+    shared, own = solve([(normal, gradient), *blocks[1:]], 0.0, SHARED)
+    assert np.all(own[0] == 0.0)
+    assert np.concatenate([shared, own[1:].ravel()]) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_promise_is_what_a_linear_system_keeps():
+    blocks, dense, right = system(4)
+    random = np.random.default_rng(5)
+    shared, own = random.standard_normal(SHARED), random.standard_normal((SEGMENTS, OWN))
+    step = np.concatenate([shared, own.ravel()])
+    gained = right @ right - np.sum((right - dense @ step) ** 2)
+    assert promise(blocks, shared, own) == pytest.approx(gained, rel=1e-9)
+
+
+def test_a_direction_without_information_stays_where_it_is():
+    random = np.random.default_rng(6)
+    rows = random.standard_normal((50, 4))
+    rows[:, 3] = 0.0
+    information = rows.T @ rows
+    inverse = pseudo_inverse(information)
+    assert inverse[:3, :3] == pytest.approx(np.linalg.inv(information[:3, :3]), rel=1e-9)
+    assert np.all(inverse[3] == 0.0)
+    same = np.column_stack([rows[:, :3], rows[:, 2]])  # two unknowns that do the same share it
+    assert pseudo_inverse(same.T @ same) == pytest.approx(np.linalg.pinv(same.T @ same), abs=1e-9)
+    assert np.all(pseudo_inverse(np.array([[np.nan, 0.0], [0.0, 1.0]])) == 0.0)
+    assert pseudo_inverse(np.zeros((0, 0))).shape == (0, 0)

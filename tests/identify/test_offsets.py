@@ -1,0 +1,110 @@
+"""What a sensor shows at zero: found where it is there and not where it is not; by closed forms and exact motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.examples.truth import TRUTH
+from dashpot.identify import identify
+from dashpot.identify.data import data_of
+from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.offsets import centre, response_offsets
+from dashpot.model import Oscillator
+from dashpot.recording import Recording
+
+OFFSET = 25e-3
+W, H = TRUTH["omega0"], TRUTH["viscous"] / 2
+N, FS, NOISE = 400, 400.0, 5e-6
+LINEAR = {"mass": None, "omega0": W, "viscous": 2 * H, "cubic": 0.0, "preload": 0.0, "dry": 0.0}
+FIXED = ("cubic", "preload", "dry")
+#: Of the mean of so much white noise; the motion has next to no part in it.
+ERROR = NOISE / np.sqrt(N)
+
+
+def decay(seed, offset=0.0):
+    """A linear decay in closed form, a second of it."""
+    t, damped = np.arange(N) / FS, np.sqrt(W**2 - H**2)
+    x = 5e-3 * np.exp(-H * t) * (np.cos(damped * t) + H / damped * np.sin(damped * t))
+    noise = NOISE * np.random.default_rng(seed).standard_normal(N)
+    return Recording(f"decay {seed}", FS, x + offset + noise, free=True)
+
+
+def offsets_of(*recordings):
+    return maximum_likelihood(Oscillator.from_values(LINEAR), recordings, FIXED).offsets
+
+
+def good(identification, names=TRUTH):
+    known = identification.oscillator.parameters()
+    return [
+        abs(known[name].value - TRUTH[name]) < 4 * known[name].std
+        for name in names
+        if name in known and known[name].std is not None
+    ]
+
+
+@pytest.mark.parametrize("offset", [OFFSET, -OFFSET])
+def test_an_offset_five_times_the_decay(recorded, offset):
+    found = identify([recorded(begin=(5e-3, 0.0), seconds=3.0, offset=offset)])
+    (shown,) = found.fit.offsets
+    assert (shown.recording, shown.channel) == (0, "response")
+    assert abs(shown.value - offset) < 4 * shown.std < 1e-3 * abs(offset)
+    assert len(good(found)) == 5
+    assert all(good(found))
+    assert found.oscillator.amplitude.max == pytest.approx(5e-3, rel=0.01)  # of the motion
+
+
+@pytest.mark.parametrize("offset", [OFFSET, -OFFSET])
+def test_the_same_on_a_sweep_beside_a_decay_without_one(recorded, offset):
+    sweep = recorded(sweep=(1.0, 5.0, 20.0), seconds=10.0, offset=offset, name="sweep")
+    found = identify([recorded(begin=(5e-3, 0.0), seconds=3.0, name="decay"), sweep])
+    (shown,) = found.fit.offsets
+    assert shown.recording == 1
+    assert abs(shown.value - offset) < 4 * shown.std < 1e-3 * abs(offset)
+    assert len(good(found)) == 6
+    assert all(good(found))
+    assert found.fit.segments[1].simulated == pytest.approx(np.asarray(sweep.response), abs=2e-5)  # it is in there
+
+
+def test_no_offset_is_kept_where_there_is_none():
+    """By chance one in five thousand (3.7 standard errors); the spectrum's own error makes that one in some hundred."""
+    assert sum(len(offsets_of(decay(seed))) for seed in range(30)) <= 1
+
+
+def test_an_offset_of_two_of_its_errors_is_not_kept_and_one_of_eight_is():
+    for seed in range(10):
+        assert offsets_of(decay(100 + seed, 2 * ERROR)) == ()
+        (shown,) = offsets_of(decay(100 + seed, 8 * ERROR))
+        assert shown.value == pytest.approx(8 * ERROR, abs=4 * ERROR)
+
+
+def test_its_standard_error_is_that_of_a_mean():
+    found = [offsets_of(decay(200 + seed, OFFSET))[0] for seed in range(25)]
+    assert np.sqrt(np.mean([o.std**2 for o in found])) == pytest.approx(ERROR, rel=0.2)
+    scores = np.array([(o.value - OFFSET) / o.std for o in found])
+    assert np.sqrt(np.mean(scores**2)) == pytest.approx(1.0, abs=0.45)  # of 25: 3 times sqrt(1 / 50)
+
+
+def test_each_recording_has_its_own():
+    found = offsets_of(decay(0), decay(1, OFFSET), decay(2), decay(3, -OFFSET))
+    assert [o.recording for o in found] == [1, 3]
+    assert [o.value for o in found] == pytest.approx([OFFSET, -OFFSET], abs=5 * ERROR)
+
+
+@pytest.mark.parametrize("effect", ["sensor-offset", "constant-force"])
+def test_beside_a_law_that_moves_the_zero_there_is_none(with_law, effect):
+    model = with_law(effect)
+    data = data_of([decay(0)], model)
+    assert response_offsets(data, [decay(0)], model) == ()
+    (offset,) = response_offsets(data, [decay(0)], with_law("quadratic-drag"))
+    assert (offset.recording, offset.channel) == (0, "response")
+
+
+@pytest.mark.parametrize("cycles", [0.5, 3.3, 40.0])
+def test_the_centre_of_a_motion(cycles):
+    """Of whole cycles their mean, whatever part of one is left over; of less than one the mean of all."""
+    n = round(cycles * 2 * np.pi / W * 1000)
+    x = np.cos(W * np.arange(n) / 1000.0)
+    if cycles < 1:
+        assert centre(x + 3.0, 1000.0, W) == pytest.approx(np.mean(x) + 3.0)
+    else:
+        assert centre(x + 3.0, 1000.0, W) == pytest.approx(3.0, abs=0.01)

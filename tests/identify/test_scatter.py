@@ -1,0 +1,115 @@
+"""The scatter of the score against its closed forms: information under white noise, the drawn noise where it is not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.examples.oscillator import integrate
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.data import data_of
+from dashpot.identify.noise_spectrum import NoiseSpectrum
+from dashpot.identify.offset import Offset
+from dashpot.identify.scatter import scatter
+from dashpot.identify.structure import Structure
+from dashpot.model import Oscillator
+from dashpot.recording import Recording
+
+FS, NOISE = 500.0, 2e-6
+MODEL = Oscillator.from_values(TRUTH)
+LINEAR = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0}
+
+
+def sweep(n):
+    t = np.arange(n) / FS
+    return np.sin(2 * np.pi * (8 * t + 0.5 * 10 / t[-1] * t**2))
+
+
+def recorded(values, force, n, begin=(0.0, 0.0), name="run"):
+    drive = np.zeros(n) if force is None else force
+    x = integrate(values, drive, 1 / FS, *begin)[0]
+    y = x + NOISE * np.random.default_rng(1).standard_normal(n)
+    return Recording(name, FS, y, force, free=force is None, hold="linear")
+
+
+def problem_of(values, recordings, offsets=()):
+    model = Oscillator.from_values(values)
+    structure = Structure(model, data_of(recordings, model, coarse=False), ("cubic", "preload", "dry"), offsets)
+    return structure.problem, structure.state(None)
+
+
+def flat(problem, level=NOISE):
+    return [NoiseSpectrum(np.full(s.n // 2 + 1, level**2), s.n) for s in problem.segments]
+
+
+def dense(problem, state, level=NOISE):
+    """Information on what is shared, from all rows and all initial states at once."""
+    derivatives = problem.derivatives(state, problem.residuals(state))
+    shared, columns = problem.shared, []
+    for i, rows in enumerate(derivatives):
+        used = np.flatnonzero(np.any(rows[shared:] != 0.0, axis=1))
+        own = np.zeros((len(derivatives), used.size, rows.shape[1]))
+        own[i] = rows[shared:][used]
+        columns.append((rows[:shared], own))
+    left = np.hstack([rows for rows, _ in columns])
+    border = [
+        np.hstack([np.zeros((own.shape[1], r.shape[1])) if j != i else own[i] for j, (r, _) in enumerate(columns)])
+        for i, (_, own) in enumerate(columns)
+    ]
+    everything = np.vstack([left, *border])
+    scale = np.linalg.norm(everything, axis=1)
+    everything = everything / scale[:, None]
+    covariance = np.linalg.inv(everything @ everything.T / level**2)
+    return np.linalg.inv(covariance[: len(problem.free), : len(problem.free)]) * np.outer(
+        scale[: len(problem.free)], scale[: len(problem.free)]
+    )
+
+
+def same(found, expected, rel):
+    size = np.sqrt(np.diag(expected))
+    assert found / np.outer(size, size) == pytest.approx(expected / np.outer(size, size), abs=rel)
+
+
+def test_of_white_noise_it_is_the_information():
+    recordings = [recorded(LINEAR, sweep(4000), 4000), recorded(LINEAR, None, 1500, (8e-3, 0.0), "decay")]
+    problem, state = problem_of(LINEAR, recordings)
+    expected = dense(problem, state)
+    same(scatter(problem, state, flat(problem), [0.0, 0.0], 10), expected, 1e-6)
+    noise = flat(problem)
+    same(problem.information(problem.derivatives(state, problem.residuals(state)), noise), expected, 1e-6)
+
+
+def test_with_offsets_it_is_that_of_the_parameters_alone():
+    recordings = [recorded(LINEAR, sweep(4000), 4000), recorded(LINEAR, None, 1500, (8e-3, 0.0), "decay")]
+    offsets = (Offset(0, "response", 1e-5), Offset(1, "response", 1e-5))
+    problem, state = problem_of(LINEAR, recordings, offsets)
+    found = scatter(problem, state, flat(problem), [0.0, 0.0], 10)
+    assert found.shape == (3, 3)
+    same(found, dense(problem, state), 1e-6)
+
+
+def test_noise_that_is_larger_than_it_was_weighed_scatters_as_much_more():
+    problem, state = problem_of(LINEAR, [recorded(LINEAR, sweep(4000), 4000)])
+    level = 3e-4
+    rough = scatter(problem, state, flat(problem), [level], 400, seed=3)
+    twice = scatter(problem, state, flat(problem), [2 * level], 400, seed=3)
+    quiet = scatter(problem, state, flat(problem), [0.0], 400)
+    same((twice - quiet) / 4.0, rough - quiet, 0.01)  # a variance, of a rig that is linear
+
+
+def test_force_noise_goes_through_the_rig_as_its_impulse_response_says():
+    """Of a linear rig the scatter by force noise is in closed form: the score's rows folded with the response."""
+    n, level = 3000, 3e-4
+    problem, state = problem_of(LINEAR, [recorded(LINEAR, sweep(n), n)])
+    (segment,) = problem.segments
+    assert segment.force.fine == 1
+    rows = (
+        problem.derivatives(state, problem.residuals(state))[0][:3] / NOISE**2
+    )  # at rest: no initial state to project
+    kick = np.zeros(n)
+    kick[1] = 1.0
+    shape = integrate(LINEAR, kick, 1 / FS)[0]  # what one sample of force, joined by straight lines, does
+    folded = np.array([[row[k:] @ shape[1 : n - k + 1] for k in range(1, n)] for row in rows])
+    expected = level**2 * folded @ folded.T
+    quiet = scatter(problem, state, flat(problem), [0.0], 1)
+    found = scatter(problem, state, flat(problem), [level], 600, seed=4) - quiet
+    same(found, expected, 0.2)  # of 600 draws a variance is good to 6 %

@@ -1,0 +1,90 @@
+"""Initial states found by themselves, before any parameter is; motions by the independent integrator."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.examples.oscillator import integrate
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.data import data_of
+from dashpot.identify.settle import settled
+from dashpot.identify.structure import Structure
+from dashpot.model import Oscillator, Response
+from dashpot.recording import Recording
+
+FS, NOISE = 1000.0, 1e-6
+UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+BEGIN = (6e-3, 0.25)
+
+
+def structure(quantity="displacement", begin=BEGIN, force=None, **changed):
+    """A decay, or a driven stretch, and the true rig with some values changed."""
+    n = 2500
+    drive = np.zeros(n) if force is None else force[:n]
+    x, v = integrate(TRUTH, drive, 1 / FS, *begin)
+    m, c, dry, w, c3, pre = (TRUTH[k] for k in ("mass", "viscous", "dry", "omega0", "cubic", "preload"))
+    a = drive / m - c * v - dry * np.sign(v) - w**2 * x - c3 * x**3 - pre * np.sign(x)
+    y = {"displacement": x, "velocity": v, "acceleration": a}[quantity]
+    noise = NOISE * w ** list(UNITS).index(quantity)
+    y = y + noise * np.random.default_rng(0).standard_normal(n)
+    recording = Recording("run", FS, y, force, quantity, UNITS[quantity], free=force is None, hold="linear")
+    model = Oscillator.from_values(TRUTH | changed, response=Response(quantity, UNITS[quantity]))
+    return Structure(model, data_of([recording], model, coarse=False))
+
+
+def errors(state, begin=BEGIN):
+    """Of displacement and velocity, both as a part of the first motion's size."""
+    size = np.hypot(begin[0], begin[1] / TRUTH["omega0"])
+    return np.abs(state.initial[0, :2] - begin) / size / np.array([1.0, TRUTH["omega0"]])
+
+
+@pytest.mark.parametrize("quantity", UNITS)
+def test_the_beginning_of_a_decay_is_found(quantity):
+    exact = structure(quantity)
+    start = exact.state(None)
+    found = settled(exact.problem, start)
+    assert np.all(errors(start) < 0.3)  # what the signal alone says
+    assert np.all(errors(found) < 1e-3)
+    assert np.array_equal(found.values, start.values)
+
+
+@pytest.mark.parametrize("quantity", UNITS)
+def test_from_a_beginning_that_is_far_off(quantity):
+    """Half the size, a quarter of a turn off; not so far that it would be another motion."""
+    exact = structure(quantity)
+    start = exact.state(None)
+    start.initial[0, :2] = 0.5 * BEGIN[1] / TRUTH["omega0"], -0.5 * BEGIN[0] * TRUTH["omega0"]
+    assert np.all(errors(settled(exact.problem, start)) < 1e-3)
+
+
+def test_with_wrong_parameters_the_first_cycles_are_met_no_worse():
+    wrong = structure(omega0=0.95 * TRUTH["omega0"], viscous=2 * TRUTH["viscous"])
+    start = wrong.state(None)
+    found = settled(wrong.problem, start)
+    few = round(2 * 2 * np.pi / TRUTH["omega0"] * FS)
+    before, after = (float(np.std(wrong.problem.residuals(s)[0][:few])) for s in (start, found))
+    assert after <= before
+    assert np.all(errors(found) < 0.5)  # a larger beginning makes up for some of the damping
+
+
+def test_a_mass_that_begins_at_rest_is_left_there():
+    t = np.arange(2500) / FS
+    still = structure(begin=(0.0, 0.0), force=np.sin(2 * np.pi * (8 * t + 2 * t**2)))
+    (segment,) = still.segments
+    assert segment.rests
+    found = settled(still.problem, still.state(None))
+    assert np.all(found.initial == 0.0)
+
+
+def test_a_stretch_that_begins_in_motion_under_a_force():
+    t = np.arange(2500) / FS
+    moving = structure(force=np.sin(2 * np.pi * (8 * t + 2 * t**2)))
+    assert np.all(errors(settled(moving.problem, moving.state(None))) < 1e-3)
+
+
+def test_where_nothing_simulates_the_state_stays():
+    """A spring that gives way far inside of the motion: no number is made of no number."""
+    falling = structure(cubic=-20 * TRUTH["omega0"] ** 2 / BEGIN[0] ** 2)
+    start = falling.state(None)
+    assert not np.all(np.isfinite(falling.problem.residuals(start)[0]))
+    assert np.all(np.isfinite(settled(falling.problem, start).initial))
