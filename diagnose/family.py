@@ -10,7 +10,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..identify.data import Data, data_of
-from ..identify.from_prediction import memories
+from ..identify.from_prediction import keeps_step, memories
 from ..identify.hold import held_as, hold_note
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
@@ -29,8 +29,6 @@ _OTHER_FREQUENCY = 1.3
 _OTHER_MASS = 2.0
 #: ... where the model knows its own to this part; else its file is of no use, and the recordings answer.
 _KNOWN = 0.1
-#: A family that leaves this part of the motion has started in the wrong place.
-_LOST = 0.5
 #: Training recordings told this well, and held-out ones that are not by far, are not of one rig.
 _STRANGE = 1.5
 #: Frequency and mass of one rig stay within this part of themselves from one recording to the next.
@@ -69,8 +67,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     """
     notes: list[str] = []
     found = _from(model, recordings)
-    lost = found is None or max(s.nrmse for s in found.fit.segments) > _LOST
-    if lost:
+    if found is None or not keeps_step([s.segment for s in found.fit.segments], _free_residuals(found)):
         effects = [term.effect for term in model.terms]
         again = identify(recordings, name=model.name, effects=effects)
         if found is None or _left(again) < _left(found) - math.log(2.0):
@@ -110,10 +107,16 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
 
 
 def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification | None:
+    if model.identified is not None:  # the hold was asked for when it was
+        recordings = held_as(recordings, model.hold)
     try:
         return identify(recordings, name=model.name, start=model)
     except BadInput:  # it does not simulate from there
         return None
+
+
+def _free_residuals(found: Identification) -> list[np.ndarray]:
+    return [s.segment.response - s.simulated for s in found.fit.segments]
 
 
 def _left(found: Identification) -> float:

@@ -87,24 +87,3 @@ def test_the_first_sample_of_a_decay_from_rest_is_no_rest(recorded):
     names = [name for name in found.oscillator.parameters() if name != "mass"]
     assert len(names) == 5
     assert np.all(np.abs(scores(found)) < 4)
-
-
-@pytest.mark.xfail(strict=True, reason="a kink within one sample counts as half a cycle without derivative")
-def test_of_a_velocity_only_the_end_of_a_decay_is_left_out(recorded):
-    found = identify(rig(recorded, "velocity", 500.0))
-    out, of = left_out(found, "decay")
-    assert out <= 0.05 * of
-
-
-@pytest.mark.xfail(strict=True, reason="steps of the likelihood where a jump passes a sample decide between the holds")
-def test_of_an_acceleration_a_smooth_force_is_told_from_straight_lines(recorded):
-    decay, sweep = (
-        recorded(quantity="acceleration", fs=2000.0, noise=NOISE, **more)
-        for more in (
-            {"begin": (8e-3, 0.0), "seconds": 3.0, "seed": 5, "name": "decay"},
-            {"sweep": (1.0, 5.0, 20.0), "seconds": 8.0, "seed": 55, "name": "sweep"},
-        )
-    )
-    found = identify([decay, sweep])
-    assert found.oscillator.hold == "smooth"
-    assert np.all(np.abs(scores(found)) < 4)

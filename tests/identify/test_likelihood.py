@@ -14,7 +14,7 @@ from dashpot.identify.from_prediction import memories
 from dashpot.identify.likelihood import maximum_likelihood
 from dashpot.identify.prediction import FREE
 from dashpot.identify.structure import Structure
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp
 from scipy.optimize import least_squares
@@ -181,26 +181,3 @@ def test_a_structure_that_simulates_nowhere_is_refused():
     bad = off(1.0).with_parameters({"viscous": replace(off(1.0).viscous, value=-1e6)})
     with pytest.raises(BadInput, match="check signs and units"):
         maximum_likelihood(bad, [strange(*RIGS[0])])
-
-
-@pytest.mark.xfail(strict=True, reason="the answer is that of a prediction, whose simulation leaves more")
-def test_a_model_that_is_far_from_the_rig_beats_a_plain_fit_too():
-    recording = strange(10.0, 1.0, 0.05)
-    fit = maximum_likelihood(off(0.9), [recording])
-    assert fit.segments[0].nrmse < plain_fit(recording)
-
-
-@pytest.mark.xfail(
-    strict=True, reason="a jump that passes a sample is a step of the likelihood, which stops the search"
-)
-def test_of_an_acceleration_no_better_place_lies_near(recorded):
-    """From the truth the same search must not end where the recordings are decisively likelier."""
-    decay = recorded(begin=(8e-3, 0.0), seconds=3.0, quantity="acceleration", noise=2e-6, seed=3, name="decay")
-    sweep = recorded(sweep=(1.0, 5.0, 20.0), seconds=8.0, quantity="acceleration", noise=2e-6, seed=53, name="sweep")
-    recordings = [decay, replace(sweep, hold="smooth")]
-    unit = Response("acceleration", "m/s2")
-    begun = {"omega0": 78.0, "viscous": 4.0, "cubic": 0.0, "preload": 0.0, "dry": 0.0}
-    away, near = (
-        maximum_likelihood(Oscillator.from_values(TRUTH | values, response=unit), recordings) for values in (begun, {})
-    )
-    assert away.log_likelihood == pytest.approx(near.log_likelihood, abs=np.log(1000.0))
