@@ -133,7 +133,7 @@ def test_one_zero_in_all_recordings_is_left_to_the_laws():
     given = training(3e-3, 3e-3)
     family = family_of(MODEL, given, held(3e-3))
     assert not family.free_zeros
-    assert all(a is b for a, b in zip([*family.recordings, *family.holdout][:2], given, strict=True))
+    assert all(np.array_equal(a.response, b.response) for a, b in zip(family.recordings, given, strict=True))
     assert not any("at zero" in note for note in family.notes)
     assert cut_for(family, family.recordings, family.model).offsets == ()
 
