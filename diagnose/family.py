@@ -107,7 +107,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
 
 
 def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification | None:
-    if model.identified is not None:  # the hold was asked for when it was
+    if model.identified.recordings:  # the hold was asked for when it was identified
         recordings = held_as(recordings, model.hold)
     try:
         return identify(recordings, name=model.name, start=model)

@@ -25,6 +25,8 @@ _MEMORIES = 3.0
 _LEAST_DAMPING = 1e-3
 #: A recording of fewer cycles than this holds no stretch to fit.
 _FEWEST_CYCLES = 10.0
+#: ... and one whose last third has fewer than these is learnt from whole.
+_SHORTEST_END = 3.0
 #: A response below this many times its noise says little.
 _QUIET = 3.0
 
@@ -101,6 +103,8 @@ def _blocks(recording: Recording, model: Oscillator) -> tuple[list[tuple[int, in
     rate = max(0.5 * model.viscous.value, _LEAST_DAMPING * model.omega0.value)
     blocks = _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs))
     at = recording.n * 2 // _THIRDS
+    if recording.n - at < _SHORTEST_END * cycle:
+        return blocks or [(0, recording.n)], False
     return blocks or [(0, at), (at, recording.n)], False  # the end of what is driven is as loud as its beginning
 
 

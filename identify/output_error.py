@@ -251,9 +251,15 @@ class OutputError:
                     jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
         rows = iter(self.parallel(jobs))
         found = [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
-        return found if raw else [self._bounded(i, made, state) for i, made in enumerate(found)]
+        return (
+            found
+            if raw
+            else [
+                self._bounded(i, made, state, self.segments[i].response - residuals[i]) for i, made in enumerate(found)
+            ]
+        )
 
-    def _bounded(self, i: int, rows: np.ndarray, state: State) -> np.ndarray:
+    def _bounded(self, i: int, rows: np.ndarray, state: State, made: np.ndarray) -> np.ndarray:
         """Derivatives of a segment without the samples at which they cannot be any.
 
         A frequency that changes by all of itself turns the phase by 2 pi a cycle, as far back as the model remembers;
@@ -261,7 +267,7 @@ class OutputError:
         """
         segment = self.segments[i]
         cycles = max(1.0, min(self.memory, segment.n * segment.dt * segment.pace / (2 * np.pi)))
-        limit = _MOST_TURN * 2 * np.pi * cycles * float(np.ptp(segment.response)) / 2
+        limit = _MOST_TURN * 2 * np.pi * cycles * max(float(np.ptp(segment.response)), float(np.ptp(made))) / 2
         sizes = np.array([self._size(i, k, state) for k in range(len(self.free))])
         beyond = np.any(np.abs(rows[: len(self.free)]) * sizes[:, None] > limit, axis=0)
         return np.where(beyond, 0.0, rows) if np.any(beyond) else rows

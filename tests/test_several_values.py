@@ -56,13 +56,13 @@ def asked(tmp_path, monkeypatch):
     Path("model.yaml").write_text(MODEL)
     read: list[list[str]] = []
 
-    def reading(files, options):
+    def reading(files, options, say):
         read.append([str(file) for file in files])
         if len(read) == 2:
             raise click.exceptions.Exit(0)
         return []
 
-    monkeypatch.setattr(cli, "_read", reading)
+    monkeypatch.setattr(cli, "read_all", reading)
 
     def run(line: str) -> list[list[str]]:
         read.clear()
