@@ -96,14 +96,14 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
                 name,
                 ratio,
                 correlation if significant else 0.0,
-                keeps_step(segment.response - residual, residual),
+                share_in_step(segment.response - residual, residual),
                 segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
             )
         )
     return tuple(found)
 
 
-def keeps_step(motion: np.ndarray, residual: np.ndarray) -> float:
+def share_in_step(motion: np.ndarray, residual: np.ndarray) -> float:
     """Share of a residual's power that repeats with the cycles of a motion, whatever their amplitude and frequency.
 
     The phase is that of the analytic signal (Gabor 1946); offset and each harmonic may have one part that is constant

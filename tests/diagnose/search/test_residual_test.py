@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.residual_test import keeps_step, leftovers, sentence
+from dashpot.diagnose.search.residual_test import leftovers, sentence, share_in_step
 from dashpot.identify.data import data_of
 from dashpot.identify.structure import Structure
 from scipy.signal import lfilter
@@ -75,8 +75,8 @@ def test_noise_keeps_step_with_nothing(fitted):
     for segment, r in zip(data.segments, fit.residuals, strict=True):
         motion = segment.response - r
         for _ in range(20):
-            assert keeps_step(motion, random.standard_normal(r.size)) == 0.0
-            assert keeps_step(motion, coloured(random, r.size)) == 0.0
+            assert share_in_step(motion, random.standard_normal(r.size)) == 0.0
+            assert share_in_step(motion, coloured(random, r.size)) == 0.0
 
 
 def test_a_burst_is_a_mismatch(fitted):
