@@ -1,4 +1,5 @@
-"""What all tests share: a model with any law of the library, which tests are long, and how the test process ends."""
+"""What all tests share: a model with any law of the library, recordings of Eq. 17 by an integrator that is not the
+product's, which tests are long, and how the test process ends."""
 
 from __future__ import annotations
 
@@ -7,10 +8,15 @@ import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 
+import numpy as np
 import pytest
+from dashpot.examples.force import chirp
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Response
 from dashpot.model.law import LawParameter, Scales
 from dashpot.model.laws import LIBRARY, find
+from dashpot.recording import Recording
 
 #: The paper's stand, and the sizes of its motion.
 STAND = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.02 / 0.27, "viscous": 5.0, "dry": 0.015}
@@ -62,6 +68,65 @@ def offsets() -> Callable[[Oscillator], list[float]]:
         return [0.5 if state.free else 1e-4 * SCALES.of(state.unit) for state in equations(oscillator).inner]
 
     return make
+
+
+def acceleration(values, x, v, force):
+    """Of Eq. 17 at states (n,) under a force (n,), m/s²: zero where friction holds the mass."""
+    v_zero, x_zero = v == 0.0, x == 0.0
+    net = force / values["mass"] - values["omega0"] ** 2 * x - values["cubic"] * x**3
+    net = net - values["preload"] * np.sign(x) - values["viscous"] * v
+    grip = values["dry"] + np.where(x_zero, values["preload"], 0.0)
+    held = np.sign(net) * np.maximum(np.abs(net) - grip, 0.0)
+    return np.where(v_zero, held, net - values["dry"] * np.sign(v))
+
+
+def taylor(
+    values=TRUTH,
+    *,
+    sweep=None,
+    begin=(0.0, 0.0),
+    fs=500.0,
+    seconds=6.0,
+    quantity="displacement",
+    noise=1e-6,
+    offset=0.0,
+    force_noise=0.0,
+    seed=0,
+    name="run",
+):
+    """A recording of Eq. 17 by the project's reference integrator.
+
+    Args:
+        values: of Eq. 17.
+        sweep: (N, Hz, Hz) level, first and last frequency of a force that is smooth between its samples; None: free.
+        begin: displacement and velocity at the first sample.
+        fs, seconds: sampling.
+        quantity: what is recorded.
+        noise: standard deviation of the displacement's noise; of the others it is that times omega0 or omega0².
+        offset: what the sensor shows at zero, in the quantity's unit.
+        force_noise: standard deviation of the force channel's noise, N.
+        seed: of both noises.
+        name: the recording's.
+    """
+    random = np.random.default_rng(seed)
+    n = round(seconds * fs)
+    t = np.arange(n) / fs
+    pieces = np.zeros((n, 1))
+    if sweep is not None:
+        level, first, last = sweep
+        pieces = chirp(level, first, (last - first) / seconds, t, 1 / fs)
+    x, v = integrate_pieces(values, pieces[:-1], 1 / fs, *begin)
+    y = {"displacement": x, "velocity": v, "acceleration": acceleration(values, x, v, pieces[:, 0])}[quantity]
+    size = noise * values["omega0"] ** list(UNITS).index(quantity)
+    y = y + offset + size * random.standard_normal(n)
+    force = None if sweep is None else pieces[:, 0] + force_noise * random.standard_normal(n)
+    return Recording(name, fs, y, force, quantity, UNITS[quantity])
+
+
+@pytest.fixture(scope="session")
+def recorded() -> Callable[..., Recording]:
+    """``recorded(values, sweep=(1.0, 5.0, 20.0))`` or ``recorded(begin=(8e-3, 0.0))``; see ``taylor``."""
+    return taylor
 
 
 @pytest.fixture(scope="session", autouse=True)

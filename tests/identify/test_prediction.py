@@ -55,6 +55,25 @@ def test_the_gain_is_that_of_the_rig_whatever_its_pace(quantity):
 
 
 @pytest.mark.parametrize("quantity", SHOWN)
+@pytest.mark.parametrize("per_cycle", [7, 60])
+def test_the_gain_is_the_limit_of_a_kalman_filter_run_sample_by_sample(quantity, per_cycle):
+    """In SI units, what the latent force adds within a sample by quadrature, and Riccati's recursion (Kalman 1960)."""
+    memory, dt = 0.7, 2 * np.pi / OMEGA / per_cycle
+    order = list(SHOWN).index(quantity)
+    sensor = OMEGA ** (2 * order) / dt  # variance of a sample where the displacement's noise has a density of one
+    push = (OMEGA**2 / (np.pi * memory)) ** 2
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    ages = 0.5 * dt * (nodes + 1.0)
+    moved = np.array([np.sin(OMEGA * ages) / OMEGA, np.cos(OMEGA * ages)])  # by a unit of impulse at that age
+    added = push * (moved * (0.5 * dt * weights)) @ moved.T
+    seen, spread = np.array(SHOWN[quantity]), np.eye(2)
+    for _ in range(40 * per_cycle):
+        gain = spread @ seen / (seen @ spread @ seen + sensor)
+        spread = turned(dt) @ (spread - np.outer(gain, seen @ spread)) @ turned(dt).T + added
+    assert prediction_gain(memory, OMEGA, dt, quantity) == pytest.approx(tuple(gain), rel=1e-6)
+
+
+@pytest.mark.parametrize("quantity", SHOWN)
 def test_a_free_model_is_not_corrected(quantity):
     assert prediction_gain(FREE, OMEGA, 1e-3, quantity) == (0.0, 0.0)
     far = np.array(prediction_gain(1e4, OMEGA, 1e-3, quantity)) * np.abs(SHOWN[quantity][0] or SHOWN[quantity][1])

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.experiment.excitations import BEYOND, Excitation, Limits, candidates, limits_of
+from dashpot.diagnose.experiment.excitations import BEYOND, Limits
 from dashpot.diagnose.experiment.next_experiment import next_experiment
-from dashpot.diagnose.experiment.rehearsal import off
 from dashpot.identify.data import data_of
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
@@ -106,31 +105,6 @@ def test_a_rig_that_may_hardly_move_gets_no_plan_or_a_small_one(rivals):
     small = Limits(force=data.scales.force, displacement=1e-9, band_hz=(7.0, 13.0))
     assert next_experiment(models, data, limits=small).kind in ("none", "decay")
     assert next_experiment({}, data).kind == "none"
-
-
-def test_a_sweep_runs_from_one_frequency_to_the_other():
-    sweep = Excitation("sweep", 2.0, 1.0, (20.0, 5.0), 10.0)
-    signal = sweep.signal(1000.0)
-    crossings = np.flatnonzero(np.diff(np.sign(signal)) > 0) / 1000.0
-    pace = 1 / np.diff(crossings)
-    assert pace[5] == pytest.approx(20.0 - 1.5 * crossings[5], rel=0.05)
-    assert pace[-3] == pytest.approx(20.0 - 1.5 * crossings[-3], rel=0.05)
-    assert signal.size == 10000
-
-
-def test_the_candidates_keep_to_the_limits(rivals):
-    _, data = rivals
-    limits = limits_of(data)
-    for plan in candidates(limits, 60.0 / 2 / np.pi):
-        assert plan.relative <= BEYOND
-        assert np.max(np.abs(plan.signal(FS))) <= BEYOND * limits.force * (1 + 1e-9)
-
-
-def test_what_can_be_imitated_is_taken_off():
-    random = np.random.default_rng(0)
-    slopes = random.standard_normal((3, 50))
-    slopes[2] = 0.0
-    assert off(2 * slopes[0] - slopes[1], slopes) == pytest.approx(np.zeros(50), abs=1e-12)
 
 
 def test_a_rival_that_ran_away_is_left_out(rivals):

@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.place.free_form import hats
 from dashpot.diagnose.place.locate import locate
 from dashpot.diagnose.wording import quantity, spoken
 from dashpot.identify.data import data_of
@@ -80,12 +79,6 @@ def test_a_model_that_does_not_move_gives_the_widest_ranges(rig):
     where = locate(Fitted(broken, np.zeros((3, 2)), nothing, -np.inf, ()), data)
     assert where.path == "unknown"
     assert where.displacement == (-data.scales.length, data.scales.length)
-
-
-def test_hats_interpolate_straight_lines():
-    nodes = np.linspace(-2.0, 3.0, 6)
-    values = np.random.default_rng(2).uniform(-2.0, 3.0, 40)
-    assert hats(values, nodes) @ nodes == pytest.approx(values)
 
 
 def test_numbers_read_well():

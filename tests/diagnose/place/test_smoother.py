@@ -6,11 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.place.model_force import OwnForce
 from dashpot.diagnose.place.smoother import Smoother
 from dashpot.identify.data import data_of
 from dashpot.model import Oscillator
-from dashpot.model.inner_force import InnerForce
 from dashpot.model.oscillator import Response
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
@@ -92,13 +90,3 @@ def test_its_likelihood_is_that_of_the_kalman_filter():
     whole = covariance[::3, ::3] + np.eye(n)
     exact = -0.5 * (seen @ np.linalg.solve(whole, seen) + np.linalg.slogdet(whole)[1])
     assert smoother.log_likelihood(strength, memory, first, last) == pytest.approx(exact, rel=1e-4, abs=0.05)
-
-
-def test_the_models_own_force_is_that_of_the_inner_force():
-    model = with_term(Oscillator.from_values(VALUES), "quadratic-drag", {"coefficient": 20.0})
-    random = np.random.default_rng(1)
-    motion = np.column_stack([2e-3 * random.standard_normal(50), 0.1 * random.standard_normal(50), np.zeros((50, 2))])
-    force, stiffness, damping = OwnForce(model)(motion, 1e-3)
-    assert force == pytest.approx(InnerForce(model)(motion[:, 0], motion[:, 1]), rel=1e-12)
-    assert stiffness == pytest.approx(60.0**2 + 3 * 2e8 * motion[:, 0] ** 2)
-    assert damping == pytest.approx(np.full(50, 1.5))
