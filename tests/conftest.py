@@ -8,6 +8,11 @@ import sys
 from collections import defaultdict
 from collections.abc import Callable, Iterator
 
+#: Tests run on all cores. Threads of the linear algebra besides those would wait for one another in a loop: the
+#: matrices are small, and on busy cores a factorisation of 2400 x 22 takes a hundred times the time.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # is read when numpy is loaded
+
+
 import numpy as np
 import pytest
 from dashpot.examples.force import chirp

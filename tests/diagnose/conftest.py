@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
+import pickle
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -28,7 +31,6 @@ class Case:
     truth: dict
 
 
-@cache
 def concealed(kind: str, *effects: str, variants: tuple[str, ...] = (), noise: str = "white", seed: int = 7) -> Case:
     """A rig of about a hundred cycles a recording."""
     spec = Spec(kind, effects, variants or ("",) * len(effects), noise, 0)
@@ -47,7 +49,28 @@ def concealed(kind: str, *effects: str, variants: tuple[str, ...] = (), noise: s
     return Case(model, training, tuple(found[name] for name in HOLDOUT), truth)
 
 
-@pytest.fixture
-def rig():
-    """``rig(kind, *effects)`` makes a case, once per run."""
-    return concealed
+@pytest.fixture(scope="session")
+def rig(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Case]:
+    """``rig(kind, *effects)`` makes a case, once per run: what one process identified the others read."""
+    folder = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        folder = folder.parent
+    made: dict[str, Case] = {}
+
+    def get(*what: str, **more: object) -> Case:
+        name = "-".join(["rig", *what, *(str(value) for _, value in sorted(more.items()))])
+        if name not in made:
+            made[name] = _kept(folder / f"{name}.pickle", lambda: concealed(*what, **more))  # type: ignore[arg-type]
+        return made[name]
+
+    return get
+
+
+def _kept(path: Path, make: Callable[[], Case]) -> Case:
+    """What a process of this run wrote to a file, or made and written there whole."""
+    if not path.exists():
+        case = make()
+        unfinished = path.with_suffix(f".{os.getpid()}")
+        unfinished.write_bytes(pickle.dumps(case))
+        unfinished.replace(path)
+    return pickle.loads(path.read_bytes())

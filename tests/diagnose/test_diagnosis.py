@@ -18,13 +18,23 @@ def long(value: str):
     return pytest.param(value, marks=pytest.mark.long)
 
 
+@pytest.fixture(scope="module")
+def drag(rig, tmp_path_factory):
+    """The diagnosis of a rig with drag, made once: the case, what was found, and the FMU of the mended model."""
+    case, fmu = rig("single", "quadratic-drag"), tmp_path_factory.mktemp("drag") / "mended.fmu"
+    return case, diagnose(case.model, case.training, case.holdout, fmu=fmu), fmu
+
+
 @pytest.mark.parametrize("effect", [long("clearance"), "quadratic-drag", long("tonal-disturbance")])
-def test_a_concealed_effect_is_named_and_mended(rig, effect, tmp_path):
-    case = rig("single", effect)
-    found = diagnose(case.model, case.training, case.holdout, fmu=tmp_path / "mended.fmu")
+def test_a_concealed_effect_is_named_and_mended(rig, drag, effect, tmp_path):
+    if effect == "quadratic-drag":
+        case, found, fmu = drag
+    else:
+        case, fmu = rig("single", effect), tmp_path / "mended.fmu"
+        found = diagnose(case.model, case.training, case.holdout, fmu=fmu)
     assert found.verdict == "missing-physics"
     assert found.effects[0].effect == effect
-    assert (tmp_path / "mended.fmu").stat().st_size > 0
+    assert fmu.stat().st_size > 0
     for record in found.records:
         if record.holdout:
             floor = case.truth["recordings"][record.file]["noise_floor"]
@@ -41,9 +51,9 @@ def test_noise_is_not_physics(rig, noise):
     assert found.verdict == "consistent"
 
 
-def test_the_file_of_a_diagnosis_has_the_agreed_form(rig):
-    case = rig("single", "quadratic-drag")
-    document = json.loads(json.dumps(diagnose(case.model, case.training, case.holdout).as_json(), allow_nan=False))
+def test_the_file_of_a_diagnosis_has_the_agreed_form(drag):
+    case, found, _ = drag
+    document = json.loads(json.dumps(found.as_json(), allow_nan=False))
     assert document["format"] == "dashpot-diagnosis/1"
     assert {"verdict", "effects", "location", "fit", "parameter_shift", "considered", "next_experiment"} <= set(
         document
@@ -78,13 +88,15 @@ def test_what_cannot_be_split_is_fitted_whole(rig):
     assert not any(record.holdout for record in found.records)
 
 
-def test_without_held_out_recordings_stretches_of_each_are_held_out(rig):
-    case = rig("single", "quadratic-drag")
+@pytest.mark.parametrize("kind", [("none",), pytest.param(("single", "quadratic-drag"), marks=pytest.mark.long)])
+def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind):
+    case = rig(*kind)
     found = diagnose(case.model, case.training)
     assert any("no recording was held out" in note for note in found.notes)
     assert any(record.holdout for record in found.records)
 
 
+@pytest.mark.long
 def test_recordings_of_another_rig_are_refused(rig):
     case, other = rig("single", "quadratic-drag"), rig("none")
     with pytest.raises(BadInput, match="not of the model's rig"):
@@ -106,6 +118,7 @@ def test_decays_alone_leave_the_mass_of_the_model_as_it_is(rig):
     assert found.effects == ()
 
 
+@pytest.mark.long
 def test_a_rig_that_was_changed_before_the_held_out_recordings_is_told_apart(rig):
     case, other = rig("none"), rig("none", noise="quantised")
     changed = diagnose(case.model, case.training, other.holdout)

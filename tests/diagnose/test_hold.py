@@ -28,7 +28,7 @@ def recording(kind, level, hold, seed):
     return Recording(name=f"{kind} {level}", fs=FS, response=x, force=force + 1e-3 * random.standard_normal(N))
 
 
-@pytest.mark.parametrize("hold", ["zero", "linear"])
+@pytest.mark.parametrize("hold", ["zero", pytest.param("linear", marks=pytest.mark.long)])
 def test_nothing_is_named_for_a_hold(hold):
     model = Oscillator.from_values(TRUTH | {"mass": 1.01 * TRUTH["mass"]})
     training = [recording("sweep", 1.0, hold, 1), recording("random", 0.5, hold, 2)]

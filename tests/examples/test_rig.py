@@ -12,8 +12,16 @@ from dashpot.examples.rig import DT, FORCE_NOISE, KINDS, SENSOR_NOISE, STANDS, f
 QUANTUM = {"force": 1e-5, "displacement": 1e-8}
 
 
-@pytest.mark.parametrize("stand", list(STANDS))
-@pytest.mark.parametrize("kind", KINDS)
+def made_again() -> list[object]:
+    """Of each stand the shortest recording, and for `make test-all` the others."""
+    return [
+        pytest.param(stand, kind, marks=() if kind == "bursts" else pytest.mark.long)
+        for stand in STANDS
+        for kind in KINDS
+    ]
+
+
+@pytest.mark.parametrize(("stand", "kind"), made_again())
 def test_recordings_are_made_again(stand, kind):
     path = recordings(stand)[kind]
     with gzip.open(path, "rt") as file:

@@ -15,6 +15,7 @@ from dashpot.model.laws import find
 from dashpot.recording import read
 
 
+@pytest.mark.long
 def test_a_periodic_force_is_found_with_its_amplitude_whatever_its_phases(rig):
     case = rig("single", "tonal-disturbance")
     data = data_of(case.training, case.model)

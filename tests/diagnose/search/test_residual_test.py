@@ -3,20 +3,274 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.residual_test import leftovers, sentence, share_in_step
-from dashpot.identify.data import data_of
-from dashpot.identify.structure import Structure
+from dashpot.diagnose.search.residual_test import Leftover, expected, leftovers, sentence, share_in_step
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.data import Data, data_of
+from dashpot.identify.segments import Segment
+from dashpot.identify.structure import Fitted, Structure
+from dashpot.model import Oscillator
+from dashpot.model.law import Scales
+from dashpot.simulate.force import straight_lines
 from scipy.signal import lfilter
+
+MODEL = Oscillator.from_values(TRUTH)
+OMEGA = TRUTH["omega0"]
+PER_CYCLE = 40
+DT = 2 * np.pi / OMEGA / PER_CYCLE
+NOISE = 1e-5
+
+
+def motion_of(cycles, size=1e-3):
+    """A motion that swells twice from a tenth to its size, and its phase."""
+    turn = 2 * np.pi * np.arange(round(cycles * PER_CYCLE)) / PER_CYCLE
+    swell = 0.55 - 0.45 * np.cos(4 * np.pi * np.arange(turn.size) / turn.size)
+    return size * swell * np.cos(turn + 0.2), turn + 0.2
+
+
+def left_by(*pairs, sensor=NOISE, driven=False, force_noise=0.0, begin=0.0):
+    """What is left where a simulation shows each motion and the recording that plus a residual."""
+    segments = tuple(
+        Segment(
+            i,
+            0,
+            y.size,
+            y + np.where(np.isfinite(r), r, 0.0),
+            straight_lines(np.cos(y), DT) if driven else None,
+            DT,
+            begin,
+            OMEGA,
+        )
+        for i, (y, r) in enumerate(pairs)
+    )
+    recordings = tuple(SimpleNamespace(name=f"run{i}") for i in range(len(pairs)))
+    scales = Scales(length=1e-3, omega=OMEGA, force=1.0, response=1e-3, duration=1.0, mass=0.27, lines=())
+    count = len(pairs)
+    data = Data(recordings, segments, (sensor,) * count, (force_noise,) * count, scales)  # type: ignore[arg-type]
+    fit = Fitted(MODEL, np.zeros((count, 2)), tuple(r for _, r in pairs), 0.0, ())
+    return fit, data
+
+
+def white(n, seed=0):
+    return NOISE * np.random.default_rng(seed).standard_normal(n)
+
+
+# --- what is more than noise
+
+
+def left(ratio, *, motion=0.0, step=0.0, burst=None, short=False, file="run"):
+    return Leftover(file, ratio, motion, step, burst, short)
+
+
+@pytest.mark.parametrize("sign", [{"motion": 0.3}, {"step": 0.06}, {"burst": 0.0}])
+def test_a_mismatch_exceeds_the_noise_by_a_tenth_and_moves_with_the_rig(sign):
+    assert left(1.11, **sign).is_mismatch
+    assert not left(1.09, **sign).is_mismatch
+    assert not left(50.0).is_mismatch
+
+
+def test_a_short_stretch_is_judged_by_its_size_alone():
+    assert left(10.1, short=True).is_mismatch
+    assert left(np.nan, short=True).is_mismatch
+    assert not left(9.9, motion=1.0, step=1.0, short=True).is_mismatch
+
+
+# --- windows of six cycles
+
+
+@pytest.mark.parametrize(("cycles", "short"), [(11.9, True), (12.1, False), (35.9, False), (36.1, False)])
+def test_six_windows_of_two_cycles_are_the_fewest(cycles, short):
+    motion, _ = motion_of(cycles)
+    (found,) = leftovers(*left_by((motion, white(motion.size))))
+    assert found.short == short
+    assert not found.is_mismatch
+
+
+@pytest.mark.parametrize(("cycles", "width"), [(35.0, 2.0), (37.0, 6.0), (120.0, 6.0)])
+def test_a_burst_is_placed_in_the_middle_of_its_window(cycles, width):
+    motion, _ = motion_of(cycles)
+    residual = white(motion.size)
+    place = 14.5  # cycles
+    here = slice(round(place * PER_CYCLE), round((place + 1) * PER_CYCLE))
+    residual[here] += 40 * NOISE
+    (found,) = leftovers(*left_by((motion, residual), begin=3.0))
+    middle = (np.floor(place / width) + 0.5) * width * 2 * np.pi / OMEGA
+    assert found.burst_s == pytest.approx(3.0 + middle, rel=1e-9)
+    assert found.is_mismatch
+
+
+@pytest.mark.parametrize(("times", "bursts"), [(27.0, False), (33.0, True)])
+def test_a_burst_has_thirty_times_the_usual_power(times, bursts):
+    motion, _ = motion_of(120)
+    residual = np.sign(white(motion.size)) * NOISE  # all windows alike but for one
+    residual[480:720] *= np.sqrt(times)
+    (found,) = leftovers(*left_by((motion, residual)))
+    assert (found.burst_s is not None) == bursts
+
+
+def test_the_ratio_is_rms_over_that_of_the_noise():
+    motion, _ = motion_of(60)
+    residual = np.sign(white(motion.size)) * 3 * NOISE
+    assert leftovers(*left_by((motion, residual)))[0].ratio == pytest.approx(3.0)
+
+
+def test_noise_of_the_force_is_expected_through_the_resonance():
+    motion, _ = motion_of(60)
+    quiet = left_by((motion, white(motion.size)), driven=True)
+    loud = left_by((motion, white(motion.size)), driven=True, force_noise=0.05)
+    assert expected(*quiet, 0) == pytest.approx(NOISE)
+    assert expected(*loud, 0) > 2 * NOISE
+    assert expected(*left_by((motion, white(motion.size)), force_noise=0.05), 0) == pytest.approx(NOISE)  # a decay
+    assert leftovers(*loud)[0].ratio == pytest.approx(leftovers(*quiet)[0].ratio * NOISE / expected(*loud, 0))
+
+
+def test_power_that_grows_with_the_motion_is_a_mismatch():
+    motion, _ = motion_of(120)
+    random = np.random.default_rng(1)
+    swell = np.abs(0.55 - 0.45 * np.cos(4 * np.pi * np.arange(motion.size) / motion.size))
+    growing = 3 * NOISE * swell * random.standard_normal(motion.size)  # keeps step with nothing
+    (found,) = leftovers(*left_by((motion, growing)))
+    assert found.with_motion > 0.7
+    assert found.in_step == 0.0
+    falling = 3 * NOISE * (1.1 - swell) * random.standard_normal(motion.size)
+    assert leftovers(*left_by((motion, falling)))[0].with_motion == 0.0
+
+
+def test_a_rank_correlation_by_chance_once_in_two_thousand_counts_for_none():
+    """Ten windows in perfect order are one in 3.6 million; with three pairs of neighbours exchanged it is still clear,
+    with the halves exchanged it is not."""
+    windows = np.arange(10)
+    motion = np.concatenate([(1 + k) * np.cos(2 * np.pi * np.arange(240) / PER_CYCLE) for k in windows]) * 1e-4
+    signs = np.sign(white(2400))
+    for order, significant in (([1, 0, 3, 2, 5, 4, 6, 7, 8, 9], True), ([3, 1, 0, 6, 2, 4, 9, 5, 7, 8], False)):
+        residual = np.concatenate([(20 + k) * np.ones(240) for k in order]) * signs * 1e-6
+        (found,) = leftovers(*left_by((motion, residual)))
+        assert (found.with_motion > 0) == significant
+
+
+def test_a_motion_or_a_residual_of_one_size_grows_with_nothing():
+    steady = 1e-3 * np.cos(2 * np.pi * np.arange(4800) / PER_CYCLE)
+    random = np.random.default_rng(0)
+    swelling, _ = motion_of(120)
+    assert leftovers(*left_by((np.zeros(4800), white(4800))))[0].with_motion == 0.0
+    assert leftovers(*left_by((steady, NOISE * random.standard_normal(4800))))[0].with_motion == 0.0
+    assert leftovers(*left_by((swelling, np.tile([NOISE, -NOISE], 2400))))[0].with_motion == 0.0
+
+
+@pytest.mark.parametrize("value", [np.inf, np.nan])
+def test_what_does_not_simulate_is_a_mismatch(value):
+    motion, _ = motion_of(60)
+    residual = white(motion.size)
+    residual[-1] = value
+    (found,) = leftovers(*left_by((motion, residual)))
+    assert found.with_motion == 1.0
+    assert not found.short
+    short, _ = motion_of(5)
+    (found,) = leftovers(*left_by((short, np.full(short.size, value))))
+    assert found.short
+    assert found.is_mismatch
+
+
+# --- in step with the motion
+
+
+@pytest.mark.parametrize("order", range(1, 6))
+def test_what_repeats_with_the_cycles_is_in_step(order):
+    motion, turn = motion_of(120)
+    amplitude = np.abs(motion / np.cos(turn))
+    for residual in (np.cos(order * turn + 0.7), amplitude * np.cos(order * turn + 0.7)):
+        assert share_in_step(motion + 1e-2, residual + 1e-9) == pytest.approx(1.0, abs=0.02)
+
+
+def test_beyond_the_fifth_harmonic_nothing_is_looked_for():
+    motion, turn = motion_of(120)
+    assert share_in_step(motion, np.cos(6 * turn)) == 0.0
+    assert share_in_step(motion, np.cos(2.5 * turn)) == 0.0
+
+
+@pytest.mark.parametrize(("part", "in_step"), [(0.04, False), (0.06, True)])
+def test_a_twentieth_of_the_power_is_the_least(part, in_step):
+    motion, turn = motion_of(800)
+    residual = np.sqrt(2 * part) * np.cos(3 * turn) + np.sqrt(1 - part) * white(turn.size) / NOISE
+    share = share_in_step(motion, residual)
+    assert share == pytest.approx(part, abs=0.01) if in_step else share == 0.0
+
+
+def test_a_short_record_has_as_much_by_chance():
+    """Of 200 samples twenty columns take a tenth: a share of a tenth says nothing there."""
+    motion, turn = motion_of(5)
+    for seed in range(20):
+        assert share_in_step(motion, white(turn.size, seed)) == 0.0
+    motion, turn = motion_of(60)
+    assert share_in_step(motion, np.cos(2 * turn) + 0.3 * white(turn.size) / NOISE) > 0.7
+
+
+def test_noise_keeps_step_with_nothing():
+    motion, _ = motion_of(60)
+    random = np.random.default_rng(8)
+    for _ in range(40):
+        assert share_in_step(motion, random.standard_normal(motion.size)) == 0.0
+        assert share_in_step(motion, coloured(random, motion.size)) == 0.0
+
+
+def test_nothing_is_in_step_with_nothing():
+    motion, turn = motion_of(20)
+    assert share_in_step(motion, np.zeros(turn.size)) == 0.0
+    assert share_in_step(np.full(turn.size, 2.0), np.cos(turn)) == 0.0
+
+
+def test_noise_of_any_colour_is_no_mismatch():
+    random = np.random.default_rng(3)
+    for noise in (coloured, stepped):
+        pairs = [(motion_of(cycles)[0], 5 * NOISE * noise(random, cycles * PER_CYCLE)) for cycles in (60, 200)]
+        found = leftovers(*left_by(*pairs))
+        assert max(one.ratio for one in found) > 2
+        assert sentence(found) is None
+
+
+# --- in words
+
+
+def test_each_recording_is_told_once_the_worst_first():
+    said = sentence(
+        [
+            left(3.0, motion=0.5, file="a"),
+            left(7.0, step=0.4, file="b"),
+            left(9.0, motion=0.5, step=0.4, file="a"),
+            left(99.0, file="noise of another colour"),
+            left(2.0, burst=12.34567, file="c"),
+        ]
+    )
+    assert said == (
+        "there remains 9 times the noise in a, growing with the motion; "
+        "7 times the noise in b, in step with the motion; 2 times the noise in c, in a burst at 12.35 s"
+    )
+
+
+def test_more_than_three_recordings_are_counted():
+    four = [left(2.0 + k, motion=0.5, file=f"run{k}") for k in range(4)]
+    assert str(sentence(four)).endswith("in run1, growing with the motion, and more in 1 further recordings")
+    assert "further" not in str(sentence(four[:3]))
+    assert sentence([left(12.0, short=True)]) == "there remains 12 times the noise in run"
+
+
+def coloured(random, n):
+    return lfilter([1.0], [1.0, -0.95], random.standard_normal(n))
+
+
+def stepped(random, n):
+    return np.round(random.standard_normal(n)) * 1.0
+
+
+# --- the same on a whole rig, identified
 
 
 @pytest.fixture(scope="module")
-def fitted():
-    from ..conftest import concealed
-
-    case = concealed("none")
+def fitted(rig):
+    case = rig("none")
     data = data_of(case.training, case.model)
     return data, Structure(case.model, data).fit(settle=True)
 
@@ -30,16 +284,9 @@ def with_residuals(data, fit, residuals):
     return replace(fit, residuals=tuple(residuals)), replace(data, segments=tuple(segments))
 
 
-def coloured(random, n):
-    return lfilter([1.0], [1.0, -0.95], random.standard_normal(n))
-
-
-def stepped(random, n):
-    return np.round(random.standard_normal(n)) * 1.0
-
-
+@pytest.mark.long
 @pytest.mark.parametrize("noise", [coloured, stepped])
-def test_noise_of_any_colour_is_no_mismatch(fitted, noise):
+def test_noise_of_any_colour_is_no_mismatch_of_a_rig(fitted, noise):
     data, fit = fitted
     random = np.random.default_rng(3)
     residuals = tuple(5 * np.std(r) * noise(random, r.size) for r in fit.residuals)
@@ -48,7 +295,8 @@ def test_noise_of_any_colour_is_no_mismatch(fitted, noise):
     assert sentence(left) is None
 
 
-def test_what_grows_with_the_motion_is_a_mismatch(fitted):
+@pytest.mark.long
+def test_what_grows_with_the_motion_is_a_mismatch_of_a_rig(fitted):
     data, fit = fitted
     residuals = tuple(
         r + 0.02 * (segment.response - r) for r, segment in zip(fit.residuals, data.segments, strict=True)
@@ -58,7 +306,8 @@ def test_what_grows_with_the_motion_is_a_mismatch(fitted):
     assert "growing with the motion" in said
 
 
-def test_what_keeps_step_with_the_motion_is_a_mismatch_however_large_the_motion_is(fitted):
+@pytest.mark.long
+def test_what_keeps_step_with_a_rig_is_a_mismatch_however_large_the_motion_is(fitted):
     data, fit = fitted
     residuals = []
     for segment, r in zip(data.segments, fit.residuals, strict=True):
@@ -69,7 +318,8 @@ def test_what_keeps_step_with_the_motion_is_a_mismatch_however_large_the_motion_
     assert "in step with the motion" in (sentence(left) or "") or any(one.with_motion for one in left)
 
 
-def test_noise_keeps_step_with_nothing(fitted):
+@pytest.mark.long
+def test_noise_keeps_step_with_no_rig(fitted):
     data, fit = fitted
     random = np.random.default_rng(8)
     for segment, r in zip(data.segments, fit.residuals, strict=True):
@@ -79,7 +329,8 @@ def test_noise_keeps_step_with_nothing(fitted):
             assert share_in_step(motion, coloured(random, r.size)) == 0.0
 
 
-def test_a_burst_is_a_mismatch(fitted):
+@pytest.mark.long
+def test_a_burst_is_a_mismatch_of_a_rig(fitted):
     data, fit = fitted
     first = fit.residuals[0].copy()
     first[5000:5200] += 50 * np.std(first)

@@ -13,6 +13,7 @@ from dashpot.model.laws import LIBRARY, find
 from dashpot.model.terms import with_term
 
 
+@pytest.mark.long
 def test_the_regression_finds_the_gap_that_the_base_model_bent_itself_around(rig):
     case = rig("single", "clearance")
     data = data_of(case.training, case.model)
