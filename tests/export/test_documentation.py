@@ -111,14 +111,17 @@ def test_a_model_that_states_nothing_says_so(models):
     assert "deg" in seen  # radians are shown in degrees
 
 
-def test_every_law_is_explained(with_law):
-    for effect in LIBRARY:
-        model = with_law(effect)
-        law = model.terms[0].law
-        text = page(model).replace("&#39;", "'")
-        assert law.sentence in text
-        assert law.source.replace("&", "&amp;") in text
-        assert text.count("<svg") == 2
+@pytest.mark.parametrize("effect", LIBRARY)
+def test_every_law_is_explained(with_law, effect):
+    model = with_law(effect)
+    law = model.terms[0].law
+    text = page(model).replace("&#39;", "'")
+    assert law.sentence in text
+    assert law.source.replace("&", "&amp;") in text
+    assert text.count("<svg") == 2
+
+
+def test_where_a_memory_starts_is_said(with_law):
     assert "the laws with a memory start from hysteresis.deflection0" in words(page(with_law("hysteresis")))
 
 

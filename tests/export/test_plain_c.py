@@ -8,6 +8,7 @@ import re
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -100,11 +101,21 @@ def core_response(model: Oscillator, initial, force: np.ndarray) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def made(with_law: Callable[..., Oscillator], tmp_path_factory: pytest.TempPathFactory):
-    """One program with every law in it, each as a model of its own, all laws with a path of their own in one, and
+def program(with_law: Callable[..., Oscillator], tmp_path_factory: pytest.TempPathFactory):
+    """``program(effects)``: one with these laws in it, each as a model of its own; see ``built``."""
+    return cache(lambda effects: built(effects, with_law, tmp_path_factory.mktemp("plain")))
+
+
+@pytest.fixture(scope="module")
+def made(program, kinds: tuple[str, ...]):
+    """The program with a law of each kind."""
+    return program(kinds)
+
+
+def built(effects: tuple[str, ...], with_law: Callable[..., Oscillator], folder: Path):
+    """One program with laws in it, each as a model of its own, all laws with a path of their own in one, and
     velocity and acceleration as the response."""
-    folder = tmp_path_factory.mktemp("plain")
-    models = {effect.replace("-", "_").replace("/", "_"): with_law(effect) for effect in LIBRARY}
+    models = {effect.replace("-", "_").replace("/", "_"): with_law(effect) for effect in effects}
     models["base"] = with_law()
     models["everything"] = with_law(*EVERYTHING)
     models["velocity"] = with_law("sensor-lag", quantity="velocity")
@@ -116,8 +127,9 @@ def made(with_law: Callable[..., Oscillator], tmp_path_factory: pytest.TempPathF
     return models, lambda name: Plain(library, name)
 
 
-def test_every_law_repeats_the_core(made, offsets):
-    models, plain = made
+@pytest.mark.parametrize("whole", [False, pytest.param(True, marks=pytest.mark.long)], ids=["kinds", "library"])
+def test_every_law_repeats_the_core(program, kinds, offsets, whole):
+    models, plain = program(tuple(LIBRARY) if whole else kinds)
     for name, model in models.items():
         inner = offsets(model)
         for initial, force in (([0.0, 0.0, *inner], CHIRP), ([6e-3, 0.1, *inner], 0.0 * CHIRP)):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -17,6 +18,18 @@ def rig(recorded, quantity, fs, values=TRUTH):
     decay = recorded(values, begin=(8e-3, 0.0), seconds=3.0, name="decay", **more)
     sweep = recorded(values, sweep=(1.0, 5.0, 20.0), seconds=10.0, name="sweep", seed=1, **more)
     return decay, replace(sweep, hold="smooth")
+
+
+@pytest.fixture(scope="module")
+def identified(recorded):
+    """``identified("velocity", 500.0)``: recordings of that quantity and what was identified from them, made once."""
+
+    @cache
+    def make(quantity, fs):
+        recordings = rig(recorded, quantity, fs)
+        return recordings, identify(recordings)
+
+    return make
 
 
 def used(found, index):
@@ -36,11 +49,10 @@ def left_out(found, name):
     return 0.0, 1.0
 
 
-@pytest.mark.parametrize("fs", [500.0, 5000.0])
+@pytest.mark.parametrize("fs", [500.0, pytest.param(5000.0, marks=pytest.mark.long)])
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
-def test_a_decay_and_a_sweep(recorded, quantity, fs):
-    recordings = rig(recorded, quantity, fs)
-    found = identify(recordings)
+def test_a_decay_and_a_sweep(identified, quantity, fs):
+    recordings, found = identified(quantity, fs)
     assert np.all(np.abs(scores(found)) < 4)
     assert used(found, 1) >= 0.95 * recordings[1].n
     if quantity == "acceleration":
@@ -51,10 +63,9 @@ def test_a_decay_and_a_sweep(recorded, quantity, fs):
 
 
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
-def test_they_say_as_much_as_the_displacement(recorded, quantity):
+def test_they_say_as_much_as_the_displacement(identified, quantity):
     """The same motion in white noise of the same size at resonance: errors alike, but for the weight of frequencies."""
-    seen = identify(rig(recorded, quantity, 500.0)).oscillator.parameters()
-    plain = identify(rig(recorded, "displacement", 500.0)).oscillator.parameters()
+    seen, plain = (identified(name, 500.0)[1].oscillator.parameters() for name in (quantity, "displacement"))
     for name in ("mass", "omega0", "viscous", "cubic"):
         assert 0.4 < seen[name].std / plain[name].std < 2.5, name
 

@@ -55,7 +55,12 @@ def scores(oscillator):
 
 
 @pytest.mark.parametrize(
-    ("hold", "per_cycle", "kind"), [("zero", 77, "sweep"), ("zero", 25, "random"), ("linear", 40, "random")]
+    ("hold", "per_cycle", "kind"),
+    [
+        pytest.param("zero", 77, "sweep", marks=pytest.mark.long),
+        ("zero", 25, "random"),
+        pytest.param("linear", 40, "random", marks=pytest.mark.long),
+    ],
 )
 def test_a_hold_is_found_told_and_kept(hold, per_cycle, kind):
     found = identify(rig(hold, per_cycle, kind))
@@ -66,7 +71,7 @@ def test_a_hold_is_found_told_and_kept(hold, per_cycle, kind):
     assert loads(dumps(found.oscillator)).hold == hold
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 def test_a_smooth_force_stays_smooth(seed):
     found = identify(rig("smooth", 40, "random", seed))
     assert found.oscillator.hold == "smooth"
@@ -80,6 +85,7 @@ def test_what_is_said_is_not_questioned():
     assert np.max(np.abs(scores(found.oscillator))) > 5  # half a sample of lag has to go somewhere
 
 
+@pytest.mark.long
 def test_a_lag_that_is_not_half_a_sample_is_no_hold():
     assert identify(rig("smooth", 40, "random", lag=1.5)).oscillator.hold == "smooth"
 

@@ -105,6 +105,7 @@ def test_free_decays_alone_give_everything_but_the_mass():
         assert abs(parameter.value / TRUTH[name] - 1) < WITHIN[name] / 100, name
 
 
+@pytest.mark.long  # of each a case in test_accelerometer.py
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
 def test_velocity_and_acceleration_serve_as_well(quantity):
     result = identify([record("sweep", quantity), record("decay", quantity, seconds=4.0)])
@@ -129,7 +130,7 @@ def test_few_samples_a_cycle_are_enough_because_the_force_is_not_held():
     assert parameters["viscous"].value == pytest.approx(TRUTH["viscous"], rel=5e-3)
 
 
-@pytest.mark.parametrize("scale", [1e-2, 1.0, 1e2])
+@pytest.mark.parametrize("scale", [1e-2, pytest.param(1.0, marks=pytest.mark.long), 1e2])
 def test_rigs_of_other_sizes_and_frequencies(scale):
     values = {
         "mass": 3.0 * scale,
@@ -145,6 +146,7 @@ def test_rigs_of_other_sizes_and_frequencies(scale):
         assert found[name].value == pytest.approx(values[name], rel=5e-3), name
 
 
+@pytest.mark.long
 def test_standard_errors_hold_over_many_noises():
     scores = []
     for seed in range(8):

@@ -89,6 +89,16 @@ def test_six_windows_of_two_cycles_are_the_fewest(cycles, short):
     assert not found.is_mismatch
 
 
+@pytest.mark.parametrize(("per_cycle", "n", "width"), [(2.0, 25, 4), (0.5, 32, 4), (1.0, 36, 6)])
+def test_a_window_has_four_samples_at_least(per_cycle, n, width):
+    """Of fewer no power can be told; a recording that coarse says little else."""
+    fit, data = left_by((np.cos(np.arange(n) * 1.0), np.where(np.arange(n) == 9, 50 * NOISE, white(n))))
+    coarse = replace(data.segments[0], dt=2 * np.pi / OMEGA / per_cycle)
+    (found,) = leftovers(fit, replace(data, segments=(coarse,)))
+    assert not found.short
+    assert found.burst_s == pytest.approx((9 // width + 0.5) * width * coarse.dt)
+
+
 @pytest.mark.parametrize(("cycles", "width"), [(35.0, 2.0), (37.0, 6.0), (120.0, 6.0)])
 def test_a_burst_is_placed_in_the_middle_of_its_window(cycles, width):
     motion, _ = motion_of(cycles)

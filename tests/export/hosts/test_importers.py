@@ -51,6 +51,18 @@ MODEL_EXCHANGE = [
 WITHOUT_EVENTS = [("casadi_integrator", 2, "zero"), ("casadi_integrator", 3, "zero")]
 
 
+def one_of_each(cases: list[tuple[str, int, str]]) -> list[object]:
+    """Of each importer the newest version and most of the force that it can do, with other values than described; the
+    whole matrix for `make test-all`. Each runs in a process of its own."""
+    last = {module: (module, version, hold) for module, version, hold in cases}
+    return [
+        pytest.param(*case, changed, id="-".join(map(str, case)) + said, marks=marks)
+        for case in cases
+        for changed, said in (({}, "-as described"), (CHANGED, "-changed"))
+        for marks in [() if changed and case in last.values() else pytest.mark.long]
+    ]
+
+
 @pytest.fixture(scope="module")
 def distance(play, fmu_of, models, sweep, reference):
     """Largest distance of an importer's answer from the reference, relative to the peak."""
@@ -66,14 +78,12 @@ def distance(play, fmu_of, models, sweep, reference):
     return of
 
 
-@pytest.mark.parametrize("changed", [{}, CHANGED], ids=["as described", "changed"])
-@pytest.mark.parametrize(("module", "version", "hold"), CO_SIMULATION)
+@pytest.mark.parametrize(("module", "version", "hold", "changed"), one_of_each(CO_SIMULATION))
 def test_co_simulation(distance, module, version, hold, changed):
     assert distance(module, version, hold, changed) < CLOSE
 
 
-@pytest.mark.parametrize("changed", [{}, CHANGED], ids=["as described", "changed"])
-@pytest.mark.parametrize(("module", "version", "hold"), MODEL_EXCHANGE)
+@pytest.mark.parametrize(("module", "version", "hold", "changed"), one_of_each(MODEL_EXCHANGE))
 def test_model_exchange(distance, module, version, hold, changed):
     samples = 400 if module == "fmpy_cvode" else None  # it goes through all jumps of the force at every step
     assert distance(module, version, hold, changed, samples) < CLOSE
@@ -84,6 +94,7 @@ def test_model_exchange_without_events(distance, module, version, hold):
     assert distance(module, version, hold, {"dry": 0.0, "preload": 0.0}) < CLOSE
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("version", [2, 3])
 @pytest.mark.parametrize("machine", ["windows", "aarch64"])
 def test_other_machines_give_the_same(play, everywhere, distance, sweep, machine, version):
