@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from functools import cache
 from html.parser import HTMLParser
 
 import numpy as np
@@ -79,9 +80,15 @@ def stands_alone(whole: str) -> Reader:
 
 
 @pytest.fixture(scope="module")
-def whole_text(hand_made) -> str:
+def page_of(hand_made):
+    """``page_of("consistent")``: the page of a verdict, drawn once."""
+    return cache(lambda verdict: diagnosis_page(hand_made.verdicts[verdict](), files=("model.yaml", "diagnosis.json")))
+
+
+@pytest.fixture(scope="module")
+def whole_text(page_of) -> str:
     """What the page of a named effect says."""
-    return stands_alone(diagnosis_page(hand_made.missing(), files=("model.yaml", "diagnosis.json"))).text
+    return stands_alone(page_of("missing-physics")).text
 
 
 SAID = {
@@ -108,9 +115,8 @@ ORDER = (
 
 
 @pytest.mark.parametrize("verdict", SAID)
-def test_every_verdict_has_its_page_in_order(verdict, hand_made) -> None:
-    found = hand_made.verdicts[verdict]()
-    whole = diagnosis_page(found, files=("model.yaml", "diagnosis.json"))
+def test_every_verdict_has_its_page_in_order(verdict, page_of) -> None:
+    whole = page_of(verdict)
     text = stands_alone(whole).text
     for words in SAID[verdict]:
         assert words in text
