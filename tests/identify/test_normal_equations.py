@@ -96,3 +96,18 @@ def test_a_direction_without_information_stays_where_it_is():
     assert pseudo_inverse(same.T @ same) == pytest.approx(np.linalg.pinv(same.T @ same), abs=1e-9)
     assert np.all(pseudo_inverse(np.array([[np.nan, 0.0], [0.0, 1.0]])) == 0.0)
     assert pseudo_inverse(np.zeros((0, 0))).shape == (0, 0)
+
+
+def test_three_unknowns_that_do_the_same_share_it():
+    """Only one direction of three carries information: the others are noise of the arithmetic, however small."""
+    rows = np.random.default_rng(7).standard_normal((50, 1)) * np.ones(3)
+    information = rows.T @ rows
+    assert pseudo_inverse(information) == pytest.approx(np.linalg.pinv(information), rel=1e-6)
+
+
+@pytest.mark.parametrize(("apart", "kept"), [(1.5e-14, False), (3e-14, True)])
+def test_information_below_what_the_arithmetic_carries_is_none(apart, kept):
+    """Two unknowns that differ by so little: 1e-14 of the largest eigenvalue, which is two, is kept."""
+    inverse = pseudo_inverse(np.array([[1.0, 1.0 - apart], [1.0 - apart, 1.0]]))
+    difference = np.array([1.0, -1.0]) / np.sqrt(2)
+    assert (difference @ inverse @ difference > 1e12) == kept
