@@ -100,7 +100,7 @@ def test_unexplained_with_nothing_left_names_the_recording_whose_simulation_is_f
 def test_an_effect_is_named_and_what_it_takes_of_the_lack():
     rows = [row(0.2, 0.02, file="a"), row(0.3, 0.03, 0.02, file="b", holdout=True)]
     said = sentence_of("missing-physics", (DRAG,), "0.7 % of the motion remains", rows, left(3.0), left(math.sqrt(5.0)))
-    assert "it takes 50 % of what the model lacked" in said
+    assert "It takes 50 % of what the model lacked" in said
     assert "the held-out error falls from 30 to 3 % of the motion in b (noise 2 %)" in said
     assert said.endswith("0.7 % of the motion remains.")
     assert said.startswith("Missing: ")
@@ -114,7 +114,7 @@ def test_where_nothing_remains_no_share_is_told():
 
 def test_two_effects_take_together_and_rivals_stand_beside_theirs():
     said = sentence_of("missing-physics", (DRAG, STOP), "1 % remains", [row()], left(3.0), left(math.sqrt(5.0)))
-    assert "they take 50 % of what the model lacked" in said
+    assert "They take 50 % of what the model lacked" in said
     for name in ("quadratic-drag", "one-sided-stop", "quintic-stiffness", "cubic-stiffness"):
         assert name in said
     assert said.index("one-sided-stop") < said.index("quintic-stiffness")
@@ -122,7 +122,7 @@ def test_two_effects_take_together_and_rivals_stand_beside_theirs():
 
 def test_a_held_out_error_that_rises_is_said_to():
     said = sentence_of("missing-physics", (DRAG,), None, [row(0.1, 0.2, 0.1, holdout=True)], left(2.0), left(1.0))
-    assert "the held-out error rises from 10 to 20 %" in said
+    assert "The held-out error rises from 10 to 20 %" in said
 
 
 def test_of_the_held_out_the_one_that_the_family_told_worst():

@@ -88,7 +88,7 @@ SAID = {
     "missing-physics": (
         "◆ Missing physics.",
         "use the mended model (model.yaml)",
-        "look for quadratic-drag in the rig",
+        "look for drag that grows with the square of the speed (quadratic-drag).",
     ),
     "consistent": ("✓ Consistent.", "use the model as it is", "Nowhere beyond the noise", "no parameter has moved"),
     "unexplained": ("▲ Unexplained.", "do not rely on the model", "Ten times the noise is left in multisine.csv."),
@@ -284,6 +284,6 @@ def test_a_term_of_a_variant_is_drawn_with_its_backbone(hand_made) -> None:
     assert "nothing shows here" not in text
     for law in ("sensor-lag", "stiffness-drift/settling"):
         lag = stands_alone(page("Curves", [curves_section(hand_made.missing(law))])).text
-        assert f"Of {law.partition('/')[0]} nothing shows here" in lag
+        assert f"({law}) nothing shows here" in lag
     memory = stands_alone(page("Curves", [curves_section(hand_made.missing("viscoelastic"))])).text
     assert "Damping curve" in memory
