@@ -12,6 +12,7 @@ from dashpot.diagnose.verdict import explained_share, sentence_of, verdict_of
 
 NOTHING = np.zeros(2)
 DRAG = Effect("quadratic-drag", "quadratic-drag", "dissipation", {})
+FRICTION = Effect("stribeck", "stribeck", "dissipation", {})
 STOP = Effect("one-sided-stop", "one-sided-stop", "restoring", {}, ("quintic-stiffness", "cubic-stiffness"))
 
 
@@ -118,6 +119,40 @@ def test_two_effects_take_together_and_rivals_stand_beside_theirs():
     for name in ("quadratic-drag", "one-sided-stop", "quintic-stiffness", "cubic-stiffness"):
         assert name in said
     assert said.index("one-sided-stop") < said.index("quintic-stiffness")
+
+
+def test_effects_and_rivals_are_said_in_the_words_of_the_field():
+    said = sentence_of("missing-physics", (STOP,), None, [row()], left(3.0), left(1.0))
+    assert said == (
+        "Missing: a stop on one side (one-sided-stop), or else a spring whose stiffness changes with the fourth power "
+        "of the displacement (quintic-stiffness) or a spring whose stiffness changes with the square of the "
+        "displacement (cubic-stiffness)."
+    )
+    variant = Effect("softening-stiffness", "softening-stiffness/sine", "restoring", {})
+    said = sentence_of("missing-physics", (DRAG, FRICTION, variant), None, [row()], left(3.0), left(1.0))
+    assert said == (
+        "Missing: drag that grows with the square of the speed (quadratic-drag), friction that is larger at rest and "
+        "falls with speed (stribeck) and a part of the spring that bends over as gravity on a pendulum does "
+        "(softening-stiffness/sine)."
+    )
+
+
+def test_three_effects_with_their_rivals_can_still_be_read():
+    """Which rival is whose is told by semicolons, and what is named beside it bears its name alone."""
+    rival = Effect("quadratic-drag", "quadratic-drag", "dissipation", {}, ("cubic-damping",))
+    said = sentence_of("missing-physics", (rival, STOP, FRICTION), None, [row()], left(3.0), left(1.0))
+    assert said == (
+        "Missing: drag that grows with the square of the speed (quadratic-drag), or else cubic-damping; a stop on one "
+        "side (one-sided-stop), or else quintic-stiffness or cubic-stiffness; and friction that is larger at rest and "
+        "falls with speed (stribeck)."
+    )
+    few = sentence_of("missing-physics", (rival, FRICTION), None, [row()], left(3.0), left(1.0))
+    assert "or else damping that grows with the cube of the speed (cubic-damping); and friction" in few
+
+
+def test_an_effect_without_a_law_is_said_by_its_name():
+    free = Effect("free/spring", "free/spring", "restoring", {})
+    assert sentence_of("missing-physics", (free,), None, [], [], []) == "Missing: free/spring."
 
 
 def test_a_held_out_error_that_rises_is_said_to():
