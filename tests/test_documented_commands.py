@@ -6,6 +6,7 @@ import gzip
 import json
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from itertools import pairwise
@@ -86,9 +87,10 @@ def write(path: Path, table: np.ndarray, header: str) -> None:
         np.savetxt(file, table, "%.9g", ",", header=header, comments="")
 
 
-@pytest.fixture
-def stand(tmp_path):
-    """A folder with nothing but the recordings that the README names."""
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """The recordings that the README names, made once."""
+    folder = tmp_path_factory.mktemp("recorded")
     t, still = np.arange(round(12 * FS)) / FS, np.zeros((round(4 * FS), 2))
     lines, phases = np.arange(5.0, 20.0, 0.25), np.random.default_rng(7).uniform(0, 2 * np.pi, 60)
     forced = {
@@ -101,12 +103,18 @@ def stand(tmp_path):
     }
     free = {"decays.csv": 8e-3, "decay.csv": 7e-3, "decay_low.csv": 5e-3}
     for seed, (name, force) in enumerate(forced.items()):
-        write(tmp_path / name, recording(force, seed=seed), "time_s,force_N,displacement_m")
+        write(folder / name, recording(force, seed=seed), "time_s,force_N,displacement_m")
     for seed, (name, start) in enumerate(free.items()):
         table = recording(still, start, 10 + seed)
-        write(tmp_path / name, table[:, [0, 2]], "time_s,displacement_m")
-    assert {path.name for path in tmp_path.iterdir()} == RECORDED
-    return tmp_path
+        write(folder / name, table[:, [0, 2]], "time_s,displacement_m")
+    assert {path.name for path in folder.iterdir()} == RECORDED
+    return folder
+
+
+@pytest.fixture
+def stand(tmp_path, recorded):
+    """A folder with nothing but these recordings."""
+    return Path(shutil.copytree(recorded, tmp_path / "stand"))
 
 
 @pytest.mark.long

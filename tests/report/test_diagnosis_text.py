@@ -35,6 +35,31 @@ def test_the_text_holds_what_it_must(verdict, hand_made) -> None:
         assert "Remains: Ten times the noise is left in multisine.csv." in text
 
 
+def test_what_would_tell_is_not_said_twice(hand_made) -> None:
+    """The next experiment has its place below; what it leaves open stays with the effect."""
+    found = hand_made.missing()
+    sentence = "Play a sweep from 8 to 16 Hz at 2.5 N."
+    effect = replace(found.effects[0], separated_by=f"{sentence} It does not tell it from stribeck.")
+    found = replace(found, effects=(effect,), experiment=replace(found.experiment, sentence=sentence))
+    text = " ".join(describe(found).split())
+    assert text.count(sentence) == 1
+    assert "What would tell: the next experiment, below. It does not tell it from stribeck." in text
+
+
+def test_each_effect_is_said_in_words_and_doubted_by_itself(hand_made) -> None:
+    found = hand_made.missing()
+    stop = replace(found.effects[0], effect="one-sided-stop", law="one-sided-stop", path="restoring")
+    stop = replace(stop, indistinguishable_from=("clearance", "two-sided-stop"))
+    text = " ".join(describe(replace(found, effects=(found.effects[0], stop))).split())
+    both = "look for drag that grows with the square of the speed (quadratic-drag) and a stop on one side (one-sided-stop)."
+    assert both in text
+    doubt = (
+        "cannot tell quadratic-drag from cubic-damping, nor one-sided-stop from clearance or two-sided-stop: make the"
+    )
+    assert doubt in text
+    assert "a stop on one side (one-sided-stop) in the spring (path: restoring)" in text
+
+
 def test_the_text_stays_short_however_much_there_is_to_say(hand_made) -> None:
     found = hand_made.missing()
     words = "something of great length that goes on and on " * 20
