@@ -51,8 +51,8 @@ def test_each_effect_is_said_in_words_and_doubted_by_itself(hand_made) -> None:
     stop = replace(found.effects[0], effect="one-sided-stop", law="one-sided-stop", path="restoring")
     stop = replace(stop, indistinguishable_from=("clearance", "two-sided-stop"))
     text = " ".join(describe(replace(found, effects=(found.effects[0], stop))).split())
-    both = "look for drag that grows with the square of the speed (quadratic-drag) and a stop on one side (one-sided-stop)."
-    assert both in text
+    both = "drag that grows with the square of the speed (quadratic-drag) and a stop on one side (one-sided-stop)."
+    assert f"look for {both}" in text
     doubt = (
         "cannot tell quadratic-drag from cubic-damping, nor one-sided-stop from clearance or two-sided-stop: make the"
     )
