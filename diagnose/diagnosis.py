@@ -25,6 +25,7 @@ from ..model.laws import LIBRARY, find
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
+from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, stranger
 from .mend import exported, record_fits
 from .place.locate import locate
@@ -135,7 +136,9 @@ def diagnose(
     location = None if verdict == "consistent" else locate(family, data)
     latent = () if verdict == "consistent" else latent_forces(family, data, after)
     experiment = next_experiment(_survivors(found, after or before), data)
-    effects = tuple(replace(e, separated_by=experiment.sentence) if e.indistinguishable_from else e for e in effects)
+    effects = tuple(
+        replace(e, separated_by=separated_by(e.effect, e.indistinguishable_from, experiment)) for e in effects
+    )
     progress("done", 1.0)
     return Diagnosis(
         verdict=verdict,

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from ..model.effect_words import effect_in_words
 from .result import Effect, RecordFit, Verdict
 from .search.residual_test import Leftover
-from .wording import figure, spoken
+from .wording import effects_in_words, figure, spoken
 
 #: A recording whose free simulation is so many times its noise off is not reproduced, whatever the colour of the noise.
 _FAR = 10.0
+#: So many effects and rivals can be put into words in one sentence.
+_IN_WORDS = 5
 
 
 def verdict_of(effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]) -> Verdict:
@@ -42,26 +45,37 @@ def sentence_of(
         return "Nothing is missing: the model reproduces every recording to within its noise."
     if not effects:
         return f"Something is missing that no effect of the library explains: {remainder or _worst(records)}."
-    named = []
-    for effect in effects:
-        rivals = f" (or {', '.join(effect.indistinguishable_from)})" if effect.indistinguishable_from else ""
-        named.append(f"{effect.effect}{rivals}")
-    parts = [f"Missing: {spoken(named)}"]
+    parts = []
     share = explained_share(before, after)
     if share is not None and remainder is not None:
-        takes = "takes" if len(effects) == 1 else "take"
-        parts.append(
-            f"{'it' if len(effects) == 1 else 'they'} {takes} {figure(100 * share, 2)} % of what the model lacked"
-        )
+        takes = "it takes" if len(effects) == 1 else "they take"
+        parts.append(f"{takes} {figure(100 * share, 2)} % of what the model lacked")
     parts += _held_out(records)
     if remainder is not None:
         parts.append(remainder)
-    return "; ".join(parts) + "."
+    figures = "; ".join(parts)
+    return f"Missing: {_named(effects)}." + (f" {figures[0].upper()}{figures[1:]}." if figures else "")
+
+
+def _named(effects: Sequence[Effect]) -> str:
+    """The effects in the words of the field, each with those that it cannot be told from.
+
+    Where many are named the rivals bear their names alone, so that the sentence can still be read.
+    """
+    items = []
+    many = sum(1 + len(effect.indistinguishable_from) for effect in effects) > _IN_WORDS
+    for effect in effects:
+        rivals = effect.indistinguishable_from
+        others = spoken(rivals, "or") if many else effects_in_words(rivals, "or")
+        items.append(effect_in_words(effect.law) + (f", or else {others}" if rivals else ""))
+    if not any(effect.indistinguishable_from for effect in effects):
+        return spoken(items)
+    return "; ".join([*items[:-1], f"and {items[-1]}"]) if len(items) > 1 else items[0]
 
 
 def explained_share(before: Sequence[Leftover], after: Sequence[Leftover]) -> float | None:
     """Share of the power beyond the noise, in units of the noise of each stretch, that the effects take away."""
-    excess = [sum(max(one.ratio**2 - 1.0, 0.0) for one in left) for left in (before, after)]
+    excess = [sum(max(stretch.ratio**2 - 1.0, 0.0) for stretch in model) for model in (before, after)]
     if not math.isfinite(excess[0]) or not excess[0] > 0 or not math.isfinite(excess[1]):
         return None
     return max(0.0, 1.0 - excess[1] / excess[0])

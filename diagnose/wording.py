@@ -1,8 +1,10 @@
-"""Numbers in sentences: few digits, and a unit of the size of the thing."""
+"""What sentences are made of: numbers of few digits with a fitting unit, lists, effects in the words of the field."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+
+from ..model.effect_words import effect_in_words
 
 _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
@@ -21,7 +23,12 @@ def quantity(value: float, unit: str) -> str:
     return f"{figure(value)} {unit}"
 
 
-def spoken(names: Sequence[str]) -> str:
-    """``a, b and c``."""
+def spoken(names: Sequence[str], last: str = "and") -> str:
+    """``a, b and c``; ``last`` is the word before the last."""
     names = list(names)
-    return " and ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+    return f" {last} ".join([", ".join(names[:-1]), names[-1]] if len(names) > 1 else names)
+
+
+def effects_in_words(names: Sequence[str], last: str = "and") -> str:
+    """Effects as an engineer says them, each with its law's name: ``a stop on one side (one-sided-stop)``."""
+    return spoken([effect_in_words(name) for name in names], last)

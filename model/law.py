@@ -221,6 +221,8 @@ class Law:
             the force F or of the recorded signal r. Parameters stand in braces, further lines behind a semicolon:
             ``{stiffness} (x - q); q' = {rate} (x - q)``.
         sentence: what it is, for an engineer.
+        phrase: the same in a few words that begin in small letters and can follow "missing:", without commas, so that
+            several can be listed; ``effect_words`` makes one of the sentence where it is left empty.
         source: where the law comes from.
         curves: what it does to backbone and damping curve.
         proper: ``proper(values, base)``, with the values of Eq. 17 as ``base``, tells whether these values are what the
@@ -238,6 +240,7 @@ class Law:
     sentence: str
     source: str
     curves: str = ""
+    phrase: str = ""
     force: Force | None = None
     stored: Stored | None = None
     drive: Path | None = None

@@ -31,6 +31,8 @@ PATHS = (
     "environment",
 )
 _NAME = re.compile(r"[a-z][a-z0-9-]*(/[a-z0-9-]+)?")
+#: Words that can stand in a list, with the law's name in brackets behind them; empty where the sentence is to serve.
+_PHRASE = r"(?:[^\s.,;:()]+(?: [^\s.,;:()]+)*)?"
 _PARAMETER = re.compile(r"[a-z][a-z0-9-]*")
 _SYMBOLS = {"X", "Q", "Y", "s", "rad", "1"}
 _SCALES = Scales(length=1e-2, omega=50.0, force=1.0, response=1e-2, duration=10.0, mass=1.0, lines=(30.0,))
@@ -103,6 +105,11 @@ def problems(law: Law) -> Iterator[str]:
     for field in ("equation", "sentence", "source"):
         if not isinstance(text := getattr(law, field), str) or not text.strip():
             yield f"{field} is empty; write what a reader of the report needs"
+    if not isinstance(law.phrase, str) or not re.fullmatch(_PHRASE, law.phrase):
+        yield (
+            f'phrase {law.phrase!r} cannot stand in a list; write a few words such as "a stop on one side", in one '
+            "line without comma, semicolon, colon, brackets and full stop, or leave it out"
+        )
     names = [p.name for p in law.parameters]
     if not names:
         yield "it has no parameters; give a LawParameter for each number that is to be identified"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from ..diagnose.wording import effects_in_words, spoken
 from ..model.display import full_stop, pretty_unit
 from ..model.show import warnings as model_warnings
 from .before_after import response_section
@@ -17,7 +18,7 @@ from .next_experiment import experiment_section
 from .provenance import files_text, recordings_table
 
 if TYPE_CHECKING:
-    from ..diagnose.result import Diagnosis
+    from ..diagnose.result import Diagnosis, Effect
 
 #: How each verdict is shown: a shape and words that come before the sentence, and the colour.
 VERDICTS = {
@@ -62,15 +63,21 @@ def next_step(diagnosis: Diagnosis, files: Sequence[str] = ()) -> str:
         return f"use the model as it is, within what the recordings covered{again}."
     if diagnosis.verdict == "missing-physics":
         mended = next((name for name in files if name.endswith(".yaml")), "")
-        names = " and ".join(dict.fromkeys(e.effect for e in diagnosis.effects)) or "the effect"
-        twins = dict.fromkeys(name for e in diagnosis.effects for name in e.indistinguishable_from)
+        names = list(dict.fromkeys(effect.law for effect in diagnosis.effects))
+        named = f"use the mended model{f' ({mended})' if mended else ''}"
+        named += f", and look for {effects_in_words(names)}." if names else "."
+        doubt = _doubt(diagnosis.effects)
         how = "make the next experiment" if _planned(diagnosis) else "record what would tell"
-        named = f"use the mended model{f' ({mended})' if mended else ''}, and look for {names} in the rig."
-        doubt = f" These recordings cannot tell it from {', '.join(twins)}: {how} before you rely on the name."
-        return named + (doubt if twins else "")
+        return named + (f" {doubt}: {how} before you rely on the name." if doubt else "")
     where = " where it is said to fail below" if diagnosis.location is not None else ""
     plan = ", make the next experiment" if _planned(diagnosis) else ""
     return f"do not rely on the model{where}; look at the rig there{plan}, and diagnose again."
+
+
+def _doubt(effects: Sequence[Effect]) -> str:
+    """What the recordings cannot tell; by their names alone, which the verdict above has put into words."""
+    told = [f"{e.effect} from {spoken(e.indistinguishable_from, 'or')}" for e in effects if e.indistinguishable_from]
+    return f"These recordings cannot tell {', nor '.join(told)}" if told else ""
 
 
 def _planned(diagnosis: Diagnosis) -> bool:
@@ -97,16 +104,16 @@ def _remainder(diagnosis: Diagnosis) -> list[Block]:
 
 def _provenance(diagnosis: Diagnosis, files: Sequence[str]) -> list[Block]:
     model = diagnosis.model
-    found = model.identified
+    origin = model.identified
     unit = pretty_unit(model.response.unit)
     force = pretty_unit(model.force_unit) if any(r.force is not None for r in diagnosis.records) else "none recorded"
     held = [r.file for r in diagnosis.records if r.holdout]
     blocks: list[Block] = [
-        *recordings_table(found),
+        *recordings_table(origin),
         Text(
             "Held out: " + (", ".join(held) if held else "no recording; the noise is judged on the training ones") + "."
         ),
-        Text(f"Method: {found.method or 'not stated'}. Software: {found.software or 'not stated'}."),
+        Text(f"Method: {origin.method or 'not stated'}. Software: {origin.software or 'not stated'}."),
         Text(f"Response: {model.response.quantity} in {unit}; force: {force}."),
     ]
     return [*blocks, *files_text(files)]

@@ -6,14 +6,17 @@ import math
 import textwrap
 from typing import TYPE_CHECKING
 
+from ..diagnose.wording import effects_in_words
 from ..export.render import plain_text
 from ..model.display import full_stop, number, times_text, value_text
+from ..model.effect_words import effect_in_words
 from .before_after import fit_sentence, ratio_to_floor
 from .diagnosis_page import VERDICTS, next_step, remarks
 from .effects import BENT, shifts
+from .location import PATHS
 
 if TYPE_CHECKING:
-    from ..diagnose.result import Diagnosis, Effect, RecordFit
+    from ..diagnose.result import Diagnosis, Effect, Experiment, RecordFit
     from ..model import Parameter
 
 _WIDTH = 100
@@ -25,14 +28,14 @@ _NAME = 30
 def describe(diagnosis: Diagnosis) -> str:
     """The diagnosis as text of some forty lines of at most a hundred columns; the page says it at length."""
     mark, _ = VERDICTS.get(diagnosis.verdict, ("", ""))
-    lines = _wrapped(f"{mark} {full_stop(diagnosis.sentence)}", "", 4)
-    lines += _wrapped(f"To do: {next_step(diagnosis)}", "", 3)
+    lines = _wrapped(f"{mark} {full_stop(diagnosis.sentence)}", "", 6)
+    lines += _wrapped(f"To do: {next_step(diagnosis)}", "", 4)
     if diagnosis.effects:
         lines += ["", "What is missing"]
         for effect in diagnosis.effects[:_EFFECTS]:
-            lines += _effect(effect)
+            lines += _effect(effect, diagnosis.experiment)
         if len(diagnosis.effects) > _EFFECTS:
-            lines += _wrapped("and " + ", ".join(e.law for e in diagnosis.effects[_EFFECTS:]), "  ", 2)
+            lines += _wrapped("and " + effects_in_words([e.law for e in diagnosis.effects[_EFFECTS:]]), "  ", 2)
     if diagnosis.location is not None and diagnosis.location.statement.strip():
         lines += ["", "Where", *_wrapped(full_stop(diagnosis.location.statement), "  ", 3)]
     if diagnosis.records:
@@ -41,7 +44,7 @@ def describe(diagnosis: Diagnosis) -> str:
     if bent:
         lines += ["", f"Old parameters bent by more than {BENT:g} standard errors", *bent]
     if diagnosis.experiment is not None and diagnosis.experiment.sentence.strip():
-        lines += ["", "Next experiment", *_wrapped(full_stop(diagnosis.experiment.sentence), "  ", 3)]
+        lines += ["", "Next experiment", *_wrapped(full_stop(diagnosis.experiment.sentence), "  ", 4)]
     last = _last(diagnosis)
     return "\n".join([*lines, *(["", "Take note", *last] if last else [])]) + "\n"
 
@@ -59,14 +62,18 @@ def _wrapped(text: str, indent: str, most: int) -> list[str]:
     )
 
 
-def _effect(effect: Effect) -> list[str]:
-    lines = [f"  {plain_text(effect.law)} ({plain_text(effect.path)})"]
+def _effect(effect: Effect, plan: Experiment | None) -> list[str]:
+    lines = _wrapped(effect_in_words(effect.law), "  ", 2)
+    lines += _wrapped(f"{PATHS.get(effect.path, effect.path)} (path: {effect.path})", "    ", 1)
     names = list(effect.parameters)[:_PARAMETERS]
     width = max((len(name) for name in names), default=0)
     lines += [f"    {name:<{width}}  {_value(effect.parameters[name])}" for name in names]
     if effect.indistinguishable_from:
-        by = f"; it would take {effect.separated_by}" if effect.separated_by else ""
-        lines += _wrapped(full_stop(f"Not told from {', '.join(effect.indistinguishable_from)}{by}"), "    ", 2)
+        by = effect.separated_by
+        if plan is not None and plan.sentence.strip():  # stands below
+            by = by.replace(plan.sentence, "the next experiment, below.", 1)
+        what = f"Not told from {effects_in_words(effect.indistinguishable_from, 'or')}."
+        lines += _wrapped(what + (f" What would tell: {full_stop(by)}" if by else ""), "    ", 3)
     return lines
 
 
@@ -104,16 +111,16 @@ def _rank(record: RecordFit) -> float:
 def _bent(diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.effects:
         return []
-    found = sorted((one for one in shifts(diagnosis) if one.bent), key=lambda one: -abs(one.errors or 0.0))
-    width = max((len(one.name) for one in found), default=0)
+    bent = sorted((s for s in shifts(diagnosis) if s.bent), key=lambda s: -abs(s.errors or 0.0))
+    width = max((len(shift.name) for shift in bent), default=0)
     lines = []
-    for one in found[:_BENT]:
-        share = f", {one.percent_text}" if one.percent_text else ""
+    for shift in bent[:_BENT]:
+        share = f", {shift.percent_text}" if shift.percent_text else ""
         lines.append(
-            f"  {one.name:<{width}}  {number(one.before.value, 4)} → {_value(one.after)}  "
-            f"(by {one.errors_text} standard errors{share})"
+            f"  {shift.name:<{width}}  {number(shift.before.value, 4)} → {_value(shift.after)}  "
+            f"(by {shift.errors_text} standard errors{share})"
         )
-    return [*lines, *([f"  and {len(found) - _BENT} more"] if len(found) > _BENT else [])]
+    return [*lines, *([f"  and {len(bent) - _BENT} more"] if len(bent) > _BENT else [])]
 
 
 def _last(diagnosis: Diagnosis) -> list[str]:

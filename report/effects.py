@@ -8,8 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
 from ..model.display import full_stop, number, percent_text, pretty_unit, typeset, value_text
+from ..model.effect_words import effect_in_words
 from ..model.laws import find
 from .blocks import Block, Cell, Section, Table, Text
 from .location import PATHS
@@ -58,7 +60,7 @@ def effect_blocks(effect: Effect) -> list[Block]:
         rows.append(("Backbone, damping curve", law.curves or "Not stated."))
         rows.append(("Literature", full_stop(law.source)))
     if effect.indistinguishable_from:
-        rows.append(("Cannot be told from", ", ".join(effect.indistinguishable_from)))
+        rows.append(("Cannot be told from", effects_in_words(effect.indistinguishable_from, "or")))
         rows.append(("What would tell", full_stop(effect.separated_by) if effect.separated_by else "Not known."))
     else:
         rows.append(("Cannot be told from", "No other law of the library does as well on these recordings."))
@@ -71,7 +73,12 @@ def effect_blocks(effect: Effect) -> list[Block]:
         share = 100 * p.std / abs(p.value) if p.std is not None and p.value else None
         numbers.append((name, value, error, percent_text(share), pretty_unit(p.unit), words.get(name, "")))
     head = ("Parameter", "Value", "± std error", "±", "Unit", "Meaning")
-    return [Table((effect.law, ""), tuple(rows)), Table(head, tuple(numbers), (1, 2, 3))]
+    return [Table((_title(effect_in_words(effect.law)), ""), tuple(rows)), Table(head, tuple(numbers), (1, 2, 3))]
+
+
+def _title(words: str) -> str:
+    """As it stands above a card; a name alone keeps its small letters."""
+    return words[:1].upper() + words[1:] if " " in words else words
 
 
 def _law(name: str) -> Law | None:
@@ -88,12 +95,12 @@ def considered_section(diagnosis: Diagnosis) -> Section:
     if not diagnosis.considered:
         return Section(title, (Text("No other law was tried."),))
     ranked = by_rank(diagnosis)
-    same = Counter(one.why_not for one in ranked if _unknown(one.holdout_nrmse))
+    same = Counter(tried.why_not for tried in ranked if _unknown(tried.holdout_nrmse))
     alike = [why for why, count in same.items() if count >= _ALIKE]
     rows = tuple(
-        (one.effect, _known(one.holdout_nrmse), _bic(one.delta_bic), one.why_not)
-        for one in ranked
-        if not (one.why_not in alike and _unknown(one.holdout_nrmse))
+        (effect_in_words(tried.effect), _known(tried.holdout_nrmse), _bic(tried.delta_bic), tried.why_not)
+        for tried in ranked
+        if not (tried.why_not in alike and _unknown(tried.holdout_nrmse))
     )
     held = [r for r in diagnosis.records if r.holdout]
     which = "model that was taken" if diagnosis.effects else "given model"
@@ -106,7 +113,7 @@ def considered_section(diagnosis: Diagnosis) -> Section:
     if rows:
         blocks.append(Table(("Effect", "Held-out NRMSE", "ΔBIC", "Why not"), rows, (1, 2), caption))
     for why in alike:
-        names = ", ".join(one.effect for one in ranked if one.why_not == why and _unknown(one.holdout_nrmse))
+        names = ", ".join(tried.effect for tried in ranked if tried.why_not == why and _unknown(tried.holdout_nrmse))
         blocks.append(Text(f"{names}.", lead=f"Not run, as {why}:"))
     return Section(title, tuple(blocks))
 
@@ -114,10 +121,10 @@ def considered_section(diagnosis: Diagnosis) -> Section:
 def by_rank(diagnosis: Diagnosis) -> list[Considered]:
     """The laws that were tried, the least held-out NRMSE first, then the least BIC; those without numbers last."""
 
-    def rank(one: Considered) -> tuple[float, float]:
-        error = one.holdout_nrmse
+    def rank(tried: Considered) -> tuple[float, float]:
+        error = tried.holdout_nrmse
         known = error is not None and math.isfinite(error)
-        bic = one.delta_bic if one.delta_bic is not None and math.isfinite(one.delta_bic) else math.inf
+        bic = tried.delta_bic if tried.delta_bic is not None and math.isfinite(tried.delta_bic) else math.inf
         return (error if known and error is not None else math.inf, bic)
 
     return sorted(diagnosis.considered, key=rank)
@@ -179,7 +186,7 @@ class Shift:
 def shifts(diagnosis: Diagnosis) -> tuple[Shift, ...]:
     """How far each parameter had been bent, in the model's order."""
     after = diagnosis.model.parameters()
-    found = []
+    moved = []
     for name, old in diagnosis.before.parameters().items():
         if name not in after:
             continue
@@ -188,8 +195,8 @@ def shifts(diagnosis: Diagnosis) -> tuple[Shift, ...]:
         sure = new.std is not None and math.isfinite(new.std) and new.std > 0 and math.isfinite(apart)
         errors = apart / new.std if sure and new.std else None
         percent = 100 * apart / abs(new.value) if math.isfinite(apart) and new.value else None
-        found.append(Shift(name, old, new, errors, percent))
-    return tuple(found)
+        moved.append(Shift(name, old, new, errors, percent))
+    return tuple(moved)
 
 
 def shift_section(diagnosis: Diagnosis) -> Section:
@@ -197,21 +204,21 @@ def shift_section(diagnosis: Diagnosis) -> Section:
     title = "How the missing physics had bent the old parameters"
     if not diagnosis.effects:
         return Section(title, (Text("Nothing was mended, so no parameter has moved."),))
-    found = shifts(diagnosis)
+    moved = shifts(diagnosis)
     words = diagnosis.before.descriptions()
     rows: list[tuple[str | Cell, ...]] = []
-    for one in found:
-        value, error = value_text(one.after)
+    for shift in moved:
+        value, error = value_text(shift.after)
         rows.append(
             (
-                one.name,
-                number(one.before.value, _digits(value)),
+                shift.name,
+                number(shift.before.value, _digits(value)),
                 value,
                 error or Cell("–", "quiet"),
-                errors_cell(one),
-                one.percent_text,
-                pretty_unit(one.after.unit),
-                words.get(one.name, ""),
+                errors_cell(shift),
+                shift.percent_text,
+                pretty_unit(shift.after.unit),
+                words.get(shift.name, ""),
             )
         )
     head = ("Parameter", "Before", "After", "± std error", "Shift / std error", "Shift", "Unit", "Meaning")
@@ -219,14 +226,14 @@ def shift_section(diagnosis: Diagnosis) -> Section:
         f"Before: the given model fitted to the same recordings. Shift: before less after; beyond {BENT:g} standard "
         "errors a parameter had been standing in for what was missing."
     )
-    return Section(title, (Text(_bent_sentence(found)), Table(head, tuple(rows), (1, 2, 3, 4, 5), caption)))
+    return Section(title, (Text(_bent_sentence(moved)), Table(head, tuple(rows), (1, 2, 3, 4, 5), caption)))
 
 
-def errors_cell(one: Shift) -> Cell:
+def errors_cell(shift: Shift) -> Cell:
     """The shift in standard errors, coloured where it is beyond what they allow."""
-    if one.errors is None:
+    if shift.errors is None:
         return Cell("–", "quiet")
-    return Cell(one.errors_text, "bad" if one.bent else "")
+    return Cell(shift.errors_text, "bad" if shift.bent else "")
 
 
 def _digits(text: str) -> int:
@@ -234,10 +241,10 @@ def _digits(text: str) -> int:
     return max(sum(c.isdigit() for c in text.partition("·")[0].lstrip("−0.")), 3)
 
 
-def _bent_sentence(found: Sequence[Shift]) -> str:
-    bent = sorted((one for one in found if one.bent), key=lambda one: -abs(one.errors or 0.0))
+def _bent_sentence(moved: Sequence[Shift]) -> str:
+    bent = sorted((shift for shift in moved if shift.bent), key=lambda shift: -abs(shift.errors or 0.0))
     if not bent:
         return f"No parameter had been bent by more than {BENT:g} standard errors."
     first = bent[0]
-    more = f", {', '.join(one.name for one in bent[1:])} as well" if len(bent) > 1 else ""
+    more = f", {', '.join(shift.name for shift in bent[1:])} as well" if len(bent) > 1 else ""
     return f"{first.name} had been bent most, by {first.errors_text[1:]} standard errors{more}."

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -35,11 +34,11 @@ _LABELLED = 0.005
 
 @dataclass(frozen=True)
 class _Range:
-    """One range: where the model fails, and what was recorded altogether (None where that is not known)."""
+    """One range: where the model fails, and what was recorded in all recordings (None where that is not known)."""
 
     name: str
     scale: Scale
-    found: tuple[float, float]
+    fails: tuple[float, float]
     whole: tuple[float, float] | None
 
 
@@ -60,7 +59,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
         caption = ". ".join(told if len(told) > 1 else [told[0].partition(": ")[2].capitalize()]) + "."
         blocks.append(picture(lambda: location_figure(ranges, shares), caption))
     rows = [
-        (r.name, *_ends(r.found, r.scale), *(_ends(r.whole, r.scale) if r.whole else ("", "")), r.scale.unit)
+        (r.name, *_ends(r.fails, r.scale), *(_ends(r.whole, r.scale) if r.whole else ("", "")), r.scale.unit)
         for r in ranges
     ]
     if rows:
@@ -78,35 +77,28 @@ def _ends(ends: tuple[float, float], scale: Scale) -> tuple[str, str]:
 
 def _ranges(diagnosis: Diagnosis, place: Location) -> list[_Range]:
     """The ranges that are known; those without extent or with ends that are no numbers are left out."""
-    model = diagnosis.model
-    unit = model.response.displacement_unit
-    signals = {model.response.quantity: [r.measured for r in diagnosis.records]}
-    signals.setdefault("displacement", [one.displacement for one in diagnosis.latent])
-    signals.setdefault("velocity", [one.velocity for one in diagnosis.latent])
-    named = [r for r in diagnosis.records if r.file in place.recordings] or diagnosis.records
+    from ..diagnose.place.recorded_ranges import recorded_ranges
+
+    unit = diagnosis.model.response.displacement_unit
+    recorded = recorded_ranges(diagnosis.records, diagnosis.model)
     entries = [
-        ("Displacement", unit, place.displacement, _extent(signals["displacement"])),
-        ("Velocity", units.compose("X/s", unit), place.velocity, _extent(signals["velocity"])),
-        ("Amplitude", unit, place.amplitude, model.amplitude and (model.amplitude.min, model.amplitude.max)),
-        ("Frequency", "Hz", place.frequency_hz, model.frequency and (model.frequency.min, model.frequency.max)),
-        ("Time", "s", place.time_s, _extent([r.time for r in named])),
+        ("Displacement", unit, place.displacement, recorded.displacement),
+        ("Velocity", units.compose("X/s", unit), place.velocity, recorded.velocity),
+        ("Amplitude", unit, place.amplitude, recorded.amplitude),
+        ("Frequency", "Hz", place.frequency_hz, recorded.frequency_hz),
+        ("Time", "s", place.time_s, recorded.time_s),
     ]
     return [
-        _Range(name, _scale(one, found, whole), (float(found[0]), float(found[1])), whole)
-        for name, one, found, whole in entries
-        if all(math.isfinite(v) for v in found) and found[0] < found[1]
+        _Range(name, _scale(symbol, fails, whole), (float(fails[0]), float(fails[1])), whole)
+        for name, symbol, fails, whole in entries
+        if all(math.isfinite(v) for v in fails) and fails[0] < fails[1]
     ]
 
 
-def _scale(unit: str, found: tuple[float, float], whole: tuple[float, float] | None) -> Scale:
+def _scale(unit: str, fails: tuple[float, float], whole: tuple[float, float] | None) -> Scale:
     if unit == "s":  # seconds are read off beside the time histories
         return Scale(1.0, "s")
-    return scale_of(unit, np.array([*found, *(whole or ())]))
-
-
-def _extent(signals: Iterable[np.ndarray]) -> tuple[float, float] | None:
-    ends = [(float(np.nanmin(s)), float(np.nanmax(s))) for s in signals if np.any(np.isfinite(s))]
-    return (min(low for low, _ in ends), max(high for _, high in ends)) if ends else None
+    return scale_of(unit, np.array([*fails, *(whole or ())]))
 
 
 def location_figure(ranges: list[_Range], shares: dict[int, float], key: str = "location") -> str:
@@ -116,8 +108,8 @@ def location_figure(ranges: list[_Range], shares: dict[int, float], key: str = "
         columns = [2.0, 1.0] if ranges and shares else [1.0]
         parts = figure.subfigures(1, len(columns), width_ratios=columns, squeeze=False)[0]
         if ranges:
-            for axes, one in zip(parts[0].subplots(rows, 1, squeeze=False)[:, 0], ranges, strict=True):
-                _bar(axes, one)
+            for axes, span in zip(parts[0].subplots(rows, 1, squeeze=False)[:, 0], ranges, strict=True):
+                _bar(axes, span)
         if shares:
             axes = parts[-1].subplots()
             orders = list(shares)[:_MOST_HARMONICS]
@@ -131,14 +123,14 @@ def location_figure(ranges: list[_Range], shares: dict[int, float], key: str = "
             axes.grid(visible=False, axis="x")
             axes.set_xlabel("Harmonic of the motion [order]")
             axes.set_ylabel("Share of the mismatch [%]")
-        said = ", ".join(f"{r.name.lower()} {' to '.join(_ends(r.found, r.scale))} {r.scale.unit}" for r in ranges)
+        said = ", ".join(f"{r.name.lower()} {' to '.join(_ends(r.fails, r.scale))} {r.scale.unit}" for r in ranges)
         return svg(figure, key, f"Where the model fails: {said or 'harmonics'}")
 
 
-def _bar(axes: Any, one: _Range) -> None:
-    low, high = (v * one.scale.factor for v in one.found)
-    if one.whole is not None:
-        start, stop = (v * one.scale.factor for v in one.whole)
+def _bar(axes: Any, span: _Range) -> None:
+    low, high = (v * span.scale.factor for v in span.fails)
+    if span.whole is not None:
+        start, stop = (v * span.scale.factor for v in span.whole)
         axes.barh(0, stop - start, left=start, height=0.5, color=GRID, edgecolor=MEASURED, linewidth=0.6)
         low_view, high_view = min(start, low), max(stop, high)
     else:
@@ -149,4 +141,4 @@ def _bar(axes: Any, one: _Range) -> None:
     axes.set_yticks([])
     axes.grid(visible=False)
     axes.spines["left"].set_visible(False)
-    axes.set_ylabel(one.scale.label(one.name), rotation=0, ha="right", va="center")
+    axes.set_ylabel(span.scale.label(span.name), rotation=0, ha="right", va="center")

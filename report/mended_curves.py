@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
 from ..model.describing import natural_motion
 from ..model.display import scale_of
@@ -31,10 +32,10 @@ def curves_section(diagnosis: Diagnosis) -> Section:
     title = "Backbone and damping curve"
     if reach is None:
         return Section(title, (Text("No picture here: no amplitude of the motion is known.", "note"),))
-    outside = [e.effect for e in diagnosis.effects if e.law in LIBRARY and LIBRARY[e.law].force is None]
-    outside += [e.effect for e in diagnosis.effects if e.path == "environment" and e.effect not in outside]
+    outside = [e.law for e in diagnosis.effects if e.law in LIBRARY and LIBRARY[e.law].force is None]
+    outside += [e.law for e in diagnosis.effects if e.path == "environment" and e.law not in outside]
     note = (
-        f" Of {', '.join(outside)} nothing shows here; what differs is how its absence had bent the parameters."
+        f" Of {effects_in_words(outside)} nothing shows here; what differs is how its absence had bent the parameters."
         if outside
         else ""
     )
@@ -53,7 +54,7 @@ def _reach(diagnosis: Diagnosis) -> tuple[float, float] | None:
         if valid is not None and valid.max > 0 and math.isfinite(valid.max):
             low = valid.min if 0 < valid.min < valid.max else valid.max / _DECADES
             return low, valid.max
-    moved = [one.displacement for one in diagnosis.latent]
+    moved = [force.displacement for force in diagnosis.latent]
     if model.response.quantity == "displacement":
         moved += [r.measured for r in diagnosis.records]
     top = max((float(np.nanmax(np.abs(x), initial=0.0)) for x in moved), default=0.0)

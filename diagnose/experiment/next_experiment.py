@@ -14,9 +14,10 @@ import numpy as np
 from ...errors import DashpotError
 from ...identify.data import Data
 from ...model import Oscillator
+from ...model.effect_words import effect_in_words
 from ...simulate.core import internal_step
 from ..result import Experiment
-from ..wording import figure, quantity, spoken
+from ..wording import effects_in_words, figure, quantity
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
 from .rehearsal import Played, apart, off, rehearse
 
@@ -25,7 +26,7 @@ _MODELS = 4
 #: Samples a cycle in the simulations.
 _DENSITY = 60.0
 #: A difference of so many standard deviations of the noise tells two models apart.
-_TELLS = 5.0
+TELLS = 5.0
 #: Going beyond what was recorded has to pay: as if the difference were smaller by this factor.
 _DARING = 0.7
 #: A parameter whose error exceeds this part of it is poorly known.
@@ -62,7 +63,10 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
         except (DashpotError, np.linalg.LinAlgError):
             continue
     if names[0] not in played:
-        return _nothing(f"{names[0]} does not simulate beyond the recordings, so no experiment can be planned with it")
+        return _nothing(
+            f"{effect_in_words(names[0])} does not simulate beyond the recordings, so that no experiment can be "
+            "planned with it"
+        )
     safe = [i for i in range(len(plans)) if _safe(i, played, limits)]
     rivals = [name for name in names[1:] if name in played]
     if rivals:
@@ -77,7 +81,7 @@ def _pace(model: Oscillator, reach: float) -> float:
 
 def _safe(i: int, played: Mapping[str, Played], limits: Limits) -> bool:
     """Whether no model expects the rig to move farther than it may."""
-    return all(one.peaks[i] <= 1.05 * BEYOND * limits.displacement for one in played.values())
+    return all(model.peaks[i] <= 1.05 * BEYOND * limits.displacement for model in played.values())
 
 
 def _separating(
@@ -107,13 +111,14 @@ def _separating(
     pairs = [(a, b) for j, a in enumerate(names) for b in names[j + 1 :]]
     separates = tuple((a, b, fitted[best][b] if a == name else apart(played[a], played[b], best)) for a, b in pairs)
     told = [(b, z) for a, b, z in separates if a == name]
-    clear = [b for b, z in told if z >= _TELLS]
-    not_told = [b for b, z in told if z < _TELLS]
+    clear = [b for b, z in told if z >= TELLS]
+    not_told = [b for b, z in told if z < TELLS]
     if not clear:
         largest = max(z for _, z in told)
         sentence = (
-            f"No recording within {BEYOND:g} times the present levels tells {name} from {spoken(rivals)} (at most "
-            f"{figure(largest, 2)} times the noise, either re-tuned): measure the part itself, or with less noise."
+            f"No recording within {BEYOND:g} times the present levels tells {effect_in_words(name)} from "
+            f"{effects_in_words(rivals, 'or')} (at most {figure(largest, 2)} times the noise, either re-tuned): "
+            "measure the part itself, or with less noise."
         )
         return Experiment(
             sentence=sentence,
@@ -127,11 +132,11 @@ def _separating(
         )
     least = min(z for b, z in told if b in clear)
     why = (
-        f"{name} then differs from {spoken(clear)} by {figure(least, 2)} times the noise or more, "
-        "however it is re-tuned"
+        f"{effect_in_words(name)} then differs from {effects_in_words(clear)} by {figure(least, 2)} times the noise "
+        "or more, however it is re-tuned"
     )
     if not_told:
-        why += f"; it does not tell {name} from {spoken(not_told)}"
+        why += f"; it does not tell {name} from {effects_in_words(not_told, 'or')}"
     return _experiment(plans[best], model, why, separates, fs)
 
 
@@ -164,7 +169,7 @@ def _sharpening(
         return _nothing("every excitation that is worth a recording moves the rig farther than it may go")
     before = std / size
     if not np.any(np.isfinite(before)):
-        why = f"no rival of {name} is left; this would test it hardest"
+        why = f"no rival of {effect_in_words(name)} is left; this would test it hardest"
         return _experiment(plans[best], model, why, (), fs)
     poor = [k for k in range(count) if np.isfinite(before[k]) and before[k] > _POOR and after[k] < 0.7 * before[k]]
     if poor:
@@ -174,7 +179,7 @@ def _sharpening(
     else:
         k = int(np.argmax(np.where(np.isfinite(before), before / np.maximum(after, 1e-300), 0.0)))
         named = list(parameters)[k]
-        why = f"no rival of {name} is left; this tests it hardest and sharpens {named} most"
+        why = f"no rival of {effect_in_words(name)} is left; this tests it hardest and sharpens {named} most"
     return _experiment(plans[best], model, why, (), fs)
 
 

@@ -51,6 +51,7 @@ LAW = Law(
     "only, moves the mass, d = w - x beyond ±{gap}",
     sentence="Play between actuator and mass: the recorded force moves the actuator first, which then pushes, and "
     "lets go at each reversal.",
+    phrase="play between actuator and mass",
     source="Nordin and Gutman 2002, section 2; Feldman, Bucher, Rotberg, section 5",
     curves="In forced records the mass seems larger or smaller and the response scatters at each reversal of the "
     "force; in free decay the actuator rattles along.",

@@ -14,6 +14,7 @@ LAW = Law(
     drive=_drive,
     equation="F → F - {threshold} sgn(F) beyond ±{threshold}, else nothing",
     sentence="Small forces do not reach the mass: a valve overlap, a crossover in the amplifier, a slack coupling.",
+    phrase="a dead zone of the actuator in which small forces are lost",
     source="Gelb and Vander Velde 1968, section 2.3",
     curves="None in free decay; at low levels the response is smaller than the recorded force makes it.",
 )

@@ -17,6 +17,7 @@ LAW = Law(
     equation="F → G, {time} G' = F - G",
     sentence="The force reaches the mass later and weaker than recorded: an amplifier or coil with a lag of first "
     "order.",
+    phrase="a force that reaches the mass with a lag",
     source="textbook low-pass of first order, Franklin, Powell, Emami-Naeini 2015, section 3.3",
     curves="None in free decay; in forced records the damping seems larger or smaller by the work of the late force.",
 )

@@ -14,6 +14,7 @@ LAW = Law(
     drive=_drive,
     equation="F → F, but no more than ±{limit}",
     sentence="The actuator gives no more than a certain force, whatever was recorded: an amplifier at its limit.",
+    phrase="an actuator that gives no more than a certain force",
     source="Gelb and Vander Velde 1968, section 2.3",
     curves="None in free decay; at high levels the response is smaller than the recorded force makes it.",
 )

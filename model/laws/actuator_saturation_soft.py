@@ -16,6 +16,7 @@ LAW = Law(
     drive=_drive,
     equation="F → {limit} tanh(F / {limit})",
     sentence="The actuator gives way gradually towards a largest force: a magnet circuit or a coil leaving its field.",
+    phrase="an actuator that gives way gradually towards its largest force",
     source="Gelb and Vander Velde 1968, section 2.3",
     curves="None in free decay; at high levels the response is smaller than the recorded force makes it.",
 )

@@ -15,6 +15,7 @@ LAW = Law(
     force=lambda motion, p: p["viscous"] * motion.v * motion.sign(motion.v),
     equation="{viscous} |x'|",
     sentence="Damping that is larger in one direction than in the other, as of a valve or a one-way damper.",
+    phrase="friction that is larger in one direction",
     source="Feldman 2011, chapter on asymmetric systems",
     curves="The mean of the motion shifts with its amplitude; backbone and damping curve stay in first order.",
 )

@@ -15,6 +15,7 @@ LAW = Law(
     force=lambda motion, p: -p["dry"],
     equation="-{dry}",
     sentence="Dry friction that is larger in one direction: for every motion the same as a constant force.",
+    phrase="dry friction that is larger in one direction",
     source="d - a forwards and d + a backwards is d sgn(v) - a, also at rest",
     curves="As of a constant force.",
     # friction is negative in neither direction

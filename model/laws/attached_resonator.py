@@ -35,6 +35,7 @@ LAW = Law(
     stored=_stored,
     equation="{mass-ratio} y''; y'' = {frequency}² (x - y) + {damping} (x' - y')",
     sentence="A second mass on a spring of its own: a loose cable, a bracket, a second mode of the structure.",
+    phrase="a second mass on a spring of its own",
     source="Den Hartog 1956, section 3.3",
     curves="Two resonances; the backbone is shifted as a whole and the damping rises where the second one is tuned.",
 )

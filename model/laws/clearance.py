@@ -27,6 +27,7 @@ LAW = Law(
     stored=_stored,
     equation="{stiffness} (x beyond ±{gap})",
     sentence="A part of the spring, no stiffer than the rest, that acts only beyond a free play on both sides.",
+    phrase="a part of the spring that acts only beyond a gap on both sides",
     source="Feldman 2011, Hilbert Transform Applications in Mechanical Vibration, chapter on piecewise springs",
     curves="The backbone is flat up to the gap and rises beyond it towards sqrt(omega0² + stiffness), with a corner "
     "at the gap; the damping curve stays.",

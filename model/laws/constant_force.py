@@ -11,6 +11,7 @@ LAW = Law(
     equation="-{load}",
     sentence="A static load: gravity, a tilted table, a string that pulls; the motion is about another point of the "
     "spring.",
+    phrase="a static load",
     source="Nayfeh and Mook 1979, section 4.1",
     curves="With a hardening spring the backbone rises at small amplitudes; the damping curve stays.",
 )

@@ -9,6 +9,7 @@ LAW = Law(
     force=lambda motion, p: p["coefficient"] * motion.v**3,
     equation="{coefficient} x'³",
     sentence="Damping that grows with the cube of the speed, as of dampers with orifices or of van der Pol's kind.",
+    phrase="damping that grows with the cube of the speed",
     source="Nayfeh and Mook 1979, section 3.3",
     curves="The damping curve rises with the square of amplitude and frequency, 2 h = 3/4 c omega² A²; the backbone "
     "stays.",

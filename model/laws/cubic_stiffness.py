@@ -10,5 +10,6 @@ LAW = Law(
     stored=lambda motion, p: p["cubic"] * motion.x**4 / 4,
     equation="{cubic} x³",
     sentence="A spring that stiffens (or softens) with the square of the displacement, as stretched beams do.",
+    phrase="a spring whose stiffness changes with the square of the displacement",
     source="Feldman, Bucher, Rotberg, Eqs. 3, 6 and 17 (0.46 x³ there is in mm: 4.6e5 1/(m²s²) in SI)",
 )

@@ -9,5 +9,6 @@ LAW = Law(
     force=lambda motion, p: p["dry"] * motion.sign(motion.v),
     equation="{dry} sgn(x')",
     sentence="Friction of constant size against the motion; at rest it holds up to that size.",
+    phrase="dry friction of constant size",
     source="Feldman, Bucher, Rotberg, Eqs. 7 and 17; sticking as a Filippov solution",
 )

@@ -40,6 +40,7 @@ LAW = Law(
     equation="{stiffness} z; z' = x' (1 - |z / {limit}|^{exponent} ({loading} sgn(x' z) + 1 - {loading}))",
     sentence="A contact that gives elastically before it slides (pre-sliding, micro-slip, a joint or wire rope): its "
     "force depends on where the motion last turned.",
+    phrase="a contact that gives elastically before it slides",
     source="Bouc 1967, Wen 1976; Dahl 1968 for exponent 1 and loading 1; Jenkins for a large exponent",
     curves="The backbone falls with amplitude from sqrt(omega0² + stiffness); the damping curve has a maximum near "
     "twice the limit.",

@@ -10,5 +10,6 @@ LAW = Law(
     stored=lambda motion, p: p["omega0"] ** 2 * motion.x**2 / 2,
     equation="{omega0}² x",
     sentence="A spring whose force grows in proportion to the displacement.",
+    phrase="a linear spring",
     source="Feldman, Bucher, Rotberg, Eqs. 2 and 17",
 )

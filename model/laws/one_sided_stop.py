@@ -43,6 +43,7 @@ LAW = Law(
     stored=_stored,
     equation="({stiffness} (x - {position}) + {damping} x' beyond {position})",
     sentence="A stop or a second spring on one side only, which the mass reaches beyond a certain position.",
+    phrase="a stop on one side",
     source="Shaw and Holmes 1983; contact as a spring and damper (Goldsmith 1960)",
     curves="The backbone is flat up to the position and rises beyond it; the motion is pushed to the free side; "
     "contact damping lifts the damping curve beyond the position.",

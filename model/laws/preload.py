@@ -10,5 +10,6 @@ LAW = Law(
     stored=lambda motion, p: p["preload"] * motion.x * motion.sign(motion.x),
     equation="{preload} sgn(x)",
     sentence="A pre-tensioned spring that must first be lifted off its seat; raises the frequency of small motions.",
+    phrase="a pre-tensioned spring that must first be lifted off its seat",
     source="Feldman and Braun 1993; Feldman, Bucher, Rotberg, Eqs. 1 and 2",
 )

@@ -9,6 +9,7 @@ LAW = Law(
     force=lambda motion, p: p["coefficient"] * motion.v**2 * motion.sign(motion.v),
     equation="{coefficient} x' |x'|",
     sentence="Drag that grows with the square of the speed, as of a body in air or water.",
+    phrase="drag that grows with the square of the speed",
     source="Morison et al. 1950; Feldman, Bucher, Rotberg, Eq. 7 for the form of the damping curve",
     curves="The damping curve rises in proportion to amplitude times frequency, 2 h = 8/(3 pi) c omega A; the "
     "backbone stays.",

@@ -16,6 +16,7 @@ LAW = Law(
     record=_record,
     equation="record r → s, {time} s' = r - s",
     sentence="The record shows the motion later and smaller than it is: a sensor or filter with a lag of first order.",
+    phrase="a sensor that follows the motion with a lag",
     source="textbook low-pass of first order, Franklin, Powell, Emami-Naeini 2015, section 3.3",
     curves="In forced records the same as a late force; in free decay it hardly shows.",
 )

@@ -13,6 +13,7 @@ LAW = Law(
     equation="record r → r (1 + {quadratic} r + {cubic} r²)",
     sentence="The sensor's sensitivity depends on the displacement: an optical or inductive sensor near the end of "
     "its range.",
+    phrase="a sensor whose sensitivity depends on what it measures",
     source="static calibration curve, Doebelin 2003, section 3.3",
     curves="Amplitudes are shown wrong while frequencies are right, so that the backbone is distorted along its "
     "amplitude axis; even harmonics without the restoring force that would make them.",

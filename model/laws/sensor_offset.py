@@ -9,6 +9,7 @@ LAW = Law(
     record=lambda motion, p, signal: signal + p["offset"],
     equation="record r → r + {offset}",
     sentence="The sensor does not read zero where the spring does: an offset in the record, not in the rig.",
+    phrase="a sensor whose zero is not the spring's",
     source="static calibration curve, Doebelin 2003, section 3.3",
     curves="None, once the offset is taken off.",
 )

@@ -29,6 +29,7 @@ LAW = Law(
     equation="{stiffness} {width} tanh(x / {width})",
     sentence="A part of the spring that gives way: it pulls in proportion at first and saturates beyond a "
     "displacement.",
+    phrase="a part of the spring that gives way at large displacements",
     source="Kovacic and Rand 2013 on saturating restoring forces; tanh as the simplest monotonic one",
     curves="The backbone falls from sqrt(omega0² + stiffness) at rest to omega0 at large amplitudes; the damping "
     "curve stays.",

@@ -27,6 +27,7 @@ LAW = Law(
     stored=_stored,
     equation="{stiffness} {width} sin(x / {width})",
     sentence="A part of the spring that bends over and turns round, as gravity on a pendulum does.",
+    phrase="a part of the spring that bends over as gravity on a pendulum does",
     source="Nayfeh and Mook 1979, section 2.1 (pendulum)",
     curves="The squared backbone frequency loses stiffness (1 - 2 J1(A/width) width/A); the damping curve stays.",
 )

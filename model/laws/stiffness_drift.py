@@ -22,6 +22,7 @@ LAW = Law(
     stored=lambda motion, p: p["rate"] * motion.t * motion.x**2 / 2,
     equation="{rate} t x",
     sentence="The spring changes while it is being recorded: it warms up, creeps or loosens.",
+    phrase="a spring that changes during the record",
     source="Mathieu and Hill type of slow parameter change, Nayfeh and Mook 1979, section 5.1",
     curves="Each record has a backbone that moves with time; early and late passes of the same amplitude disagree.",
 )

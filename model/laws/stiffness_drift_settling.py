@@ -23,6 +23,7 @@ LAW = Law(
     stored=lambda motion, p: _stiffness(motion, p) * motion.x**2 / 2,
     equation="{change} (1 - exp(-t / {time})) x",
     sentence="The spring goes over to another stiffness during the record, fast at first: it warms up or settles.",
+    phrase="a spring that settles at another stiffness during the record",
     source="first-order warming, Incropera and DeWitt 2007, section 5.1",
     curves="Each record has a backbone that moves with time and comes to rest.",
 )

@@ -24,6 +24,7 @@ LAW = Law(
     force=_friction,
     equation="{excess} exp(-|x' / {speed}|^{exponent}) sgn(x')",
     sentence="Friction that is larger at rest and falls with speed, as of lubricated or stick-slip contacts.",
+    phrase="friction that is larger at rest and falls with speed",
     source="Stribeck 1902; Armstrong-Helouvry, Dupont, Canudas de Wit 1994, section 2",
     curves="The damping curve rises more steeply towards small amplitudes than dry friction alone makes it; the "
     "backbone stays.",

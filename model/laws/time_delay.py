@@ -21,6 +21,7 @@ LAW = Law(
     equation="F → F(t - {delay})",
     sentence="Force and response were not recorded at the same instant: a delay of the electronics or of a digital "
     "filter.",
+    phrase="a delay between the recorded force and the recorded motion",
     source="Padé approximation of third order, its phase right to (omega delay)^7 / 100800 rad; Baker and "
     "Graves-Morris 1996",
     curves="None in free decay; in forced records the phase falls in proportion to the frequency.",

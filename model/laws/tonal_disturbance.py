@@ -21,6 +21,7 @@ LAW = Law(
     force=_force,
     equation="-{amplitude} cos({frequency} t + phase)",
     sentence="A periodic force that was not recorded: a fan, a pump, the mains; its phase is another in each record.",
+    phrase="a periodic force that was not recorded",
     source="Den Hartog 1956, section 2.5",
     curves="None; a line at one frequency in every record, whatever the force.",
 )

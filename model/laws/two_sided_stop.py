@@ -40,6 +40,7 @@ LAW = Law(
     equation="({stiffness} d + {damping} x' where d = x - {offset} is beyond ±{position})",
     sentence="Stops on both sides: a contact, stiffer than the spring, that the mass reaches beyond a certain "
     "amplitude.",
+    phrase="stops on both sides",
     source="Shaw and Holmes 1983; contact as a spring and damper (Goldsmith 1960)",
     curves="The backbone is flat up to the position and rises steeply beyond it; contact damping lifts the damping "
     "curve there.",

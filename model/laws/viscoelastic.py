@@ -21,6 +21,7 @@ LAW = Law(
     equation="{stiffness} (x - q); q' = {rate} (x - q)",
     sentence="A spring in series with a damper (rubber, polymer, a gas volume behind an orifice): stiff when moved "
     "fast, soft when moved slowly.",
+    phrase="a spring in series with a damper",
     source="Maxwell 1867; Zener 1948 (standard linear solid)",
     curves="Stiffness and damping depend on the frequency and not on the amplitude: the backbone is shifted as a "
     "whole, and the damping is largest where omega is near the rate.",

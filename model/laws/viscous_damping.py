@@ -9,5 +9,6 @@ LAW = Law(
     force=lambda motion, p: p["viscous"] * motion.v,
     equation="{viscous} x'",
     sentence="Damping in proportion to the velocity.",
+    phrase="damping in proportion to the speed",
     source="Feldman, Bucher, Rotberg, Eqs. 7 and 16 (viscous = 2 h)",
 )

@@ -12,6 +12,7 @@ from dashpot.diagnose.verdict import explained_share, sentence_of, verdict_of
 
 NOTHING = np.zeros(2)
 DRAG = Effect("quadratic-drag", "quadratic-drag", "dissipation", {})
+FRICTION = Effect("stribeck", "stribeck", "dissipation", {})
 STOP = Effect("one-sided-stop", "one-sided-stop", "restoring", {}, ("quintic-stiffness", "cubic-stiffness"))
 
 
@@ -100,7 +101,7 @@ def test_unexplained_with_nothing_left_names_the_recording_whose_simulation_is_f
 def test_an_effect_is_named_and_what_it_takes_of_the_lack():
     rows = [row(0.2, 0.02, file="a"), row(0.3, 0.03, 0.02, file="b", holdout=True)]
     said = sentence_of("missing-physics", (DRAG,), "0.7 % of the motion remains", rows, left(3.0), left(math.sqrt(5.0)))
-    assert "it takes 50 % of what the model lacked" in said
+    assert "It takes 50 % of what the model lacked" in said
     assert "the held-out error falls from 30 to 3 % of the motion in b (noise 2 %)" in said
     assert said.endswith("0.7 % of the motion remains.")
     assert said.startswith("Missing: ")
@@ -114,15 +115,49 @@ def test_where_nothing_remains_no_share_is_told():
 
 def test_two_effects_take_together_and_rivals_stand_beside_theirs():
     said = sentence_of("missing-physics", (DRAG, STOP), "1 % remains", [row()], left(3.0), left(math.sqrt(5.0)))
-    assert "they take 50 % of what the model lacked" in said
+    assert "They take 50 % of what the model lacked" in said
     for name in ("quadratic-drag", "one-sided-stop", "quintic-stiffness", "cubic-stiffness"):
         assert name in said
     assert said.index("one-sided-stop") < said.index("quintic-stiffness")
 
 
+def test_effects_and_rivals_are_said_in_the_words_of_the_field():
+    said = sentence_of("missing-physics", (STOP,), None, [row()], left(3.0), left(1.0))
+    assert said == (
+        "Missing: a stop on one side (one-sided-stop), or else a spring whose stiffness changes with the fourth power "
+        "of the displacement (quintic-stiffness) or a spring whose stiffness changes with the square of the "
+        "displacement (cubic-stiffness)."
+    )
+    variant = Effect("softening-stiffness", "softening-stiffness/sine", "restoring", {})
+    said = sentence_of("missing-physics", (DRAG, FRICTION, variant), None, [row()], left(3.0), left(1.0))
+    assert said == (
+        "Missing: drag that grows with the square of the speed (quadratic-drag), friction that is larger at rest and "
+        "falls with speed (stribeck) and a part of the spring that bends over as gravity on a pendulum does "
+        "(softening-stiffness/sine)."
+    )
+
+
+def test_three_effects_with_their_rivals_can_still_be_read():
+    """Which rival is whose is told by semicolons, and what is named beside it bears its name alone."""
+    rival = Effect("quadratic-drag", "quadratic-drag", "dissipation", {}, ("cubic-damping",))
+    said = sentence_of("missing-physics", (rival, STOP, FRICTION), None, [row()], left(3.0), left(1.0))
+    assert said == (
+        "Missing: drag that grows with the square of the speed (quadratic-drag), or else cubic-damping; a stop on one "
+        "side (one-sided-stop), or else quintic-stiffness or cubic-stiffness; and friction that is larger at rest and "
+        "falls with speed (stribeck)."
+    )
+    few = sentence_of("missing-physics", (rival, FRICTION), None, [row()], left(3.0), left(1.0))
+    assert "or else damping that grows with the cube of the speed (cubic-damping); and friction" in few
+
+
+def test_an_effect_without_a_law_is_said_by_its_name():
+    free = Effect("free/spring", "free/spring", "restoring", {})
+    assert sentence_of("missing-physics", (free,), None, [], [], []) == "Missing: free/spring."
+
+
 def test_a_held_out_error_that_rises_is_said_to():
     said = sentence_of("missing-physics", (DRAG,), None, [row(0.1, 0.2, 0.1, holdout=True)], left(2.0), left(1.0))
-    assert "the held-out error rises from 10 to 20 %" in said
+    assert "The held-out error rises from 10 to 20 %" in said
 
 
 def test_of_the_held_out_the_one_that_the_family_told_worst():

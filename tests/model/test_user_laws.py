@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from dashpot.errors import BadInput
 from dashpot.model import Oscillator
 from dashpot.model import user_laws as user
 from dashpot.model.describing import equivalent_stiffness
+from dashpot.model.effect_words import effect_in_words
 from dashpot.model.file import save
 from dashpot.model.laws import LIBRARY
 from dashpot.model.user_laws import load_law_file
@@ -140,3 +142,21 @@ def test_a_bad_file_ends_the_command_with_code_two(write, tmp_path, capsys):
         main(["show", str(tmp_path / "rig.yaml"), "--law", str(write("LAW = 1 +", "bad.py"))])
     assert ended.value.code == 2
     assert "bad.py, line 1: not Python" in capsys.readouterr().err
+
+
+def test_a_law_of_ones_own_is_said_by_its_phrase_and_without_one_by_its_sentence(write):
+    load_law_file(write(EXAMPLE))
+    assert effect_in_words("magnet") == "a magnet that pulls the mass back to its seat (magnet)"
+    LIBRARY.pop("magnet")
+    user._loaded.clear()
+    lines = [line for line in EXAMPLE.splitlines() if not line.strip().startswith("phrase=")]
+    (law,) = load_law_file(write("\n".join(lines), "plain.py"))
+    assert law.phrase == ""
+    assert effect_in_words("magnet").startswith("a magnet that pulls the mass back to its seat, the less")
+
+
+@pytest.mark.parametrize("phrase", ["a magnet, strong", "a magnet.", "two\nlines", " a magnet", "(magnet)", "a: b", 3])
+def test_a_phrase_that_would_not_read_in_a_list_is_refused(phrase):
+    (problem,) = user.problems(replace(LIBRARY["stribeck"], phrase=phrase))
+    assert "phrase" in problem
+    assert "leave it out" in problem

@@ -16,6 +16,7 @@ from dashpot.report.blocks import page
 from dashpot.report.diagnosis_page import diagnosis_page
 from dashpot.report.diagnosis_text import describe
 from dashpot.report.effects import by_rank, considered_section, effects_section, shifts
+from dashpot.report.location import location_section
 from dashpot.report.mended_curves import curves_section
 from dashpot.report.missing_force import force_section
 
@@ -95,7 +96,7 @@ SAID = {
     "missing-physics": (
         "◆ Missing physics.",
         "use the mended model (model.yaml)",
-        "look for quadratic-drag in the rig",
+        "look for drag that grows with the square of the speed (quadratic-drag).",
     ),
     "consistent": ("✓ Consistent.", "use the model as it is", "Nowhere beyond the noise", "no parameter has moved"),
     "unexplained": ("▲ Unexplained.", "do not rely on the model", "Ten times the noise is left in multisine.csv."),
@@ -138,6 +139,18 @@ def test_the_page_says_what_is_missing_and_what_it_cannot_be_told_from(whole_tex
     assert text.index("multisine.csv (held out)") < text.index("sweep.csv: measured and simulated")
     assert "quadratic-drag cubic-damping 12" in text  # pairs of the next experiment, the best separated first
     assert text.index("quadratic-drag cubic-damping 12") < text.index("quadratic-drag stribeck 4")
+
+
+def test_what_was_recorded_is_said_of_all_recordings(hand_made) -> None:
+    """The missing force is shown of one recording; the largest motion may be in another, or held out."""
+    found = hand_made.missing()
+    quiet = replace(found.latent[0], displacement=1e-6 * np.ones(3), velocity=1e-5 * np.ones(3))
+    loud = hand_made.record("loud.csv", holdout=True, size=9e-3)
+    text = stands_alone(page("Where", [location_section(replace(found, latent=(quiet,)))])).text
+    assert re.search(r"Velocity −0\.3\d* 0\.3\d* −0\.4\d* 0\.4\d* m/s", text)  # 5 mm at 12 Hz
+    text = stands_alone(page("Where", [location_section(replace(found, records=(*found.records, loud)))])).text
+    assert re.search(r"Velocity −0\.3\d* 0\.3\d* −0\.7\d* 0\.7\d* m/s", text)  # 9 mm
+    assert re.search(r"Displacement −5\S* 5\S* −9\.\d* 9\.\d* mm", text)
 
 
 def test_the_same_diagnosis_gives_the_same_page(hand_made) -> None:
@@ -188,7 +201,7 @@ def test_a_force_within_its_uncertainty_has_no_picture(hand_made) -> None:
 def test_every_law_of_the_library_has_its_card(law, hand_made) -> None:
     text = stands_alone(page("Card", [effects_section(hand_made.missing(law))])).text
     assert " ".join(LIBRARY[law].sentence.split()) in text
-    assert law in text
+    assert f"{LIBRARY[law].phrase[1:]} ({law})" in text  # the card's title, its first letter large
     for p in LIBRARY[law].parameters:
         assert p.description in text
 
@@ -290,6 +303,6 @@ def test_a_term_of_a_variant_is_drawn_with_its_backbone(hand_made) -> None:
     assert "nothing shows here" not in text
     for law in ("sensor-lag", "stiffness-drift/settling"):
         lag = stands_alone(page("Curves", [curves_section(hand_made.missing(law))])).text
-        assert f"Of {law.partition('/')[0]} nothing shows here" in lag
+        assert f"({law}) nothing shows here" in lag
     memory = stands_alone(page("Curves", [curves_section(hand_made.missing("viscoelastic"))])).text
     assert "Damping curve" in memory

@@ -1,0 +1,202 @@
+"""The commands of README.md and docs/, typed in an empty folder beside recordings, in order, do what is said."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot.cli import cli
+from dashpot.examples.force import chirp, multisine
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
+from dashpot.model.file import load
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = {
+    page.relative_to(ROOT).as_posix(): page.read_text("utf-8") for page in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+}
+FS, NOISE = 500.0, 1e-6
+#: Recordings that the README's commands read.
+RECORDED = {
+    *("decays.csv", "sweep.csv.gz", "another.csv", "decay.csv", "more.csv"),
+    *("sweep_high.csv", "sweep_low.csv", "multisine.csv", "decay_low.csv"),
+}
+
+
+def commands(page: str) -> list[list[str]]:
+    """The lines of the page's console blocks, as a shell would split them, without their comments."""
+    blocks = re.findall(r"```console\n(.*?)```", PAGES[page], re.DOTALL)
+    lines = "".join(blocks).replace("\\\n", " ").splitlines()
+    return [words for line in lines if (words := shlex.split(line, comments=True))]
+
+
+def written(words: list[str]) -> list[str]:
+    """The files and folders that a command is told to write."""
+    named = [after for word, after in pairwise(words) if word in ("-o", "--report", "--json")]
+    return named + ([word for word in words[3:] if not word.startswith("-")] if words[1] == "export" else [])
+
+
+def typed(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
+    """Run one command in the folder, the installed package in place of the script on the path."""
+    assert words[0] == "dashpot"
+    line = [sys.executable, "-P", "-m", "dashpot", *words[1:]]
+    return subprocess.run(line, cwd=folder, capture_output=True, text=True, check=False)
+
+
+def test_there_are_commands_to_run():
+    assert {page for page in PAGES if commands(page)} == {"README.md", "docs/laws.md"}
+    assert [words[1] for words in commands("README.md") if words[0] == "make"] == ["demo", "test"]
+    assert sum(words[0] == "dashpot" for words in commands("README.md")) == 10
+    assert sum(words[0] == "dashpot" for words in commands("docs/laws.md")) == 3
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/laws.md"])
+def test_commands_and_options_exist_and_inputs_are_there_when_they_are_read(page):
+    there = {*RECORDED, "magnet.py"}
+    for words in commands(page):
+        if words[0] == "make":
+            continue
+        command = cli.commands[words[1]]
+        known = {name for option in command.params for name in option.opts}
+        assert {word for word in words if word.startswith("-")} <= known
+        made = written(words)
+        files = {word for word in words[2:] if re.fullmatch(r"[\w/]+\.(csv(\.gz)?|yaml|fmu|py)", word)}
+        assert files - set(made) <= there, words
+        there |= set(made)
+
+
+def recording(force, start=0.0, seed=0):
+    """Time, force and displacement of the paper's stand, by the integrator that shares no code with the product."""
+    x = integrate_pieces(TRUTH, force, 1 / FS, start, 0.0)[0][: len(force)]
+    x = x + NOISE * np.random.default_rng(seed).standard_normal(x.size)
+    return np.column_stack([np.arange(x.size) / FS, force[:, 0], x])
+
+
+def write(path: Path, table: np.ndarray, header: str) -> None:
+    opener = gzip.open if path.suffix == ".gz" else open
+    with opener(path, "wt") as file:
+        np.savetxt(file, table, "%.9g", ",", header=header, comments="")
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """The recordings that the README names, made once."""
+    folder = tmp_path_factory.mktemp("recorded")
+    t, still = np.arange(round(12 * FS)) / FS, np.zeros((round(4 * FS), 2))
+    lines, phases = np.arange(5.0, 20.0, 0.25), np.random.default_rng(7).uniform(0, 2 * np.pi, 60)
+    forced = {
+        "sweep.csv.gz": chirp(1.0, 8.0, 10.0 / 12, t, 1 / FS),
+        "another.csv": chirp(0.6, 18.0, -10.0 / 12, t, 1 / FS),
+        "more.csv": chirp(0.8, 9.0, 9.0 / 12, t, 1 / FS),
+        "sweep_high.csv": chirp(1.0, 8.0, 10.0 / 12, t, 1 / FS),
+        "sweep_low.csv": chirp(0.4, 8.0, 10.0 / 12, t, 1 / FS),
+        "multisine.csv": multisine(0.08, lines, phases, t, 1 / FS),
+    }
+    free = {"decays.csv": 8e-3, "decay.csv": 7e-3, "decay_low.csv": 5e-3}
+    for seed, (name, force) in enumerate(forced.items()):
+        write(folder / name, recording(force, seed=seed), "time_s,force_N,displacement_m")
+    for seed, (name, start) in enumerate(free.items()):
+        table = recording(still, start, 10 + seed)
+        write(folder / name, table[:, [0, 2]], "time_s,displacement_m")
+    assert {path.name for path in folder.iterdir()} == RECORDED
+    return folder
+
+
+@pytest.fixture
+def stand(tmp_path, recorded):
+    """A folder with nothing but these recordings."""
+    return Path(shutil.copytree(recorded, tmp_path / "stand"))
+
+
+@pytest.mark.long
+def test_the_commands_of_the_readme_do_what_it_says(stand):
+    """Each ends with 0, as nothing is wrong with this rig, and leaves what it was told to write."""
+    said = []
+    for words in commands("README.md"):
+        if words[0] == "make":
+            continue  # tests/test_demo.py, tests/test_readme.py
+        ended = typed(words, stand)
+        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
+        for name in written(words):
+            assert (stand / name).exists(), f"{shlex.join(words)} wrote no {name}"
+        said.append(ended.stdout)
+        if words[1] == "identify":
+            check_identified(stand, words)
+        if words[1] == "verify":
+            assert json.loads((stand / "verify.json").read_text("utf-8"))["pass"] is True
+    # nothing is missing: what the README says a diagnosis then says
+    diagnosis = json.loads((stand / "diagnosis" / "diagnosis.json").read_text("utf-8"))
+    assert diagnosis["verdict"] == "consistent"
+    assert diagnosis["effects"] == []
+    assert {row["file"] for row in diagnosis["fit"]["holdout"]} == {"multisine.csv", "decay_low.csv"}
+    for row in [*diagnosis["fit"]["train"], *diagnosis["fit"]["holdout"]]:
+        assert row["nrmse_before"] < 1.5 * row["noise_floor"], row["file"]
+    assert said[-1].startswith("✓ Consistent.")
+
+
+def check_identified(folder: Path, words: list[str]) -> None:
+    """What an identification found of the stand, by its own standard errors."""
+    model = load(folder / words[words.index("-o") + 1])
+    fixed = {word.partition("=")[0] for word in words if "=" in word}
+    for name, true in TRUTH.items():
+        parameter = model.parameters()[name]
+        if name in fixed:
+            assert parameter.value == 0.0
+        elif not fixed and parameter.std:
+            assert abs(parameter.value - true) < 5 * parameter.std, f"{shlex.join(words)}: {name}"
+
+
+@pytest.mark.long
+def test_bad_input_ends_with_2_and_nothing_is_written(stand):
+    before = sorted(stand.iterdir())
+    ended = typed(["dashpot", "identify", "absent.csv", "-o", "rig.yaml"], stand)
+    assert ended.returncode == 2
+    assert ended.stderr.strip().count("\n") == 0  # one sentence
+    assert sorted(stand.iterdir()) == before
+
+
+@pytest.mark.long
+def test_bad_news_ends_with_1(stand):
+    """A model of another rig does not pass its proof."""
+    model = ["dashpot", "identify", "sweep.csv.gz", "-o", "rig.yaml", "--fix", "mass=0.3"]
+    assert typed(model, stand).returncode in (0, 1)
+    assert typed(["dashpot", "export", "rig.yaml", "rig.fmu"], stand).returncode == 0
+    assert typed(["dashpot", "verify", "rig.fmu", "another.csv"], stand).returncode == 1
+
+
+@pytest.mark.long
+def test_the_commands_for_a_law_of_ones_own_do_what_they_say(tmp_path):
+    """docs/laws.md, on a decay of its magnet by scipy."""
+    from scipy.integrate import solve_ivp
+
+    (example,) = re.findall(r"```python\n(.*?)```", PAGES["docs/laws.md"], re.DOTALL)[:1]
+    (tmp_path / "magnet.py").write_text(example, encoding="utf-8")
+    omega, viscous, strength, reach = 30.0, 0.8, 4.0, 3e-3
+
+    def rate(_t, z):
+        pull = strength * z[0] / reach * np.exp(-((z[0] / reach) ** 2))
+        return [z[1], -viscous * z[1] - omega**2 * z[0] - pull]
+
+    t = np.arange(round(8 * FS)) / FS
+    x = solve_ivp(rate, (0, t[-1]), [9e-3, 0.0], t_eval=t, rtol=1e-10, atol=1e-14).y[0]
+    x = x + NOISE * np.random.default_rng(5).standard_normal(t.size)
+    write(tmp_path / "decay.csv", np.column_stack([t, x]), "time_s,displacement_m")
+    said = []
+    for words in commands("docs/laws.md"):
+        ended = typed(words, tmp_path)
+        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
+        for name in written(words):
+            assert (tmp_path / name).exists()
+        said.append(ended.stdout)
+    found = re.search(r"magnet\.strength +(\S+) +± (\S+)", said[1])
+    assert found
+    assert float(found.group(1)) == pytest.approx(strength, rel=0.02)
