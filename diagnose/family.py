@@ -19,6 +19,7 @@ from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
 from ..model.terms import without_hold
+from ..recording.fact import changed
 from ..recording.recording import Recording
 from .search.residual_test import Leftover, leftovers
 from .search.search import Search
@@ -143,7 +144,7 @@ def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, fl
 
 
 def _less(recording: Recording, shown: float) -> Recording:
-    return replace(recording, response=np.asarray(recording.response, float) - shown) if shown else recording
+    return changed(recording, response=np.asarray(recording.response, float) - shown) if shown else recording
 
 
 def with_offsets(data: Data) -> Data:

@@ -12,8 +12,8 @@ import numpy as np
 from ..errors import BadInput
 from ..identify.decays import find_free_motion, force_is_silent
 from ..identify.envelope import SHORTEST_CYCLES
-from ..identify.hilbert import noise_level
 from ..identify.segments import cut, pace_of
+from ..identify.signals import response_of
 from ..model import Oscillator
 from ..recording.recording import Recording
 
@@ -49,11 +49,10 @@ def carries(recording: Recording, model: Oscillator) -> bool:
 
 def why_unused(recording: Recording, model: Oscillator) -> str:
     """A sentence that says why a recording cannot be fitted."""
-    response = np.asarray(recording.response, float)
     frequency = model.omega0.value / (2 * math.pi)
     cycles = recording.n * recording.dt * frequency
-    noise = noise_level(response, recording.fs)
-    loudness = float(np.std(response)) / noise if noise > 0 else math.inf
+    noise = response_of(recording).noise
+    loudness = float(np.std(recording.response)) / noise if noise > 0 else math.inf
     if cycles < _FEWEST_CYCLES:
         why = f"too short: {cycles:.2g} cycles of {frequency:.3g} Hz; record at least {_FEWEST_CYCLES:.0f}"
     elif loudness < _QUIET:

@@ -12,11 +12,11 @@ from ..model import Oscillator
 from ..model.law import Scales
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
-from .hilbert import noise_level
 from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
 from .offset import Offset
 from .prediction import FREE
 from .segments import FORCE_BAND, Segment, cut
+from .signals import noise_levels
 
 #: A search that only compares laws interpolates the force more coarsely: to 1e-5 up to the resonance, to 1e-4 at twice
 #: that.
@@ -88,9 +88,7 @@ def measured(
     coarse: bool = True,
 ) -> Data:
     """Segments of recordings with their noise and the sizes of the motion."""
-    responses = [np.asarray(r.response, float) for r in recordings]
-    sensor = [noise_level(response, r.fs) for response, r in zip(responses, recordings, strict=True)]
-    force = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
+    noise = [noise_levels(recording) for recording in recordings]
     order = QUANTITIES.index(model.response.quantity)
     peak = max(float(np.max(np.abs(segment.response))) for segment in segments)
     scales = Scales(
@@ -105,8 +103,8 @@ def measured(
     return Data(
         tuple(recordings),
         tuple(segments),
-        tuple(sensor[segment.recording] for segment in segments),
-        tuple(force[segment.recording] for segment in segments),
+        tuple(noise[segment.recording][0] for segment in segments),
+        tuple(noise[segment.recording][1] for segment in segments),
         scales,
         coarse,
     )

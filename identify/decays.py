@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..recording.fact import fact
 from .beating import without_beats
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
@@ -27,6 +28,7 @@ def find_decays(recording: Recording) -> tuple[Decay, ...]:
     return find_free_motion(recording).decays
 
 
+@fact("name", "response", "force", "fs", "start", "free")
 def find_free_motion(recording: Recording) -> FreeMotion:
     """Find the free decays of a recording and say what was left out.
 

@@ -9,7 +9,8 @@ import numpy as np
 
 from ..errors import BadInput
 from ..recording.oscillation import strongest_line, without_slow
-from .hilbert import blackman, dominant_frequency, noise_level
+from .hilbert import blackman, dominant_frequency
+from .signals import response_of
 
 if TYPE_CHECKING:
     from ..recording.recording import Recording
@@ -41,7 +42,8 @@ class Envelope:
 
 def envelope_of(recording: Recording) -> Envelope | None:
     """The envelope of a recording; None where it holds no five cycles of any motion, or too few samples a cycle."""
-    x, fs = np.asarray(recording.response, float), recording.fs
+    response = response_of(recording)
+    x, fs, noise = response.samples, response.fs, response.noise
     frequency = motion_frequency(x, fs)
     if frequency is None:
         return None
@@ -49,7 +51,7 @@ def envelope_of(recording: Recording) -> Envelope | None:
     if x.size < SHORTEST_CYCLES * period or period < _LEAST_SAMPLES:
         return None
     size = _size(x, period)
-    return Envelope(size, period, ABOVE_FLOOR * _floor(x, fs, size, period), noise_level(x, fs))
+    return Envelope(size, period, ABOVE_FLOOR * _floor(noise, size, period), noise)
 
 
 def motion_frequency(x: np.ndarray, fs: float) -> float | None:
@@ -86,10 +88,10 @@ def _size(x: np.ndarray, period: int) -> np.ndarray:
     return np.sqrt(2 * np.maximum(square - mean**2, 0))
 
 
-def _floor(x: np.ndarray, fs: float, envelope: np.ndarray, period: int) -> float:
+def _floor(noise: float, envelope: np.ndarray, period: int) -> float:
     """Envelope of the noise: of the white noise, or of the recording where it is at rest, whichever is larger."""
     top = float(np.max(envelope))
-    white = np.sqrt(2) * noise_level(x, fs)
+    white = np.sqrt(2) * noise
     low = int(np.argmin(envelope))
     level = 1.5 * float(envelope[low])
     a, b = _run(envelope <= level, low)

@@ -8,21 +8,15 @@ import numpy as np
 
 from ..recording.recording import Recording
 from .decays import Decay
+from .signals import drive_of
 
-_POWER_INSIDE = 0.99
 _WINDOWS = 24
 
 
 def band_of(recording: Recording) -> tuple[float, float] | None:
-    """Band that holds 99 % of the force's power, Hz; None without a force."""
-    force = recording.force
-    if force is None or not np.any(force):
-        return None
-    power = np.abs(np.fft.rfft(force - np.mean(force))) ** 2
-    share = np.cumsum(power) / np.sum(power)
-    frequency = np.fft.rfftfreq(force.size, recording.dt)
-    edge = 0.5 * (1 - _POWER_INSIDE)
-    return float(frequency[np.searchsorted(share, edge)]), float(frequency[np.searchsorted(share, 1 - edge)])
+    """Band in which the force has power, Hz: see ``excited_band``; None without a force."""
+    drive = drive_of(recording)
+    return drive.band if drive is not None and np.any(drive.samples) else None
 
 
 def kind_of(recording: Recording, decays: Sequence[Decay]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from .decay import Decay
 from .envelope import SHORTEST_CYCLES, Envelope
-from .hilbert import noise_level
+from .signals import drive_of
 
 if TYPE_CHECKING:
     from ..recording.recording import Recording
@@ -23,12 +23,8 @@ _RESOLVED = 1e-6
 
 def force_is_silent(recording: Recording) -> bool:
     """Whether the force column, if there is one, holds nothing but an offset and the white noise of its sensor."""
-    force = recording.force
-    if force is None:
-        return False
-    if np.ptp(force) == 0:
-        return True
-    return noise_level(np.asarray(force), recording.fs) > 0.7 * float(np.std(force))
+    drive = drive_of(recording)
+    return drive is not None and drive.is_silent
 
 
 def zero_of(force: np.ndarray, period: int) -> float:

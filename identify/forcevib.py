@@ -18,8 +18,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from .hilbert import analytic_signal, noise_level
-from .regression import excited_band, resting
+from .hilbert import analytic_signal
+from .regression import resting
+from .signals import Signal
 from .weakform import Solution, solve, windows
 
 OVERLAP = 4
@@ -41,20 +42,20 @@ class ForceVib:
     misfit: float  # weighted mean square of the residual; 1 when noise explains it
 
 
-def forcevib(x: np.ndarray, force: np.ndarray, fs: float) -> ForceVib:
-    """FORCEVIB on displacement `x` (n,) and force `force` (n,), both sampled at `fs` Hz.
+def forcevib(displacement: Signal, drive: Signal) -> ForceVib:
+    """FORCEVIB on a displacement and the force that drives it, sampled alike.
 
     Raises BadInput when the force is constant, the record has fewer than ten cycles above its noise, or no positive
     mass comes out (then force and response do not belong together, or their signs or units differ).
     """
-    x, force = np.asarray(x, float), np.asarray(force, float)
+    x, force, fs = displacement.samples, drive.samples, displacement.fs
     if np.ptp(force) == 0:
         raise BadInput("FORCEVIB needs a force; this record has none: treat it as a free decay.")
-    signal = analytic_signal(x, fs, undecay=0.0)
-    sigma = max(noise_level(x, fs), 1e-6 * float(np.std(x)))
+    signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
+    sigma = max(displacement.noise, 1e-6 * float(np.std(x)))
     f = float(np.median(np.abs(signal.omega[signal.amplitude > 0.3 * np.max(signal.amplitude)]))) / (2 * np.pi)
     period = max(5, round(fs / max(f, fs / x.size)))
-    low, high = excited_band(force, fs)
+    low, high = drive.band
     length = min(8.0, x.size / period / 3) * period / fs
     view = windows(x.size, fs, length, min(low, f) - 1 / length, min(max(high, f) + 1 / length, 0.45 * fs), OVERLAP)
 
@@ -82,7 +83,7 @@ def forcevib(x: np.ndarray, force: np.ndarray, fs: float) -> ForceVib:
             "The forced record has too little motion above its noise for FORCEVIB; force it harder or longer."
         )
     omega = np.broadcast_to(view.omega, clear.shape)[clear]
-    force_noise = max(noise_level(force, fs), 1e-6 * float(np.std(force))) * np.sqrt(view.energy / fs)
+    force_noise = max(drive.noise, 1e-6 * float(np.std(force))) * np.sqrt(view.energy / fs)
     target, columns = -acceleration[clear], columns[clear]
     stiffness, viscous, inverse_mass = float(np.median(omega)) ** 2, 0.0, 0.0
     result = Solution(np.zeros(columns.shape[1]), np.zeros((columns.shape[1],) * 2), 0.0)

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from .hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, noise_level
+from .hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman
+from .signals import Signal
 
 CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
 
@@ -34,14 +35,14 @@ class FreeVib:
     per_point: float  # independent values per point of the curves: they are smoother than they are dense
 
 
-def freevib(x: np.ndarray, fs: float, *, undecay: float | None = None, low_pass_cycles: float = 2.0) -> FreeVib:
-    """FREEVIB on the free decay `x` (n,), displacement sampled at `fs` Hz.
+def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: float = 2.0) -> FreeVib:
+    """FREEVIB on the displacement of a free decay.
 
     `undecay`: 1/s, see `analytic_signal`. `low_pass_cycles`: length of the kernel that low-passes both results.
     Raises BadInput when the decay is shorter than eight cycles or has fewer than five samples a cycle.
     """
-    x = np.asarray(x, float)
-    signal = analytic_signal(x, fs, undecay=undecay)
+    x, fs = decay.samples, decay.fs
+    signal = analytic_signal(x, fs, undecay=undecay, frequency=decay.frequency)
     middle = float(np.median(signal.omega))
     period = 2 * np.pi / middle * fs if middle > 0 else float("inf")
     cut = int(np.ceil(CUT_CYCLES * period)) if np.isfinite(period) else x.size
@@ -68,7 +69,7 @@ def freevib(x: np.ndarray, fs: float, *, undecay: float | None = None, low_pass_
     # the noise of omega and of A'/A: white noise through both kernels in series, on a circle of radius A
     slope_kernel = np.convolve(blackman(round(KERNEL_CYCLES * period))[1], kernel)
     gain = float(np.sqrt(2 * np.sum(slope_kernel**2))) * fs
-    slope = max(noise_level(x, fs), 1e-9 * float(np.max(amplitude))) * gain / amplitude
+    slope = max(decay.noise, 1e-9 * float(np.max(amplitude))) * gain / amplitude
     bias = 0.5 * _second_moment(period, low_pass_cycles) / fs**2
     omega0 = np.sqrt(np.where(squared > 0, squared, np.nan))
     span = (KERNEL_CYCLES + low_pass_cycles) * period

@@ -7,7 +7,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..errors import BadInput
-from .hilbert import noise_level
 from .output_error import OutputError, State
 from .segments import Segment
 from .settle import settled
@@ -89,11 +88,10 @@ def keeps_step_throughout(segments: Sequence[Segment], residuals: Sequence[np.nd
         if not np.all(np.isfinite(residual)):
             return False
         count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _STRETCH)))
-        noise = noise_level(segment.response, 1.0 / segment.dt)
         for measured, rest in zip(
             np.array_split(segment.response, count), np.array_split(residual, count), strict=True
         ):
-            if np.sqrt(np.mean(rest**2)) > _IN_STEP * np.std(measured) + _BEYOND_NOISE * noise:
+            if np.sqrt(np.mean(rest**2)) > _IN_STEP * np.std(measured) + _BEYOND_NOISE * segment.noise:
                 return False
     return True
 

@@ -77,17 +77,23 @@ def noise_level(x: np.ndarray, fs: float) -> float:
 
 
 def analytic_signal(
-    x: np.ndarray, fs: float, *, undecay: float | None = None, kernel_cycles: float = KERNEL_CYCLES
+    x: np.ndarray,
+    fs: float,
+    *,
+    undecay: float | None = None,
+    kernel_cycles: float = KERNEL_CYCLES,
+    frequency: float | None = None,
 ) -> AnalyticSignal:
     """Analytic signal of `x` (n,), sampled at `fs` Hz, with its smoothed derivatives (Eq. 9).
 
     `undecay`: 1/s, the h of the exp(+h t) applied first; None takes it from the fall of the envelope (0 when it does
     not fall). `kernel_cycles`: length of the low-pass kernel in cycles of the dominant frequency.
+    `frequency`: that one in Hz, where it is known already.
     Raises BadInput when there are fewer than five cycles or fewer than five samples a cycle.
     Near the ends, within half a kernel, the values lean on the continuation: cut them before use.
     """
     x = np.asarray(x, float)
-    f = dominant_frequency(x, fs)
+    f = dominant_frequency(x, fs) if frequency is None else frequency
     period = fs / f
     if x.size < 5 * period or period < 5:
         raise BadInput(

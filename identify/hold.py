@@ -17,6 +17,7 @@ import numpy as np
 
 from ..model import Oscillator
 from ..model.oscillator import HOLDS as HOLDS_IN_WORDS
+from ..recording.fact import changed
 from ..recording.recording import HOLDS, Recording
 from ..simulate.force import force_between, smooth_force
 from .blows import ContactForce
@@ -80,7 +81,7 @@ class HoldFound:
 
 def held_as(recordings: Sequence[Recording], hold: str | None) -> list[Recording]:
     """The recordings, with that hold where nobody said theirs."""
-    return [replace(r, hold=hold) if r.hold is None else r for r in recordings]
+    return [changed(r, hold=hold) if r.hold is None else r for r in recordings]
 
 
 def hold_note(hold: str) -> str:

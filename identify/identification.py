@@ -16,14 +16,14 @@ from ..errors import BadInput
 from ..model import Oscillator, Provenance, Range, Response
 from ..model.oscillator import QUANTITIES
 from ..recording.checks import reversed_force
-from ..recording.oscillation import oscillation
+from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from .data import Data, data_of
 from .excitation import band_of, kind_of
 from .further_laws import with_laws
-from .hilbert import noise_level
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
 from .likelihood import Fit, maximum_likelihood
+from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
 
@@ -240,7 +240,7 @@ def belong_together(recordings: Sequence[Recording]) -> None:
             )
     for recording in recordings:
         if np.ptp(recording.response) > 0 and recording.n > 1:
-            for problem in reversed_force(recording, oscillation(recording.response, recording.fs)):
+            for problem in reversed_force(recording, oscillation_of(recording)):
                 raise BadInput(problem.sentence)
     for other in recordings[1:]:
         if (other.quantity, other.unit) != (first.quantity, first.unit):
@@ -252,7 +252,7 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     units = {r.force_unit for r in forced}
     if len(units) > 1:
         raise BadInput(f"the forces are in different units ({', '.join(sorted(units))}); give them in one unit")
-    moved = [r for r in forced if np.std(r.response) > _MOVES * noise_level(np.asarray(r.response, float), r.fs)]
+    moved = [r for r in forced if np.std(r.response) > _MOVES * response_of(r).noise]
     gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in moved if r.force is not None}
     if gains:
         low, high = min(gains, key=lambda k: gains[k]), max(gains, key=lambda k: gains[k])

@@ -23,7 +23,6 @@ from ..model import Oscillator
 from ..recording.recording import Recording
 from .data import Data, data_of, expected_noise, noise_of
 from .from_prediction import EARLY_STEPS, from_prediction, growing, keeps_step, memories, simulates
-from .hilbert import noise_level
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
@@ -34,6 +33,7 @@ from .prediction import FREE
 from .scatter import scatter
 from .segments import Segment
 from .settle import settled
+from .signals import noise_levels
 from .structure import Structure
 
 #: Simulation is given up for prediction where that is a thousand times as likely.
@@ -217,9 +217,7 @@ def _over_noise(
     values = dict(zip(start.parameters(), map(float, answer.outcome.state.values), strict=True))
     ratios = []
     for segment, residual in zip(problem.segments, answer.outcome.residuals, strict=True):
-        recording = recordings[segment.recording]
-        sensor = noise_level(np.asarray(recording.response, float), recording.fs)
-        force = 0.0 if recording.force is None else noise_level(np.asarray(recording.force, float), recording.fs)
+        sensor, force = noise_levels(recordings[segment.recording])
         level = expected_noise(segment, values, start.response.quantity, sensor, force)
         ratio = float(np.sqrt(np.mean(residual**2))) / level
         ratios.append(ratio if np.isfinite(ratio) else np.inf)
@@ -246,7 +244,7 @@ def _result(
     remarks: Sequence[str],
 ) -> Fit:
     outcome, noise = answer.outcome, answer.noise
-    force_noise = [0.0 if r.force is None else noise_level(np.asarray(r.force, float), r.fs) for r in recordings]
+    force_noise = [noise_levels(recording)[1] for recording in recordings]
     spread = scatter(problem, outcome.state, noise, [force_noise[s.recording] for s in problem.segments], _DRAWS)
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
     doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)

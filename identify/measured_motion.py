@@ -104,14 +104,11 @@ class Regression:
         self.present = [(t.law, {n: q.value for n, q in t.parameters.items()}) for t in model.terms]
         self.slack = data.segments[0].slide
         self.forced = any(segment.force is not None for segment in data.segments)
-        whole: dict[int, np.ndarray] = {}
         self.rows: list[_Rows] = []
         for joined in stretches(data.segments):
             i, segment, last = joined[0], data.segments[joined[0]], data.segments[joined[-1]]
             recording = data.recordings[segment.recording]
-            if segment.recording not in whole:
-                whole[segment.recording] = displacement(recording)
-            x = whole[segment.recording][segment.start : last.stop]
+            x = displacement(recording).samples[segment.start : last.stop]
             force = None if segment.force is None else np.asarray(recording.force, float)[segment.start : last.stop]
             rows = self._prepare(i, x, force, recording.fs, segment.time, data.sensor[i], data.force[i])
             if rows is not None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from .hilbert import dominant_frequency, noise_level
+from .signals import Signal
 from .weakform import solve, windows
 
 OVERLAP = 4
@@ -25,11 +25,10 @@ OPTIONAL = ("cubic", "preload", "dry")
 
 @dataclass(frozen=True)
 class Segment:
-    """A stretch of displacement (n,) and of the force on it (n,), None or zero where it rings freely, at fs Hz."""
+    """A stretch of displacement and of the force on it, None or zero where it rings freely."""
 
-    x: np.ndarray
-    force: np.ndarray | None
-    fs: float
+    displacement: Signal
+    force: Signal | None
 
 
 @dataclass(frozen=True)
@@ -63,12 +62,12 @@ class RegressionStart:
     misfit: float  # weighted mean square of the residual; 1 when noise explains it
 
 
-def linear_regression_start(x: np.ndarray, force: np.ndarray | None, fs: float) -> RegressionStart:
-    """Regress Eq. 17 on one recording: displacement `x` (n,), `force` (n,) or None, both sampled at `fs` Hz.
+def linear_regression_start(displacement: Signal, force: Signal | None) -> RegressionStart:
+    """Regress Eq. 17 on one recording: its displacement, and the force or None, sampled alike.
 
     Raises BadInput when there is no oscillation or no stiffness comes out positive.
     """
-    return regress([Segment(np.asarray(x, float), None if force is None else np.asarray(force, float), fs)])
+    return regress([Segment(displacement, force)])
 
 
 def regress(segments: Sequence[Segment]) -> RegressionStart:
@@ -129,28 +128,21 @@ def regress_rows(rows: Sequence[Rows], *, linear: bool = False) -> RegressionSta
     )
 
 
-def excited_band(force: np.ndarray, fs: float) -> tuple[float, float]:
-    """Lowest and highest frequency in Hz of the band that holds 99 % of the power of `force` (n,)."""
-    power = np.abs(np.fft.rfft((force - np.mean(force)) * np.hanning(force.size + 2)[1:-1])) ** 2
-    part = np.cumsum(power) / np.sum(power)
-    frequency = np.fft.rfftfreq(force.size, 1 / fs)
-    return float(frequency[np.searchsorted(part, 0.005)]), float(frequency[np.searchsorted(part, 0.995)])
-
-
 def segment_rows(segment: Segment) -> Rows:
     """Products of one segment with its windows, in the band where it moves; rows lost in noise are left out."""
-    x, force, fs = segment.x, segment.force, segment.fs
-    if force is not None and np.ptp(force) == 0:
-        force = None  # a constant is the sensor's offset
-    f = dominant_frequency(x, fs)
+    x, fs, drive = segment.displacement.samples, segment.displacement.fs, segment.force
+    if drive is not None and np.ptp(drive.samples) == 0:
+        drive = None  # a constant is the sensor's offset
+    force = None if drive is None else drive.samples
+    f = segment.displacement.frequency
     cycles = x.size * f / fs
     least = 4 if force is None else 2  # a force moves the mass at more than its largest line
     if cycles < least:
         raise BadInput(f"The recording has {cycles:.1f} cycles; the regression needs at least {least}.")
-    if force is None:
+    if drive is None:
         low, high, length = 0.7 * f, 1.3 * f, min(4.0, cycles / 2) / f
     else:
-        low, high = excited_band(force, fs)
+        low, high = drive.band
         length = min(8.0, cycles / 4) / f
         low, high = min(low, f) - 1 / length, min(max(high, f) + 1 / length, 0.45 * fs)
     view = windows(x.size, fs, length, low, high, OVERLAP)
@@ -172,11 +164,11 @@ def segment_rows(segment: Segment) -> Rows:
         ],
         axis=-1,
     )
-    sigma = max(noise_level(x, fs), 1e-6 * float(np.std(x)))
+    sigma = max(segment.displacement.noise, 1e-6 * float(np.std(x)))
     noise = sigma * np.sqrt(view.energy / fs)
     force_noise = 0.0
-    if force is not None:
-        force_noise = max(noise_level(force, fs), 1e-6 * float(np.std(force))) * np.sqrt(view.energy / fs)
+    if drive is not None:
+        force_noise = max(drive.noise, 1e-6 * float(np.std(drive.samples))) * np.sqrt(view.energy / fs)
     acceleration = view.project(x, 2)
     omega = np.broadcast_to(view.omega, x0.shape)
     moving = view.mean(resting(x, sigma, round(fs / f)).astype(float)) < 0.02

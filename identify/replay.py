@@ -12,11 +12,11 @@ from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from ..simulate.core import core_of, internal_step
 from ..simulate.force import Force, force_between
-from .hilbert import dominant_frequency, noise_level
 from .initial_motion import from_first_cycle
 from .offsets import centre
 from .reach import nearest_reach
 from .segments import FORCE_BAND, first_motion, starts_at_rest
+from .signals import response_of
 
 _ROUNDS = 4
 #: Stretches, in cycles, over which the initial state is found, each starting from the last. A forced motion
@@ -32,7 +32,7 @@ Simulator = Callable[[np.ndarray, int], np.ndarray]
 
 def natural_frequency(recording: Recording) -> float:
     """The frequency at which the recorded thing mostly moves, rad/s."""
-    return 2 * np.pi * dominant_frequency(np.asarray(recording.response, float), recording.fs)
+    return 2 * np.pi * response_of(recording).frequency
 
 
 def force_of(recording: Recording) -> Force | None:
@@ -73,7 +73,7 @@ def initial_state(
     phases = [2 + i for i, state in enumerate(inner) if state.free]
     rest = float(simulator(initial, 1)[0])  # a sensor may show a mass at rest to be elsewhere than at zero
     moved = measured - (rest if np.isfinite(rest) else 0.0)
-    if starts_at_rest(moved, recording.dt, omega, noise_level(measured, recording.fs)):
+    if starts_at_rest(moved, recording.dt, omega, response_of(recording).noise):
         own = phases
     else:
         own = list(range(scale.size))

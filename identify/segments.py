@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -12,7 +13,8 @@ from ..recording.recording import Recording
 from ..simulate.force import Force, force_between
 from .blows import ContactForce, contact_force, through
 from .decays import find_free_motion, force_is_silent
-from .hilbert import dominant_frequency, noise_level
+from .hilbert import noise_level
+from .signals import response_of
 
 #: A recording of so many natural periods is one of a rig that swings ...
 _SWINGS = 10.0
@@ -62,6 +64,11 @@ class Segment:
     def n(self) -> int:
         """Number of samples."""
         return self.stop - self.start
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation of the response's white noise, from these samples alone."""
+        return noise_level(self.response, 1.0 / self.dt)
 
     def part(self, begin: int, end: int) -> Segment:
         """The samples from ``begin`` to ``end`` of this segment."""
@@ -119,8 +126,8 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
                 samples = np.asarray(force[start:stop], float)
                 driven = force_between(samples, recording.dt, recording.hold or "smooth", highest)
                 driven = ContactForce(driven.pieces, driven.fine, driven.hold) if motion.blows else driven
-            response = np.asarray(recording.response[start:stop], float)
-            noise = noise_level(response, recording.fs)
+            signal = response_of(recording).part(start, stop)
+            response, noise = signal.samples, signal.noise
             if not np.std(response) > _MOVES * noise:
                 continue
             whole = Segment(
@@ -171,8 +178,7 @@ def pace_of(recordings: Sequence[Recording], omega0: float) -> float:
     driven = [recording for recording in recordings if recording.force is not None and np.any(recording.force)]
     if longest * omega0 > 2 * np.pi * _SWINGS or not driven:
         return omega0
-    responses = [(np.asarray(recording.response, float), recording.fs) for recording in driven]
-    pace = max(2 * np.pi * dominant_frequency(x - np.mean(x), fs) for x, fs in responses)
+    pace = max(2 * np.pi * response_of(recording).frequency for recording in driven)
     return pace if pace > _DRIVEN * omega0 else omega0
 
 

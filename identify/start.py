@@ -17,12 +17,12 @@ import numpy as np
 
 from ..errors import BadInput
 from .curves import BackboneFit, DampingFit, fit_backbone, fit_damping
-from .decays import Decay, find_free_motion, force_is_silent
+from .decays import Decay, find_free_motion
 from .displacement import displacement
 from .forcevib import forcevib
 from .freevib import freevib
-from .hilbert import dominant_frequency, noise_level
 from .regression import RegressionStart, Rows, Segment, regress_rows, segment_rows
+from .signals import Signal, drive_of, response_of
 
 if TYPE_CHECKING:
     from ..recording.recording import Recording
@@ -78,13 +78,6 @@ class HilbertEstimate:
     notes: tuple[str, ...]
 
 
-@dataclass(frozen=True)
-class _Motion:
-    recording: Recording
-    x: np.ndarray  # displacement
-    driven: bool  # by a force that was recorded
-
-
 def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     """Estimate Eq. 17 from `recordings` (displacement, velocity or acceleration, free or forced, in any mixture).
 
@@ -97,7 +90,7 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     curves: list[Curve] = []
     segments: list[Segment] = []
     decays: list[tuple[Decay, ...]] = []
-    motions: list[_Motion] = []
+    motions: list[Segment] = []
     for r in recordings:
         motion = find_free_motion(r)
         found = motion.decays
@@ -108,21 +101,21 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
         except BadInput as problem:
             notes.append(f"{r.name}: {problem}")
             continue
-        moves = r.force is not None and bool(np.ptp(r.force) > 0)
-        driven = moves and not (found and force_is_silent(r))
-        motions.append(_Motion(r, x, driven))
-        if not driven and not found:
+        drive = drive_of(r)
+        if drive is not None and (np.ptp(drive.samples) == 0 or (found and drive.is_silent)):
+            drive = None
+        motions.append(Segment(x, drive))
+        if drive is None and not found:
             notes.append(f"{r.name}: no force and no free decay found in it; it was not used for the start values.")
         for d in found:
             curves += _freevib_curve(r, x, d, notes)
-        if driven:
-            assert r.force is not None
-            segments.append(Segment(x, np.asarray(r.force), r.fs))
+        if drive is not None:
+            segments.append(motions[-1])
             # with much free ringing in it the force says little, and the decays have told their part
             if sum(d.stop - d.start for d in found) < r.n / 2:
-                curves += _forcevib_curve(r, x, notes)
+                curves += _forcevib_curve(r, x, drive, notes)
         else:
-            segments += [Segment(x[d.start : d.stop], None, r.fs) for d in found]
+            segments += [Segment(x.part(d.start, d.stop), None) for d in found]
     if not motions:
         raise BadInput("No recording oscillates; " + " ".join(notes))
     backbone, damping = _fit_curves(curves, notes)
@@ -135,7 +128,7 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
 
     By regression; at the backbone's frequency; at that of the largest line.
     """
-    lines = [dominant_frequency(np.asarray(r.response, float), r.fs) for r in recordings]
+    lines = [response_of(r).frequency for r in recordings]
     omegas = [2 * np.pi * float(np.median(lines))]
     if estimate.backbone is not None:
         omegas.insert(0, float(estimate.backbone.omega0))
@@ -147,9 +140,9 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
     return found
 
 
-def _freevib_curve(r: Recording, x: np.ndarray, d: Decay, notes: list[str]) -> list[Curve]:
+def _freevib_curve(r: Recording, x: Signal, d: Decay, notes: list[str]) -> list[Curve]:
     try:
-        f = freevib(x[d.start : d.stop], r.fs)
+        f = freevib(x.part(d.start, d.stop))
     except BadInput as problem:
         notes.append(f"{r.name}, decay at {d.start / r.fs:.4g} s: {problem}")
         return []
@@ -157,10 +150,9 @@ def _freevib_curve(r: Recording, x: np.ndarray, d: Decay, notes: list[str]) -> l
     return [Curve(r.name, "freevib", d.start, d.stop, *shape)]
 
 
-def _forcevib_curve(r: Recording, x: np.ndarray, notes: list[str]) -> list[Curve]:
-    assert r.force is not None
+def _forcevib_curve(r: Recording, x: Signal, drive: Signal, notes: list[str]) -> list[Curve]:
     try:
-        f = forcevib(x, r.force, r.fs)
+        f = forcevib(x, drive)
     except BadInput as problem:
         notes.append(f"{r.name}: {problem}")
         return []
@@ -191,7 +183,9 @@ def _regression(segments: list[Segment], notes: list[str]) -> tuple[RegressionSt
         try:
             rows.append(segment_rows(s))
         except BadInput as problem:
-            notes.append(f"A stretch of {s.x.size / s.fs:.4g} s was left out of the regression: {problem}")
+            notes.append(
+                f"A stretch of {s.displacement.n / s.displacement.fs:.4g} s was left out of the regression: {problem}"
+            )
     found: list[RegressionStart | None] = [None, None]
     for place, linear in enumerate((False, True)):
         try:
@@ -203,7 +197,7 @@ def _regression(segments: list[Segment], notes: list[str]) -> tuple[RegressionSt
 
 
 def _combine(
-    motions: list[_Motion],
+    motions: list[Segment],
     curves: list[Curve],
     decays: tuple[tuple[Decay, ...], ...],
     backbone: BackboneFit | None,
@@ -229,12 +223,13 @@ def _combine(
         std = {k: fits[k + "_std"] for k in value}
     else:
         source = "spectrum"
-        value["omega0"] = 2 * np.pi * float(np.median([dominant_frequency(m.x, m.recording.fs) for m in motions]))
+        value["omega0"] = 2 * np.pi * float(np.median([m.displacement.frequency for m in motions]))
         value["viscous"] = _PLAIN_DAMPING * value["omega0"]
         notes.append("No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum.")
-    reach = max(float(np.quantile(np.abs(m.x - np.median(m.x)), 0.999)) for m in motions)
+    moved = [m.displacement.samples for m in motions]
+    reach = max(float(np.quantile(np.abs(x - np.median(x)), 0.999)) for x in moved)
     _make_safe(value, reach, backbone, damping, notes)
-    if mass is None and any(m.driven for m in motions):
+    if mass is None and any(m.force is not None for m in motions):
         mass = _static_mass(motions, value["omega0"])
         notes.append(
             "No mass came out of the forced records; "
@@ -274,12 +269,12 @@ def _curve_mass(curves: list[Curve]) -> tuple[float | None, float]:
     return float(np.sum(weight * mass) / np.sum(weight)), float(1 / np.sqrt(np.sum(weight)))
 
 
-def _static_mass(motions: list[_Motion], omega0: float) -> float | None:
+def _static_mass(motions: list[Segment], omega0: float) -> float | None:
     """Mass from the size of force and response, for want of better: rms(F) / (omega0^2 rms(x)), within its gain."""
     ratios = [
-        float(np.std(np.asarray(m.recording.force)) / (omega0**2 * np.std(m.x)))
+        float(np.std(m.force.samples) / (omega0**2 * np.std(m.displacement.samples)))
         for m in motions
-        if m.driven and np.std(m.x) > 3 * noise_level(m.x, m.recording.fs)
+        if m.force is not None and np.std(m.displacement.samples) > 3 * m.displacement.noise
     ]
     return float(np.median(ratios)) if ratios else None
 

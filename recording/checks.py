@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from .clipping import clipping, measured
-from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation
+from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
 from .plausibility import implausible
 from .polarity import REVERSED, power_cosine
 from .reach import lasting, reach
@@ -38,7 +38,7 @@ def check(recording: Recording) -> list[Problem]:
     """
     problems = not_a_number(recording) or constant(recording)
     if not problems:
-        motion = oscillation(recording.response, recording.fs)
+        motion = oscillation_of(recording)
         for judge in _JUDGES:
             problems += judge(recording, motion)
     return sorted(problems, key=lambda problem: problem.severity != "error")

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .fact import fact
+from .recording import Recording
+
 NOISE_BAND = 0.8  # of Nyquist: above it a vibration record holds little but noise
 SMALLEST = 1e-3  # of the peak: -60 dB, below it no cycle is counted even without noise
 DECAY_WINDOWS = (5, 10, 20, 40)  # cycles
@@ -42,6 +45,12 @@ def oscillation(signal: np.ndarray, fs: float) -> Oscillation:
     side = np.sign(centred[np.abs(centred) > threshold])
     cycles = np.count_nonzero(side[1:] != side[:-1]) / 2
     return Oscillation(strongest, float(np.ptp(signal)) / 2, noise, float(cycles))
+
+
+@fact("response", "fs")
+def oscillation_of(recording: Recording) -> Oscillation:
+    """How the response of a recording oscillates."""
+    return oscillation(recording.response, recording.fs)
 
 
 def without_slow(signal: np.ndarray) -> np.ndarray:

@@ -10,6 +10,7 @@ from pathlib import Path
 from ..errors import BadInput
 from .columns import Choice, choose_columns, parse_column
 from .delimited import read_delimited
+from .fact import changed
 from .part import cut_out
 from .recording import QUANTITIES, Recording
 from .sampling import uniform_sampling
@@ -171,4 +172,4 @@ def _checked(recording: Recording) -> Recording:
         raise BadInput("\n".join(errors))
     notes = tuple(problem.sentence for problem in problems)
     force = None if any(FORCE_IS_NOISE in note for note in notes) else recording.force
-    return replace(recording, force=force, notes=(*recording.notes, *notes))
+    return changed(recording, force=force, notes=(*recording.notes, *notes))

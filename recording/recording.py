@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -85,6 +86,11 @@ class Recording:
     def duration(self) -> float:
         """Length in s: n samples last n intervals."""
         return self.n / self.fs
+
+    @cached_property
+    def known(self) -> dict[str, tuple[Any, frozenset[str]]]:
+        """What was measured of it, by name, and the fields that it rests on: see ``fact``."""
+        return {}
 
     def slice(self, i: int | None, j: int | None) -> Recording:
         """Return the samples i to j as Python slices them; raises BadInput when fewer than 2 remain."""

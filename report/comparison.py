@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..identify.hilbert import noise_level
+from ..identify.signals import response_of
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -99,5 +100,5 @@ def _of_fit(identification: Identification, index: int) -> Comparison | None:
         return None
     measured = np.asarray(recording.response, float)
     nrmse = float(np.sqrt(np.mean((simulated - measured)[there] ** 2))) / float(np.std(measured[there]))
-    floor = noise_level(measured, recording.fs) / spread
+    floor = response_of(recording).noise / spread
     return Comparison(recording.name, recording.time, measured, simulated, nrmse, floor, full_floor=False)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..identify.decays import find_decays
-from ..identify.hilbert import noise_level
-from ..identify.replay import force_of, replayed
+from ..identify.replay import replayed
+from ..identify.signals import noise_levels
 from ..model import Oscillator
+from ..recording.fact import changed
 from ..recording.recording import Recording
 from ..simulate.force import Force
 from .fmu_run import FmuRun
@@ -24,13 +23,11 @@ def pieces(recording: Recording) -> list[Recording]:
 
 def floor_of_model(model: Oscillator, recording: Recording) -> float:
     """Rms that noise alone leaves: the sensor's, and that of the force as the model passes some more of it on."""
-    sensor = noise_level(np.asarray(recording.response, float), recording.fs)
-    force = force_of(recording)
-    if force is None or recording.force is None:
+    sensor, level = noise_levels(recording)
+    if recording.force is None or not np.any(recording.force):
         return sensor
-    level = noise_level(np.asarray(recording.force, float), recording.fs)
     random = np.random.default_rng(0)
-    noisy = replace(recording, force=np.asarray(recording.force) + level * random.standard_normal(recording.n))
+    noisy = changed(recording, force=np.asarray(recording.force) + level * random.standard_normal(recording.n))
     difference = replayed(model, noisy)[0] - replayed(model, recording)[0]
     moved = float(np.sqrt(np.mean(difference**2)))
     return float(np.hypot(sensor, moved)) if np.isfinite(moved) else sensor
@@ -40,11 +37,8 @@ def floor_of_fmu(
     run: FmuRun, recording: Recording, force: Force | None, initial: np.ndarray, simulated: np.ndarray
 ) -> float:
     """The same of an FMU that gave the response ``simulated`` (n,) from the state ``initial`` (states,)."""
-    sensor = noise_level(np.asarray(recording.response, float), recording.fs)
-    if force is None or recording.force is None:
-        return sensor
-    level = noise_level(np.asarray(recording.force, float), recording.fs)
-    if level == 0.0:
+    sensor, level = noise_levels(recording)
+    if force is None or level == 0.0:
         return sensor
     disturbed = force.disturbed(level, np.random.default_rng(0), recording.dt)
     other = run.record(disturbed, recording.n, recording.dt, initial, recording.start)

@@ -22,6 +22,8 @@ from ..identify.forcevib import forcevib
 from ..identify.freevib import freevib
 from ..identify.hold import held_as
 from ..identify.replay import force_of, initial_state, natural_frequency
+from ..identify.signals import Signal, drive_of
+from ..recording.fact import changed
 from ..recording.recording import Recording
 from .fmu_run import FmuRun
 from .noise_floor import floor_of_fmu, pieces
@@ -191,19 +193,17 @@ def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
 
 def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backbone, Backbone], ...]:
     """Backbones by the same method from the recording and from the FMU's response."""
-    from dataclasses import replace
-
-    twin = replace(recording, response=simulated)
+    twin = changed(recording, response=simulated)
     found = []
     free = recording.force is None or not np.any(recording.force)
     decays = (Decay(0, recording.n),) if free else find_decays(recording)
     for decay in decays:
-        piece = slice(decay.start, decay.stop)
-        found.append(_pair(lambda r, piece=piece: _free(displacement(r)[piece], r.fs), recording, twin))
+        ends = decay.start, decay.stop
+        found.append(_pair(lambda r, ends=ends: _free(displacement(r).part(*ends)), recording, twin))
     # a multisine has no envelope that passes slowly through the amplitudes, so it has no backbone to compare
-    if recording.force is not None and kind_of(recording, decays) in ("sweep", "sine"):
-        force = np.asarray(recording.force, float)
-        found.append(_pair(lambda r: _forced(displacement(r), force, r.fs), recording, twin))
+    drive = drive_of(recording)
+    if drive is not None and kind_of(recording, decays) in ("sweep", "sine"):
+        found.append(_pair(lambda r: _forced(displacement(r), drive), recording, twin))
     return tuple(pair for pair in found if pair is not None)
 
 
@@ -216,13 +216,13 @@ def _pair(
         return None  # too few cycles or too little motion for a backbone: then there is none to compare
 
 
-def _free(x: np.ndarray, fs: float) -> Backbone:
-    curve = freevib(x, fs)
+def _free(decay: Signal) -> Backbone:
+    curve = freevib(decay)
     return Backbone("FREEVIB", curve.amplitude, curve.omega0 / (2 * np.pi))
 
 
-def _forced(x: np.ndarray, force: np.ndarray, fs: float) -> Backbone:
-    curve = forcevib(x, force, fs)
+def _forced(x: Signal, drive: Signal) -> Backbone:
+    curve = forcevib(x, drive)
     return Backbone("FORCEVIB", curve.amplitude, curve.omega0 / (2 * np.pi))
 
 

@@ -102,7 +102,7 @@ class Smoother:
         self.force_noise = data.force[index] / mass / np.sqrt(thin) if driven else 0.0
         least = _LEAST_NOISE * float(np.std(self.response))
         self.sensor = max(data.sensor[index] / np.sqrt(thin), least, np.finfo(float).tiny)
-        self._follow(_thinned(displacement(recording)[cut], thin))
+        self._follow(_thinned(displacement(recording).samples[cut], thin))
         self.scale = float(np.std(self.x)) * segment.pace**2
         self._balance(mass)
         still = resting(self.response, self.sensor, max(int(self.period / self.dt), 2))

@@ -7,6 +7,7 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.identify.curves import fit_backbone, fit_damping
 from dashpot.identify.freevib import freevib
+from dashpot.identify.signals import Signal
 
 
 def fits(f):
@@ -23,14 +24,14 @@ def test_linear_decay_is_met_exactly(ratio, samples_per_cycle):
     h = ratio * w0
     t = np.arange(round(25 * samples_per_cycle)) / (12.67 * samples_per_cycle)
     x = np.exp(-h * t) * np.cos(np.sqrt(w0**2 - h**2) * t + 0.7)
-    f = freevib(x, 12.67 * samples_per_cycle)
+    f = freevib(Signal(x, 12.67 * samples_per_cycle))
     assert np.max(np.abs(f.omega0 / w0 - 1)) < 1e-4
     assert np.max(np.abs(f.damping - h)) < 1e-4 * w0
 
 
 def test_reference_decay_noiseless(rigs, reference_decay):
     rig = rigs.reference
-    backbone, damping = fits(freevib(reference_decay.x[:1750], 1000.0))
+    backbone, damping = fits(freevib(Signal(reference_decay.x[:1750], 1000.0)))
     assert backbone.omega0 == pytest.approx(rig.omega0, rel=1e-4)
     assert backbone.cubic == pytest.approx(rig.cubic, rel=0.06)
     assert backbone.preload == pytest.approx(rig.preload, rel=0.01)
@@ -42,7 +43,7 @@ def test_reference_decay_with_noise_covers_the_truth(rigs, reference_decay):
     rig = rigs.reference
     off = []
     for seed in range(10):
-        backbone, damping = fits(freevib(reference_decay.noisy(1e-6, 0, seed).x[:1750], 1000.0))
+        backbone, damping = fits(freevib(Signal(reference_decay.noisy(1e-6, 0, seed).x[:1750], 1000.0)))
         off.append(
             [
                 (backbone.cubic - rig.cubic) / backbone.cubic_std,
@@ -59,4 +60,4 @@ def test_reference_decay_with_noise_covers_the_truth(rigs, reference_decay):
 def test_too_short_a_decay_says_so():
     t = np.arange(300) / 1000.0
     with pytest.raises(BadInput, match="8"):
-        freevib(np.exp(-t) * np.cos(80 * np.pi * t / 2), 1000.0)
+        freevib(Signal(np.exp(-t) * np.cos(80 * np.pi * t / 2), 1000.0))

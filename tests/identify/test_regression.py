@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.identify.regression import Segment, linear_regression_start, regress
+from dashpot.identify.signals import Signal
 from dashpot.identify.weakform import windows
 
 NAMES = ("omega0", "cubic", "preload", "viscous", "dry")
@@ -28,11 +29,11 @@ def test_windows_differentiate_exactly():
 
 def test_reference_decay(rigs, reference_decay):
     check(
-        linear_regression_start(reference_decay.x[:2000], None, 1000.0),
+        linear_regression_start(Signal(reference_decay.x[:2000], 1000.0), None),
         rigs.reference,
         {"omega0": 1e-5, "cubic": 2e-3, "preload": 1e-3, "viscous": 1e-4, "dry": 1e-3},
     )
-    noisy = linear_regression_start(reference_decay.noisy(1e-6, 0, 1).x[:2000], None, 1000.0)
+    noisy = linear_regression_start(Signal(reference_decay.noisy(1e-6, 0, 1).x[:2000], 1000.0), None)
     assert noisy.mass is None
     check(noisy, rigs.reference, {"omega0": 1e-4, "cubic": 0.06, "preload": 0.01, "viscous": 1e-3, "dry": 0.05})
 
@@ -41,7 +42,7 @@ def test_reference_sweeps_with_noise_jointly(rigs, reference_sweeps):
     segments = []
     for i, case in enumerate(reference_sweeps):
         noisy = case.noisy(1e-6, 1e-3, i)
-        segments.append(Segment(noisy.x, noisy.force, noisy.fs))
+        segments.append(Segment(Signal(noisy.x, noisy.fs), Signal(noisy.force, noisy.fs)))
     found = regress(segments)
     tolerances = {"omega0": 1e-4, "mass": 1e-4, "cubic": 0.01, "preload": 2e-3, "viscous": 1e-3, "dry": 0.01}
     check(found, rigs.reference, tolerances)
@@ -53,10 +54,11 @@ def test_multisine_at_nine_samples_a_cycle(rigs):
     w0 = 2 * np.pi * 68
     rig = rigs.Rig(mass=5e-6, omega0=w0, cubic=0.3 * w0**2, preload=0.0, viscous=0.1 * w0, dry=0.0)
     case = rigs.case(rig, rigs.multisine(0.1 * w0**2 * 5e-6, 5, 150, 0.4, 3), 610.0, 6.0, substeps=8)
-    found = linear_regression_start(*(lambda c: (c.x, c.force))(case.noisy(1e-4, 1e-3, 0)), 610.0)
+    noisy = case.noisy(1e-4, 1e-3, 0)
+    found = linear_regression_start(Signal(noisy.x, 610.0), Signal(noisy.force, 610.0))
     check(found, rig, {"mass": 2e-3, "omega0": 1e-3, "cubic": 0.02, "viscous": 0.01})
 
 
 def test_a_constant_is_refused():
     with pytest.raises(BadInput):
-        linear_regression_start(np.ones(1000), None, 100.0)
+        linear_regression_start(Signal(np.ones(1000), 100.0), None)

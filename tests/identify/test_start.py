@@ -60,7 +60,7 @@ def test_other_response_quantities(rigs, reference_sweeps, reference_decay, quan
             y = drive - rig.viscous * case.v - rig.dry * np.sign(case.v) - spring
         records.append(Recording(quantity, case.fs, y + 0.02 * np.std(y), case.force, quantity))
     inner = slice(2000, -2000)
-    assert np.max(np.abs(displacement(records[0]) - reference_sweeps[1].x)[inner]) < 2e-3 * 9e-3
+    assert np.max(np.abs(displacement(records[0]).samples - reference_sweeps[1].x)[inner]) < 2e-3 * 9e-3
     found = hilbert_start(records)
     assert found.mass == pytest.approx(rig.mass, rel=0.005)
     assert found.omega0 == pytest.approx(rig.omega0, rel=0.002)
