@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..recording.short_decay import is_short_decay
 from .beating import without_beats
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
@@ -34,14 +35,15 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     comes on again. Without one, or with a force that is zero throughout: from where the motion was let go, or a cycle
     after the corner at which its envelope begins to fall, so that no driven part is in it, as long as it falls and
     is not stopped. Both end where the envelope meets the noise of the recording. A recording that is known to be free
-    is one decay.
+    is one decay, and so is one of few cycles whose fall stands out of its own error (``short_decay``).
     """
     if recording.free:
         return FreeMotion((Decay(0, recording.n),))
+    x, force = np.asarray(recording.response, float), recording.force
     envelope = envelope_of(recording)
     if envelope is None:
-        return FreeMotion(())
-    x, force = np.asarray(recording.response, float), recording.force
+        free = force is None or force_is_silent(recording)
+        return FreeMotion((Decay(0, recording.n),) if free and is_short_decay(x, recording.fs) else ())
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):
         slow, beats = without_beats(envelope)

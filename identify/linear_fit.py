@@ -26,6 +26,8 @@ _FREQUENCIES = np.geomspace(0.2, 5.0, 49)
 _FALLS = (0.3, 1.0, 3.0, 10.0, 30.0)
 #: Of all these so many are followed to their own best.
 _KEPT = 3
+#: Steps of a search; the simulation's own begins where it ends.
+_STEPS = 15
 #: What is fitted swings: a damping beyond this part of the critical has no frequency.
 _MOST_DAMPING = 0.95
 
@@ -74,7 +76,7 @@ def linear_fit(segments: Sequence[Segment], quantity: str) -> LinearFit | None:
     inside = [np.clip(np.log(place), low + 1e-9, high - 1e-9) for place in places]
     costs = [float(np.sum(remainder(theta) ** 2)) for theta in inside]
     nearest = [inside[i] for i in np.argsort(costs)[:_KEPT]]
-    found = [least_squares(remainder, theta, bounds=(low, high), max_nfev=60) for theta in nearest]
+    found = [least_squares(remainder, theta, bounds=(low, high), max_nfev=_STEPS) for theta in nearest]
     best = min(found, key=lambda outcome: outcome.cost)
     omega, rate = np.exp(best.x)
     solved = _solve(signals, omega, rate)
@@ -106,11 +108,13 @@ class _Signal:
         self.time = segment.dt * self.stride * np.arange(self.size)
         self.force: np.ndarray | None = None
         if segment.force is not None:
-            pieces = segment.force.pieces
-            step = segment.dt / segment.force.fine
-            end = pieces[-1] @ step ** np.arange(4)
-            self.force, self.held = np.append(pieces[:, 0], end), segment.force.hold == "zero"
-            self.fine, self.step = segment.force.fine, step
+            pieces, fine = segment.force.pieces, segment.force.fine
+            end = pieces[-1] @ (segment.dt / fine) ** np.arange(4)
+            force = np.append(pieces[:, 0], end)
+            enough = 2 * np.pi / (segment.pace * segment.dt * _SAMPLES_A_CYCLE)  # points a sample
+            self.fine = next(k for k in range(1, fine + 1) if fine % k == 0 and (k >= 1 / enough or k == fine))
+            self.force, self.held = force[:: fine // self.fine], segment.force.hold == "zero"
+            self.step = segment.dt / self.fine
 
     def free(self, omega: float, rate: float) -> np.ndarray:
         """(size, 3) the two free motions and what the sensor shows at zero, each in units of the response."""
