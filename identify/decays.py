@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..recording.short_decay import is_short_decay
+from ..recording.short_decay import LEAST_CYCLES, is_short_decay
 from .beating import without_beats
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
@@ -47,17 +47,22 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):
         slow, beats = without_beats(envelope)
-        decays = falling(x, slow, swings_of(x, envelope))
+        swings, shortest = swings_of(x, envelope), SHORTEST_CYCLES
+        decays = falling(x, slow, swings)
+        if not decays and not beats:  # few cycles between a hold and a stop: their errors decide, not their number
+            shortest = LEAST_CYCLES
+            short = falling(x, slow, swings, shortest)
+            decays = [d for d in short if is_short_decay(x[d.start : d.stop], recording.fs)]
         if force is not None and np.ptp(force) > 0:
             # white noise may be a shaker's too: only a fall to the noise, or the whole record, is a free decay then
             decays = [
                 d for d in decays if envelope.size[d.stop - 1] < 1.1 * envelope.floor or d.stop - d.start > 0.8 * x.size
             ]
     else:
-        beats = False
+        beats, shortest = False, SHORTEST_CYCLES
         force = np.asarray(force, float)
         blows = blows_of(force, period)
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period), envelope)
-    decays = tuple(sorted((d for d in decays if d.stop - d.start >= SHORTEST_CYCLES * period), key=lambda d: d.start))
+    decays = tuple(sorted((d for d in decays if d.stop - d.start >= shortest * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)
     return replace(motion, notes=left_out(recording, envelope, motion, beats))
