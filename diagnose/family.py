@@ -82,7 +82,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         if best.hold != model.hold:
             notes.append(hold_note(best.hold))
         recordings, holdout = found.recordings, held_as(holdout, best.hold)
-    _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
+    notes += _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
     # what is missing adds up over time: the longer the memory, the more of it shows
     memory = FREE if found.fit.memory == FREE else max(memories([s.segment for s in found.fit.segments]))
     shown = {offset.recording: offset.value for offset in found.fit.offsets}
@@ -180,24 +180,46 @@ def first_fit(search: Search, model: Oscillator) -> Fitted:
     raise BadInput("no model of this family simulates along these recordings; check the units of force and response")
 
 
-def _same_rig(given: Oscillator, found: Oscillator, *, slide: bool) -> None:
-    """A slide, moved as its force moves it, has no natural frequency to compare."""
-    frequency = heavier = 0.0
-    if not slide and _is_known(given.omega0.value, given.omega0.std):
-        frequency = abs(math.log(found.omega0.value / given.omega0.value))
-    if given.mass is not None and found.mass is not None and _is_known(given.mass.value, given.mass.std):
-        heavier = abs(math.log(found.mass.value / given.mass.value))
-    if frequency > math.log(_OTHER_FREQUENCY) or heavier > math.log(_OTHER_MASS):
-        mass = "" if found.mass is None else f" and {found.mass.value:.4g} {found.mass.unit}"
-        given_mass = "" if given.mass is None else f" and {given.mass.value:.4g} {given.mass.unit}"
-        raise BadInput(
-            f"the recordings are not of the model's rig: they show {found.omega0.value / (2 * math.pi):.4g} Hz{mass}, "
-            f"the model has {given.omega0.value / (2 * math.pi):.4g} Hz{given_mass}; identify a model from them first"
-        )
+def _same_rig(given: Oscillator, found: Oscillator, *, slide: bool) -> list[str]:
+    """Notes where a model that does not claim to know its rig is far from what the recordings show.
+
+    A slide, moved as its force moves it, has no natural frequency to compare.
+
+    Raises:
+        BadInput: where one that does know it is: the recordings are of another.
+    """
+    apart = []
+    if not slide and _differ(found.omega0.value, given.omega0.value, _OTHER_FREQUENCY):
+        apart.append("omega0")
+    if given.mass is not None and found.mass is not None and _differ(found.mass.value, given.mass.value, _OTHER_MASS):
+        apart.append("mass")
+    if not apart:
+        return []
+    mass = "" if found.mass is None else f" and {found.mass.value:.4g} {found.mass.unit}"
+    given_mass = "" if given.mass is None else f" and {given.mass.value:.4g} {given.mass.unit}"
+    figures = (
+        f"they show {found.omega0.value / (2 * math.pi):.4g} Hz{mass}, "
+        f"the model has {given.omega0.value / (2 * math.pi):.4g} Hz{given_mass}"
+    )
+    if any(_is_known(given, name) for name in apart):
+        raise BadInput(f"the recordings are not of the model's rig: {figures}; identify a model from them first")
+    return [f"the recordings are far from the model file, which does not say that it knows its rig: {figures}"]
 
 
-def _is_known(value: float, std: float | None) -> bool:
-    return std is None or std < _KNOWN * abs(value)
+def _differ(value: float, other: float, factor: float) -> bool:
+    ratio = value / other
+    return ratio <= 0.0 or abs(math.log(ratio)) > math.log(factor)
+
+
+def _is_known(model: Oscillator, name: str) -> bool:
+    """Whether a model claims to know a parameter: by a small standard error, or as kept while the rest was identified.
+
+    A value without either was written by hand or could not be identified.
+    """
+    parameter = model.parameters()[name]
+    if parameter.std is not None:
+        return parameter.std < _KNOWN * abs(parameter.value)
+    return bool(model.identified.recordings) and name not in model.identified.parameters
 
 
 def stranger(final: Fitted, search: Search, left: Sequence[Leftover], training: int) -> str | None:

@@ -12,10 +12,11 @@ from ..model import Oscillator
 from ..model.law import Scales
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
+from .equivalent import equivalent
 from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
 from .offset import Offset
 from .prediction import FREE
-from .segments import FORCE_BAND, Segment, cut
+from .segments import FORCE_BAND, Segment, cut, pace_of
 from .signals import noise_levels
 
 #: A search that only compares laws interpolates the force more coarsely: to 1e-5 up to the resonance, to 1e-4 at twice
@@ -67,7 +68,7 @@ def data_of(
     Raises:
         BadInput: where nothing in them can be fitted.
     """
-    segments = cut(recordings, model.omega0.value, _COARSE_FORCE_BAND if coarse else FORCE_BAND)
+    segments = cut(recordings, _natural(recordings, model), _COARSE_FORCE_BAND if coarse else FORCE_BAND)
     if model.mass is None:
         segments = tuple(segment for segment in segments if segment.force is None)
     if not segments:
@@ -77,6 +78,18 @@ def data_of(
             "record a decay of at least ten cycles or a sweep through the resonance"
         )
     return measured(segments, recordings, model, lines, coarse=coarse)
+
+
+def _natural(recordings: Sequence[Recording], model: Oscillator) -> float:
+    """Natural frequency, rad/s, where a further law may be the spring (gravity on a pendulum)."""
+    omega0 = model.omega0.value
+    pace = pace_of(recordings, omega0)
+    if not (model.terms and pace > omega0):
+        return omega0
+    spread = max(float(np.std(recording.response)) for recording in recordings)
+    peak = np.sqrt(2) * spread / pace ** QUANTITIES.index(model.response.quantity)
+    stiffness, _ = equivalent(model.values(), max(peak, np.finfo(float).tiny ** 0.25), pace)
+    return max(omega0, float(np.sqrt(max(stiffness, 0.0))))
 
 
 def measured(
@@ -120,15 +133,14 @@ def displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) 
 def equivalent_resonance(segment: Segment, value: Mapping[str, float], quantity: str) -> np.ndarray:
     """(n // 2 + 1,) squared response to a force per unit mass of the equivalent linear rig at the segment's amplitude.
 
-    Describing functions of Eqs. 6 and 7.
+    With the laws among the values, by name: see ``equivalent``.
     """
     omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
     order = QUANTITIES.index(quantity)
     tiny = np.finfo(float).tiny ** 0.25  # a search may have run to where nothing moves
     pace = segment.pace
     peak = max(np.sqrt(2) * float(np.std(segment.response)) / pace**order, tiny)
-    stiffness = value["omega0"] ** 2 + 0.75 * value["cubic"] * peak**2 + 4 * value["preload"] / (np.pi * peak)
-    damping = value["viscous"] + 4 * value["dry"] / (np.pi * pace * peak)
+    stiffness, damping = equivalent(value, peak, pace, segment.time + 0.5 * segment.n * segment.dt)
     return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order)
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..recording.fact import fact
+from ..recording.short_decay import LEAST_CYCLES, is_short_decay
 from .beating import without_beats
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
@@ -36,28 +37,34 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     comes on again. Without one, or with a force that is zero throughout: from where the motion was let go, or a cycle
     after the corner at which its envelope begins to fall, so that no driven part is in it, as long as it falls and
     is not stopped. Both end where the envelope meets the noise of the recording. A recording that is known to be free
-    is one decay.
+    is one decay, and so is one of few cycles whose fall stands out of its own error (``short_decay``).
     """
     if recording.free:
         return FreeMotion((Decay(0, recording.n),))
+    x, force = np.asarray(recording.response, float), recording.force
     envelope = envelope_of(recording)
     if envelope is None:
-        return FreeMotion(())
-    x, force = np.asarray(recording.response, float), recording.force
+        free = force is None or force_is_silent(recording)
+        return FreeMotion((Decay(0, recording.n),) if free and is_short_decay(x, recording.fs) else ())
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):
         slow, beats = without_beats(envelope)
-        decays = falling(x, slow, swings_of(x, envelope))
+        swings, shortest = swings_of(x, envelope), SHORTEST_CYCLES
+        decays = falling(x, slow, swings)
+        if not decays and not beats:  # few cycles between a hold and a stop: their errors decide, not their number
+            shortest = LEAST_CYCLES
+            short = falling(x, slow, swings, shortest)
+            decays = [d for d in short if is_short_decay(x[d.start : d.stop], recording.fs)]
         if force is not None and np.ptp(force) > 0:
             # white noise may be a shaker's too: only a fall to the noise, or the whole record, is a free decay then
             decays = [
                 d for d in decays if envelope.size[d.stop - 1] < 1.1 * envelope.floor or d.stop - d.start > 0.8 * x.size
             ]
     else:
-        beats = False
+        beats, shortest = False, SHORTEST_CYCLES
         force = np.asarray(force, float)
         blows = blows_of(force, period)
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period), envelope)
-    decays = tuple(sorted((d for d in decays if d.stop - d.start >= SHORTEST_CYCLES * period), key=lambda d: d.start))
+    decays = tuple(sorted((d for d in decays if d.stop - d.start >= shortest * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)
     return replace(motion, notes=left_out(recording, envelope, motion, beats))

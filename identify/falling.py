@@ -18,19 +18,25 @@ _STAYS, _GROWS = 3.0, 1.1
 _AT_ONCE = 1.5
 
 
-def falling(x: np.ndarray, envelope: Envelope, swings: Swings) -> list[Decay]:
-    """Decays of a motion (n,): from the highest envelope what falls from there, then the same left and right of it."""
+def falling(x: np.ndarray, envelope: Envelope, swings: Swings, shortest: float = SHORTEST_CYCLES) -> list[Decay]:
+    """Decays of a motion (n,): from the highest envelope what falls from there, then the same left and right of it.
+
+    Args:
+        x: the motion.
+        envelope, swings: its own.
+        shortest: cycles that a decay has at least.
+    """
     size, period = envelope.size, envelope.period
     decays: list[Decay] = []
     todo = [(0, x.size)]
     while todo:
         a, b = todo.pop()
-        if b - a < SHORTEST_CYCLES * period:
+        if b - a < shortest * period:
             continue
         top = a + int(np.argmax(size[a:b]))
         if size[top] < 3 * envelope.floor:
             continue
-        decay = _one(x, envelope, swings, a, top, b)
+        decay = _one(x, envelope, swings, a, top, b, shortest)
         stop = top + period
         if decay is not None:
             decays.append(decay)
@@ -42,7 +48,7 @@ def falling(x: np.ndarray, envelope: Envelope, swings: Swings) -> list[Decay]:
     return decays
 
 
-def _one(x: np.ndarray, envelope: Envelope, swings: Swings, a: int, top: int, b: int) -> Decay | None:
+def _one(x: np.ndarray, envelope: Envelope, swings: Swings, a: int, top: int, b: int, shortest: float) -> Decay | None:
     """The decay from the highest envelope between two samples, or None."""
     size, period, floor = envelope.size, envelope.period, envelope.floor
     stop = _end_of_fall(size, floor, top, b)
@@ -65,7 +71,7 @@ def _one(x: np.ndarray, envelope: Envelope, swings: Swings, a: int, top: int, b:
             start = corner = freed
         elif corner == 0:
             start = _struck(x, envelope)
-    if stop - start < SHORTEST_CYCLES * period:
+    if stop - start < shortest * period:
         return None
     if corner is not None and size[stop - 1] < _FALLS * size[start]:
         return Decay(start, stop)

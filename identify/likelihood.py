@@ -21,25 +21,25 @@ import numpy as np
 from ..errors import BadInput
 from ..model import Oscillator
 from ..recording.recording import Recording
-from .data import Data, data_of, expected_noise, noise_of
+from .data import Data, data_of
 from .from_prediction import EARLY_STEPS, from_prediction, growing, keeps_step, memories, simulates
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
 from .offset import FoundOffset
 from .offsets import found_offsets, kept_offsets, response_offsets
-from .output_error import Outcome, OutputError, State
+from .output_error import OutputError, State
+from .plainest import linear_state, plain_cost
 from .prediction import FREE
 from .scatter import scatter
 from .segments import Segment
 from .settle import settled
 from .signals import noise_levels
 from .structure import Structure
+from .weighed import ABOVE_NOISE, Answer, over_noise, weighed, whitened
 
 #: Simulation is given up for prediction where that is a thousand times as likely.
 _DECISIVE = float(np.log(1000.0))
-#: Residuals this many times the noise are more than the noise's own estimate leaves open.
-_ABOVE_NOISE = 1.1
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
 _DRAWS = 60
 
@@ -122,6 +122,8 @@ def maximum_likelihood(
             break
         told, iterations = problem.over(stage), iterations + steps
     problem, free = kept_offsets(told, free, start)
+    free, plain, steps = _beside_linear(problem, free, start, recordings)
+    iterations += steps
     smooth, left = smooth_stretches(problem, free)
     jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
     notes += jumps
@@ -129,15 +131,21 @@ def maximum_likelihood(
         problem = problem.over(smooth)  # what has no derivative may have held the search back
         free, rungs, steps = from_prediction(problem, left)
         iterations += steps
-    answer, steps = _whitened(problem, free, start)
+        free, plain, steps = _beside_linear(problem, free, start, recordings)
+        iterations += steps
+    answer, steps = weighed(problem, free, start, recordings, plain)
     iterations += steps
     other = answer
-    if max(_over_noise(problem, answer, start, recordings)) > _ABOVE_NOISE:
+    if max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE:
         predicted, steps = _predictions(problem, answer, rungs, start)
         iterations += steps
         if not keeps_step(problem.segments, answer.outcome.residuals):
-            memory, answer = predicted[0]
-            problem, other = problem.predicting(memory), predicted[min(1, len(predicted) - 1)][1]
+            memory, likeliest = predicted[0]
+            if plain_cost(_simulated(problem, likeliest.outcome.state)) > plain:
+                other = likeliest  # its free run is no better than a linear rig's
+            else:
+                problem, answer = problem.predicting(memory), likeliest
+                other = predicted[min(1, len(predicted) - 1)][1]
         elif predicted[0][1].likelihood > answer.likelihood + _DECISIVE:
             other = predicted[0][1]
     if not np.isfinite(answer.likelihood):
@@ -154,13 +162,24 @@ def maximum_likelihood(
     return _result(start, structure.free, problem, answer, doubt, recordings, iterations, notes)
 
 
-@dataclass(frozen=True, eq=False)
-class _Answer:
-    """A maximum with the noise that it was weighed by, and its log-likelihood but for a constant."""
+def _beside_linear(
+    problem: OutputError, state: State, start: Oscillator, recordings: Sequence[Recording]
+) -> tuple[State, float, int]:
+    """The simulation beside the best linear rig's, which it must not leave more than; that one's cost, and the steps.
 
-    outcome: Outcome
-    noise: list[NoiseSpectrum]
-    likelihood: float
+    Only where more than noise is left: else there is nothing better.
+    """
+    residuals = problem.residuals(state)
+    if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
+        return state, np.inf, 0
+    plain = linear_state(problem, state, start)
+    if plain is None:
+        return state, np.inf, 0
+    cost = plain_cost(problem.residuals(plain))
+    if not cost < plain_cost(residuals):
+        return state, cost, 0
+    outcome = problem.search(plain, tolerance=1.0)
+    return outcome.state, cost, outcome.iterations
 
 
 def _beyond(told: Sequence[Segment], whole: Sequence[Segment], recordings: Sequence[Recording]) -> str:
@@ -175,53 +194,17 @@ def _beyond(told: Sequence[Segment], whole: Sequence[Segment], recordings: Seque
     )
 
 
-def _whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[_Answer, int]:
-    """The maximum with every frequency weighed by the noise that is left there, and the steps to it."""
-    residuals, steps = problem.residuals(state), 0
-    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
-        nothing = np.zeros((len(problem.free), len(problem.free)))
-        return _Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
-    noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=0.1)
-    state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
-    noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=1e-3)
-    found = -0.5 * sum(s.log_determinant() for s in _noise(problem, outcome.residuals, outcome.state, start))
-    return _Answer(outcome, noise, float(found)), steps + outcome.iterations
-
-
 def _predictions(
-    problem: OutputError, free: _Answer, rungs: Mapping[float, State], start: Oscillator
-) -> tuple[list[tuple[float, _Answer]], int]:
+    problem: OutputError, free: Answer, rungs: Mapping[float, State], start: Oscillator
+) -> tuple[list[tuple[float, Answer]], int]:
     """The answer of each finite memory, the most likely first, and the steps to them."""
     found, steps = [], 0
     for memory in memories(problem.segments):
         state = replace(rungs.get(memory, free.outcome.state), offsets=free.outcome.state.offsets)
-        answer, taken = _whitened(problem.predicting(memory), state, start)
+        answer, taken = whitened(problem.predicting(memory), state, start)
         found.append((memory, answer))
         steps += taken
     return sorted(found, key=lambda pair: -pair[1].likelihood), steps
-
-
-def _noise(
-    problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
-) -> list[NoiseSpectrum]:
-    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    return noise_of(problem.segments, residuals, values, start.response.quantity, problem.memory)
-
-
-def _over_noise(
-    problem: OutputError, answer: _Answer, start: Oscillator, recordings: Sequence[Recording]
-) -> list[float]:
-    """For each segment the rms of what is left over that of the noise."""
-    values = dict(zip(start.parameters(), map(float, answer.outcome.state.values), strict=True))
-    ratios = []
-    for segment, residual in zip(problem.segments, answer.outcome.residuals, strict=True):
-        sensor, force = noise_levels(recordings[segment.recording])
-        level = expected_noise(segment, values, start.response.quantity, sensor, force)
-        ratio = float(np.sqrt(np.mean(residual**2))) / level
-        ratios.append(ratio if np.isfinite(ratio) else np.inf)
-    return ratios
 
 
 def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
@@ -237,15 +220,15 @@ def _result(
     start: Oscillator,
     names: tuple[str, ...],
     problem: OutputError,
-    answer: _Answer,
+    answer: Answer,
     doubt: np.ndarray,
     recordings: Sequence[Recording],
     iterations: int,
     remarks: Sequence[str],
 ) -> Fit:
     outcome, noise = answer.outcome, answer.noise
-    force_noise = [noise_levels(recording)[1] for recording in recordings]
-    spread = scatter(problem, outcome.state, noise, [force_noise[s.recording] for s in problem.segments], _DRAWS)
+    levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
+    spread = scatter(problem, outcome.state, noise, levels, _DRAWS, left=answer.left)
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
     doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)
     covariance = inverse @ spread @ inverse + np.outer(doubt, doubt)  # Huber (1967): right where the weights are not
@@ -262,7 +245,7 @@ def _result(
             problem.segments,
             outcome.state.initial,
             free_run,
-            _over_noise(problem, answer, start, recordings),
+            over_noise(problem, outcome.residuals, outcome.state, start, recordings),
             strict=True,
         )
     )
@@ -280,7 +263,7 @@ def _result(
         fits,
         tuple(noise),
         problem.memory,
-        found_offsets(problem, outcome.state, outcome.residuals, noise),
+        found_offsets(problem, outcome.state, outcome.residuals, answer.left or noise),
         iterations,
         outcome.converged,
         tuple(notes),

@@ -12,7 +12,6 @@ import itertools
 from collections.abc import Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field, replace
-from functools import cache
 
 import numpy as np
 
@@ -20,9 +19,9 @@ from ..model import Oscillator
 from ..model.law import Law, Scales
 from ..model.laws import find
 from ..model.terms import with_term
-from ..simulate.along import Along
 from .data import Data
 from .displacement import displacement
+from .equivalent import along_of
 from .excitation import band_of
 from .regression import smooth_motion
 from .segments import stretches
@@ -363,12 +362,6 @@ def _amplitude(
     weights = {rows.segment: float(np.sum(own[:, -2:] ** 2)) for rows, own, _, _ in solutions}
     power = sum(weights[i] * float(part @ part) for i, part in parts.items()) / max(sum(weights.values()), 1e-300)
     return float(np.sqrt(power)), {i: float(np.arctan2(-part[1], part[0])) for i, part in parts.items()}
-
-
-@cache
-def along_of(law: Law) -> Along:
-    """The law in C, built once."""
-    return Along(law)
 
 
 def _soft_sign(y: np.ndarray, slope: np.ndarray, dt: float) -> np.ndarray:

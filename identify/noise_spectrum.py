@@ -27,6 +27,10 @@ class NoiseSpectrum:
         """(..., n) signals with every frequency divided by the noise's standard deviation there."""
         return self._filter(signals, 1.0 / np.sqrt(self.density))
 
+    def colour(self, signals: np.ndarray) -> np.ndarray:
+        """(..., n) signals with every frequency multiplied by the noise's standard deviation there."""
+        return self._filter(signals, np.sqrt(self.density))
+
     def sensor_part(self, whitened: np.ndarray) -> np.ndarray:
         """(..., n) whitened signals times the square root of the share that is not due to force noise."""
         return self._filter(whitened, np.sqrt(1.0 - self.force_share + np.zeros_like(self.density)))

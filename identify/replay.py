@@ -77,10 +77,6 @@ def initial_state(
         own = phases
     else:
         own = list(range(scale.size))
-        if recording.quantity == "displacement":
-            initial[:2] = first_motion(moved - _centre(moved, recording, omega), recording.dt, omega)[0]
-        else:
-            initial[:2] = from_first_cycle(moved, recording.dt, omega, recording.quantity)
     if not own:
         return initial, _shown(measured - simulator(initial, recording.n))
     forced = recording.force is not None and bool(np.any(recording.force))
@@ -91,8 +87,12 @@ def initial_state(
     ]
 
     def misfit(candidate: np.ndarray, n: int) -> float:
-        return _power(measured[:n] - simulator(candidate, n))
+        left = _power(measured[:n] - simulator(candidate, n))
+        return left if np.isfinite(left) else np.inf
 
+    if len(own) == scale.size:
+        begins = _begins(moved, recording, omega)
+        initial[:2] = min(begins, key=lambda begin: misfit(np.append(begin, initial[2:]), lengths[0]))
     if phases:
         turns = [initial.copy() for _ in range(_PHASES)]
         for k, turn in enumerate(turns):
@@ -108,11 +108,18 @@ def initial_state(
     return initial, _shown(measured - simulator(initial, recording.n))
 
 
-def _centre(moved: np.ndarray, recording: Recording, omega: float) -> float:
-    """Where a motion is centred that no force drives away from there; a driven one is taken as it is."""
-    if recording.force is not None and np.any(recording.force):
-        return 0.0
-    return centre(moved, recording.fs, omega)
+def _begins(moved: np.ndarray, recording: Recording, omega: float) -> list[np.ndarray]:
+    """Displacements and velocities (2,) at the first sample, as the beginning of the motion (n,) shows them.
+
+    Free motion is centred where the sensor shows zero. A drive with a constant part moves the mass away from there, and
+    so does a sensor that rests elsewhere: only the simulation tells the one from the other.
+    """
+    if recording.quantity != "displacement":
+        return [np.array(from_first_cycle(moved, recording.dt, omega, recording.quantity))]
+    begin = first_motion(moved, recording.dt, omega)[0]
+    about = begin - np.array([centre(moved, recording.fs, omega), 0.0])
+    driven = recording.force is not None and np.any(recording.force)
+    return [begin, about] if driven else [about]
 
 
 def _power(residual: np.ndarray) -> float:

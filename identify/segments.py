@@ -118,8 +118,9 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         highest = force_band * pace / (2 * np.pi)
         for start, stop, forced in sorted(ends):
-            # what a force drives all through a recording says more than it costs once it has gone through a cycle
-            if stop - start < (shortest if (start, stop) != (0, recording.n) or not forced else least):
+            # what a force drives all through a recording says more than it costs once it has gone through a cycle; so
+            # does a free recording that was let in for its fall
+            if stop - start < (shortest if (start, stop) != (0, recording.n) else least):
                 continue
             driven = None
             if forced and force is not None and np.any(force[start:stop]):

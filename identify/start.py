@@ -9,14 +9,14 @@ the spectrum where there is no curve either.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..errors import BadInput
-from .curves import BackboneFit, DampingFit, fit_backbone, fit_damping
+from .curves import BackboneFit, DampingFit, backbone_omega0, fit_backbone, fit_damping
 from .decays import Decay, find_free_motion
 from .displacement import displacement
 from .forcevib import forcevib
@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 #: Viscous damping over frequency where nothing is known of it: a hundredth of the critical.
 _PLAIN_DAMPING = 0.02
+#: Two pictures of one spring show the same frequency at the same amplitude but for this part of it: the rest of what
+#: Eq. 6 leaves out is of the second order.
+_SAME_SPRING = 0.05
 
 
 @dataclass(frozen=True)
@@ -239,10 +242,11 @@ def _combine(
                 else "the force does not reach the response in them."
             )
         )
-    if backbone is not None and abs(backbone.omega0 / value["omega0"] - 1) > 0.05:
+    apart = _apart(curves, value)
+    if apart > _SAME_SPRING:
         notes.append(
-            f"Backbone curves ({backbone.omega0 / 2 / np.pi:.4g} Hz) and regression "
-            f"({value['omega0'] / 2 / np.pi:.4g} Hz) disagree: this may not be one oscillator of the Eq. 17 family."
+            f"Backbone curves and regression differ by {100 * apart:.2g} % over most of the amplitudes: this may not "
+            "be one oscillator of the Eq. 17 family."
         )
     return HilbertEstimate(
         mass=mass,
@@ -258,6 +262,23 @@ def _combine(
         linear=linear,
         notes=tuple(notes),
     )
+
+
+def _apart(curves: Sequence[Curve], value: Mapping[str, float]) -> float:
+    """By which part of itself the natural frequency at an amplitude differs, as a median over what the curves cover.
+
+    Not by that at no amplitude at all, which curves and regression extrapolate to each in its own way; nor at the
+    smallest amplitudes, where a curve of an integrated acceleration shows what the integration drifts by.
+    """
+    if not curves:
+        return 0.0
+    amplitude, measured = (
+        np.concatenate([getattr(curve, name) for curve in curves]) for name in ("amplitude", "omega0")
+    )
+    expected = backbone_omega0(amplitude, value["omega0"], value["cubic"], value["preload"])
+    ratio = np.abs(measured / expected - 1.0)
+    ratio = ratio[np.isfinite(ratio)]
+    return float(np.median(ratio)) if ratio.size else 0.0
 
 
 def _curve_mass(curves: list[Curve]) -> tuple[float | None, float]:

@@ -14,6 +14,7 @@ from .plausibility import implausible
 from .polarity import REVERSED, power_cosine
 from .reach import lasting, reach
 from .recording import Recording
+from .short_decay import is_short_decay
 
 FREE_CYCLES = 5  # a decay has to be seen to fall
 FORCED_CYCLES = 4  # the force says where each cycle comes from, so slightly fewer do
@@ -107,11 +108,18 @@ def too_few_cycles(recording: Recording, motion: Oscillation) -> list[Problem]:
         return []  # the cycles are not in the samples: said already
     need = FREE_CYCLES if _free(recording) else FORCED_CYCLES
     what = f"only {motion.cycles:g} oscillation cycles stand out of the noise in {recording.duration:.4g} s"
-    if motion.cycles < need:
-        return [_error(recording, f"{what}, at least {need} are needed; record for longer or at a higher level")]
+    if motion.cycles < need and not (_free(recording) and is_short_decay(recording.response, recording.fs)):
+        return [_error(recording, f"{what}, {_too_few(recording, need)}; record for longer or at a higher level")]
     if motion.cycles < SCANT_CYCLES:
         return [_note(recording, f"{what}; {SCANT_CYCLES} or more would give better estimates")]
     return []
+
+
+def _too_few(recording: Recording, need: int) -> str:
+    """What is missing: cycles or, in free motion, knowledge of its fall."""
+    if _free(recording):
+        return f"at least {need} are needed where their fall cannot be told from noise or from a steady tone"
+    return f"at least {need} are needed"
 
 
 def no_decay(recording: Recording, motion: Oscillation) -> list[Problem]:

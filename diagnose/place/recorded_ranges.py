@@ -88,7 +88,7 @@ def _displacement(piece: Recording, cycle: float) -> np.ndarray | None:
     from scipy.ndimage import uniform_filter1d
 
     try:
-        x = displacement(piece)
+        x = displacement(piece).samples
     except (BadInput, ValueError):  # it does not oscillate, or is too short for a spline
         return None
     width = max(round(cycle * piece.fs), 1)

@@ -14,7 +14,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
 
 FS, NOISE = 500.0, 2e-6
@@ -86,12 +86,27 @@ def test_values_that_only_lie_off_lead_there_by_themselves():
 
 
 @pytest.mark.parametrize("names", [("omega0",), ("mass",)])
-@pytest.mark.parametrize("part", [1e-3, None])
-def test_another_rig_is_refused_with_both_their_figures(names, part):
+def test_another_rig_is_refused_with_both_their_figures(names):
     """30 % of a frequency, twice a mass: more than a change of temperature or a screw does."""
     factor = 1.35 if names == ("omega0",) else 2.1
     with pytest.raises(BadInput, match=r"not of the model's rig: they show 12\.67 Hz and 0\.27 kg, the model has"):
-        family_of(scaled(factor, part, names), training(), held())
+        family_of(scaled(factor, 1e-3, names), training(), held())
+
+
+@pytest.mark.parametrize(("names", "factor"), [(("omega0",), 100.0), (("mass",), 0.01)])
+def test_a_file_that_states_no_errors_claims_no_rig(names, factor):
+    """Written by hand, a hundred times off: the recordings answer, and it is said."""
+    family = family_of(scaled(factor, None, names), training(), held())
+    assert is_the_rig(family.model)
+    assert any("far from the model file" in note and "12.67 Hz and 0.27 kg" in note for note in family.notes)
+
+
+def test_a_mass_that_was_kept_while_the_rest_was_identified_is_known():
+    """It was weighed, and has no standard error for that."""
+    identified = Provenance(recordings=({"file": "decay"},), parameters=("omega0", "viscous"))
+    model = replace(scaled(2.1, None, ("mass",)), identified=identified)
+    with pytest.raises(BadInput, match="not of the model's rig"):
+        family_of(model, training(), held())
 
 
 @pytest.mark.parametrize("names", [("omega0",), ("mass",)])

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dashpot.identify import identify
 from dashpot.identify.decays import find_free_motion
 from dashpot.identify.segments import cut
 from dashpot.recording import Recording, check
@@ -209,3 +210,31 @@ def test_a_drive_in_pulses_is_no_hammer():
     force = np.where(np.mod(t, 0.21) < 0.02, 10.0, 0.0)
     x = np.convolve(force, np.exp(-1.5 * t) * np.sin(W * t))[: t.size] / (1000 * MASS * W)
     assert find_free_motion(Recording("pulses", 1000.0, x, force)).blows == ()
+
+
+@pytest.mark.parametrize("offset", [0.0, -0.04])
+@pytest.mark.parametrize("cycles", [2.2, 3.3])
+def test_a_decay_of_few_cycles_gives_a_frequency_and_a_damping_with_their_errors(cycles, offset):
+    """A wheel on a rate gyro: the recording was stopped after three swings."""
+    omega, viscous, fs = 2 * np.pi * 0.7, 0.06, 500.0
+    t = np.arange(round(cycles / 0.7 * fs)) / fs
+    speed = solve_ivp(
+        lambda _, y: (y[1], -(omega**2) * y[0] - viscous * y[1]),
+        (0, t[-1]),
+        (0.0, 0.65),
+        t_eval=t,
+        rtol=1e-10,
+        atol=1e-12,
+    ).y[1]
+    noisy = speed + offset + 7e-3 * np.random.default_rng(3).standard_normal(t.size)
+    wheel = Recording("wheel", fs, noisy, quantity="velocity", unit="rad/s")
+    assert not [problem for problem in check(wheel) if problem.severity == "error"]
+    found = identify([wheel])
+    (only,) = found.fit.segments
+    assert only.segment.n == t.size
+    assert only.nrmse < 0.02
+    model = found.oscillator
+    spread = 4 * np.hypot(model.omega0.std, 1e-6)
+    assert abs(model.omega0.value - omega) < spread
+    assert abs(model.viscous.value - viscous) < 4 * model.viscous.std
+    assert model.omega0.std < 0.2 * omega

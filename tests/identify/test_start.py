@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
+from dashpot.examples.truth import TRUTH
 from dashpot.identify.displacement import displacement
+from dashpot.identify.freevib import freevib
 from dashpot.identify.start import hilbert_start
 from dashpot.recording.recording import Recording
 
@@ -152,3 +155,24 @@ def test_silverbox_multisines_and_arrow_agree():
     assert a.omega0 == pytest.approx(b.omega0, rel=2e-3)
     assert a.mass == pytest.approx(b.mass, rel=5e-3)
     assert a.cubic == pytest.approx(b.cubic, rel=0.05)
+
+
+@pytest.mark.parametrize("fs", [500.0, 2000.0])
+@pytest.mark.parametrize("changed", [{}, {"preload": 0.3}, {"cubic": 1.5e6}])
+def test_curves_of_an_exact_accelerometer_decay_do_not_contradict_its_regression(recorded, changed, fs):
+    """Integrated twice, the small end of a backbone drifts, and what it is extrapolated to at rest with it."""
+    decay = recorded(TRUTH | changed, begin=(8e-3, 0.0), seconds=3.0, fs=fs, quantity="acceleration")
+    estimate = hilbert_start([decay])
+    assert estimate.curves
+    assert not any("differ" in note for note in estimate.notes)
+
+
+@pytest.mark.parametrize(("part", "told"), [(1.04, False), (1.06, True), (0.94, True)])
+def test_a_backbone_elsewhere_over_most_amplitudes_is_told(recorded, monkeypatch, part, told):
+    def elsewhere(x, fs):
+        found = freevib(x, fs)
+        return replace(found, omega0=part * found.omega0)
+
+    monkeypatch.setattr("dashpot.identify.start.freevib", elsewhere)
+    estimate = hilbert_start([recorded(TRUTH, begin=(8e-3, 0.0), seconds=3.0)])
+    assert any("differ by" in note for note in estimate.notes) == told

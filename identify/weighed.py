@@ -1,0 +1,122 @@
+"""The maximum of the likelihood with every frequency weighed by what is left there, as long as that is noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..model import Oscillator
+from ..recording.recording import Recording
+from .data import equivalent_resonance, expected_noise, noise_of
+from .noise_spectrum import NoiseSpectrum, estimate, white
+from .output_error import Outcome, OutputError, State
+from .plainest import by_chance, plain_cost
+from .prediction import FREE
+from .signals import noise_levels
+
+#: Residuals this many times the noise are more than the noise's own estimate leaves open.
+ABOVE_NOISE = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A maximum with the noise that it was weighed by, and its log-likelihood but for a constant.
+
+    ``left`` are the spectra of what it leaves, where it was weighed by others.
+    """
+
+    outcome: Outcome
+    noise: list[NoiseSpectrum]
+    likelihood: float
+    left: list[NoiseSpectrum] | None = None
+
+
+def weighed(
+    problem: OutputError, state: State, start: Oscillator, recordings: Sequence[Recording], linear: float = np.inf
+) -> tuple[Answer, int]:
+    """The maximum with every frequency weighed, or unweighed least squares where that has led away from the motion.
+
+    What a wrong model leaves is no noise. Weighed by it, what is explained least counts least, the more so the fewer
+    frequencies the motion has: a search may buy some noise elsewhere with the motion itself.
+
+    Args:
+        problem: the model over the segments.
+        state: its least squares.
+        start: structure.
+        recordings: of the segments.
+        linear: ``plain_cost`` of a linear rig, which the answer must not exceed.
+    """
+    answer, steps = whitened(problem, state, start)
+    residuals = problem.residuals(state)
+    if not np.isfinite(answer.likelihood):
+        return answer, steps
+    if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
+        return answer, steps
+    nearer = min(
+        (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda one: plain_cost(one[1])
+    )
+    plain = problem.search(nearer[0], tolerance=1e-3)
+    steps += plain.iterations
+    left = _left(problem, plain, start, recordings)
+    cost = plain_cost(answer.outcome.residuals)
+    if cost <= linear and cost - plain_cost(plain.residuals) < by_chance(problem, plain, left):
+        return answer, steps
+    flat = [white(residual) for residual in plain.residuals]
+    left = _noise(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
+    found = -0.5 * sum(spectrum.log_determinant() for spectrum in left)
+    plain = replace(plain, cost=0.5 * sum(residual.size for residual in plain.residuals))  # that under flat spectra
+    return Answer(plain, flat, float(found), left), steps
+
+
+def whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[Answer, int]:
+    """The maximum with every frequency weighed by the noise that is left there, and the steps to it."""
+    residuals, steps = problem.residuals(state), 0
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        nothing = np.zeros((len(problem.free), len(problem.free)))
+        return Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
+    noise = _noise(problem, residuals, state, start)
+    outcome = problem.search(state, noise, tolerance=0.1)
+    state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
+    noise = _noise(problem, residuals, state, start)
+    outcome = problem.search(state, noise, tolerance=1e-3)
+    found = -0.5 * sum(s.log_determinant() for s in _noise(problem, outcome.residuals, outcome.state, start))
+    return Answer(outcome, noise, float(found)), steps + outcome.iterations
+
+
+def over_noise(
+    problem: OutputError,
+    residuals: Sequence[np.ndarray],
+    state: State,
+    start: Oscillator,
+    recordings: Sequence[Recording],
+) -> list[float]:
+    """For each segment the rms of what is left over that of the noise."""
+    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
+    ratios = []
+    for segment, residual in zip(problem.segments, residuals, strict=True):
+        sensor, force = noise_levels(recordings[segment.recording])
+        level = expected_noise(segment, values, start.response.quantity, sensor, force)
+        ratio = float(np.sqrt(np.mean(residual**2))) / level
+        ratios.append(ratio if np.isfinite(ratio) else np.inf)
+    return ratios
+
+
+def _left(
+    problem: OutputError, plain: Outcome, start: Oscillator, recordings: Sequence[Recording]
+) -> list[NoiseSpectrum]:
+    """Spectra of what least squares leave: as they show, and no less than sensors' noise makes through the model.
+
+    Not of the form that a fit weighs by: noise on the force that nobody saw there would explain all of a motion.
+    """
+    values = dict(zip(start.parameters(), map(float, plain.state.values), strict=True))
+    spectra = []
+    for segment, residual in zip(problem.segments, plain.residuals, strict=True):
+        shown = estimate(residual)
+        density = np.full(shown.density.size, _sensor_noise(recordings[segment.recording]) ** 2)
+        if segment.force is not None and problem.memory == FREE:
+            force = noise_levels(recordings[segment.recording])[1] / values["mass"]
+            density = density + force**2 * equivalent_resonance(segment, values, start.response.quantity)
+        spectra.append(replace(shown, density=np.maximum(shown.density, density)))
+    return spectra
