@@ -14,7 +14,7 @@ import numpy as np
 from .. import __version__
 from ..errors import BadInput
 from ..model import Oscillator, Provenance, Range, Response
-from ..model.oscillator import QUANTITIES
+from ..model.oscillator import QUANTITIES, Band
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation
 from ..recording.recording import Recording
@@ -76,6 +76,7 @@ def identify(
     effects: Sequence[str] = (),
     fixed: Mapping[str, float] = MappingProxyType({}),
     start: Oscillator | None = None,
+    band: Band | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
@@ -86,6 +87,7 @@ def identify(
         effects: names of laws of the library to be fitted beside Eq. 17.
         fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
         start: model to start from, with its laws, instead of estimates from the recordings.
+        band: in which one of several modes was isolated in them, for the model file; see ``modes``.
         progress: called with one line per step.
 
     Raises:
@@ -116,7 +118,7 @@ def identify(
 
     fit, recordings, chain = _with_hold(answer(recordings), recordings, answer)
     return Identification(
-        oscillator=_with_provenance(fit, hilbert, recordings),
+        oscillator=_with_provenance(fit, hilbert, recordings, band),
         hilbert=hilbert,
         fit=fit,
         recordings=tuple(recordings),
@@ -271,7 +273,9 @@ def _same_signals(one: Recording, other: Recording) -> bool:
     return np.array_equal(one.force, other.force)
 
 
-def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Oscillator:
+def _with_provenance(
+    fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Recording], band: Band | None
+) -> Oscillator:
     model = fit.oscillator
     unit = model.response.displacement_unit
     amplitudes = [curve.amplitude for curve in hilbert.curves if curve.amplitude.size]
@@ -303,6 +307,7 @@ def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Re
             parameters=fit.names,
             covariance=tuple(tuple(float(c) for c in row) for row in fit.covariance),
             log_likelihood=fit.log_likelihood,
+            band=band,
         ),
     )
 
