@@ -24,6 +24,7 @@ from .further_laws import with_laws
 from .hilbert import noise_level
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
 from .likelihood import Fit, maximum_likelihood
+from .offset import FoundOffset
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
 
@@ -316,8 +317,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     found = []
     family = "model" if fit.oscillator.terms else "Eq. 17 family"
     for offset in fit.offsets:
-        name, unit = recordings[offset.recording].name, recordings[offset.recording].unit
-        found.append(f"{name}: the sensor shows {offset.value:.4g} ± {offset.std:.2g} {unit} at zero; it was taken off")
+        found.append(_offset_told(offset, recordings[offset.recording]))
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
@@ -340,6 +340,18 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
                 f"{100 * segment.nrmse:.0f} % of the motion unexplained"
             )
     return found
+
+
+def _offset_told(offset: FoundOffset, recording: Recording) -> str:
+    size = f"{offset.value:.4g} ± {offset.std:.2g}"
+    if offset.channel == "drift":
+        return f"{recording.name}: the sensor drifts by {size} {recording.unit} in a second; that was taken off"
+    if offset.channel == "force":
+        return (
+            f"{recording.name}: the force sensor shows {size} {recording.force_unit} at zero; it was taken off (a "
+            "constant load on the mass, the other way round, would look the same)"
+        )
+    return f"{recording.name}: the sensor shows {size} {recording.unit} at zero; it was taken off"
 
 
 def _over_noise(fit: Fit, index: int) -> float:
