@@ -8,6 +8,7 @@ import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +16,7 @@ import click
 
 from . import __version__
 from .errors import BadInput, DashpotError
-from .options import FILE, fixed_values, read_all, with_laws, with_recordings
+from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings
 from .several_values import CommandOfSeveral, SeveralValues
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ def demo(output: Path) -> None:
 )
 @click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
 @click.option("--from", "start", type=FILE, metavar="MODEL.yaml", help="Model to start from, with its laws.")
+@with_mode
 @with_laws
 @with_recordings
 def identify(
@@ -102,10 +104,12 @@ def identify(
     fix: dict[str, float],
     mass: float | None,
     start: Path | None,
+    mode: str | None,
     **options: Any,
 ) -> None:
     """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture."""
     from .identify import identify as find
+    from .identify.modes import mode_alone
     from .model.file import load, save
     from .model.laws import find as find_law
     from .model.show import as_json as model_json
@@ -123,12 +127,14 @@ def identify(
         raise BadInput(f"a mass of {fix['mass']:g} kg moves nowhere; give a positive number")
     laws = [find_law(effect).name for effect in effects]
     begin = None if start is None else load(start)
+    given, band = mode_alone(read_all(recordings, options, _say), mode, begin, _say)
     found = find(
-        read_all(recordings, options, _say),
+        given,
         name=name or output.stem,
         effects=laws,
         fixed=fix,
         start=begin,
+        band=band,
         progress=_say,
     )
     for note in found.notes:
@@ -178,6 +184,7 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     import numpy as np
 
     from .identify.hold import held_as
+    from .identify.modes import in_the_same_band
     from .identify.replay import replay
     from .model.file import load
     from .recording.csv_output import write_response
@@ -186,7 +193,9 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     if not output.name.endswith((".csv", ".csv.gz")):
         raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
     _outputs([output], [model, recording])
-    (measured,) = held_as(read_all((recording,), options, _say), oscillator.hold)
+    (measured,) = in_the_same_band(
+        held_as(read_all((recording,), options, _say), oscillator.hold), oscillator.identified.band
+    )
     if (measured.quantity, measured.unit) != (oscillator.response.quantity, oscillator.response.unit):
         raise BadInput(
             f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "
@@ -268,6 +277,7 @@ def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: 
 )
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON.")
+@with_mode
 @with_laws
 @with_recordings
 def diagnose(
@@ -276,11 +286,13 @@ def diagnose(
     holdout: tuple[Path, ...],
     output: Path,
     as_json: bool,
+    mode: str | None,
     **options: Any,
 ) -> None:
     """Find the physics that a model lacks and recordings show; exit code 1 where something stays unexplained."""
     from .diagnose import diagnose as find
     from .diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder, write_folder
+    from .identify.modes import in_band_of, in_the_same_band, mode_alone
     from .model.file import load
     from .report.diagnosis_page import diagnosis_page
     from .report.diagnosis_text import describe
@@ -290,9 +302,12 @@ def diagnose(
     _outputs([output / name for name in files], [model, *recordings, *holdout])
     oscillator = load(model)
     training, held = read_all(recordings, options, _say), read_all(holdout, options, _say)
+    training, band = mode_alone(training, mode, oscillator, _say)
+    held = in_the_same_band(held, band)
     with tempfile.TemporaryDirectory() as scratch, _progress() as progress:
         artefact = Path(scratch) / FMU
         found = find(oscillator, training, held, fmu=artefact, progress=progress)
+        found = replace(found, model=in_band_of(found.model, band))
         fmu = artefact.read_bytes() if artefact.exists() else None
     page = diagnosis_page(found, files=tuple(name for name in files if name != REPORT and (fmu or name != FMU)))
     written = write_folder(output, found, page, fmu)

@@ -41,6 +41,16 @@ def with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
     return functools.reduce(lambda wrapped, option: option(wrapped), reversed(_RECORDING_OPTIONS), command)
 
 
+def with_mode(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option that says which of several modes is meant."""
+    return click.option(
+        "--mode",
+        metavar="N|HZ",
+        help="Which of several modes, by its number in order of frequency or by its frequency in Hz; a zero-phase band "
+        "isolates it. Default: the model's band; for a new one the strongest, where others would be in its way.",
+    )(command)
+
+
 def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[Path, ...]) -> None:
     from .model.user_laws import load_law_file
 

@@ -14,7 +14,7 @@ from ..identify.from_prediction import keeps_step, memories
 from ..identify.hold import held_as, hold_note
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
-from ..identify.offset import Offset
+from ..identify.offset import FoundOffset, Offset
 from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
@@ -85,7 +85,8 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     notes += _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
     # what is missing adds up over time: the longer the memory, the more of it shows
     memory = FREE if found.fit.memory == FREE else max(memories([s.segment for s in found.fit.segments]))
-    shown = {offset.recording: offset.value for offset in found.fit.offsets}
+    recordings = _without_drift_and_force(recordings, found.fit.offsets)
+    shown = {o.recording: o.value for o in found.fit.offsets if o.channel == "response"}
     # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
     # a law is the shorter answer
     single = len(recordings) == 1
@@ -127,10 +128,15 @@ def _left(found: Identification) -> float:
 def _one_cause(found: Identification) -> bool:
     """Whether every recording shows the same at zero: a load or a sensor that sits elsewhere, and no matter of each."""
     used = {s.segment.recording for s in found.fit.segments}
-    if len(used) < 2 or len(found.fit.offsets) < len(used):
+    return len(used) > 1 and _agree([o for o in found.fit.offsets if o.channel == "response"], len(used))
+
+
+def _agree(offsets: Sequence[FoundOffset], count: int) -> bool:
+    """Whether that many offsets were found, and are the same to within their errors."""
+    if len(offsets) < count:
         return False
-    values = np.array([offset.value for offset in found.fit.offsets])
-    errors = np.array([max(offset.std, 1e-300) for offset in found.fit.offsets])
+    values = np.array([offset.value for offset in offsets])
+    errors = np.array([max(offset.std, 1e-300) for offset in offsets])
     mean = np.average(values, weights=errors**-2)
     return bool(np.all(np.abs(values - mean) < _AGREE * errors))
 
@@ -140,7 +146,26 @@ def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, fl
     if not recordings:
         return {}
     fit = maximum_likelihood(model, recordings, tuple(model.parameters()))
-    return {offset.recording: offset.value for offset in fit.offsets}
+    return {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
+
+
+def _without_drift_and_force(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> list[Recording]:
+    """Recordings less the drifts of their sensors and, where these are not all the same, the zeros of their load cells.
+
+    The same in all is a load on the mass as well, and is looked for among laws (``constant-force``).
+    """
+    forces = [offset for offset in offsets if offset.channel == "force"]
+    driven = sum(r.force is not None and bool(np.any(r.force)) for r in recordings)
+    loaded = driven > 1 and _agree(forces, driven)
+    found = list(recordings)
+    for offset in offsets:
+        r = found[offset.recording]
+        if offset.channel == "drift":
+            line = offset.value * (np.asarray(r.time, float) - offset.middle)
+            found[offset.recording] = replace(r, response=np.asarray(r.response, float) - line)
+        elif offset.channel == "force" and not loaded and r.force is not None:
+            found[offset.recording] = replace(r, force=np.asarray(r.force, float) - offset.value)
+    return found
 
 
 def _less(recording: Recording, shown: float) -> Recording:

@@ -63,7 +63,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     else:
         beats, shortest = False, SHORTEST_CYCLES
         force = np.asarray(force, float)
-        blows = blows_of(force, period)
+        blows = tuple(Blow(*struck) for struck in recording.struck) or blows_of(force, period)
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period), envelope)
     decays = tuple(sorted((d for d in decays if d.stop - d.start >= shortest * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)

@@ -145,7 +145,7 @@ def _point(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, Stat
     fixed = [name for name in model.parameters() if name not in fit.names]
     data = measured([s.segment for s in fit.segments], recordings, model, coarse=False)
     tiny = np.finfo(float).tiny
-    offsets = [Offset(o.recording, o.channel, max(o.std, tiny), o.value) for o in fit.offsets]
+    offsets = [Offset(o.recording, o.channel, max(o.std, tiny), o.value, o.middle) for o in fit.offsets]
     structure = Structure(model, data, fixed, offsets)
     problem = structure.problem.predicting(fit.memory)
     initial = np.array([s.initial for s in fit.segments])

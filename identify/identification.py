@@ -14,7 +14,7 @@ import numpy as np
 from .. import __version__
 from ..errors import BadInput
 from ..model import Oscillator, Provenance, Range, Response
-from ..model.oscillator import QUANTITIES
+from ..model.oscillator import QUANTITIES, Band
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
@@ -23,6 +23,7 @@ from .excitation import band_of, kind_of
 from .further_laws import with_laws
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
 from .likelihood import Fit, maximum_likelihood
+from .offset import FoundOffset
 from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
@@ -76,6 +77,7 @@ def identify(
     effects: Sequence[str] = (),
     fixed: Mapping[str, float] = MappingProxyType({}),
     start: Oscillator | None = None,
+    band: Band | None = None,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
@@ -86,6 +88,7 @@ def identify(
         effects: names of laws of the library to be fitted beside Eq. 17.
         fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
         start: model to start from, with its laws, instead of estimates from the recordings.
+        band: in which one of several modes was isolated in them, for the model file; see ``modes``.
         progress: called with one line per step.
 
     Raises:
@@ -116,7 +119,7 @@ def identify(
 
     fit, recordings, chain = _with_hold(answer(recordings), recordings, answer)
     return Identification(
-        oscillator=_with_provenance(fit, hilbert, recordings),
+        oscillator=_with_provenance(fit, hilbert, recordings, band),
         hilbert=hilbert,
         fit=fit,
         recordings=tuple(recordings),
@@ -271,7 +274,9 @@ def _same_signals(one: Recording, other: Recording) -> bool:
     return np.array_equal(one.force, other.force)
 
 
-def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Oscillator:
+def _with_provenance(
+    fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Recording], band: Band | None
+) -> Oscillator:
     model = fit.oscillator
     unit = model.response.displacement_unit
     amplitudes = [curve.amplitude for curve in hilbert.curves if curve.amplitude.size]
@@ -303,6 +308,7 @@ def _with_provenance(fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Re
             parameters=fit.names,
             covariance=tuple(tuple(float(c) for c in row) for row in fit.covariance),
             log_likelihood=fit.log_likelihood,
+            band=band,
         ),
     )
 
@@ -311,8 +317,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     found = []
     family = "model" if fit.oscillator.terms else "Eq. 17 family"
     for offset in fit.offsets:
-        name, unit = recordings[offset.recording].name, recordings[offset.recording].unit
-        found.append(f"{name}: the sensor shows {offset.value:.4g} ± {offset.std:.2g} {unit} at zero; it was taken off")
+        found.append(_offset_told(offset, recordings[offset.recording]))
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
@@ -335,6 +340,18 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
                 f"{100 * segment.nrmse:.0f} % of the motion unexplained"
             )
     return found
+
+
+def _offset_told(offset: FoundOffset, recording: Recording) -> str:
+    size = f"{offset.value:.4g} ± {offset.std:.2g}"
+    if offset.channel == "drift":
+        return f"{recording.name}: the sensor drifts by {size} {recording.unit} in a second; that was taken off"
+    if offset.channel == "force":
+        return (
+            f"{recording.name}: the force sensor shows {size} {recording.force_unit} at zero; it was taken off (a "
+            "constant load on the mass, the other way round, would look the same)"
+        )
+    return f"{recording.name}: the sensor shows {size} {recording.unit} at zero; it was taken off"
 
 
 def _over_noise(fit: Fit, index: int) -> float:

@@ -27,7 +27,7 @@ from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
 from .offset import FoundOffset
-from .offsets import found_offsets, kept_offsets, response_offsets
+from .offsets import found_offsets, kept_offsets, zeros_of
 from .output_error import OutputError, State
 from .plainest import linear_state, plain_cost
 from .prediction import FREE
@@ -109,7 +109,7 @@ def maximum_likelihood(
         BadInput: where nothing in the recordings can be simulated.
     """
     data = data or data_of(recordings, start, coarse=False)
-    structure = Structure(start, data, fixed, response_offsets(data, recordings, start))
+    structure = Structure(start, data, fixed, zeros_of(data, recordings, start))
     problem = structure.problem
     first, *later = growing(problem.segments)
     told, notes = problem.over(first), []
@@ -122,6 +122,9 @@ def maximum_likelihood(
             break
         told, iterations = problem.over(stage), iterations + steps
     problem, free = kept_offsets(told, free, start)
+    if any(offset.channel == "drift" for offset in problem.offsets):
+        free, rungs, steps = from_prediction(problem, free)  # what drifted may have led the search astray
+        iterations += steps
     free, plain, steps = _beside_linear(problem, free, start, recordings)
     iterations += steps
     smooth, left = smooth_stretches(problem, free)

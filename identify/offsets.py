@@ -13,7 +13,9 @@ import numpy as np
 
 from ..model import Oscillator
 from ..recording.recording import Recording
+from .blows import ContactForce
 from .data import Data, noise_of
+from .force_off import zero_of
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
 from .offset import FoundOffset, Offset
@@ -22,6 +24,8 @@ from .output_error import OutputError, State
 #: An offset stays where it is this many of its standard errors from zero: a thousand times as likely with it as
 #: without (a gain of ln 1000 is half the square of 3.7), by chance once in five thousand recordings.
 _STANDS_OUT = float(np.sqrt(2.0 * np.log(1000.0)))
+#: Fewer means over cycles than this do not show their own scatter.
+_FEWEST_MEANS = 5
 #: Laws that move the zero themselves: beside them an offset would be the same thing twice.
 _SAME_THING = ("sensor-offset", "constant-force")
 
@@ -33,6 +37,11 @@ def centre(response: np.ndarray, fs: float, omega: float) -> float:
     if count < 1:
         return float(np.mean(response))
     return float(np.median(np.mean(response[: count * period].reshape(count, period), axis=1)))
+
+
+def zeros_of(data: Data, recordings: Sequence[Recording], model: Oscillator) -> tuple[Offset, ...]:
+    """What the sensors of each recording may show at zero: the response's, and the force's where its signal says so."""
+    return (*response_offsets(data, recordings, model), *force_offsets(data, recordings, model))
 
 
 def response_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator) -> tuple[Offset, ...]:
@@ -52,24 +61,125 @@ def response_offsets(data: Data, recordings: Sequence[Recording], model: Oscilla
     return tuple(found)
 
 
+def force_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator) -> tuple[Offset, ...]:
+    """The offset of each load cell whose signal is not centred about zero; a load on the mass looks the same.
+
+    A hammer's force is taken about its zero already. Where a law stands for a load there is none.
+    """
+    if any(term.law.effect in _SAME_THING for term in model.terms):
+        return ()
+    driven = sorted(
+        {s.recording for s in data.segments if s.force is not None and not isinstance(s.force, ContactForce)}
+    )
+    found = []
+    for index in driven:
+        force, fs = np.asarray(recordings[index].force, float), recordings[index].fs
+        period = max(2, round(2 * np.pi / data.scales.omega * fs))
+        zero, error = zero_of(force, period), _error_of_centre(force, period)
+        if abs(zero) > _STANDS_OUT * error:
+            found.append(Offset(index, "force", 1e-2 * float(np.std(force)), zero))
+    return tuple(found)
+
+
+def _error_of_centre(force: np.ndarray, period: int) -> float:
+    """Standard error of the middle of a force (n,), from the scatter of its means over cycles."""
+    count = force.size // period
+    if count < _FEWEST_MEANS:
+        return np.inf
+    means = np.mean(force[: count * period].reshape(count, period), axis=1)
+    return float(np.median(np.abs(means - np.median(means)))) * 1.4826 / np.sqrt(count)
+
+
 def kept_offsets(problem: OutputError, state: State, start: Oscillator) -> tuple[OutputError, State]:
-    """The problem with the offsets that stand out of their errors alone; the others are zero from here on."""
-    if not problem.offsets:
+    """The problem with the offsets that stand out of their errors alone, the others zero from here on; and drifts.
+
+    The force's are judged first: what a load cell shows at zero moves the mass of a linear rig just as far as its own
+    sensor's offset seems to, and of two that cannot be told apart the response's stays.
+    """
+    problem, state = _without_those_of_chance(problem, state, start, "force")
+    problem, state = _without_those_of_chance(problem, state, start, "response")
+    return _with_drifts(problem, state, start)
+
+
+def _without_those_of_chance(
+    problem: OutputError, state: State, start: Oscillator, channel: str
+) -> tuple[OutputError, State]:
+    if not any(offset.channel == channel for offset in problem.offsets):
         return problem, state
-    judged = problem  # where no simulation runs to the end, a prediction over a cycle does
-    residuals = problem.residuals(state)
-    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
-        judged = problem.predicting(1.0)
-        residuals = judged.residuals(state)
-    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    noise = noise_of(problem.segments, residuals, values, start.response.quantity, judged.memory)
-    covariance = pseudo_inverse(judged.shared_information(state, residuals, noise))
-    errors = np.sqrt(np.maximum(np.diag(covariance)[len(problem.free) :], 0.0))
-    stays = np.abs(state.offsets) > _STANDS_OUT * errors
+    judged, residuals = _simulating(problem, state)
+    free = len(problem.free)
+    information = judged.shared_information(state, residuals, _noise(judged, residuals, state, start))
+    errors = np.sqrt(np.maximum(np.diag(pseudo_inverse(information))[free:], 0.0))
+    asked = np.array([offset.channel == channel for offset in problem.offsets])
+    stays = ~asked | (np.abs(state.offsets) > _STANDS_OUT * errors)
     if np.all(stays):
         return problem, state
-    kept = tuple(offset for offset, stay in zip(problem.offsets, stays, strict=True) if stay)
-    return problem.with_offsets(kept), replace(state, offsets=state.offsets[stays])
+    # the others take over what those that go have told: the maximum of the likelihood under that they are zero
+    kept, gone = np.flatnonzero(stays), np.flatnonzero(~stays)
+    within = np.concatenate([np.arange(free), free + kept]).astype(int)
+    part = pseudo_inverse(information[np.ix_(within, within)]) @ information[np.ix_(within, free + gone)]
+    shift = (part @ state.offsets[gone])[free:] if channel == "force" else np.zeros(kept.size)
+    offsets = state.offsets[kept] + shift
+    return problem.with_offsets([problem.offsets[i] for i in kept]), replace(state, offsets=offsets)
+
+
+def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple[OutputError, State]:
+    """The problem with a drift of each recording whose residual asks for one, by the score at none (Rao 1948).
+
+    It moves the zero where that is free: where a law stands for the zero there is no drift either. A drift needs the
+    offset beside it, so the offsets of its recording come with it.
+    """
+    if any(term.law.effect in _SAME_THING for term in start.terms):
+        return problem, state
+    judged, residuals = _simulating(problem, state)
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        return problem, state
+    added: list[Offset] = []
+    for index in sorted({segment.recording for segment in problem.segments}):
+        parts = [(s, r) for s, r in zip(problem.segments, residuals, strict=True) if s.recording == index]
+        begin, end = parts[0][0].time, parts[-1][0].time + parts[-1][0].n * parts[-1][0].dt
+        size = 1e-2 * float(np.std(np.concatenate([s.response for s, _ in parts])))
+        if not any((o.recording, o.channel) == (index, "response") for o in problem.offsets):
+            added.append(Offset(index, "response", size))
+        added.append(Offset(index, "drift", size / (end - begin), middle=0.5 * (begin + end)))
+    tried = judged.with_offsets([*problem.offsets, *added])
+    point = replace(state, offsets=np.concatenate([state.offsets, np.zeros(len(added))]))
+    straight = [r - _line(r) for r in residuals]
+    noise = _noise(judged, straight, state, start)
+    step, errors = tried.score(point, residuals, noise)
+    first = len(problem.free)
+    stands = {
+        tried.offsets[i].recording
+        for i in range(len(tried.offsets))
+        if tried.offsets[i].channel == "drift" and abs(step[first + i]) > _STANDS_OUT * errors[first + i]
+    }
+    chosen = [i for i, o in enumerate(tried.offsets) if i < len(problem.offsets) or o.recording in stands]
+    if not stands:
+        return problem, state
+    moved = [float(point.offsets[i] + step[first + i]) for i in chosen]
+    return problem.with_offsets([tried.offsets[i] for i in chosen]), replace(state, offsets=np.array(moved))
+
+
+def _line(residual: np.ndarray) -> np.ndarray:
+    """The straight line through (n,) samples, which a drift is not to be weighed by."""
+    place = np.linspace(-1.0, 1.0, residual.size)
+    return np.mean(residual) + place * (place @ residual) / (place @ place)
+
+
+def _simulating(problem: OutputError, state: State) -> tuple[OutputError, tuple[np.ndarray, ...]]:
+    """The problem, or where no simulation runs to its end its prediction over a cycle, and the residuals."""
+    residuals = problem.residuals(state)
+    if all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        return problem, residuals
+    judged = problem.predicting(1.0)
+    return judged, judged.residuals(state)
+
+
+def _noise(
+    problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
+) -> list[NoiseSpectrum]:
+    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
+    return noise_of(problem.segments, residuals, values, start.response.quantity, problem.memory)
 
 
 def found_offsets(
@@ -81,6 +191,6 @@ def found_offsets(
     covariance = pseudo_inverse(problem.shared_information(state, residuals, noise))
     errors = np.sqrt(np.maximum(np.diag(covariance)[len(problem.free) :], 0.0))
     return tuple(
-        FoundOffset(offset.recording, offset.channel, float(value), float(error))
+        FoundOffset(offset.recording, offset.channel, float(value), float(error), offset.middle)
         for offset, value, error in zip(problem.offsets, state.offsets, errors, strict=True)
     )

@@ -20,8 +20,8 @@ import numpy as np
 from ..simulate.core import Core
 from ..simulate.force import Force
 from .noise_spectrum import NoiseSpectrum, white
-from .normal_equations import Block, promise, shared_information, solve
-from .offset import Offset
+from .normal_equations import Block, promise, pseudo_inverse, shared_information, solve
+from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .segments import Segment
 
@@ -139,10 +139,14 @@ class OutputError:
 
     def keeping(self, state: State) -> OutputError:
         """The same with all parameters and offsets as they are: only initial states are to be found."""
-        shown = {offset.recording: float(v) for offset, v in zip(self.offsets, state.offsets, strict=True)}
         other = self.with_offsets(())
         other.free, other.shared = (), 0
-        other.segments = tuple(replace(s, response=s.response - shown.get(s.recording, 0.0)) for s in other.segments)
+        less = []
+        for segment in self.segments:
+            shown, pushes = zeros_along(self.offsets, state.offsets, segment)
+            force = segment.force if segment.force is None or not pushes else segment.force.shifted(-pushes)
+            less.append(replace(segment, response=segment.response - shown, force=force))
+        other.segments = tuple(less)
         return other
 
     def shared_information(
@@ -162,14 +166,10 @@ class OutputError:
     ) -> np.ndarray:
         """(n,) response of one segment, its sensor's offset in it, to its own force or to another."""
         segment = self.segments[index]
-        force, shown = force or segment.force, 0.0
-        for offset, value in zip(self.offsets, state.offsets, strict=True):
-            if offset.recording != segment.recording:
-                continue
-            if offset.channel == "response":
-                shown = float(value)
-            elif force is not None and value:
-                force = force.shifted(-float(value))
+        force = force or segment.force
+        shown, pushes = zeros_along(self.offsets, state.offsets, segment)
+        if force is not None and pushes:
+            force = force.shifted(-pushes)
         measured = gain = None
         if self.memory != FREE:
             own = prediction_gain(self.memory, segment.pace, segment.dt, self.core.quantity)
@@ -189,7 +189,7 @@ class OutputError:
             signs=signs,
             keep=keep,
         )
-        return made + shown if shown else made
+        return made + (shown[: made.size] if shown.ndim else float(shown)) if np.any(shown) else made
 
     def own(self, segment: Segment) -> tuple[int, ...]:
         """Which of its initial states a segment has to itself: none but phases where it starts at rest."""
@@ -362,6 +362,14 @@ class OutputError:
             white_rows = spectrum.whiten(rows)
             blocks.append((white_rows @ white_rows.T, np.zeros(rows.shape[0])))
         return self._of_parameters(shared_information(blocks, self.shared))
+
+    def score(
+        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """(shared,) first step of a search from here, and the standard errors of what it would find."""
+        blocks = self._blocks(state, residuals, noise)
+        covariance = pseudo_inverse(shared_information(blocks, self.shared))
+        return solve(blocks, 0.0, self.shared)[0], np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
     def _of_parameters(self, shared: np.ndarray) -> np.ndarray:
         """(k, k) information on the free parameters, the offsets eliminated."""

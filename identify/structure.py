@@ -184,7 +184,7 @@ class Structure:
         states = self.problem.core.states
         own = np.zeros((len(self.data.segments), states))
         if initial is None:
-            shown = {offset.recording: offset.guess for offset in self.problem.offsets}
+            shown = {o.recording: o.guess for o in self.problem.offsets if o.channel == "response"}
             shifts = [shown.get(segment.recording, 0.0) for segment in self.segments]
             initial = initial_states(self.segments, self.model.response.quantity, shifts)
         own[:, : initial.shape[1]] = initial[:, :states]

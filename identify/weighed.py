@@ -114,9 +114,16 @@ def _left(
     spectra = []
     for segment, residual in zip(problem.segments, plain.residuals, strict=True):
         shown = estimate(residual)
-        density = np.full(shown.density.size, _sensor_noise(recordings[segment.recording]) ** 2)
+        density = np.full(shown.density.size, noise_levels(recordings[segment.recording])[0] ** 2)
         if segment.force is not None and problem.memory == FREE:
             force = noise_levels(recordings[segment.recording])[1] / values["mass"]
             density = density + force**2 * equivalent_resonance(segment, values, start.response.quantity)
         spectra.append(replace(shown, density=np.maximum(shown.density, density)))
     return spectra
+
+
+def _noise(
+    problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
+) -> list[NoiseSpectrum]:
+    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
+    return noise_of(problem.segments, residuals, values, start.response.quantity, problem.memory)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import BadInput
 from ..writing import replacing
 from .laws import BASE
-from .oscillator import Oscillator, Provenance, Range, Response, Term
+from .oscillator import Band, Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter
 
 if TYPE_CHECKING:
@@ -117,6 +117,7 @@ def _oscillator(form: ModelForm, free: list[str]) -> Oscillator:
             parameters=tuple(identified.parameters or (free if covariance is not None else ())),
             covariance=None if covariance is None else tuple(tuple(map(float, row)) for row in covariance),
             log_likelihood=identified.log_likelihood,
+            band=None if (b := identified.band) is None else Band(b.mode, b.low, b.high),
         ),
     )
 
@@ -191,6 +192,8 @@ def _identified(identified: Provenance) -> list[str]:
     lines += [
         f"  {name}: {_text(getattr(identified, name))}" for name in ("method", "software") if getattr(identified, name)
     ]
+    if (band := identified.band) is not None:
+        lines.append(f"  band: {_flow({'mode': band.mode, 'low': band.low, 'high': band.high, 'unit': 'Hz'})}")
     if identified.parameters:
         lines.append(f"  parameters: {_row(identified.parameters)}")
     if identified.covariance is not None:

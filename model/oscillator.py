@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
 from . import units
@@ -12,8 +13,13 @@ from .law import Law
 from .laws import BASE, find
 from .parameter import Parameter
 
+if TYPE_CHECKING:
+    import numpy as np
+
 MASS_UNIT = "Q.s2/X"
 QUANTITIES = ("displacement", "velocity", "acceleration")
+#: Half the width of a band's flank, as a part of the way from the mode to its edge (in logarithms).
+_TAPER = 0.25
 #: How the recorded force ran between its samples, and in words.
 HOLDS = {
     "zero": "held from sample to sample",
@@ -46,6 +52,46 @@ class Range:
 
 
 @dataclass(frozen=True)
+class Band:
+    """The band in which one mode of a recording was looked at, in Hz.
+
+    Attributes:
+        mode: frequency of the mode.
+        low: lower edge, at half height; 0 for none.
+        high: upper edge, at half height; None for none.
+    """
+
+    mode: float
+    low: float = 0.0
+    high: float | None = None
+
+    @property
+    def flat(self) -> tuple[float, float]:
+        """Between which frequencies it passes everything: three quarters of the way to its edges, in logarithms."""
+        below = self.mode * (self.low / self.mode) ** (1 - _TAPER) if self.low > 0 else 0.0
+        return below, math.inf if self.high is None else self.mode * (self.high / self.mode) ** (1 - _TAPER)
+
+    @property
+    def taper(self) -> float:
+        """Width in Hz of its narrower flank, from all to nothing."""
+        edges = [edge for edge in (self.low, self.high) if edge]
+        widths = [self.mode * abs((e / self.mode) ** (1 + _TAPER) - (e / self.mode) ** (1 - _TAPER)) for e in edges]
+        return min(widths, default=math.inf)
+
+    def gain(self, frequency: np.ndarray) -> np.ndarray:
+        """(n,) gain, 0 to 1, at frequencies in Hz: flanks are half a cosine of the frequency's logarithm."""
+        import numpy as np
+
+        octaves = np.log(np.maximum(frequency, 1e-9 * self.mode) / self.mode)
+        gain = np.ones(frequency.shape)
+        for edge, sign in ((self.low, -1.0), (self.high, 1.0)):
+            if edge:
+                way = sign * octaves / abs(math.log(edge / self.mode))
+                gain = gain * (0.5 + 0.5 * np.cos(np.pi * np.clip((way - 1 + _TAPER) / (2 * _TAPER), 0.0, 1.0)))
+        return gain
+
+
+@dataclass(frozen=True)
 class Term:
     """One further effect beside Eq. 17."""
 
@@ -69,6 +115,7 @@ class Provenance:
         parameters: names in the order of the covariance's rows.
         covariance: rows of the parameters' covariance, in the parameters' units.
         log_likelihood: at the maximum.
+        band: in which one of several modes was isolated; None where recordings were taken as they are.
     """
 
     recordings: tuple[Mapping[str, Any], ...] = ()
@@ -77,6 +124,7 @@ class Provenance:
     parameters: tuple[str, ...] = ()
     covariance: tuple[tuple[float, ...], ...] | None = None
     log_likelihood: float | None = None
+    band: Band | None = None
 
 
 @dataclass(frozen=True)

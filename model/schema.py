@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
 from ..errors import BadInput
@@ -93,6 +93,21 @@ class RecordingForm(_Form):
     kind: _Words | None = None
 
 
+class BandForm(_Form):
+    """The band in which one mode was isolated."""
+
+    mode: Annotated[float, Field(gt=0)]
+    low: Annotated[float, Field(ge=0)] = 0.0
+    high: Annotated[float, Field(gt=0)] | None = None
+    unit: Literal["Hz"] = "Hz"
+
+    @model_validator(mode="after")
+    def _in_order(self) -> BandForm:
+        if not self.low < self.mode < (self.high or float("inf")):
+            raise PydanticCustomError("band", "the mode must lie between low and high; put them in order")
+        return self
+
+
 class IdentifiedForm(_Form):
     """Where the numbers come from."""
 
@@ -102,6 +117,7 @@ class IdentifiedForm(_Form):
     parameters: list[str] = []
     covariance: list[list[float]] | None = None
     log_likelihood: float | None = None
+    band: BandForm | None = None
 
 
 class ModelForm(_Form):

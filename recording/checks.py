@@ -8,9 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from .clipping import clipping, measured
+from .clipping import Clipping, clipping, measured, noise_of
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
-from .plausibility import implausible
+from .plausibility import ROTATIONS, implausible
 from .polarity import REVERSED, power_cosine
 from .reach import lasting, reach
 from .recording import Recording
@@ -32,16 +32,19 @@ class Problem:
     sentence: str
 
 
-def check(recording: Recording) -> list[Problem]:
+def check(recording: Recording, *, stated: bool = False) -> list[Problem]:
     """Return everything wrong with a recording, errors first; an empty list means that nothing was found.
 
-    A signal that holds no numbers or never moves is judged no further.
+    A signal that holds no numbers or never moves is judged no further. Where the unit of the response was `stated` by
+    the user, a rotation by many turns is what it is: a shaft turns so far, and a torsion wire.
     """
     problems = not_a_number(recording) or constant(recording)
     if not problems:
         motion = oscillation_of(recording)
         for judge in _JUDGES:
             problems += judge(recording, motion)
+        if stated and recording.unit in ROTATIONS:
+            problems = [p for p in problems if p not in wrong_unit(recording, motion)]
     return sorted(problems, key=lambda problem: problem.severity != "error")
 
 
@@ -72,7 +75,11 @@ def constant(recording: Recording) -> list[Problem]:
 
 
 def clipped(recording: Recording, motion: Oscillation) -> list[Problem]:
-    """Find signals cut off at the end of the measuring range; a force cut off without any noise was commanded so."""
+    """Find signals cut off at the end of the measuring range.
+
+    A force cut off without any noise was commanded so. Where the peaks hide less of the force than the response's noise
+    is of the motion, the loss does not show in the recording.
+    """
     problems = []
     for signal, name, unit in _signals(recording):
         rails = clipping(signal)
@@ -86,9 +93,21 @@ def clipped(recording: Recording, motion: Oscillation) -> list[Problem]:
         )
         if name == "force" and not measured(signal):
             problems.append(_note(recording, f"{what}; if it was measured and not commanded so, record again"))
+        elif name == "force" and (share := _hidden(rails, signal)) < _noise_share(recording.response):
+            lost = f"{100 * share:.2g} % of the force, which the noise of the response exceeds"
+            problems.append(_note(recording, f"{what}; that hides about {lost}"))
         else:
             problems.append(_error(recording, f"{what}; record again with a larger measuring range or a lower level"))
     return problems
+
+
+def _hidden(rails: list[Clipping], signal: np.ndarray) -> float:
+    """Rms of what lies beyond the rails over that of the signal."""
+    return float(np.sqrt(sum(rail.hidden for rail in rails) / (len(signal) * np.var(signal))))
+
+
+def _noise_share(response: np.ndarray) -> float:
+    return noise_of(response) / float(np.std(response))
 
 
 def undersampled(recording: Recording, motion: Oscillation) -> list[Problem]:

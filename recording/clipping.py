@@ -6,6 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .resolution import converter_step
+
 SHORTEST = 3  # samples: two equal samples astride a smooth peak are common
 VISITS = 2  # one flat top may be the signal's own
 MARGIN = 16.0  # a smooth peak falls at most 8 steps of resolution within one run length; twice that
@@ -16,12 +18,16 @@ SENSOR_NOISE = 1e-5  # of the peak: no sensor is quieter, so below it the signal
 
 @dataclass(frozen=True)
 class Clipping:
-    """The level at which a signal is cut, how often, how many samples of it, and the first one's index."""
+    """The level at which a signal is cut, how often, how many samples of it, and the first one's index.
+
+    ``hidden`` is the sum of squares of what lies beyond the rail, by parabolas through the flanks of each flat top.
+    """
 
     level: float
     visits: int
     samples: int
     first: int
+    hidden: float = 0.0
 
 
 def clipping(signal: np.ndarray) -> list[Clipping]:
@@ -40,7 +46,8 @@ def clipping(signal: np.ndarray) -> list[Clipping]:
         cut = [(i, n) for i, n in zip(starts, lengths, strict=True) if _is_cut(sign * signal, int(i), int(n), step)]
         if cut:
             samples = int(sum(n for _, n in cut))
-            found.append(Clipping(float(signal[cut[0][0]]), len(cut), samples, int(cut[0][0])))
+            hidden = sum(_beyond(sign * signal, int(i), int(n)) for i, n in cut)
+            found.append(Clipping(float(signal[cut[0][0]]), len(cut), samples, int(cut[0][0]), hidden))
     both = sum(rail.visits for rail in found) >= VISITS
     at_rails = sum(rail.samples for rail in found) <= MOST * len(signal)
     return found if both and at_rails else []
@@ -55,6 +62,14 @@ def measured(signal: np.ndarray) -> bool:
     peak = float(np.max(np.abs(signal)))
     fourth, fifth = (float(np.median(np.abs(np.diff(signal, k)))) for k in (4, 5))
     return fifth > fourth and fourth / np.sqrt(70) > SENSOR_NOISE * peak
+
+
+def noise_of(signal: np.ndarray) -> float:
+    """Standard deviation of the white noise on a signal (n,), its converter's steps among it.
+
+    From its fourth differences, which leave little of a well sampled motion and multiply noise by sqrt(70).
+    """
+    return max(float(np.std(np.diff(signal, 4))) / np.sqrt(70), converter_step(signal) / np.sqrt(12))
 
 
 def _resolution(signal: np.ndarray) -> float:
@@ -80,6 +95,19 @@ def _is_cut(signal: np.ndarray, start: int, length: int, step: float) -> bool:
     drop = signal[start] - max(signal[before], signal[after])
     rises = _bends_at_once(signal[before : start + 1])
     return bool(drop > MARGIN * step and (rises or _bends_at_once(signal[after : start + length - 2 : -1])))
+
+
+def _beyond(signal: np.ndarray, start: int, length: int) -> float:
+    """Sum of squares of what a parabola through both flanks, each half as long as the flat top, makes beyond the rail.
+
+    Further down the flanks of a sine that was cut deeply bend the other way.
+    """
+    side = max(SHORTEST, length // 2)
+    place = np.arange(start - side, start + length + side)
+    flank = (place < start) | (place >= start + length)
+    u = (place - np.mean(place)) / length
+    peak = np.polyval(np.polyfit(u[flank], signal[place[flank]], 2), u[~flank])
+    return float(np.sum(np.maximum(peak - signal[start], 0.0) ** 2))
 
 
 def _bends_at_once(way: np.ndarray) -> bool:

@@ -17,6 +17,7 @@ MOST_TURNED = math.pi  # rad: beyond half a turn it rotates and does not vibrate
 MOST_STRAINED = 0.05  # elastic strain of metals ends near 0.005, of most plastics near 0.05
 LEAST_STRAINED = 1e-10
 
+ROTATIONS = ("rad", "rad/s", "rad/s2")
 _SMALLER = {"m": ("mm", "um"), "m/s": ("mm/s", "um/s"), "m/s2": ("mm/s2",), "strain": ("microstrain",)}
 
 
@@ -38,7 +39,7 @@ def implausible(quantity: str, unit: str, amplitude: float, frequency: float) ->
     order = {"displacement": 0, "velocity": 1, "acceleration": 2}[quantity]
     moved, speed, acceleration = (amplitude * omega ** (k - order) for k in range(3))
     size = f"{amplitude:.3g} {unit} at {frequency:.3g} Hz"
-    if unit in ("rad", "rad/s", "rad/s2") and moved > MOST_TURNED:
+    if unit in ROTATIONS and moved > MOST_TURNED:
         return Implausible(True, f"{size} is {moved / (2 * math.pi):.3g} turns", unit.replace("rad", "deg"))
     if unit == "strain" and amplitude > MOST_STRAINED:
         return Implausible(True, f"{size} would break the part", "microstrain")

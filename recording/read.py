@@ -55,7 +55,7 @@ def read(
     recording = replace(recording, hold=hold)
     if part is not None:
         recording = cut_out(recording, part)
-    return _checked(recording) if checked else recording
+    return _checked(recording, stated=unit is not None) if checked else recording
 
 
 def _content(path: Path) -> bytes:
@@ -163,10 +163,10 @@ def _time_factor(table: Table, index: int) -> float:
     return unit.factor
 
 
-def _checked(recording: Recording) -> Recording:
+def _checked(recording: Recording, *, stated: bool) -> Recording:
     from .checks import FORCE_IS_NOISE, check
 
-    problems = check(recording)
+    problems = check(recording, stated=stated)
     errors = [problem.sentence for problem in problems if problem.severity == "error"]
     if errors:
         raise BadInput("\n".join(errors))

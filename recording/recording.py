@@ -26,7 +26,8 @@ class Recording:
     `force_unit` are SI, or as recorded where no SI factor exists (V, strain). `fs` is in Hz, `start` in s.
     `sha256` is of the file as read; `notes` are the sentences that reading or checking had to say. `free` is set where
     the record is known to be a piece of one free decay, which need not be sought in it again. `hold` is how the force
-    runs between its samples, one of HOLDS, None where nobody said.
+    runs between its samples, one of HOLDS, None where nobody said. `struck` holds start, stop and whether it was
+    clipped of each blow of a hammer where these are known, after a band has drawn them out.
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
@@ -43,6 +44,7 @@ class Recording:
     notes: tuple[str, ...] = ()
     free: bool = False
     hold: str | None = None
+    struck: tuple[tuple[int, int, bool], ...] = ()
 
     def __post_init__(self) -> None:
         if not (math.isfinite(self.fs) and self.fs > 0):
@@ -96,7 +98,11 @@ class Recording:
         """Return the samples i to j as Python slices them; raises BadInput when fewer than 2 remain."""
         first, last, _ = slice(i, j).indices(self.n)
         force = None if self.force is None else self.force[first:last]
-        return replace(self, response=self.response[first:last], force=force, start=self.start + first / self.fs)
+        struck = tuple(
+            (max(a - first, 0), min(b, last) - first, c) for a, b, c in self.struck if b > first and a < last
+        )
+        start = self.start + first / self.fs
+        return replace(self, response=self.response[first:last], force=force, start=start, struck=struck)
 
     def to_sep5(self) -> list[dict[str, Any]]:
         """Return the response, then the force if any, as SEP 5 time-series dictionaries (sdypy)."""

@@ -17,7 +17,8 @@ class Unit:
     """A unit: its SI spelling, the factor that brings a value to it, and the quantity it measures.
 
     `quantity` is displacement, velocity, acceleration, force, time, or "any" for what a transducer gives out
-    before calibration (V, A): such a column can stand for a force or for a response.
+    before calibration (V, A, counts of a converter or an encoder, pixels of a camera): such a column can stand for a
+    force or for a response.
     """
 
     text: str
@@ -65,6 +66,8 @@ _UNITS = {
         Unit("mV", "V", 1e-3, "any"),
         Unit("A", "A", 1.0, "any"),
         Unit("mA", "A", 1e-3, "any"),
+        Unit("counts", "counts", 1.0, "any"),
+        Unit("px", "px", 1.0, "any"),
         Unit("s", "s", 1.0, "time"),
         Unit("ms", "s", 1e-3, "time"),
         Unit("us", "s", 1e-6, "time"),
@@ -75,6 +78,7 @@ _WORDS = {
     "metres": "m", "millimeter": "mm", "millimetre": "mm", "degree": "deg", "degrees": "deg", "°": "deg",
     "radian": "rad", "radians": "rad", "ue": "microstrain", "ustrain": "microstrain", "um/m": "microstrain",
     "newton": "N", "newtons": "N", "KN": "kN", "Nm": "N.m", "N*m": "N.m", "N m": "N.m", "volt": "V", "volts": "V",
+    "count": "counts", "cts": "counts", "pixel": "px", "pixels": "px",
     "sec": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us", "G": "g", "g0": "g", "gn": "g",
     "mps": "m/s", "mps2": "m/s2", "mmps": "mm/s", "mmps2": "mm/s2", "ips": "in/s", "rps": "rad/s",
 }  # fmt: skip
