@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -32,28 +32,15 @@ from .place.locate import locate
 from .place.missing_force import latent_forces
 from .recordings import carries, same_quantity, split, why_unused
 from .result import Considered, Diagnosis, Effect
-from .search.judgement import Round, Trial
+from .search.candidate import STAGES, Candidate, key
+from .search.judgement import names_of, only_a_name, standing, why_not
 from .search.residual_test import leftovers
 from .search.residual_test import sentence as remainder_sentence
 from .search.search import SENSOR_OFFSET, Search
+from .search.weigh import judged as judged_by
 from .verdict import sentence_of, verdict_of
 
 _DRAWS = 30
-_MOST_EFFECTS = 3
-
-
-@dataclass(frozen=True, eq=False)
-class _Found:
-    """The outcome of the search: the family's best, the mended model, the accepted trials and all rounds."""
-
-    family: Fitted
-    final: Fitted
-    chain: tuple[Trial, ...]
-    rounds: tuple[Round, ...]
-
-    def round_of(self, trial: Trial) -> Round:
-        """The round that a trial won."""
-        return next(round_ for round_ in self.rounds if trial in round_.trials)
 
 
 def diagnose(
@@ -104,24 +91,29 @@ def diagnose(
         )
     data = cut_for(best, recordings, model)
     # cut as the training was, whatever the fit made of the spring
-    judged = cut_for(best, holdout, model) if holdout else data
+    judged = cut_for(best, holdout, model) if holdout else None
     laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != SENSOR_OFFSET]
     search = Search(data, judged, laws, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
-    begun = first_fit(search, best.model)
+    family = first_fit(search, best.model)
     memory = search.data.memory
-    found = _search(search, begun, progress)
+    found = search.from_family(family)
+    family = search.candidates[()].fit or family
+    fitted = found.fit or family
     # what is left is said of simulations: a prediction leaves less
-    data, judged = (replace(part, memory=FREE) for part in (search.data, search.holdout))
-    final = found.final if search.data.memory == FREE else search.judge(found.final.model, data)
-    family = found.family if memory == FREE else search.judge(found.family.model, data)
-    left = (*leftovers(final, data), *leftovers(search.judge(found.final.model, judged), judged))
-    before_left = (*leftovers(family, data), *leftovers(search.judge(found.family.model, judged), judged))
-    other_rig = stranger(found.final, search, left, len(data.segments))
+    data = replace(search.data, memory=FREE)
+    held = None if search.holdout is None else replace(search.holdout, memory=FREE)
+    final = fitted if search.data.memory == FREE else judged_by(fitted.model, data)
+    family_free = family if memory == FREE else judged_by(family.model, data)
+    left, before_left = leftovers(final, data), leftovers(family_free, data)
+    if held is not None:
+        left += leftovers(judged_by(fitted.model, held), held)
+        before_left += leftovers(judged_by(family.model, held), held)
+    other_rig = stranger(fitted, search, left, len(data.segments))
     if other_rig:
         notes.append(other_rig)
     progress("standard errors", 0.86)
-    before = _with_errors(found.family, replace(data, memory=memory), recordings)
-    after = _with_errors(found.final, search.data, recordings) if found.chain and not other_rig else None
+    before = _with_errors(family, replace(data, memory=memory), recordings)
+    after = _with_errors(fitted, search.data, recordings) if found.laws and not other_rig else None
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     with TemporaryDirectory() as folder:
         artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
@@ -130,12 +122,12 @@ def diagnose(
     remainder = remainder_sentence(left)
     effects: tuple[Effect, ...] = ()
     if after is not None:
-        effects = tuple(_effect(trial, found.round_of(trial).rivals(trial), after) for trial in found.chain)
+        effects = _effects(found, search, after)
     verdict = verdict_of(effects, remainder, records)
     progress("where, and what to record next", 0.95)
-    location = None if verdict == "consistent" else locate(family, data)
-    latent = () if verdict == "consistent" else latent_forces(family, data, after)
-    experiment = next_experiment(_survivors(found, after or before), data)
+    location = None if verdict == "consistent" else locate(family_free, data)
+    latent = () if verdict == "consistent" else latent_forces(family_free, data, after)
+    experiment = next_experiment(_survivors(found, search, after or before), data)
     effects = tuple(
         replace(e, separated_by=separated_by(e.effect, e.indistinguishable_from, experiment)) for e in effects
     )
@@ -148,7 +140,7 @@ def diagnose(
         before=before,
         model=after or before,
         records=tuple(records),
-        considered=tuple(_considered(found, judged)),
+        considered=tuple(_considered(found, search)),
         experiment=experiment,
         remainder=remainder,
         latent=latent,
@@ -156,39 +148,15 @@ def diagnose(
     )
 
 
-def _survivors(found: _Found, best: Oscillator) -> dict[str, Oscillator]:
+def _survivors(found: Candidate, search: Search, best: Oscillator) -> dict[str, Oscillator]:
     """The model and its closest rivals, by name."""
     models = {(best.terms[-1].effect if best.terms else "Eq. 17"): best}
-    if found.chain:
-        last = [round_ for round_ in found.rounds if set(round_.trials) & set(found.chain)][-1]
-        finished = [t for t in last.trials if t.finished and t.effect not in models]
-    else:
-        finished = [t for t in found.rounds[-1].trials if t.finished]
-    for trial in finished[:3]:
-        models[trial.effect] = trial.fitted.model
+    others = [c for c in search.candidates.values() if c.stage == "judged" and c.laws and c.laws != found.laws]
+    for candidate in sorted(others, key=lambda c: -c.value)[:3]:
+        name = next((law for law in candidate.laws if law not in found.laws), "less")
+        if candidate.fit is not None:
+            models.setdefault(name, candidate.fit.model)
     return models
-
-
-def _search(search: Search, family: Fitted, progress: Callable[[str, float], None]) -> _Found:
-    """One effect after another, as long as both kinds of recordings ask for it."""
-    chain: list[Trial] = []
-    rounds: list[Round] = []
-    current = family
-    while len(chain) < _MOST_EFFECTS:
-        done = 1.0 - 0.5 ** len(chain)
-        search.progress = lambda what, part, d=done: progress(what, 0.05 + 0.8 * (d + 0.5 * (1.0 - d) * part))
-        round_ = search.round(current)
-        rounds.append(round_)
-        if round_.best is None:
-            current = round_.before  # the trials may have led the model itself to a better place
-            family = family if chain else current
-            break
-        chain.append(round_.best)
-        current = round_.best.fitted
-        if len(chain) > 1:
-            chain, current = search.reconsidered(chain)
-        current = search.simulated(current)
-    return _Found(family, current, tuple(chain), tuple(rounds))
 
 
 def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) -> Oscillator:
@@ -227,33 +195,47 @@ def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) ->
     )
 
 
-def _effect(trial: Trial, rivals: Sequence[str], model: Oscillator) -> Effect:
-    law = find(trial.effect)
-    (term,) = [term for term in model.terms if term.effect == trial.effect]
-    return Effect(law.effect, law.name, law.path, dict(term.parameters), tuple(rivals))
+def _effects(found: Candidate, search: Search, model: Oscillator) -> tuple[Effect, ...]:
+    """What is named, the most probable first."""
+    values, effects = model.values(), []
+    candidates = list(search.candidates.values())
+    for name in found.laws:
+        (term,) = [term for term in model.terms if term.effect == name]
+        stands = standing(name, found, candidates, search.parts)
+        names = names_of(term, values)
+        law, own = find(names[0]), find(names[0]).effect
+        rivals = dict.fromkeys(find(other).effect for other in (*names[1:], *stands.rivals))
+        rivals.pop(own, None)
+        effects.append(Effect(own, term.effect, law.path, dict(term.parameters), tuple(rivals), odds=stands.odds))
+    return tuple(sorted(effects, key=lambda effect: -effect.odds))
 
 
-def _considered(found: _Found, holdout: Data) -> list[Considered]:
-    """Every law of the library that was not taken, and why."""
-    taken = {trial.effect for trial in found.chain}
-    seen: dict[str, Considered] = {}
-    for round_ in found.rounds:
-        best = round_.best
-        for trial in round_.trials:
-            if trial.effect in taken:
-                continue
-            seen[trial.effect] = Considered(
-                trial.effect, _nrmse(trial.holdout, holdout), -2.0 * trial.gain, trial.why_not(best)
+def _considered(found: Candidate, search: Search) -> list[Considered]:
+    """Every law of the library that was not taken, how far it came beside the best structure, and why no further."""
+    considered = []
+    base = [laws for laws in (found.laws, ()) if laws in search.candidates]
+    for law in search.laws:
+        if law.name in found.laws:
+            continue
+        tried = [
+            search.candidates[key((*laws, law.name))] for laws in base if key((*laws, law.name)) in search.candidates
+        ]
+        tried.sort(key=lambda c: -STAGES.index(c.stage))
+        if not tried:
+            twin = (
+                f"it is fitted as {law.twin}, whose equation it has" if only_a_name(law) else "it does not apply here"
             )
-    for law in LIBRARY.values():
-        if law.name not in taken and law.name not in seen:
-            seen[law.name] = Considered(law.name, None, None, "neither its score nor the measured motion asks for it")
-    fitted = [law for law in seen.values() if law.delta_bic is not None]
-    rest = [law for law in seen.values() if law.delta_bic is None]
-    return sorted(fitted, key=lambda law: (law.holdout_nrmse is None, law.delta_bic or 0.0)) + rest
+            considered.append(Considered(law.name, None, None, twin))
+            continue
+        best = tried[0]
+        without = search.candidates[key([name for name in best.laws if name != law.name])]
+        delta = None if best.stage != "judged" else -2.0 * (best.evidence - without.evidence)
+        held = None if search.holdout is None else nrmse(best.held_out, search.holdout)
+        considered.append(Considered(law.name, held, delta, best.why or why_not(best, without, found, search.parts)))
+    return sorted(considered, key=lambda law: (law.delta_bic is None, law.delta_bic or 0.0))
 
 
-def _nrmse(fitted: Fitted | None, data: Data) -> float | None:
+def nrmse(fitted: Fitted | None, data: Data) -> float | None:
     """Of all segments together."""
     if fitted is None or not fitted.finite:
         return None

@@ -194,7 +194,8 @@ def first_fit(search: Search, model: Oscillator) -> Fitted:
     """
     data, holdout = search.data, search.holdout
     for memory in (data.memory, *reversed(memories(data.segments))):
-        search.data, search.holdout = replace(data, memory=memory), replace(holdout, memory=memory)
+        search.data = replace(data, memory=memory)
+        search.holdout = None if holdout is None else replace(holdout, memory=memory)
         for start in (model, without_hold(model)):
             try:
                 fitted = search.best_of_family(start)
@@ -250,6 +251,8 @@ def _is_known(model: Oscillator, name: str) -> bool:
 def stranger(final: Fitted, search: Search, left: Sequence[Leftover], training: int) -> str | None:
     """A sentence where the held-out recordings are told well by a model of their own, but not by this one."""
     ratios = [one.ratio for one in left]
+    if search.holdout is None:
+        return None
     if max(ratios[:training]) > _STRANGE or max(ratios[training:]) < _STRANGE**2:
         return None
     worst: dict[str, float] = {}

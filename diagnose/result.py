@@ -11,6 +11,9 @@ import numpy as np
 
 from ..model import Oscillator, Parameter
 
+#: Odds beyond this say no more than that nothing else is left: the noise itself is known no better.
+_SURE = 1e6
+
 Verdict = Literal["consistent", "missing-physics", "unexplained"]
 
 
@@ -50,6 +53,7 @@ class Effect:
         parameters: identified values.
         indistinguishable_from: other effects that these recordings cannot tell from it.
         separated_by: the experiment that would.
+        odds: of the effect, or of one that cannot be told from it, against all that was tried instead.
     """
 
     effect: str
@@ -58,6 +62,7 @@ class Effect:
     parameters: Mapping[str, Parameter]
     indistinguishable_from: tuple[str, ...] = ()
     separated_by: str = ""
+    odds: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -192,6 +197,7 @@ class Diagnosis:
                     },
                     "indistinguishable_from": list(e.indistinguishable_from),
                     "separated_by": e.separated_by,
+                    "odds": _number(min(e.odds, _SURE)),
                 }
                 for e in self.effects
             ],

@@ -39,6 +39,13 @@ def solve(blocks: Sequence[Block], damping: float, k: int) -> tuple[np.ndarray, 
     return shared, own_steps
 
 
+def held_at(block: Block, places: np.ndarray) -> Block:
+    """The same of a segment with some of the shared unknowns kept as they are."""
+    normal, gradient = block[0].copy(), block[1].copy()
+    normal[places] = normal[:, places] = gradient[places] = 0.0
+    return normal, gradient
+
+
 def _damped(normal: np.ndarray, damping: float) -> np.ndarray:
     return normal + damping * np.diag(np.diag(normal))
 

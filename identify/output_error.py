@@ -14,16 +14,20 @@ from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import TypeVar
 
 import numpy as np
 
 from ..simulate.core import Core
 from ..simulate.force import Force
-from .noise_spectrum import NoiseSpectrum, white
-from .normal_equations import Block, promise, pseudo_inverse, shared_information, solve
+from .descent import Descent, blocks_of
+from .noise_spectrum import NoiseSpectrum
+from .normal_equations import Block, pseudo_inverse, shared_information
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .segments import Segment
+
+T = TypeVar("T")
 
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
@@ -137,6 +141,16 @@ class OutputError:
         other.shared = len(other.free) + len(other.offsets)
         return other
 
+    def blocks(
+        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
+    ) -> list[Block]:
+        """Normal matrix and gradient of each segment at a point, whitened by the noise."""
+        return blocks_of(self, self.derivatives(state, residuals), residuals, noise)
+
+    def map(self, function: Callable[[int], T], items: Sequence[int]) -> list[T]:
+        """Results of a function that is mostly linear algebra, item by item."""
+        return list(self._pool.map(function, items))
+
     def keeping(self, state: State) -> OutputError:
         """The same with all parameters and offsets as they are: only initial states are to be found."""
         other = self.with_offsets(())
@@ -153,7 +167,7 @@ class OutputError:
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
     ) -> np.ndarray:
         """(shared, shared) information on free parameters and offsets, initial states eliminated."""
-        return shared_information(self._blocks(state, residuals, noise), self.shared)
+        return shared_information(self.blocks(state, residuals, noise), self.shared)
 
     def simulate(
         self,
@@ -323,37 +337,13 @@ class OutputError:
             most: steps it may take.
             informed: whether the information at the end is wanted where the last step was the last allowed.
         """
-        residuals = self.residuals(state)
-        cost = _cost(residuals, noise)
-        damping, converged, taken = 1e-4, False, 0
-        blocks = self._blocks(state, residuals, noise)
-        while taken < most and not converged:
-            taken += 1
-            for _ in range(14):
-                shared, own = solve(blocks, damping, self.shared)
-                gain = 0.5 * promise(blocks, shared, own)
-                if gain < tolerance:
-                    converged = True
-                    break
-                values = state.values.copy()
-                values[list(self.free)] += shared[: len(self.free)]
-                if self.bounds is not None:
-                    values = np.clip(values, *self.bounds)
-                trial = State(values, state.initial + own, state.offsets + shared[len(self.free) :])
-                trial_residuals = self.residuals(trial)
-                trial_cost = _cost(trial_residuals, noise)
-                if trial_cost < cost:
-                    better = cost - trial_cost > 0.25 * gain
-                    damping = max(damping / 10.0, 1e-12) if better else damping * 2.0
-                    state, residuals, cost = trial, trial_residuals, trial_cost
-                    if informed or taken < most:
-                        blocks = self._blocks(state, residuals, noise)
-                    break
-                damping *= 8.0
-            else:
-                converged = True  # no step in any direction helps: the maximum, to the precision of the derivatives
-        information = self._of_parameters(shared_information(blocks, self.shared))
-        return Outcome(state, cost, information, residuals, taken, converged)
+        descent = Descent(self, state, noise)
+        while descent.taken < most and not descent.resting:
+            descent.step(tolerance)
+        information = np.zeros((len(self.free), len(self.free)))
+        if informed or descent.resting:
+            information = self._of_parameters(shared_information(descent.blocks, self.shared))
+        return Outcome(descent.state, descent.cost, information, descent.residuals, descent.taken, descent.resting)
 
     def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
         """(k, k) information of the free parameters, initial states eliminated."""
@@ -375,24 +365,3 @@ class OutputError:
         """(k, k) information on the free parameters, the offsets eliminated."""
         k = len(self.free)
         return shared_information([(shared, np.zeros(self.shared))], k) if self.offsets else shared
-
-    def _blocks(
-        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
-    ) -> list[Block]:
-        derivatives = self.derivatives(state, residuals)
-
-        def block(i: int) -> Block:
-            spectrum = white(residuals[i]) if noise is None else noise[i]
-            whitened = spectrum.whiten(np.vstack([derivatives[i], residuals[i]]))
-            jacobian, residual = whitened[:-1], whitened[-1]
-            return jacobian @ jacobian.T, jacobian @ residual
-
-        return list(self._pool.map(block, range(len(self.segments))))
-
-
-def _cost(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None) -> float:
-    if not all(np.all(np.isfinite(residual)) for residual in residuals):
-        return np.inf
-    if noise is None:
-        return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
-    return sum(0.5 * float(np.sum(s.whiten(r) ** 2)) for r, s in zip(residuals, noise, strict=True))

@@ -1,4 +1,4 @@
-"""What came of trying laws on a model: which of them the recordings ask for, and which they cannot tell apart."""
+"""What the recordings say of weighed structures: odds, what is accepted, what cannot be told apart, and the names."""
 
 from __future__ import annotations
 
@@ -7,131 +7,148 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...identify.structure import Fitted
+from ...identify.data import Data
 from ...model.law import Law
-from ...model.laws import find
+from ...model.laws import LIBRARY, find
+from ...model.oscillator import Term
+from .candidate import DECISIVE, Candidate
+from .residual_test import ABOVE_NOISE, times_the_noise
 
-#: A law is accepted where, its parameters paid for, it gains at least this much on the training recordings
-ACCEPT_TRAIN = 5.0
-#: ... and this much on the held-out ones.
-ACCEPT_HOLDOUT = 3.0
-#: ... and where it takes away this part of the power of what is left.
+#: A law matters where it takes away this part of the power of what is left: a tenth of its size.
 MATTERS = 0.01
-#: Laws whose log-likelihoods over all recordings differ by less than this cannot be told apart.
-INDISTINGUISHABLE = 5.0
+#: What cannot be told apart is the smallest set that holds this share of the odds.
+GROUP = 0.95
+#: Where what is left is no noise, a stretch of so many cycles tells no more than the amplitude and phase ...
+_CYCLES = 6.0
+#: ... of so many harmonics of the motion: it repeats from cycle to cycle, and says the same again.
+_HARMONICS = 5
 
 
-@dataclass(frozen=True, eq=False)
-class Trial:
-    """One law put in, fitted and judged.
+def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> float:
+    """Logarithm of how many times more probable one structure is than another, given all recordings.
 
-    Attributes:
-        effect: the law's name.
-        fitted: on the training recordings.
-        holdout: the same parameters on the held-out ones.
-        gain: of log-likelihood on the training recordings, over the model without it, its parameters paid for (half
-            the difference of the Bayesian information criterion).
-        holdout_gain: on the held-out ones.
-        finished: whether it was fitted to the end or dropped on the way.
+    That counts every sample as a witness of its own, which is right where what is left is noise. Where the better one
+    leaves a mismatch, its samples repeat each other (the likelihood of a wrong model is too sure of itself: White
+    1982), and a stretch of some cycles counts for its harmonics alone.
     """
-
-    effect: str
-    fitted: Fitted
-    holdout: Fitted | None
-    gain: float
-    holdout_gain: float
-    finished: bool
-
-    @property
-    def supported(self) -> bool:
-        """Whether both kinds of recordings ask for it."""
-        return self.gain > ACCEPT_TRAIN and self.holdout_gain > ACCEPT_HOLDOUT
-
-    @property
-    def score(self) -> float:
-        """What it gains on all recordings together."""
-        return self.gain + self.holdout_gain
-
-    @property
-    def proper(self) -> bool:
-        """Whether the law, as it was fitted, is what its name stands for."""
-        law = find(self.effect)
-        if law.proper is None:
-            return True
-        values = self.fitted.model.values()
-        return law.proper({p.name: values[f"{law.name}.{p.name}"] for p in law.parameters}, values)
-
-    def matters(self, before: Fitted, before_holdout: Fitted) -> bool:
-        """Whether it takes away at least a hundredth of the noise's power in some segment: a tenth of its size."""
-        pairs = [*zip(before.residuals, self.fitted.residuals, strict=True)]
-        if self.holdout is not None:
-            pairs += zip(before_holdout.residuals, self.holdout.residuals, strict=True)
-        return any(np.mean(old**2) > (1.0 + MATTERS) * np.mean(new**2) for old, new in pairs)
-
-    def why_not(self, best: Trial | None) -> str:
-        """Why this law was not taken, beside the best of its round."""
-        if not self.finished:
-            return f"after a few steps it gains {self.gain:.4g} in log-likelihood, too little beside the best to go on"
-        if not self.supported:
-            if self.gain <= ACCEPT_TRAIN:
-                return "what it gains on the training recordings does not pay for its parameters"
-            return (
-                f"it gains {self.gain:.4g} on the training recordings and {self.holdout_gain:.4g} on the held-out ones"
-            )
-        if not self.proper:
-            return "it fits, with values that are not what its name stands for"
-        if best is None:
-            return "it gains something, but less than a tenth of the noise in every recording"
-        return f"{best.effect} gains {best.score - self.score:.4g} more in log-likelihood"
+    total = candidate.value - other.value
+    better = candidate if total >= 0 else other
+    if not leaves_mismatch(better, parts):
+        return total
+    gained = [
+        _HARMONICS * float(np.log(np.mean(before**2) / max(np.mean(after**2), np.finfo(float).tiny)))
+        for before, after in zip(_stretches(other, parts), _stretches(candidate, parts), strict=True)
+    ]
+    return float(np.sign(total)) * min(abs(total), max(float(np.sign(total)) * sum(gained), 0.0))
 
 
-@dataclass(frozen=True, eq=False)
-class Round:
-    """The library tried on one model: trials, the best first."""
-
-    before: Fitted
-    before_holdout: Fitted
-    trials: tuple[Trial, ...]
-
-    @property
-    def best(self) -> Trial | None:
-        """The law to take: asked for by all recordings, and large enough to matter."""
-        good = [trial for trial in self.trials if trial.supported and trial.matters(self.before, self.before_holdout)]
-        good = [trial for trial in good if not self._better_called(trial, good)]
-        if not good:
-            return None
-        top = max(trial.score for trial in good)
-        return max(
-            (trial for trial in good if trial.score > top - INDISTINGUISHABLE),
-            key=lambda trial: (
-                trial.proper,
-                -len(trial.fitted.free),
-                find(trial.effect).twin is not None,  # of two names for one thing the one that says more
-                round(trial.score, 1),
-            ),
-        )
-
-    def _better_called(self, trial: Trial, good: Sequence[Trial]) -> bool:
-        """Whether a more general law, of which this is a case, suits its values better and fits as well.
-
-        Since it can do all that the special one does, a difference on held-out recordings is chance.
-        """
-        general = find(trial.effect).twin
-        near = trial.gain - 2 * INDISTINGUISHABLE  # a further parameter or two have been paid for
-        return not trial.proper and any(t.effect == general and t.gain > near for t in good)
-
-    def rivals(self, chosen: Trial) -> tuple[str, ...]:
-        """Other effects that the recordings cannot tell from the chosen one."""
-        own = find(chosen.effect).effect
-        near = [t for t in self.trials if t.supported and t.proper and t.score > chosen.score - INDISTINGUISHABLE]
-        return tuple(dict.fromkeys(e for t in near if (e := find(t.effect).effect) != own))
+def leaves_mismatch(candidate: Candidate, parts: Sequence[Data]) -> bool:
+    """Whether what a structure leaves is more than the noise, as well as that is known."""
+    fits = [fit for fit in (candidate.fit, candidate.held_out) if fit is not None]
+    ratios = [r for fit, data in zip(fits, parts, strict=True) for r in times_the_noise(fit.residuals, fit.model, data)]
+    return max(ratios) > ABOVE_NOISE
 
 
-def ordered(trials: Sequence[Trial]) -> tuple[Trial, ...]:
-    """Those fitted to the end first, the largest gain first."""
-    return tuple(sorted(trials, key=lambda t: (-t.finished, -t.score)))
+def _stretches(candidate: Candidate, parts: Sequence[Data]) -> list[np.ndarray]:
+    """What a structure leaves in each stretch of some cycles."""
+    fits = [fit for fit in (candidate.fit, candidate.held_out) if fit is not None]
+    found = []
+    for fit, data in zip(fits, parts, strict=True):
+        for segment, residual in zip(data.segments, fit.residuals, strict=True):
+            count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _CYCLES)))
+            found += np.array_split(residual, count)
+    return found
+
+
+def accepted(candidate: Candidate, leader: Candidate, parts: Sequence[Data]) -> bool:
+    """Whether a structure with further laws is decidedly better, on what was held out too, and by enough to matter."""
+    if len(parts) > 1 and candidate.predictive <= leader.predictive:
+        return False
+    return matters(candidate, leader) and log_odds(candidate, leader, parts) > DECISIVE
+
+
+def matters(candidate: Candidate, leader: Candidate) -> bool:
+    """Whether it takes away at least a hundredth of the power in some segment: a tenth of its size."""
+    pairs = zip(leader.residuals, candidate.residuals, strict=True)
+    return any(np.mean(old**2) > (1.0 + MATTERS) * np.mean(new**2) for old, new in pairs)
+
+
+def why_not(candidate: Candidate, without: Candidate, best: Candidate, parts: Sequence[Data]) -> str:
+    """Why a weighed structure was not taken, beside the one without its law and the best."""
+    gained, told = candidate.evidence - without.evidence, candidate.predictive - without.predictive
+    if candidate.value > without.value + DECISIVE and without.laws != best.laws:
+        behind = best.value - candidate.value
+        return f"{' + '.join(best.laws) or 'the given family'} is more probable: by {behind:.4g} in log-evidence"
+    if len(parts) > 1 and told <= 0:
+        return f"it gains {gained:.4g} in log-evidence on the training recordings and {told:.4g} on the held-out ones"
+    if not matters(candidate, without):
+        return "it gains something, but less than a tenth of the noise in every recording"
+    return f"its odds are not decisive: {log_odds(candidate, without, parts):.3g} in log-evidence"
 
 
 def only_a_name(law: Law) -> bool:
     """Whether a law has the parameters of its twin, all of them."""
     return law.twin is not None and len(find(law.twin).parameters) == len(law.parameters)
+
+
+def names_of(term: Term, values: dict[str, float]) -> tuple[str, ...]:
+    """The laws whose name suits a term with its values, the plainest first: laws of one equation, or a case of it.
+
+    Args:
+        term: as fitted.
+        values: of all the model's parameters.
+    """
+    law = find(term.effect)
+    family = [law, *(other for other in LIBRARY.values() if law.twin == other.name or other.twin == law.name)]
+    own = list(term.parameters.values())
+    suiting = []
+    for other in family:
+        named = {p.name: q.value for p, q in zip(other.parameters, own, strict=False)}
+        named |= {p.name: 0.0 for p in other.parameters[len(own) :]}
+        if other.proper is None or other.proper(named, values):
+            suiting.append(other)
+    suiting.sort(key=lambda other: (other is not law, list(LIBRARY).index(other.name)))
+    return tuple(other.name for other in suiting) or (law.name,)
+
+
+@dataclass(frozen=True)
+class Standing:
+    """How one law of the best structure stands beside what could be in its place.
+
+    Attributes:
+        odds: of its group against all other structures that were weighed.
+        rivals: laws that cannot be told from it, the most probable first.
+    """
+
+    odds: float
+    rivals: tuple[str, ...]
+
+
+def standing(law: str, best: Candidate, candidates: Sequence[Candidate], parts: Sequence[Data]) -> Standing:
+    """Odds of one law of the best structure, and its group: the smallest set that holds the share ``GROUP``.
+
+    Args:
+        law: of the best structure.
+        best: the best structure.
+        candidates: all that were weighed.
+        parts: training recordings and those held out.
+    """
+    rest = set(best.laws) - {law}
+    odds: dict[str, float] = {law: 0.0}
+    for candidate in candidates:
+        if candidate.stage != "judged" or candidate.laws == best.laws or not rest <= set(candidate.laws):
+            continue
+        instead = [name for name in candidate.laws if name not in rest]
+        if len(instead) > 1:
+            continue
+        name = instead[0] if instead else ""
+        odds[name] = max(odds.get(name, -np.inf), -log_odds(best, candidate, parts))
+    names = sorted(odds, key=lambda name: -odds[name])
+    weights = np.exp(np.array([odds[name] for name in names]) - odds[names[0]])
+    shares = weights / np.sum(weights)
+    count = int(np.searchsorted(np.cumsum(shares), GROUP)) + 1
+    group = [name for name in names[:count] if name]
+    if law not in group:
+        group.append(law)
+    held = sum(share for name, share in zip(names, shares, strict=True) if name in group)
+    return Standing(float(held / max(1.0 - held, np.finfo(float).tiny)), tuple(name for name in group if name != law))

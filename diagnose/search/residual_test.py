@@ -16,6 +16,7 @@ import numpy as np
 from ...identify.data import Data, expected_noise
 from ...identify.noise_spectrum import estimate
 from ...identify.structure import Fitted
+from ...model import Oscillator
 from ..wording import figure
 
 #: What is left may exceed the noise by this factor: the noise itself is estimated.
@@ -135,6 +136,15 @@ def expected(fitted: Fitted, data: Data, index: int) -> float:
     """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment."""
     values, quantity = fitted.model.values(), fitted.model.response.quantity
     return expected_noise(data.segments[index], values, quantity, data.sensor[index], data.force[index])
+
+
+def times_the_noise(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[float]:
+    """Rms of what is left in each segment over that of the noise."""
+    values, quantity = model.values(), model.response.quantity
+    return [
+        float(np.sqrt(np.mean(residual**2))) / expected_noise(segment, values, quantity, data.sensor[i], data.force[i])
+        for i, (segment, residual) in enumerate(zip(data.segments, residuals, strict=True))
+    ]
 
 
 def sentence(left: Sequence[Leftover]) -> str | None:

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
 from ...identify.measured_motion import probes
+from ...identify.noise_spectrum import estimate
 from ...identify.normal_equations import pseudo_inverse
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, parameter_bounds
@@ -60,6 +61,7 @@ class _Step:
     shift: np.ndarray
     promise: float
     initial: np.ndarray | None = None
+    left: tuple[np.ndarray, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,13 +113,18 @@ class Screen:
         def best(law: Law) -> Start | None:
             steps = [step for probe in probes(law, self.data.scales) if (step := self._promised(law, probe))]
             steps.sort(key=lambda step: -step.promise)
-            found = [start for step in steps[:_TRIED] if (start := self._kept(step)) is not None]
+            found = [start for step in steps[:_TRIED] if (start := self._kept(self._concentrated(step))) is not None]
             progress()
             return max(found, key=lambda start: start.gain, default=None)
 
         with ThreadPoolExecutor(max_workers=2) as pool:
             found = [start for start in pool.map(best, wanted) if start is not None]
         return sorted(found, key=lambda start: -start.gain)
+
+    def _concentrated(self, step: _Step) -> _Step:
+        """The same with the gain that it promises once the noise is what it leaves, not what was left before."""
+        before = sum(estimate(residual).log_determinant() for residual in self.weighed.residuals)
+        return replace(step, promise=0.5 * (before - sum(estimate(left).log_determinant() for left in step.left)))
 
     def applies(self, law: Law) -> bool:
         """Whether the recordings can show the law at all: an actuator's path needs a force."""
@@ -174,19 +181,22 @@ class Screen:
         schur = own - cross.T @ self.inverse @ cross
         free = right - cross.T @ self.inverse @ gradient
         strength = pseudo_inverse(schur) @ free
+
+        def step(numbers: dict[str, float], size: np.ndarray, promise: float) -> _Step:
+            """The base parameters alone might gain something too: that is no merit of the law."""
+            shift = self.inverse @ (gradient - cross @ size)
+            left = tuple(r - shift @ j - size @ c for r, j, c in zip(residuals, jacobians, columns, strict=True))
+            return _Step(law, numbers, shift, promise, left=left)
+
         if names:
-            # the base parameters alone might gain something too: that is not the law's merit
             moved = dict(zip(names, (float(s) for s in strength), strict=True))
-            return _Step(
-                law, values | moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength)
-            )
+            return step(values | moved, strength, 0.5 * float(free @ strength))
         part = float(strength[0])
         if len(law.parameters) == 1 and _LEAST < part < 1 / _LEAST:
             (parameter,) = law.parameters
             moved = {parameter.name: part * values[parameter.name]}
-            return _Step(law, moved, self.inverse @ (gradient - cross @ strength), 0.5 * float(free @ strength))
-        promise = float(free[0]) - 0.5 * float(schur[0, 0])
-        return _Step(law, values, self.inverse @ (gradient - cross[:, 0]), promise)
+            return step(moved, strength, 0.5 * float(free @ strength))
+        return step(values, np.ones(1), float(free[0]) - 0.5 * float(schur[0, 0]))
 
     def _kept(self, step: _Step) -> Start | None:
         """The better of the whole step and of a shorter one, simulated."""
@@ -236,13 +246,14 @@ class Screen:
         for phase in (0.0, -0.5 * np.pi):
             initial = np.hstack([self.fitted.initial, np.full((len(self.data.segments), 1), phase)])
             changes.append(self._weigh([d / size for d in self._change(law, values, initial)]))
-        promise, parts = 0.0, []
+        promise, parts, left = 0.0, [], []
         for i, residual in enumerate(self.weighed.residuals):
             columns = np.stack([changes[0][i], changes[1][i]])
             normal, right = columns @ columns.T, columns @ residual
             part = pseudo_inverse(normal) @ right
             promise += 0.5 * float(right @ part)
             parts.append((part, normal))
+            left.append(residual - part @ columns)
         weight = sum(float(np.trace(normal)) for _, normal in parts)
         if not weight > 0:
             return None
@@ -251,7 +262,7 @@ class Screen:
         phases = np.array([[np.arctan2(-part[1], part[0])] for part, _ in parts])
         initial = np.hstack([self.fitted.initial[:, :states], phases])
         numbers = values | {strength.name: float(amplitude)}
-        return _Step(law, numbers, np.zeros(len(self.places)), promise, initial)
+        return _Step(law, numbers, np.zeros(len(self.places)), promise, initial, tuple(left))
 
 
 def _inner(model: Oscillator, law: Law, values: dict[str, float]) -> tuple:

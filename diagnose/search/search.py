@@ -1,7 +1,9 @@
-"""The search for what is missing: one effect after another, each tried from several starts and judged on other records.
+"""The search for what is missing: structures of laws, raced against each other and weighed by their evidence.
 
-A law comes in where the training recordings ask for it by more than its parameters cost (Schwarz 1978) and the
-held-out ones, of another level and kind, are told better with it than without.
+From the best structure so far every law of the library is added, every law that was added is dropped again, and each is
+exchanged for those that came near it before. What arrives is weighed; where one of them is decisively more probable it
+leads, and the search goes on from there. No structure is entered twice, so that there is an end, and at the end no
+neighbour of the leader promises to reach it.
 """
 
 from __future__ import annotations
@@ -12,55 +14,29 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...errors import DashpotError
-from ...identify.data import Data, likelihood, noise_spectra
+from ...errors import BadInput
+from ...identify.data import Data
 from ...identify.from_prediction import keeps_step
-from ...identify.measured_motion import Regression
-from ...identify.noise_spectrum import NoiseSpectrum
 from ...identify.prediction import FREE
-from ...identify.settle import settled
-from ...identify.structure import Fitted, Structure, phases_of, renamed, shapes_of, without_states
+from ...identify.structure import Fitted, shapes_of, without_states
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
-from ...model.terms import generalised, without_term
-from ...simulate.core import internal_step
-from .judgement import ACCEPT_TRAIN, INDISTINGUISHABLE, Round, Trial, only_a_name, ordered
-from .residual_test import expected
-from .score_test import Screen
-from .spectral_lines import residual_lines
+from ...model.terms import with_term, without_term
+from .candidate import DECISIVE, Candidate, key
+from .judgement import accepted, only_a_name
+from .race import Start, race, started
+from .residual_test import times_the_noise
+from .starts import Proposal, by_motion, by_score
+from .weigh import judged, weighed
 
-#: A law is fitted where it promises this gain of log-likelihood; three parameters gain 6 by chance once in 130.
-WORTH_A_FIT = 6.0
-#: Fitted to the end are this many laws ...
-_FINALISTS = 6
-#: ... of those that are within this part of the best gain after a few steps.
-_NEAR = 0.1
-#: ... and, once one law has reached the noise, within this part of its gain.
-_HALFWAY = 0.4
-_FEW_STEPS = 3
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
-#: Factors of two by which a parameter is moved at most, where steps alone would be caught.
-_PACES = 4
-#: A law whose simulation takes this many times as many steps is given fewer of the search's.
-_SLOW = 4.0
-#: A law that gains less than this, or whose other parameters alone gain something, is compared with a family that has
-#: been searched for again.
-_CLOSE_CALL = 200.0
-#: Laws that each of the two screens sends to be fitted.
-_LEADING = 7
-#: ... and this many altogether are.
-_CANDIDATES = 9
-#: So many of the best are fitted once more where they leave between so many times the noise ...
-_CONTENDERS = 3
-_CLOSE = 1.05
-#: ... and so many.
-_FAIR = 3.0
-#: A family that leaves this many times the noise is too far off for its derivatives to tell all.
-_FAR = 1.2
-#: Above this many times the noise something may be left for the shape of a law to explain.
-_SHAPES_MATTER = 1.02
+#: Where the best so far leaves this many times the noise it has bent itself around what is missing, and a score beside
+#: it does not tell all.
+FAR = 1.2
+#: More laws than these missing at once are not told apart by any recording that we know of.
+_MOST_EFFECTS = 3
 
 
 @dataclass(eq=False)
@@ -69,331 +45,207 @@ class Search:
 
     Attributes:
         data: training recordings.
-        holdout: recordings that no parameter is fitted to.
+        holdout: recordings that no parameter is fitted to; None where nothing could be held out.
         laws: the library, with the user's laws.
         progress: called with what is being done and which part of all is done.
-        by_motion: gain of each law in the last regression on the measured motion.
+        candidates: every structure that was entered, by the laws it adds.
     """
 
     data: Data
-    holdout: Data
+    holdout: Data | None
     laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
-    by_motion: dict[str, float] = field(default_factory=dict, init=False)
+    candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
 
     def best_of_family(self, model: Oscillator) -> Fitted:
-        """The parameters of a model's own structure that suit the training recordings best."""
-        fitted = Structure(model, self.data).fit(settle=True, most=15)
-        return self._polish(fitted, ())
+        """The parameters of a model's own structure that suit the training recordings best.
 
-    def simulated(self, fitted: Fitted) -> Fitted:
-        """The model fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""
-        if self.data.memory == FREE:
-            return fitted
-        free = replace(self.data, memory=FREE)
-        fixed = [name for name in fitted.model.parameters() if name not in fitted.free]
-        try:
-            found = Structure(fitted.model, free, fixed).fit(fitted.initial, settle=True)
-        except DashpotError:
-            return fitted
-        if not keeps_step(free.segments, found.residuals):
-            return fitted
-        self.data, self.holdout = free, replace(self.holdout, memory=FREE)
-        return self._polish(found, fixed)
-
-    def judge(self, model: Oscillator, data: Data | None = None) -> Fitted:
-        """The held-out recordings, or others, under a model as it is; only initial states and offsets are found anew.
-
-        A recording through which the model does not simulate is not told at all.
+        Raises BadInput where it does not simulate with these values.
         """
-        data = data or self.holdout
-        structure = Structure(model, data, tuple(model.parameters()))
-        state = settled(structure.problem, structure.state(None))
-        residuals = structure.problem.residuals(state)
-        if all(np.all(np.isfinite(residual)) for residual in residuals):
-            return structure.fit(state.initial, tolerance=0.1)
-        told = tuple(
-            residual if np.all(np.isfinite(residual)) else segment.response
-            for segment, residual in zip(data.segments, residuals, strict=True)
+        start = started((), model, self.data)
+        if start is None:
+            raise BadInput("the model does not simulate with its start values; check the units of force and response")
+        race([start], -np.inf, self.data.points)
+        return start.fitted
+
+    def from_family(self, family: Fitted) -> Candidate:
+        """The best structure there is, starting from the given family."""
+        leader = self.candidates[()] = self._weigh((), family)
+        led: set[tuple[str, ...]] = set()
+        while leader.laws not in led:
+            led.add(leader.laws)
+            arrived = self._arrived(leader)
+            leader = self._simulated(self._best(self.candidates[leader.laws], arrived))
+        return leader
+
+    def _best(self, leader: Candidate, arrived: Sequence[Candidate]) -> Candidate:
+        """What leads from here on: a shorter structure that comes as near, else the most probable that is accepted."""
+        shorter = [c for c in arrived if set(c.laws) < set(leader.laws) and c.value > leader.value - DECISIVE]
+        if shorter:
+            return max(shorter, key=lambda c: c.value)
+        further = [c for c in arrived if accepted(c, leader, self.parts)]
+        return max([leader, *further], key=lambda c: c.value)
+
+    @property
+    def parts(self) -> tuple[Data, ...]:
+        """Training recordings, and those held out where there are any."""
+        return (self.data,) if self.holdout is None else (self.data, self.holdout)
+
+    def _arrived(self, leader: Candidate) -> list[Candidate]:
+        """Neighbours of the leader that came within reach, weighed; the others are kept with the reason they left."""
+        assert leader.fit is not None
+        bar = leader.fit.likelihood - self._cost(len(leader.fit.free))
+        laws = self._addable(leader)
+        self.progress("score of every law", 0.0)
+        starts = [*self._dropped(leader), *self._exchanged(leader)]
+        starts += self._added(leader, by_score(leader.fit, self.data, laws) if laws else [])
+        self._race(starts, bar)
+        front = max(starts, key=self._paid, default=None)
+        here = leader.fit if front is None or self._paid(front) < bar else front.fitted
+        if laws and max(times_the_noise(here.residuals, here.model, self.data)) > FAR:
+            self.progress("regression on the measured motion", 0.5)
+            starts += self._added(leader, by_motion(leader.fit, self.data, laws))
+            self._race(starts, bar)
+        best = max([bar, *(self._paid(start) for start in starts)])
+        self._race(freed := self._with_shapes(starts, best), best - DECISIVE)
+        by_laws: dict[tuple[str, ...], list[Start]] = {}
+        for start in [*starts, *freed]:
+            by_laws.setdefault(start.laws, []).append(start)
+        arrived = []
+        for laws, own in by_laws.items():
+            front = max(own, key=self._paid)
+            if self._paid(front) < best - DECISIVE:
+                self._left(laws, front, best)
+                continue
+            self.progress("weighing what arrived", 0.95)
+            candidate = self._weigh(laws, front.fitted)
+            known = self.candidates.get(laws)
+            if known is None or candidate.value > known.value:
+                self.candidates[laws] = candidate
+                arrived.append(candidate)
+        return arrived
+
+    def _race(self, starts: Sequence[Start], bar: float) -> None:
+        race(starts, bar, self.data.points, lambda what, part: self.progress(what, 0.3 + 0.65 * part))
+
+    def _cost(self, parameters: int) -> float:
+        return 0.5 * parameters * math.log(self.data.points)
+
+    def _paid(self, start: Start) -> float:
+        return start.value - self._cost(start.count)
+
+    def _left(self, laws: tuple[str, ...], front: Start, best: float) -> None:
+        """Keep what is known of a structure that did not arrive."""
+        if laws in self.candidates:
+            return
+        short = best - (front.ceiling - self._cost(front.count))
+        why = (
+            f"fitted, it stays {best - self._paid(front):.4g} below the best in log-likelihood, its parameters paid for"
+            if front.resting
+            else f"left after {front.steps} steps: what it promised stayed {short:.4g} below the best"
         )
-        return Fitted(model, state.initial, told, likelihood(told, model, data), ())
+        self.candidates[laws] = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
 
-    def round(self, fitted: Fitted) -> Round:
-        """Try the library on a fitted model."""
-        before = self.judge(fitted.model)
-        starts = self._starts(fitted)
-        self.progress("fitting the laws that promise most", 0.3)
-        early: list[tuple[float, str, Fitted]] = []
-        near = max(self._ratios(fitted)) <= _FAR
-        noise = noise_spectra(fitted.residuals, fitted.model, self.data) if near else None
-        for i, (effect, models) in enumerate(starts.items()):
-            steps = _FEW_STEPS
-            if self._slowness(models[0][0], fitted.model) > _SLOW:  # the better start alone, and fewer steps
-                models, steps = models[:1], _FEW_STEPS - 1
-            found = [f for m, initial in models if (f := self._fit(m, initial, steps, noise=noise)) is not None]
-            if found:
-                best = max(found, key=lambda f: f.likelihood)
-                early.append((best.likelihood, effect, best))
-            self.progress(f"{effect}", 0.3 + 0.3 * (i + 1) / len(starts))
-        early.sort(key=lambda one: -one[0])
-        trials: list[Trial] = []
-        # far from the truth first steps are those of white noise; the family is held against them after the same
-        base = fitted.likelihood if near or not early else self._like_the_others(fitted)
-        bar = ACCEPT_TRAIN / 2 if near else _NEAR * (early[0][0] - base) if early else 0.0
-        for i, (value, effect, one) in enumerate(early):
-            trial = self.trial(effect, one, fitted, before, finished=False)
-            if i < _FINALISTS and (trial.gain if near else value - base) > bar:
-                trial = self.trial(effect, self.finish(one), fitted, before, finished=True)
-                if max(self._ratios(trial.fitted)) <= _FAR:  # nothing can do much better than reach the noise
-                    bar = max(bar, _HALFWAY * (trial.fitted.likelihood - fitted.likelihood))
-            trials.append(trial)
-            self.progress(f"{effect}", 0.6 + 0.3 * (i + 1) / len(early))
-        trials = self._to_the_end(trials, fitted, before)
-        if not near and not any(t.finished and max(self._ratios(t.fitted)) <= _FAR for t in trials):
-            trials += self._rugged(fitted, before)
-        trials = self._with_twins(trials, fitted, before)
-        round_ = Round(fitted, before, ordered(trials))
-        best = round_.best
-        if best is None:
-            return round_
-        if best.gain > _CLOSE_CALL and not self._worth(without_term(best.fitted.model, best.effect), fitted) > 0:
-            return round_
-        again = self._family_again(fitted, best)
-        if again is None:
-            return round_
-        judged = self.judge(again.model)
-        lost, lost_holdout = again.likelihood - fitted.likelihood, judged.likelihood - before.likelihood
-        moved = [replace(t, gain=t.gain - lost, holdout_gain=t.holdout_gain - lost_holdout) for t in trials]
-        return Round(again, judged, ordered(moved))
+    def _weigh(self, laws: tuple[str, ...], fitted: Fitted) -> Candidate:
+        found, told, held_out = weighed(fitted, self.data, self.holdout)
+        # before anything was measured each law of the library was as likely as any other, and one of them in all
+        prior = -len(laws) * math.log(len(self.laws))
+        return Candidate(laws, fitted, held_out, found + prior, told, "judged")
 
-    def _like_the_others(self, fitted: Fitted) -> float:
-        """Log-likelihood of a model after the first steps that laws are given."""
-        fixed = [name for name in fitted.model.parameters() if name not in fitted.free]
-        plain = self._fit(fitted.model, fitted.initial, _FEW_STEPS, fixed)
-        return fitted.likelihood if plain is None else min(plain.likelihood, fitted.likelihood)
+    def _addable(self, leader: Candidate) -> list[Law]:
+        """The laws that the leader could have besides."""
+        assert leader.fit is not None
+        if len(leader.laws) == _MOST_EFFECTS:
+            return []
+        present = {name for term in leader.fit.model.terms for name in (term.law.effect, term.law.twin)}
+        return [law for law in self.laws if law.effect not in present and not only_a_name(law)]
 
-    def _to_the_end(self, trials: Sequence[Trial], fitted: Fitted, before: Fitted) -> list[Trial]:
-        """The trials; the best, where they have nearly reached the noise, fitted once more to be compared there."""
-        found = ordered(trials)
-        bar = _HALFWAY * found[0].score if found else 0.0
-        again = []
-        for i, trial in enumerate(found):
-            if (
-                i < _CONTENDERS
-                and trial.finished
-                and trial.score > bar
-                and _CLOSE < max(self._ratios(trial.fitted)) < _FAIR
-            ):
-                better = self.trial(trial.effect, self.finish(trial.fitted), fitted, before, finished=True)
-                again.append(better if better.gain > trial.gain else trial)
-            else:
-                again.append(trial)
-        return again
-
-    def _with_twins(self, trials: Sequence[Trial], fitted: Fitted, before: Fitted) -> list[Trial]:
-        """The same fits under the names of laws with the same equation, as far as their values suit these names."""
-        found = {trial.effect: trial for trial in trials}
-        for trial in trials:
-            for law in self.laws:
-                if law.twin == trial.effect and only_a_name(law):
-                    found[law.name] = replace(trial, effect=law.name, fitted=renamed(trial.fitted, trial.effect, law))
-            general = find(trial.effect).twin
-            if general is None or trial.proper or not trial.supported:
+    def _added(self, leader: Candidate, proposals: Sequence[Proposal]) -> list[Start]:
+        """The leader with one law more, where that was proposed."""
+        assert leader.fit is not None
+        starts = []
+        for proposal in proposals:
+            hoped = leader.fit.likelihood + proposal.gain
+            cost = self._cost(sum(not p.shape for p in find(proposal.law).parameters))
+            if proposal.gain < cost:
+                self._unmoved(leader, proposal.law, proposal.gain)
                 continue
-            known = found.get(general)
-            if known is None or known.score < trial.score - INDISTINGUISHABLE:
-                noise = noise_spectra(trial.fitted.residuals, trial.fitted.model, self.data)
-                wider = generalised(trial.fitted.model, trial.effect)
-                one = self._fit(wider, trial.fitted.initial, _FEW_STEPS, noise=noise)
-                if one is not None:
-                    found[general] = self.trial(general, self.finish(one), fitted, before, finished=True)
-        return list(found.values())
+            laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
+            starts.append(started(laws, proposal.model, self.data, proposal.initial, fixed, hoped))
+        return [start for start in starts if start is not None]
 
-    def _rugged(self, fitted: Fitted, before: Fitted) -> list[Trial]:
-        """The laws with too many side valleys to be screened, fitted at length where nothing else explains."""
-        present = {term.law.effect for term in fitted.model.terms}
-        regression = Regression(self.data, fitted.model)
-        plain = regression.plain()
+    def _unmoved(self, leader: Candidate, law: str, gain: float) -> None:
+        laws = key((*leader.laws, law))
+        why = f"its score promises {max(gain, 0.0):.3g} in log-likelihood, less than its parameters cost"
+        self.candidates.setdefault(laws, Candidate(laws, why=why))
+
+    def _dropped(self, leader: Candidate) -> list[Start]:
+        """The leader with one law less: where it led the others they may do without it."""
+        assert leader.fit is not None
+        starts = []
+        for name in leader.laws:
+            model = without_term(leader.fit.model, name)
+            laws = key([law for law in leader.laws if law != name])
+            initial = without_states(leader.fit, name)
+            starts.append(started(laws, model, self.data, initial, self._fixed(leader.fit, model)))
+        return [start for start in starts if start is not None]
+
+    def _exchanged(self, leader: Candidate) -> list[Start]:
+        """The leader with one law exchanged for another that came far in its place before."""
+        assert leader.fit is not None
+        starts = []
+        if len(leader.laws) < 2:
+            return []
+        for name in leader.laws:
+            smaller = without_term(leader.fit.model, name)
+            initial = without_states(leader.fit, name)
+            for other in list(self.candidates.values()):
+                if len(other.laws) != 1 or other.fit is None or other.stage != "judged" or other.laws[0] in leader.laws:
+                    continue
+                (instead,) = other.laws
+                laws = key([law for law in leader.laws if law != name] + [instead])
+                if laws in self.candidates or find(instead).effect in {t.law.effect for t in smaller.terms}:
+                    continue
+                values = {p.name: other.fit.model.values()[f"{instead}.{p.name}"] for p in find(instead).parameters}
+                model = with_term(smaller, instead, values)
+                starts.append(started(laws, model, self.data, initial, self._fixed(leader.fit, model)))
+        return [start for start in starts if start is not None]
+
+    def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
+        """What keeps its value in a neighbour of a fitted model: what it kept there, and the shape of a new law."""
+        kept = {name for name in fitted.model.parameters() if name not in fitted.free}
+        new = {name for name in shapes_of(model) if name not in fitted.model.parameters()}
+        return tuple(name for name in model.parameters() if name in kept or name in new)
+
+    def _with_shapes(self, starts: Sequence[Start], best: float) -> list[Start]:
+        """Starts with the shape of their laws free too, where more than noise is left by one that came far."""
         found = []
-        for law in self.laws:
-            guess = regression.best(law) if law.rugged and law.effect not in present else None
-            # the measured motion knows no side valleys: what it speaks against is not worth a long search
-            if guess is None or regression.gain(plain, guess) < _HALFWAY * max(self.by_motion.values(), default=0.0):
-                continue
-            self.progress(law.name, 0.9)
-            one = self._paced(guess.put_into(fitted.model), law, fitted.initial)
-            if one is not None:
-                one = self._fit(one.model, one.initial, 2 * _FEW_STEPS) or one
-            if one is not None and one.likelihood > fitted.likelihood:
-                found.append(self.trial(law.name, self.finish(one), fitted, before, finished=True))
-        return found
+        for start in starts:
+            fixed = [name for name in shapes_of(start.model) if name not in start.structure.free]
+            if fixed and self._paid(start) > best - DECISIVE and max(start.ratios) > 1.0:
+                kept = [n for n in start.model.parameters() if n not in start.structure.free and n not in fixed]
+                found.append(started(start.laws, start.model, self.data, start.fitted.initial, kept))
+        return [start for start in found if start is not None]
 
-    def _paced(self, model: Oscillator, law: Law, initial: np.ndarray) -> Fitted | None:
-        """A law's own parameters moved by factors of two as long as that helps, the others fitted to them each time.
-
-        The regression knows little of what happens faster than the rig's own motion, such as a contact's stiffness.
-        """
-        own = [f"{law.name}.{p.name}" for p in law.parameters]
-        best = self._fit(model, initial, _FEW_STEPS, own)
-        for name in (f"{law.name}.{p.name}" for p in law.parameters if not p.shape):
-            for factor in (2.0, 0.5):
-                for _ in range(_PACES):
-                    if best is None:
-                        return None
-                    moved = replace(best.model.parameters()[name], value=factor * best.model.values()[name])
-                    one = self._fit(best.model.with_parameters({name: moved}), best.initial, _FEW_STEPS - 1, own)
-                    if one is None or one.likelihood < best.likelihood:
-                        break
-                    best = one
-        return best
-
-    def _family_again(self, fitted: Fitted, best: Trial) -> Fitted | None:
-        """The model without the law, fitted again from where the law led the others; None where that gains nothing.
-
-        A search that had stopped in a side valley would otherwise credit the law with leaving it.
-        """
-        model = without_term(best.fitted.model, best.effect)
-        initial = best.fitted.initial[:, : fitted.initial.shape[1]]
-        shapes = tuple(name for name in fitted.model.parameters() if name not in fitted.free)
-        other = self._fit(model, initial, 15, shapes)
-        if other is None:
-            return None
-        other = self._polish(other, shapes)
-        return other if other.likelihood > fitted.likelihood + 0.5 else None
-
-    def reconsidered(self, chain: Sequence[Trial]) -> tuple[list[Trial], Fitted]:
-        """With a further effect in, those that are still needed, the most needed first, and the model with these."""
-        current = chain[-1].fitted
-        lost = {chain[-1].effect: chain[-1].gain}
-        for trial in chain[:-1]:
-            smaller = without_term(current.model, trial.effect)
-            noise = noise_spectra(current.residuals, current.model, self.data)
-            reduced = self._fit(smaller, without_states(current, trial.effect), 15, noise=noise)
-            if reduced is not None:
-                reduced = self._polish(reduced, shapes_of(reduced.model))
-            cost = 0.5 * len(find(trial.effect).parameters) * math.log(self.data.points)
-            loss = np.inf if reduced is None else current.likelihood - reduced.likelihood - cost
-            if reduced is not None and loss < ACCEPT_TRAIN:
-                current = reduced
-            else:
-                lost[trial.effect] = loss
-        kept = [trial for trial in chain if trial.effect in lost]
-        return sorted(kept, key=lambda trial: -lost[trial.effect]), current
-
-    def trial(self, effect: str, one: Fitted, fitted: Fitted, before: Fitted, *, finished: bool) -> Trial:
-        """A fitted law against the model without it."""
-        phases = phases_of(one.model) - phases_of(fitted.model)  # a phase of each stretch is a parameter like any other
-        count = len(one.free) - len(fitted.free) + phases * len(self.data.segments)
-        gain = one.likelihood - fitted.likelihood - 0.5 * count * math.log(self.data.points)
-        if not finished:
-            return Trial(effect, one, None, gain, -np.inf, finished)
-        holdout = self.judge(one.model)
-        cost = 0.5 * phases * len(self.holdout.segments) * math.log(self.holdout.points)
-        return Trial(effect, one, holdout, gain, holdout.likelihood - before.likelihood - cost, finished)
-
-    def finish(self, fitted: Fitted) -> Fitted:
-        """Fit to the end: first the shape of its laws as it is, then that too where more than noise is left."""
-        shapes = tuple(name for name in shapes_of(fitted.model) if name not in fitted.free)
-        if max(self._ratios(fitted)) > _FAR:
-            fitted = self._fit(fitted.model, fitted.initial, 12, shapes) or fitted
-        done = self._polish(fitted, shapes)
-        if not shapes or max(self._ratios(done)) < _SHAPES_MATTER:
-            return done
-        freed = self._fit(done.model, done.initial, 12, ())
-        if freed is None:
-            return done
-        freed = self._polish(freed, ())
-        cost = 0.5 * len(shapes) * math.log(self.data.points)
-        return freed if freed.likelihood - cost > done.likelihood else done
-
-    def _starts(self, fitted: Fitted) -> dict[str, list[tuple[Oscillator, np.ndarray]]]:
-        """For each law worth a fit the models to start from."""
-        present = {name for term in fitted.model.terms for name in (term.law.effect, term.law.twin)}
-        laws = [law for law in self.laws if law.effect not in present and not law.rugged and not only_a_name(law)]
-        self.progress("score of every law", 0.02)
-        self.data = replace(self.data, scales=replace(self.data.scales, lines=residual_lines(fitted, self.data)))
-        scored = {start.effect: start for start in Screen(fitted, self.data).starts(laws)}
-        gains = {name: max(start.promise, start.gain) for name, start in scored.items()}
-        near = max(self._ratios(fitted)) <= _FAR
-        starts = {
-            name: [(scored[name].gain, scored[name].model, scored[name].initial)]
-            for name in _leading(gains)
-            if not near or gains[name] > self._cost(find(name)) + ACCEPT_TRAIN / 2
-        }
-        # close to the truth the score tells all; far from it the base model has bent itself around what is missing
-        if not near:
-            self.progress("regression on the measured motion", 0.2)
-            regression = Regression(self.data, fitted.model)
-            plain = regression.plain()
-            guesses = {guess.effect: guess for guess in regression.guesses(laws)}
-            self.by_motion = by_motion = {name: regression.gain(plain, guess) for name, guess in guesses.items()}
-            for name in _leading(by_motion):
-                model = guesses[name].put_into(fitted.model)
-                initial = guesses[name].begun(fitted.initial)
-                gain = self._worth(model, fitted, initial)
-                starts.setdefault(name, []).append((gain, model, initial))
-        best_first = sorted(starts, key=lambda name: -max(start[0] for start in starts[name]))
-        return {name: [(model, initial) for _, model, initial in starts[name]] for name in best_first[:_CANDIDATES]}
-
-    def _slowness(self, model: Oscillator, base: Oscillator) -> float:
-        """How many times as many internal steps a model takes."""
-        length = self.data.scales.length
-        try:
-            return internal_step(base, base.values(), length) / internal_step(model, model.values(), length)
-        except DashpotError:
-            return np.inf
-
-    def _cost(self, law: Law) -> float:
-        """What the parameters of a law must gain to pay for themselves, those of its shape left aside."""
-        return 0.5 * sum(not p.shape for p in law.parameters) * math.log(self.data.points)
-
-    def _ratios(self, fitted: Fitted) -> list[float]:
-        """What is left in each segment over the noise."""
-        return [
-            float(np.sqrt(np.mean(residual**2))) / expected(fitted, self.data, i)
-            for i, residual in enumerate(fitted.residuals)
-        ]
-
-    def _worth(self, model: Oscillator, fitted: Fitted, initial: np.ndarray | None = None) -> float:
-        """Gain of log-likelihood of a model as it is."""
-        try:
-            structure = Structure(model, self.data)
-            state = settled(structure.problem, structure.state(fitted.initial if initial is None else initial))
-            residuals = structure.problem.residuals(state)
-        except DashpotError:
-            return -np.inf
-        return likelihood(residuals, model, self.data) - fitted.likelihood
-
-    def _fit(
-        self,
-        model: Oscillator,
-        initial: np.ndarray,
-        most: int,
-        fixed: Sequence[str] | None = None,
-        noise: Sequence[NoiseSpectrum] | None = None,
-    ) -> Fitted | None:
-        try:
-            structure = Structure(model, self.data, shapes_of(model) if fixed is None else fixed)
-            fitted = structure.fit(initial, noise=noise, most=most, settle=True)
-        except DashpotError:
-            return None
-        return fitted if fitted.finite and np.isfinite(fitted.likelihood) else None
-
-    def _polish(self, fitted: Fitted, fixed: Sequence[str]) -> Fitted:
-        """Further steps, every frequency weighed by the noise that is left there."""
-        for most in (8, 4):
-            noise = noise_spectra(fitted.residuals, fitted.model, self.data)
-            try:
-                again = Structure(fitted.model, self.data, fixed).fit(fitted.initial, noise=noise, most=most)
-            except DashpotError:  # it jumps with the smallest change
-                return fitted
-            if not again.finite or again.likelihood < fitted.likelihood + 0.5:
-                return again if again.likelihood > fitted.likelihood else fitted
-            fitted = again
-        return fitted
-
-
-def _leading(gains: dict[str, float]) -> list[str]:
-    """The laws with the largest promised gains, as far as they are worth a fit."""
-    best = sorted(gains, key=lambda name: -gains[name])
-    return [name for name in best[:_LEADING] if gains[name] > WORTH_A_FIT]
+    def _simulated(self, leader: Candidate) -> Candidate:
+        """The leader fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""
+        if self.data.memory == FREE or leader.fit is None:
+            return leader
+        free = replace(self.data, memory=FREE)
+        fixed = [name for name in leader.fit.model.parameters() if name not in leader.fit.free]
+        start = started(leader.laws, leader.fit.model, free, leader.fit.initial, fixed)
+        if start is None:
+            return leader
+        race([start], -np.inf, self.data.points)
+        if not keeps_step(free.segments, start.fitted.residuals):
+            return leader
+        self.data = free
+        self.holdout = None if self.holdout is None else replace(self.holdout, memory=FREE)
+        before = self.candidates[()].fit
+        family = None if before is None else judged(before.model, free)
+        self.candidates = {laws: c for laws, c in self.candidates.items() if c.stage != "judged"}
+        if family is not None:
+            self.candidates[()] = self._weigh((), family)
+        again = self._weigh(leader.laws, start.fitted)
+        self.candidates[leader.laws] = again
+        return again

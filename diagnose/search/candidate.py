@@ -1,0 +1,57 @@
+"""One candidate: a set of laws beside the given family, how far it was taken, and what speaks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...identify.structure import Fitted
+
+#: How far a candidate came: never put in, simulated, on its way when it was left, fitted and judged.
+Stage = Literal["not started", "simulated", "left", "judged"]
+
+STAGES: tuple[Stage, ...] = ("not started", "simulated", "left", "judged")
+
+#: Odds at which something is settled (Jeffreys 1961 calls 100 decisive; several tens of laws are tried at a time).
+DECISIVE = float(np.log(1000.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """A structure: the given family with some laws more.
+
+    Attributes:
+        laws: names of what is added to the given family, in the order of the alphabet.
+        fit: its parameters on the training recordings; None where it was never put in.
+        held_out: the same parameters on the recordings held out; None where it was not judged.
+        evidence: of the training recordings, log.
+        predictive: log-probability of the held-out recordings, given the training ones.
+        stage: how far it was taken.
+        why: why it was taken no further; empty where it was judged.
+    """
+
+    laws: tuple[str, ...]
+    fit: Fitted | None = None
+    held_out: Fitted | None = None
+    evidence: float = -np.inf
+    predictive: float = -np.inf
+    stage: Stage = "not started"
+    why: str = ""
+
+    @property
+    def value(self) -> float:
+        """Log-evidence of all recordings together."""
+        return self.evidence + self.predictive
+
+    @property
+    def residuals(self) -> tuple[np.ndarray, ...]:
+        """What it leaves in every stretch, training and held out."""
+        return tuple(r for fitted in (self.fit, self.held_out) if fitted is not None for r in fitted.residuals)
+
+
+def key(laws: Sequence[str]) -> tuple[str, ...]:
+    """The structure's name: the same whatever the order in which its laws came."""
+    return tuple(sorted(laws))

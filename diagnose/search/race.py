@@ -1,0 +1,203 @@
+"""The race: of all starts the one that promises most goes on; one leaves when its promise cannot reach the leader.
+
+A start is a structure with values. Each of its steps is one of Levenberg and Marquardt, and the linearised response
+says beforehand what the next one could come to, in the units in which all are compared. Far from the truth the steps
+are those of white noise, near it every frequency is weighed by the noise that is left there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from ...errors import DashpotError
+from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.descent import Descent
+from ...identify.settle import settled
+from ...identify.structure import Fitted, Structure
+from ...model import Oscillator
+from ...model.terms import with_values
+from .candidate import DECISIVE
+from .residual_test import times_the_noise
+
+#: What is left within this many times the noise is told apart by frequency; beyond it the spectrum is the mismatch's.
+_NEAR = 1.2
+#: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
+_TOLERANCE = 0.5
+#: Steps that one start may take: quadratic convergence needs ten, a bent valley twice as many.
+_MOST_STEPS = 40
+#: A step that keeps this part of its promise was in a straight valley.
+_KEPT = 0.25
+#: One that kept less is believed less, but not less than this: a valley may open after a bend.
+_LEAST_CREDIT = 0.1
+
+
+class Start:
+    """A structure with values, on its way to the maximum of its likelihood.
+
+    Args:
+        laws: name of the structure.
+        model: structure and values.
+        data: training recordings.
+        initial: (segments, states) initial states; found where None.
+        fixed: names of parameters that keep their values.
+        hoped: log-likelihood that whoever proposed it expects, before it has a promise of its own.
+
+    Attributes:
+        value: log-likelihood here; -inf where it does not simulate.
+        ceiling: what it promises to reach.
+        resting: whether it is at its maximum, or cannot move.
+        steps: taken so far.
+    """
+
+    def __init__(
+        self,
+        laws: tuple[str, ...],
+        model: Oscillator,
+        data: Data,
+        initial: np.ndarray | None = None,
+        fixed: Sequence[str] = (),
+        hoped: float = -np.inf,
+    ) -> None:
+        self.laws = laws
+        self.data = data
+        self.structure = Structure(model, data, fixed)
+        problem = self.structure.problem
+        state = settled(problem, self.structure.state(initial))
+        self.descent = Descent(problem, state)
+        self.model = model
+        self.value = likelihood(self.descent.residuals, model, data)
+        self.steps = 0
+        self.resting = not np.isfinite(self.value)
+        self.credit = 1.0
+        self._white = True
+        self._promised: float | None = None
+        self.hoped = hoped
+        self._weigh()
+
+    @property
+    def count(self) -> int:
+        """Parameters it fits."""
+        return len(self.structure.free)
+
+    @property
+    def ceiling(self) -> float:
+        """What it promises: its proposer's hope until its own derivatives are known."""
+        if self.resting:
+            return self.value
+        if self._promised is None and self.value >= self.hoped:
+            return np.inf if self.steps == 0 else self.value  # better than was hoped: nobody knows how far it goes
+        promised = self.hoped if self._promised is None else self._promised
+        return self.value + self.credit * max(promised - self.value, 0.0)
+
+    @property
+    def fitted(self) -> Fitted:
+        """Where it is."""
+        state = self.descent.state
+        return Fitted(self.model, state.initial, self.descent.residuals, self.value, self.structure.free, state.offsets)
+
+    def look(self) -> None:
+        """Make its own promise: what the linearised response would leave."""
+        if self._promised is None and not self.resting:
+            self._promised = likelihood(self.descent.expected, self.model, self.data)
+
+    @property
+    def looked(self) -> bool:
+        """Whether it has made its own promise."""
+        return self._promised is not None
+
+    def step(self) -> None:
+        """One step; at rest where none helps."""
+        self.look()
+        promised = max((self._promised or self.value) - self.value, 0.0)
+        self.steps += 1
+        before, state, residuals = self.value, self.descent.state, self.descent.residuals
+        moved = self.descent.step(_TOLERANCE)
+        if moved:
+            model = with_values(self.structure.model, self.descent.state.values)
+            value = likelihood(self.descent.residuals, model, self.data)
+            if value < before and not self._white:  # the spectrum it was weighed by was another's
+                self.descent.state, self.descent.residuals, self.resting = state, residuals, True
+                return
+            gained = max(value - before, 0.0)
+            self.model, self.value, self._promised = model, value, None
+            self.credit = max(gained / promised, _LEAST_CREDIT) if gained < _KEPT * promised else 1.0
+            self.resting = self.steps >= _MOST_STEPS
+        if self._white:
+            self._weigh()
+            if not moved and self._white:
+                self._to_coloured()
+        elif not moved:
+            self.resting = True
+        else:
+            self._to_coloured()
+
+    def _weigh(self) -> None:
+        """Near the truth, weigh every frequency by the noise that is left there."""
+        if not self.resting and max(self.ratios) <= _NEAR:
+            self._to_coloured()
+
+    def _to_coloured(self) -> None:
+        self._white, self._promised = False, None
+        self.descent.weigh_by(noise_spectra(self.descent.residuals, self.model, self.data))
+
+    @property
+    def ratios(self) -> list[float]:
+        """What is left in each segment over the noise."""
+        return times_the_noise(self.descent.residuals, self.model, self.data)
+
+
+def started(
+    laws: tuple[str, ...],
+    model: Oscillator,
+    data: Data,
+    initial: np.ndarray | None = None,
+    fixed: Sequence[str] = (),
+    hoped: float = -np.inf,
+) -> Start | None:
+    """A start; None where the model cannot be simulated from there."""
+    try:
+        start = Start(laws, model, data, initial, fixed, hoped)
+    except (DashpotError, np.linalg.LinAlgError):
+        return None
+    return start if np.isfinite(start.value) else None
+
+
+def race(
+    starts: Sequence[Start],
+    bar: float,
+    points: int,
+    progress: Callable[[str, float], None] = lambda _what, _part: None,
+) -> None:
+    """Let starts go on, the most promising first, until each is at rest or cannot reach the best of all.
+
+    What is compared is the log-likelihood less half of log(points) for each parameter (Schwarz 1978), which the
+    evidence of those that arrive then does better.
+
+    Args:
+        starts: on their way; they are moved.
+        bar: what is reached already by a structure outside, parameters paid for.
+        points: number of samples.
+        progress: called with what is being done and the part that is.
+    """
+
+    def paid(value: float, start: Start) -> float:
+        return value - 0.5 * start.count * math.log(points)
+
+    whole = max(len(starts), 1)
+    while True:
+        best = max([bar, *(paid(start.value, start) for start in starts)])
+        running = [s for s in starts if not s.resting and paid(s.ceiling, s) > best - DECISIVE]
+        if not running:
+            return
+        front = max(running, key=lambda start: paid(start.ceiling, start))
+        progress(" + ".join(front.laws) or "the given family", 1.0 - len(running) / whole)
+        try:
+            if front.looked:
+                front.step()
+            else:
+                front.look()  # its own promise may be far from its proposer's hope
+        except (DashpotError, np.linalg.LinAlgError):
+            front.resting = True

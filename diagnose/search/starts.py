@@ -1,0 +1,77 @@
+"""Where each law of the library is put in: by its score beside a model, and by the measured motion itself."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...identify.data import Data
+from ...identify.measured_motion import Guess, Regression
+from ...identify.structure import Fitted
+from ...model import Oscillator
+from ...model.law import Law
+from .score_test import Screen
+from .spectral_lines import residual_lines
+
+#: A law with side valleys is put in at its guess times these, one parameter after another: what happens faster than
+#: the rig's own motion, such as a contact's stiffness, the measured motion tells to no more than that.
+_PACES = (1.0, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """A law at some values.
+
+    Attributes:
+        law: its name.
+        model: with the law in it.
+        initial: (segments, states).
+        gain: of log-likelihood, that whoever proposes it expects in the end.
+    """
+
+    law: str
+    model: Oscillator
+    initial: np.ndarray
+    gain: float
+
+
+def by_score(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
+    """Every law that its score speaks for, put in beside a fitted model."""
+    data = replace(data, scales=replace(data.scales, lines=residual_lines(fitted, data)))
+    plain = [law for law in laws if not law.rugged]
+    return [
+        Proposal(start.effect, start.model, start.initial, start.promise) for start in Screen(fitted, data).starts(plain)
+    ]
+
+
+def by_motion(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
+    """Every law that the measured motion speaks for, all other values those that it asks for beside the law."""
+    data = replace(data, scales=replace(data.scales, lines=residual_lines(fitted, data)))
+    regression = Regression(data, fitted.model)
+    plain = regression.plain()
+    found = []
+    for guess in regression.guesses(laws):
+        gain = regression.gain(plain, guess)
+        if gain > 0:
+            found += [
+                Proposal(guess.effect, moved.put_into(fitted.model), moved.begun(fitted.initial), gain)
+                for moved in _moved(guess, laws)
+            ]
+    return found
+
+
+def _moved(guess: Guess, laws: Sequence[Law]) -> Iterator[Guess]:
+    """A guess, and where its law has side valleys, others around it."""
+    (law,) = [law for law in laws if law.name == guess.effect]
+    if not law.rugged:
+        yield guess
+        return
+    for p in law.parameters:
+        place = f"{law.name}.{p.name}"
+        if p.shape or not guess.values[place]:
+            continue
+        for pace in _PACES:
+            value = float(np.clip(guess.values[place] * pace, p.lower, p.upper))
+            yield replace(guess, values=dict(guess.values) | {place: value})
