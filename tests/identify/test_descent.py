@@ -1,0 +1,76 @@
+"""The search step by step: what it promises, that it can be left and gone on with, and bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify.descent import Descent, cost_of
+from dashpot.identify.noise_spectrum import white
+
+
+class Line:
+    """A problem whose response is linear in two shared unknowns: (n,) = rows.T @ values."""
+
+    def __init__(self, bounds: np.ndarray | None = None) -> None:
+        random = np.random.default_rng(1)
+        self.rows = random.standard_normal((2, 50))
+        self.measured = np.array([1.0, -2.0]) @ self.rows + 0.01 * random.standard_normal(50)
+        self.free, self.shared, self.bounds = (0, 1), 2, bounds
+
+    def residuals(self, state):
+        return (self.measured - state.values @ self.rows,)
+
+    def derivatives(self, state, residuals):
+        return [self.rows]
+
+    def map(self, function, items):
+        return [function(item) for item in items]
+
+
+def begun(bounds: np.ndarray | None = None) -> Descent:
+    from dashpot.identify.output_error import State
+
+    return Descent(Line(bounds), State(np.zeros(2), np.zeros((1, 0))))  # type: ignore[arg-type]
+
+
+def test_a_linear_problem_keeps_its_promise_in_one_step():
+    descent = begun()
+    (expected,) = descent.expected
+    assert descent.step(1e-3)
+    assert descent.residuals[0] == pytest.approx(expected, abs=1e-3 * np.std(descent.problem.measured))
+    while not descent.resting:
+        descent.step(1e-3)
+    assert descent.state.values == pytest.approx([1.0, -2.0], abs=0.01)
+
+
+def test_it_rests_where_nothing_more_is_promised():
+    descent = begun()
+    while not descent.resting:
+        descent.step(1e-6)
+    taken, cost = descent.taken, descent.cost
+    assert not descent.step(1e-6)
+    assert (descent.taken, descent.cost) == (taken + 1, cost)
+
+
+def test_a_parameter_at_its_bound_promises_nothing_beyond_it():
+    low = np.array([[-np.inf, 0.0], [np.inf, np.inf]])  # the second would be -2
+    descent = begun(low)
+    problem = descent.problem
+    (expected,) = descent.expected
+    alone = problem.measured - problem.rows[0] * (problem.rows[0] @ problem.measured) / np.sum(problem.rows[0] ** 2)
+    assert expected == pytest.approx(alone, abs=1e-9)
+    while not descent.resting:
+        descent.step(1e-6)
+    assert descent.state.values[1] == 0.0
+    assert descent.residuals[0] == pytest.approx(alone, abs=1e-3)
+
+
+def test_other_weights_start_from_where_it_is():
+    descent = begun()
+    descent.step(1e-3)
+    values = descent.state.values.copy()
+    noise = [white(descent.residuals[0])]
+    descent.weigh_by(noise)
+    assert np.array_equal(descent.state.values, values)
+    assert descent.cost == cost_of(descent.residuals, noise)
+    assert cost_of((np.array([np.nan]),), None) == np.inf

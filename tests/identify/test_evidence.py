@@ -1,0 +1,95 @@
+"""Evidence against closed forms: linear models, where Laplace's approximation is exact but for the prior's curvature."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify.evidence import Told, evidence, log_prior, predictive, told
+
+NOISE = 0.1
+
+
+def line(count: int, seed: int, slope: float = 2.0, columns: int = 1) -> tuple[np.ndarray, np.ndarray]:
+    """Design matrix (count, columns) and measured values of a straight line through zero, white noise on it."""
+    random = np.random.default_rng(seed)
+    design = random.standard_normal((count, columns))
+    return design, slope * design[:, 0] + NOISE * random.standard_normal(count)
+
+
+def told_by(design: np.ndarray, measured: np.ndarray, at: np.ndarray) -> Told:
+    residual = measured - design @ at
+    log_likelihood = -0.5 * float(residual @ residual) / NOISE**2
+    return Told(log_likelihood, design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
+
+
+def best(design: np.ndarray, measured: np.ndarray) -> np.ndarray:
+    return np.linalg.lstsq(design, measured)[0]
+
+
+def wide(columns: int, width: float = 10.0) -> np.ndarray:
+    return np.array([np.zeros(columns), np.full(columns, width)])
+
+
+def test_evidence_is_the_likelihood_averaged_over_the_prior():
+    design, measured = line(40, seed=1)
+    at, prior = best(design, measured), wide(1)
+    grid = np.linspace(at[0] - 0.5, at[0] + 0.5, 200_001)
+    errors = measured[:, None] - design * grid[None, ::100]
+    logs = -0.5 * np.sum(errors**2, axis=0) / NOISE**2
+    logs += np.array([log_prior(np.array([value]), prior) for value in grid[::100]])
+    averaged = np.log(np.trapezoid(np.exp(logs - logs.max()), grid[::100])) + logs.max()
+    assert evidence(told_by(design, measured, at), at, prior) == pytest.approx(averaged, abs=1e-3)
+
+
+def test_a_parameter_that_tells_nothing_pays_for_its_range():
+    design, measured = line(200, seed=2, columns=2)
+    one = best(design[:, :1], measured)
+    two = best(design, measured)
+    plain = evidence(told_by(design[:, :1], measured, one), one, wide(1))
+    needless = evidence(told_by(design, measured, two), two, wide(2))
+    assert needless < plain - 3.0
+    # ten times the range costs a factor of ten in odds
+    dearer = evidence(told_by(design, measured, two), two, np.array([[0.0, 0.0], [10.0, 100.0]]))
+    assert needless - dearer == pytest.approx(np.log(10.0), abs=0.05)
+
+
+def test_a_parameter_that_the_recordings_ask_for_gains():
+    random = np.random.default_rng(3)
+    design = random.standard_normal((200, 2))
+    measured = design @ [2.0, 0.1] + NOISE * random.standard_normal(200)
+    one, two = best(design[:, :1], measured), best(design, measured)
+    assert evidence(told_by(design, measured, two), two, wide(2)) > (
+        evidence(told_by(design[:, :1], measured, one), one, wide(1)) + 50.0
+    )
+
+
+def test_what_was_held_out_is_told_by_the_chain_rule():
+    design, measured = line(60, seed=4, columns=2)
+    training, rest = slice(0, 30), slice(30, 60)
+    prior, at = wide(2, 1e3), best(design[training], measured[training])
+    before = told_by(design[training], measured[training], at)
+    after = told_by(design[rest], measured[rest], at)
+    every = best(design, measured)
+    whole = evidence(told_by(design, measured, every), every, prior)
+    assert predictive(after, before, prior) == pytest.approx(whole - evidence(before, at, prior), abs=1e-3)
+
+
+def test_a_prediction_is_forgiven_what_training_left_open():
+    """The same miss on held-out data costs less where training knew the parameter less."""
+    design, measured = np.ones((50, 1)), np.full(50, 2.0)
+    held = told_by(design, measured + 0.1, np.array([2.0]))
+    sure, unsure = (
+        Told(0.0, np.array([[information]]), np.zeros(1)) for information in (1e6 / NOISE**2, 1.0 / NOISE**2)
+    )
+    assert predictive(held, unsure, wide(1)) > predictive(held, sure, wide(1)) + 10.0
+
+
+def test_initial_states_are_averaged_over():
+    """One segment with an unknown of its own beside the shared one, as one model with two unknowns has it."""
+    design, measured = line(80, seed=5, columns=2)
+    at, prior = best(design, measured), wide(2)
+    residual = measured - design @ at
+    block = (design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
+    alone = told_by(design, measured, at)
+    split = told(alone.log_likelihood, [block], [(np.array([0]), at[1:], prior[:, 1:])], 1)
+    assert evidence(split, at[:1], prior[:, :1]) == pytest.approx(evidence(alone, at, prior), rel=1e-9)
