@@ -17,7 +17,7 @@ import numpy as np
 
 from ..model import Oscillator
 from ..model.law import Law, Scales
-from ..model.laws import find
+from ..model.laws import LIBRARY, find
 from ..model.terms import with_term
 from .data import Data
 from .displacement import displacement
@@ -74,8 +74,10 @@ class Guess:
 
     def put_into(self, model: Oscillator) -> Oscillator:
         """The model with the law, all parameters with the values found."""
-        own = {p.name: self.values[f"{self.effect}.{p.name}"] for p in find(self.effect).parameters}
-        grown = with_term(model, self.effect, own)
+        grown = model
+        if self.effect in LIBRARY:
+            own = {p.name: self.values[f"{self.effect}.{p.name}"] for p in find(self.effect).parameters}
+            grown = with_term(model, self.effect, own)
         known = grown.parameters()
         return grown.with_parameters(
             {name: replace(known[name], value=value) for name, value in self.values.items() if name in known}
@@ -227,9 +229,12 @@ class Regression:
 
     def plain(self) -> float:
         """Misfit of the model's own family."""
-        nothing = Law("nothing", "", (), "", "", "", force=lambda motion, p: 0.0 * motion.x)
-        guess = self._solve(nothing, {})
+        guess = self.family()
         return np.inf if guess is None else guess.misfit
+
+    def family(self) -> Guess | None:
+        """The best of the model's own family; its laws keep their onsets and speeds."""
+        return self._solve(Law("nothing", "", (), "", "", "", force=lambda motion, p: 0.0 * motion.x), {})
 
     def gain(self, plain: float, guess: Guess) -> float:
         """Gain of log-likelihood that a guess promises over the family's own misfit, windows being what they are."""

@@ -23,7 +23,7 @@ from .candidate import DECISIVE
 from .residual_test import times_the_noise
 
 #: What is left within this many times the noise is told apart by frequency; beyond it the spectrum is the mismatch's.
-_NEAR = 1.2
+NEAR = 1.2
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
 _TOLERANCE = 0.5
 #: Steps that one start may take: quadratic convergence needs ten, a bent valley twice as many.
@@ -43,7 +43,10 @@ class Start:
         data: training recordings.
         initial: (segments, states) initial states; found where None.
         fixed: names of parameters that keep their values.
-        hoped: log-likelihood that whoever proposed it expects, before it has a promise of its own.
+        hoped: log-likelihood that whoever proposed it expects, before it has a promise of its own; infinite where it
+            must look for itself.
+        patience: steps that it is given before its promise counts against it: far from the truth the linearised
+            response knows little.
 
     Attributes:
         value: log-likelihood here; -inf where it does not simulate.
@@ -59,7 +62,8 @@ class Start:
         data: Data,
         initial: np.ndarray | None = None,
         fixed: Sequence[str] = (),
-        hoped: float = -np.inf,
+        hoped: float = np.inf,
+        patience: int = 0,
     ) -> None:
         self.laws = laws
         self.data = data
@@ -72,9 +76,9 @@ class Start:
         self.steps = 0
         self.resting = not np.isfinite(self.value)
         self.credit = 1.0
-        self._white = True
+        self._white, self.near = True, False
         self._promised: float | None = None
-        self.hoped = hoped
+        self.hoped, self.patience = hoped, patience
         self._weigh()
 
     @property
@@ -87,9 +91,9 @@ class Start:
         """What it promises: its proposer's hope until its own derivatives are known."""
         if self.resting:
             return self.value
-        if self._promised is None and self.value >= self.hoped:
-            return np.inf if self.steps == 0 else self.value  # better than was hoped: nobody knows how far it goes
         promised = self.hoped if self._promised is None else self._promised
+        if self.steps == 0 and self._promised is None and self.value >= promised:
+            return np.inf  # better than was hoped: nobody knows how far it goes
         return self.value + self.credit * max(promised - self.value, 0.0)
 
     @property
@@ -125,18 +129,16 @@ class Start:
             self.model, self.value, self._promised = model, value, None
             self.credit = max(gained / promised, _LEAST_CREDIT) if gained < _KEPT * promised else 1.0
             self.resting = self.steps >= _MOST_STEPS
-        if self._white:
-            self._weigh()
-            if not moved and self._white:
-                self._to_coloured()
-        elif not moved:
+        self._weigh()
+        if not moved and not self._white:
             self.resting = True
-        else:
+        elif not moved or not self._white:
             self._to_coloured()
 
     def _weigh(self) -> None:
         """Near the truth, weigh every frequency by the noise that is left there."""
-        if not self.resting and max(self.ratios) <= _NEAR:
+        self.near = np.isfinite(self.value) and max(self.ratios) <= NEAR
+        if self.near and self._white:
             self._to_coloured()
 
     def _to_coloured(self) -> None:
@@ -155,11 +157,12 @@ def started(
     data: Data,
     initial: np.ndarray | None = None,
     fixed: Sequence[str] = (),
-    hoped: float = -np.inf,
+    hoped: float = np.inf,
+    patience: int = 0,
 ) -> Start | None:
     """A start; None where the model cannot be simulated from there."""
     try:
-        start = Start(laws, model, data, initial, fixed, hoped)
+        start = Start(laws, model, data, initial, fixed, hoped, patience)
     except (DashpotError, np.linalg.LinAlgError):
         return None
     return start if np.isfinite(start.value) else None
@@ -189,10 +192,13 @@ def race(
     whole = max(len(starts), 1)
     while True:
         best = max([bar, *(paid(start.value, start) for start in starts)])
-        running = [s for s in starts if not s.resting and paid(s.ceiling, s) > best - DECISIVE]
+        running = [
+            s for s in starts if not s.resting and (s.steps < s.patience or paid(s.ceiling, s) > best - DECISIVE)
+        ]
         if not running:
             return
-        front = max(running, key=lambda start: paid(start.ceiling, start))
+        # the patient ones catch up with each other first, so that none runs far ahead into a side valley
+        front = max(running, key=lambda start: (start.steps < start.patience, paid(start.ceiling, start)))
         progress(" + ".join(front.laws) or "the given family", 1.0 - len(running) / whole)
         try:
             if front.looked:
@@ -201,3 +207,6 @@ def race(
                 front.look()  # its own promise may be far from its proposer's hope
         except (DashpotError, np.linalg.LinAlgError):
             front.resting = True
+        if front.near:  # nothing can do much better than leave the noise
+            for other in starts:
+                other.patience = 0

@@ -25,16 +25,15 @@ from ...model.laws import LIBRARY, find
 from ...model.terms import with_term, without_term
 from .candidate import DECISIVE, Candidate, key
 from .judgement import accepted, only_a_name
-from .race import Start, race, started
+from .race import NEAR, Start, race, started
 from .residual_test import times_the_noise
-from .starts import Proposal, by_motion, by_score
+from .starts import Proposal, by_motion, by_score, without
 from .weigh import judged, weighed
 
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
-#: Where the best so far leaves this many times the noise it has bent itself around what is missing, and a score beside
-#: it does not tell all.
-FAR = 1.2
+#: Steps that a start far from the truth is given before its promise counts: the first turn into its valley.
+_PATIENCE = 3
 #: More laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
 
@@ -98,11 +97,12 @@ class Search:
         laws = self._addable(leader)
         self.progress("score of every law", 0.0)
         starts = [*self._dropped(leader), *self._exchanged(leader)]
+        self._race(starts, bar)
         starts += self._added(leader, by_score(leader.fit, self.data, laws) if laws else [])
         self._race(starts, bar)
         front = max(starts, key=self._paid, default=None)
         here = leader.fit if front is None or self._paid(front) < bar else front.fitted
-        if laws and max(times_the_noise(here.residuals, here.model, self.data)) > FAR:
+        if laws and max(times_the_noise(here.residuals, here.model, self.data)) > NEAR:
             self.progress("regression on the measured motion", 0.5)
             starts += self._added(leader, by_motion(leader.fit, self.data, laws))
             self._race(starts, bar)
@@ -164,14 +164,17 @@ class Search:
         """The leader with one law more, where that was proposed."""
         assert leader.fit is not None
         starts = []
+        near = max(times_the_noise(leader.fit.residuals, leader.fit.model, self.data)) <= NEAR
         for proposal in proposals:
-            hoped = leader.fit.likelihood + proposal.gain
+            # far from the truth the leader has bent itself, and what it says of a law is no bound for it
+            hoped = leader.fit.likelihood + proposal.gain if near else np.inf
             cost = self._cost(sum(not p.shape for p in find(proposal.law).parameters))
             if proposal.gain < cost:
                 self._unmoved(leader, proposal.law, proposal.gain)
                 continue
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
-            starts.append(started(laws, proposal.model, self.data, proposal.initial, fixed, hoped))
+            patience = 0 if near else _PATIENCE
+            starts.append(started(laws, proposal.model, self.data, proposal.initial, fixed, hoped, patience))
         return [start for start in starts if start is not None]
 
     def _unmoved(self, leader: Candidate, law: str, gain: float) -> None:
@@ -184,10 +187,10 @@ class Search:
         assert leader.fit is not None
         starts = []
         for name in leader.laws:
-            model = without_term(leader.fit.model, name)
             laws = key([law for law in leader.laws if law != name])
-            initial = without_states(leader.fit, name)
-            starts.append(started(laws, model, self.data, initial, self._fixed(leader.fit, model)))
+            for model, initial in without(leader.fit, self.data, name):
+                fixed = self._fixed(leader.fit, model)
+                starts.append(started(laws, model, self.data, initial, fixed, patience=_PATIENCE))
         return [start for start in starts if start is not None]
 
     def _exchanged(self, leader: Candidate) -> list[Start]:
@@ -208,7 +211,8 @@ class Search:
                     continue
                 values = {p.name: other.fit.model.values()[f"{instead}.{p.name}"] for p in find(instead).parameters}
                 model = with_term(smaller, instead, values)
-                starts.append(started(laws, model, self.data, initial, self._fixed(leader.fit, model)))
+                fixed = self._fixed(leader.fit, model)
+                starts.append(started(laws, model, self.data, initial, fixed, patience=_PATIENCE))
         return [start for start in starts if start is not None]
 
     def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:

@@ -9,9 +9,10 @@ import numpy as np
 
 from ...identify.data import Data
 from ...identify.measured_motion import Guess, Regression
-from ...identify.structure import Fitted
+from ...identify.structure import Fitted, without_states
 from ...model import Oscillator
 from ...model.law import Law
+from ...model.terms import without_term
 from .score_test import Screen
 from .spectral_lines import residual_lines
 
@@ -42,7 +43,8 @@ def by_score(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
     data = replace(data, scales=replace(data.scales, lines=residual_lines(fitted, data)))
     plain = [law for law in laws if not law.rugged]
     return [
-        Proposal(start.effect, start.model, start.initial, start.promise) for start in Screen(fitted, data).starts(plain)
+        Proposal(start.effect, start.model, start.initial, start.promise)
+        for start in Screen(fitted, data).starts(plain)
     ]
 
 
@@ -60,6 +62,13 @@ def by_motion(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]
                 for moved in _moved(guess, laws)
             ]
     return found
+
+
+def without(fitted: Fitted, data: Data, law: str) -> list[tuple[Oscillator, np.ndarray]]:
+    """A fitted model with one law less: as it is, and with what the measured motion then asks of the other values."""
+    smaller, initial = without_term(fitted.model, law), without_states(fitted, law)
+    guess = Regression(data, smaller).family()
+    return [(smaller, initial)] + ([] if guess is None else [(guess.put_into(smaller), initial)])
 
 
 def _moved(guess: Guess, laws: Sequence[Law]) -> Iterator[Guess]:
