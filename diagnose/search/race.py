@@ -16,7 +16,7 @@ from ...errors import DashpotError
 from ...identify.data import Data, likelihood, noise_spectra
 from ...identify.descent import Descent
 from ...identify.settle import settled
-from ...identify.structure import Fitted, Structure
+from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.terms import with_values
 from .candidate import DECISIVE
@@ -26,6 +26,8 @@ from .residual_test import times_the_noise
 NEAR = 1.2
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
 _TOLERANCE = 0.5
+#: Steps that a start far from the truth is given before its promise counts: the first turn into its valley.
+PATIENCE = 3
 #: Steps that one start may take: quadratic convergence needs ten, a bent valley twice as many.
 _MOST_STEPS = 40
 #: A step that keeps this part of its promise was in a straight valley.
@@ -101,6 +103,21 @@ class Start:
         """Where it is."""
         state = self.descent.state
         return Fitted(self.model, state.initial, self.descent.residuals, self.value, self.structure.free, state.offsets)
+
+    @property
+    def locked(self) -> tuple[str, ...]:
+        """Shapes of its laws that it keeps: the sharpness of a bend, say."""
+        return tuple(name for name in shapes_of(self.model) if name not in self.structure.free)
+
+    def unlock(self, steps: int) -> None:
+        """Free the shapes of its laws as well, with some steps before its promise counts again."""
+        fixed = [n for n in self.model.parameters() if n not in self.structure.free and n not in self.locked]
+        state, residuals = self.descent.state, self.descent.residuals
+        self.structure = Structure(self.model, self.data, fixed)
+        noise = None if self._white else noise_spectra(residuals, self.model, self.data)
+        self.descent = Descent(self.structure.problem, state, noise, residuals)
+        self.patience, self.credit, self._promised = self.steps + steps, 1.0, None
+        self.resting = self.steps >= _MOST_STEPS
 
     def look(self) -> None:
         """Make its own promise: what the linearised response would leave."""
@@ -192,6 +209,11 @@ def race(
     whole = max(len(starts), 1)
     while True:
         best = max([bar, *(paid(start.value, start) for start in starts)])
+        at_noise = any(start.near for start in starts)
+        for start in starts:
+            out = start.resting or (start.steps >= start.patience and paid(start.ceiling, start) < best - DECISIVE)
+            if out and start.steps and start.locked and not at_noise:
+                start.unlock(PATIENCE)  # before it leaves, or rests with more than noise
         running = [
             s for s in starts if not s.resting and (s.steps < s.patience or paid(s.ceiling, s) > best - DECISIVE)
         ]

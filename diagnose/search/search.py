@@ -9,6 +9,7 @@ neighbour of the leader promises to reach it.
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -25,15 +26,15 @@ from ...model.laws import LIBRARY, find
 from ...model.terms import with_term, without_term
 from .candidate import DECISIVE, Candidate, key
 from .judgement import accepted, only_a_name
-from .race import NEAR, Start, race, started
+from .race import NEAR, PATIENCE, Start, race, started
 from .residual_test import times_the_noise
 from .starts import Proposal, by_motion, by_score, without
 from .weigh import judged, weighed
 
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
-#: Steps that a start far from the truth is given before its promise counts: the first turn into its valley.
-_PATIENCE = 3
+#: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
+_VALLEYS = 3
 #: More laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
 
@@ -173,9 +174,18 @@ class Search:
                 self._unmoved(leader, proposal.law, proposal.gain)
                 continue
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
-            patience = 0 if near else _PATIENCE
+            patience = 0 if near else PATIENCE
             starts.append(started(laws, proposal.model, self.data, proposal.initial, fixed, hoped, patience))
-        return [start for start in starts if start is not None]
+        return self._of_each_law([start for start in starts if start is not None])
+
+    def _of_each_law(self, starts: Sequence[Start]) -> list[Start]:
+        """Of a law that was put in at many places, with side valleys between them, the best few."""
+        kept, count = [], Counter[tuple[str, ...]]()
+        for start in sorted(starts, key=lambda start: -start.value):
+            count[start.laws] += 1
+            if count[start.laws] <= _VALLEYS:
+                kept.append(start)
+        return kept
 
     def _unmoved(self, leader: Candidate, law: str, gain: float) -> None:
         laws = key((*leader.laws, law))
@@ -190,7 +200,7 @@ class Search:
             laws = key([law for law in leader.laws if law != name])
             for model, initial in without(leader.fit, self.data, name):
                 fixed = self._fixed(leader.fit, model)
-                starts.append(started(laws, model, self.data, initial, fixed, patience=_PATIENCE))
+                starts.append(started(laws, model, self.data, initial, fixed, patience=PATIENCE))
         return [start for start in starts if start is not None]
 
     def _exchanged(self, leader: Candidate) -> list[Start]:
@@ -212,7 +222,7 @@ class Search:
                 values = {p.name: other.fit.model.values()[f"{instead}.{p.name}"] for p in find(instead).parameters}
                 model = with_term(smaller, instead, values)
                 fixed = self._fixed(leader.fit, model)
-                starts.append(started(laws, model, self.data, initial, fixed, patience=_PATIENCE))
+                starts.append(started(laws, model, self.data, initial, fixed, patience=PATIENCE))
         return [start for start in starts if start is not None]
 
     def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:

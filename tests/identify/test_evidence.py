@@ -1,4 +1,4 @@
-"""Evidence against closed forms: linear models, where Laplace's approximation is exact but for the prior's curvature."""
+"""Evidence against closed forms: of linear models, where Laplace's approximation is nearly exact."""
 
 from __future__ import annotations
 
