@@ -35,6 +35,8 @@ from .weigh import judged, weighed
 SENSOR_OFFSET = "sensor-offset"
 #: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
 _VALLEYS = 3
+#: A law is exchanged for so many others: those that came farthest in its place before.
+_NEAREST = 4
 #: More laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
 
@@ -209,12 +211,12 @@ class Search:
         starts = []
         if len(leader.laws) < 2:
             return []
+        singles = [c for c in self.candidates.values() if len(c.laws) == 1 and c.laws[0] not in leader.laws and c.fit]
+        singles.sort(key=lambda c: -c.fit.likelihood if c.fit else 0.0)
         for name in leader.laws:
             smaller = without_term(leader.fit.model, name)
             initial = without_states(leader.fit, name)
-            for other in list(self.candidates.values()):
-                if len(other.laws) != 1 or other.fit is None or other.stage != "judged" or other.laws[0] in leader.laws:
-                    continue
+            for other in singles[:_NEAREST]:
                 (instead,) = other.laws
                 laws = key([law for law in leader.laws if law != name] + [instead])
                 if laws in self.candidates or find(instead).effect in {t.law.effect for t in smaller.terms}:

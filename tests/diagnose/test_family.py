@@ -10,6 +10,7 @@ import pytest
 from dashpot.diagnose.family import cut_for, family_of, stranger
 from dashpot.diagnose.search.residual_test import leftovers
 from dashpot.diagnose.search.search import Search
+from dashpot.diagnose.search.weigh import judged as judged_by
 from dashpot.errors import BadInput
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
@@ -174,7 +175,7 @@ def told_apart(**changed):
     data, judged = (cut_for(family, group, MODEL) for group in (family.recordings, family.holdout))
     search = Search(data, judged)
     final = search.best_of_family(family.model)
-    left = (*leftovers(final, data), *leftovers(search.judge(final.model, judged), judged))
+    left = (*leftovers(final, data), *leftovers(judged_by(final.model, judged), judged))
     return stranger(final, search, left, len(data.segments))
 
 

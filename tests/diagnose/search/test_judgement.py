@@ -1,4 +1,4 @@
-"""Which name a fit gets: laws that are one equation under two names, and laws that contain one another."""
+"""Odds of structures, what is accepted, what cannot be told apart, and which name a term gets."""
 
 from __future__ import annotations
 
@@ -6,76 +6,113 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.judgement import Round, Trial
-from dashpot.identify.structure import Fitted, renamed
+from dashpot.diagnose.search.candidate import DECISIVE, Candidate, key
+from dashpot.diagnose.search.judgement import accepted, log_odds, matters, names_of, standing, why_not
+from dashpot.identify.data import Data
+from dashpot.identify.segments import Segment
+from dashpot.identify.structure import Fitted
 from dashpot.model import Oscillator
-from dashpot.model.laws import find
-from dashpot.model.terms import generalised
+from dashpot.model.law import Scales
 
 BASE = {"mass": 0.3, "omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 5.0, "dry": 0.1}
-LEFT = (np.full(50, 1.0),)
+MODEL = Oscillator.from_values(BASE)
+CYCLES = 20
 
 
-def fitted(effect: str, **values: float) -> Fitted:
-    numbers = BASE | {f"{effect}.{name}": value for name, value in values.items()}
-    model = Oscillator.from_values(numbers, effects=(effect,))
-    return Fitted(model, np.zeros((1, 2)), (np.full(50, 0.1),), 0.0, tuple(numbers))
+def data(noise: float) -> Data:
+    """One free stretch of twenty cycles at 1 rad a sample-second, whose sensor has some noise."""
+    n = CYCLES * 100
+    time = np.arange(n) * 2 * np.pi / 100
+    segment = Segment(0, 0, n, np.sin(time), None, 2 * np.pi / 100, 0.0, 1.0)
+    scales = Scales(length=1.0, omega=1.0, force=0.0, response=1.0, duration=float(time[-1]))
+    return Data((), (segment,), (noise,), (0.0,), scales)
 
 
-def trial(one: Fitted, gain: float = 100.0, holdout_gain: float = 100.0) -> Trial:
-    (term,) = one.model.terms
-    return Trial(term.effect, one, one, gain, holdout_gain, finished=True)
+def candidate(*laws: str, evidence: float = 0.0, predictive: float = 0.0, left: float = 1.0) -> Candidate:
+    fit = Fitted(MODEL, np.zeros((1, 2)), (np.full(CYCLES * 100, left),), 0.0, ())
+    return Candidate(key(laws), fit, fit, evidence, predictive, "judged")
 
 
-def best(*trials: Trial) -> Round:
-    before = Fitted(Oscillator.from_values(BASE), np.zeros((1, 2)), LEFT, 0.0, tuple(BASE))
-    return Round(before, before, trials)
+def parts(noise: float) -> tuple[Data, Data]:
+    return data(noise), data(noise)
 
 
-@pytest.mark.parametrize(
-    ("load", "name", "rivals"), [(2.0, "constant-force", ()), (0.05, "asymmetric-friction/dry", ("constant-force",))]
-)
-def test_a_load_larger_than_the_friction_is_no_friction(load, name, rivals):
-    one = fitted("constant-force", load=load)
-    law = find("asymmetric-friction/dry")
-    round_ = best(trial(one), trial(renamed(one, "constant-force", law)))
-    assert round_.best is not None
-    assert round_.best.effect == name
-    assert round_.rivals(round_.best) == rivals
+def test_where_only_noise_is_left_the_odds_are_those_of_the_evidence():
+    better, worse = candidate("quadratic-drag", evidence=30.0, left=1.0), candidate(left=1.05)
+    assert log_odds(better, worse, parts(1.0)) == 30.0
+    assert log_odds(worse, better, parts(1.0)) == -30.0
 
 
-def test_the_same_fit_under_another_name_is_the_same_model():
-    one = fitted("constant-force", load=0.05)
-    other = renamed(one, "constant-force", find("asymmetric-friction/dry"))
-    assert other.model.values() == BASE | {"asymmetric-friction/dry.dry": 0.05}
-    assert other.free[-1] == "asymmetric-friction/dry.dry"
-    from dashpot.simulate.core import core_of
-
-    def run(model):
-        start, force = np.array([0.01, 0.0]), np.zeros(200)
-        return core_of(model).record(np.array([*model.values().values()]), start, force, 200, 1e-3, 1e-3)
-
-    assert np.array_equal(run(one.model), run(other.model))
+def test_where_a_mismatch_is_left_its_cycles_say_the_same_again():
+    """Thousands of samples a mismatch repeats itself in are few witnesses."""
+    better, worse = candidate("quadratic-drag", evidence=3000.0, left=1.0), candidate(left=1.05)
+    told = log_odds(better, worse, parts(0.1))
+    stretches = 2 * (CYCLES // 6)
+    assert told == pytest.approx(stretches * 5 * np.log(1.05**2))
+    assert log_odds(worse, better, parts(0.1)) == pytest.approx(-told)
+    # but what takes nearly everything away is decided all the same
+    assert log_odds(candidate("quadratic-drag", evidence=3000.0, left=0.2), worse, parts(0.1)) > DECISIVE
 
 
-@pytest.mark.parametrize(("stiffness", "name"), [(0.5, "clearance"), (4.0, "two-sided-stop")])
-def test_a_clearance_stiffer_than_the_spring_is_a_stop(stiffness, name):
-    one = fitted("clearance", stiffness=stiffness * 6400.0, gap=1e-3)
-    wider = replace(one, model=generalised(one.model, "clearance"))
-    assert wider.model.values() == BASE | {
-        "two-sided-stop.stiffness": stiffness * 6400.0,
-        "two-sided-stop.position": 1e-3,
-        "two-sided-stop.damping": 0.0,
-        "two-sided-stop.offset": 0.0,
-    }
-    # chance on the held-out recordings does not decide between a law and a case of it
-    round_ = best(trial(one, 100.0, 300.0), trial(wider, 94.0, 100.0))
-    assert round_.best is not None
-    assert round_.best.effect == name
+@pytest.mark.parametrize(("gain", "taken"), [(DECISIVE - 0.1, False), (DECISIVE + 0.1, True)])
+def test_what_is_accepted_is_decisive(gain, taken):
+    better = candidate("quadratic-drag", evidence=gain - 1.0, predictive=1.0, left=0.9)
+    assert accepted(better, candidate(), parts(1.0)) is taken
 
 
-def test_what_takes_away_nothing_is_not_taken():
-    one = fitted("quadratic-drag", coefficient=1.0)
-    assert best(trial(replace(one, residuals=LEFT))).best is None
-    assert best(trial(one, gain=1.0)).best is None
-    assert best(trial(one, holdout_gain=-1.0)).best is None
+def test_what_was_held_out_must_not_speak_against_it():
+    better = candidate("quadratic-drag", evidence=100.0, predictive=-1.0, left=0.9)
+    assert not accepted(better, candidate(), parts(1.0))
+    assert "held-out" in why_not(better, candidate(), candidate(), parts(1.0))
+    assert accepted(replace(better, held_out=None, predictive=0.0), replace(candidate(), held_out=None), parts(1.0)[:1])
+
+
+@pytest.mark.parametrize(("left", "enough"), [(1.0 / np.sqrt(1.009), False), (1.0 / np.sqrt(1.011), True)])
+def test_a_law_that_takes_less_than_a_hundredth_of_the_power_does_not_matter(left, enough):
+    better = candidate("quadratic-drag", evidence=100.0, predictive=100.0, left=left)
+    assert matters(better, candidate()) is enough
+    assert accepted(better, candidate(), parts(1.0)) is enough
+
+
+def test_a_group_holds_what_together_has_nineteen_of_twenty_parts():
+    best = candidate("quadratic-drag", evidence=100.0, left=0.9)
+    near = candidate("cubic-damping", evidence=98.0, left=0.9)
+    far = candidate("stribeck", evidence=90.0, left=0.9)
+    stands = standing("quadratic-drag", best, [best, near, far, candidate()], parts(1.0))
+    assert stands.rivals == ("cubic-damping",)
+    assert stands.odds > 1000.0
+    further = replace(near, evidence=96.0)  # one part in fifty-five
+    assert standing("quadratic-drag", best, [best, further, far, candidate()], parts(1.0)).rivals == ()
+
+
+def test_odds_of_a_law_are_against_its_absence_too():
+    best = candidate("quadratic-drag", evidence=5.0, left=0.9)
+    stands = standing("quadratic-drag", best, [best, candidate()], parts(1.0))
+    assert stands.odds == pytest.approx(np.exp(5.0), rel=1e-6)
+
+
+def test_only_what_could_stand_in_its_place_is_a_rival():
+    best = candidate("quadratic-drag", "stribeck", evidence=100.0, left=0.9)
+    instead = candidate("cubic-damping", "stribeck", evidence=99.5, left=0.9)
+    elsewhere = candidate("cubic-damping", "hysteresis", evidence=99.9, left=0.9)
+    stands = standing("quadratic-drag", best, [best, instead, elsewhere], parts(1.0))
+    assert stands.rivals == ("cubic-damping",)
+    assert standing("stribeck", best, [best, instead, elsewhere], parts(1.0)).rivals == ()
+
+
+def named(effect: str, **values: float) -> tuple[str, ...]:
+    model = Oscillator.from_values(BASE | {f"{effect}.{n}": v for n, v in values.items()}, effects=(effect,))
+    return names_of(model.terms[0], model.values())
+
+
+def test_a_load_larger_than_the_friction_is_no_friction():
+    assert named("constant-force", load=2.0) == ("constant-force",)
+    assert named("constant-force", load=0.05) == ("constant-force", "asymmetric-friction/dry")
+
+
+def test_a_clearance_stiffer_than_the_spring_is_a_stop():
+    assert named("clearance", stiffness=0.5 * 6400.0, gap=1e-3) == ("clearance",)
+    assert named("clearance", stiffness=4.0 * 6400.0, gap=1e-3) == ("two-sided-stop",)
+    soft = {"stiffness": 0.5 * 6400.0, "position": 1e-3, "damping": 0.0, "offset": 0.0}
+    assert named("two-sided-stop", **soft) == ("clearance",)
+    assert named("two-sided-stop", **soft | {"stiffness": 4.0 * 6400.0}) == ("two-sided-stop",)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.search import Search
+from dashpot.diagnose.search.weigh import judged
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import probes
 from dashpot.identify.structure import Structure, parameter_bounds
@@ -28,14 +28,14 @@ def test_a_mass_at_rest_under_an_offset_sensor_is_at_rest(rig):
 
 def test_a_recording_through_which_a_model_does_not_simulate_is_not_told_at_all(rig):
     case = rig("none")
-    data, holdout = data_of(case.training, case.model), data_of(case.holdout, case.model)
+    holdout = data_of(case.holdout, case.model)
     cubic = case.model.parameters()["cubic"]
     size = float(np.max(np.abs(case.training[0].response)))
     falling = replace(cubic, value=-3.0 * case.model.omega0.value**2 / size**2)
-    judged = Search(data, holdout).judge(case.model.with_parameters({"cubic": falling}))
-    assert np.isfinite(judged.likelihood)
-    assert judged.likelihood < Search(data, holdout).judge(case.model).likelihood
-    assert any(r is s.response for r, s in zip(judged.residuals, holdout.segments, strict=True))
+    told = judged(case.model.with_parameters({"cubic": falling}), holdout)
+    assert np.isfinite(told.likelihood)
+    assert told.likelihood < judged(case.model, holdout).likelihood
+    assert any(r is s.response for r, s in zip(told.residuals, holdout.segments, strict=True))
 
 
 @pytest.mark.parametrize("law", LIBRARY)
