@@ -25,7 +25,7 @@ from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from ...model.terms import with_term, without_term
 from .candidate import DECISIVE, Candidate, key
-from .judgement import accepted, only_a_name
+from .judgement import accepted, log_odds, only_a_name
 from .race import NEAR, PATIENCE, Start, race, started
 from .residual_test import times_the_noise
 from .starts import Proposal, by_motion, by_score, without
@@ -85,8 +85,10 @@ class Search:
         shorter = [c for c in arrived if set(c.laws) < set(leader.laws) and c.value > leader.value - DECISIVE]
         if shorter:
             return max(shorter, key=lambda c: c.value)
+        # one as long has nothing to prove beyond being more probable
+        as_long = [c for c in arrived if len(c.laws) == len(leader.laws) and log_odds(c, leader, self.parts) > 0]
         further = [c for c in arrived if accepted(c, leader, self.parts)]
-        return max([leader, *further], key=lambda c: c.value)
+        return max([leader, *as_long, *further], key=lambda c: c.value)
 
     @property
     def parts(self) -> tuple[Data, ...]:
@@ -212,7 +214,7 @@ class Search:
         if len(leader.laws) < 2:
             return []
         singles = [c for c in self.candidates.values() if len(c.laws) == 1 and c.laws[0] not in leader.laws and c.fit]
-        singles.sort(key=lambda c: -c.fit.likelihood if c.fit else 0.0)
+        singles.sort(key=lambda c: 0.0 if c.fit is None else -c.fit.likelihood)
         for name in leader.laws:
             smaller = without_term(leader.fit.model, name)
             initial = without_states(leader.fit, name)
@@ -221,6 +223,7 @@ class Search:
                 laws = key([law for law in leader.laws if law != name] + [instead])
                 if laws in self.candidates or find(instead).effect in {t.law.effect for t in smaller.terms}:
                     continue
+                assert other.fit is not None
                 values = {p.name: other.fit.model.values()[f"{instead}.{p.name}"] for p in find(instead).parameters}
                 model = with_term(smaller, instead, values)
                 fixed = self._fixed(leader.fit, model)
