@@ -22,7 +22,7 @@ from ..simulate.core import Core
 from ..simulate.force import Force
 from .descent import Descent, blocks_of
 from .noise_spectrum import NoiseSpectrum
-from .normal_equations import Block, pseudo_inverse, shared_information
+from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .segments import Segment
@@ -357,7 +357,7 @@ class OutputError:
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
     ) -> tuple[np.ndarray, np.ndarray]:
         """(shared,) first step of a search from here, and the standard errors of what it would find."""
-        blocks = self._blocks(state, residuals, noise)
+        blocks = self.blocks(state, residuals, noise)
         covariance = pseudo_inverse(shared_information(blocks, self.shared))
         return solve(blocks, 0.0, self.shared)[0], np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
