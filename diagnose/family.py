@@ -70,7 +70,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     found = _from(model, recordings)
     if found is None or not keeps_step([s.segment for s in found.fit.segments], _free_residuals(found)):
         effects = [term.effect for term in model.terms]
-        again = identify(recordings, name=model.name, effects=effects)
+        again = identify(recordings, name=model.name, effects=effects, doubted=False)
         if found is None or _left(again) < _left(found) - math.log(2.0):
             found = again
             notes.append(
@@ -112,7 +112,7 @@ def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification 
     if model.identified.recordings:  # the hold was asked for when it was identified
         recordings = held_as(recordings, model.hold)
     try:
-        return identify(recordings, name=model.name, start=model)
+        return identify(recordings, name=model.name, start=model, doubted=False)
     except BadInput:  # it does not simulate from there
         return None
 

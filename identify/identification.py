@@ -24,6 +24,7 @@ from .further_laws import with_laws
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
 from .likelihood import Fit, maximum_likelihood
 from .offset import FoundOffset
+from .prediction import FREE
 from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
@@ -78,6 +79,7 @@ def identify(
     fixed: Mapping[str, float] = MappingProxyType({}),
     start: Oscillator | None = None,
     band: Band | None = None,
+    doubted: bool = True,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
@@ -89,6 +91,7 @@ def identify(
         fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
         start: model to start from, with its laws, instead of estimates from the recordings.
         band: in which one of several modes was isolated in them, for the model file; see ``modes``.
+        doubted: whether what predictions say otherwise goes into the standard errors; see ``maximum_likelihood``.
         progress: called with one line per step.
 
     Raises:
@@ -115,7 +118,12 @@ def identify(
             progress("maximum likelihood, from prediction to simulation")
             return _with_shapes(model, recordings, data, tuple(fixed))
 
-        return _best_fit(fitted, [base] if start is not None else [base, *_plain(base, hilbert, recordings)], progress)
+        starts = [base] if start is not None else [base, *_plain(base, hilbert, recordings)]
+        fit = _best_fit(fitted, starts, progress)
+        if not doubted or fit.memory != FREE or max(s.over_noise for s in fit.segments) <= _ABOVE_NOISE:
+            return fit
+        kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)
+        return maximum_likelihood(fit.oscillator, recordings, kept, data)
 
     fit, recordings, chain = _with_hold(answer(recordings), recordings, answer)
     return Identification(
@@ -181,10 +189,10 @@ def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool)
 def _with_shapes(model: Oscillator, recordings: Sequence[Recording], data: Data, fixed: Sequence[str]) -> Fit:
     """The fit; the shapes of laws, such as the sharpness of a bend, are freed where more than noise is left."""
     shapes = tuple(shape for shape in shapes_of(model) if shape not in fixed)
-    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data)
+    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, doubted=False)
     if not shapes or max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
         return fit
-    freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data)
+    freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data, doubted=False)
     return freed if _left(freed) < _left(fit) else fit
 
 

@@ -95,7 +95,12 @@ class Fit:
 
 
 def maximum_likelihood(
-    start: Oscillator, recordings: Sequence[Recording], fixed: Sequence[str] = (), data: Data | None = None
+    start: Oscillator,
+    recordings: Sequence[Recording],
+    fixed: Sequence[str] = (),
+    data: Data | None = None,
+    *,
+    doubted: bool = True,
 ) -> Fit:
     """Find the parameters of ``start``'s structure that make the recordings most likely.
 
@@ -104,6 +109,8 @@ def maximum_likelihood(
         recordings: of one rig, all of the same quantity.
         fixed: names of parameters that keep their values.
         data: the recordings as they are fitted, where they have been cut before.
+        doubted: whether a simulation that keeps step is held against predictions, for the standard errors; fits that
+            are only compared need none.
 
     Raises:
         BadInput: where nothing in the recordings can be simulated.
@@ -139,10 +146,12 @@ def maximum_likelihood(
     answer, steps = weighed(problem, free, start, recordings, plain)
     iterations += steps
     other = answer
-    if max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE:
+    in_step = keeps_step(problem.segments, answer.outcome.residuals)
+    above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE
+    if above and (doubted or not in_step):
         predicted, steps = _predictions(problem, answer, rungs, start)
         iterations += steps
-        if not keeps_step(problem.segments, answer.outcome.residuals):
+        if not in_step:
             memory, likeliest = predicted[0]
             if plain_cost(_simulated(problem, likeliest.outcome.state)) > plain:
                 other = likeliest  # its free run is no better than a linear rig's
