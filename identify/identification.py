@@ -22,7 +22,7 @@ from .data import Data, data_of
 from .excitation import band_of, kind_of
 from .further_laws import with_laws
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
-from .likelihood import Fit, maximum_likelihood
+from .likelihood import POOR_NRMSE, QUIET, Fit, maximum_likelihood
 from .offset import FoundOffset
 from .prediction import FREE
 from .signals import response_of
@@ -35,8 +35,6 @@ _GAIN_RATIO = 300.0
 _ABOVE_NOISE = 1.5
 #: A response less than this many times its noise may be held by friction and says nothing about the gain.
 _MOVES = 30.0
-#: A model that leaves more than this part of the motion has not understood the recording.
-_POOR_NRMSE = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +60,7 @@ class Identification:
         """A sentence on what the model is good for where its simulation does not follow the recordings; else None."""
         loud = [s for s in self.fit.segments if not _is_quiet(s.segment.response, self.fit)]
         worst = max(loud, key=lambda s: s.nrmse, default=None)
-        if worst is None or worst.nrmse <= _POOR_NRMSE:
+        if worst is None or worst.nrmse <= POOR_NRMSE:
             return None
         name = self.recordings[worst.segment.recording].name
         return (
@@ -109,17 +107,22 @@ def identify(
     def answer(recordings: Sequence[Recording]) -> Fit:
         data = data_of(recordings, base, coarse=False)
 
-        def fitted(model: Oscillator) -> Fit:
+        def begun(model: Oscillator) -> Oscillator:
             model = _with_values(model, fixed, final=not laws)
             if laws:
                 progress(f"start values for {', '.join(laws)}")
                 model = with_laws(model, laws, replace(data, coarse=True))
                 model = _with_values(model, fixed, final=True)
-            progress("maximum likelihood, from prediction to simulation")
-            return _with_shapes(model, recordings, data, tuple(fixed))
+            return model
 
-        starts = [base] if start is not None else [base, *_plain(base, hilbert, recordings)]
-        fit = _best_fit(fitted, starts, progress)
+        def others() -> Iterator[Oscillator]:
+            for plain in [] if start is not None else _plain(base, hilbert, recordings):
+                progress("that explains little; again from another start")
+                yield begun(plain)
+
+        model = begun(base)
+        progress("maximum likelihood, from prediction to simulation")
+        fit = _with_shapes(model, recordings, data, tuple(fixed), others)
         if not doubted or fit.memory != FREE or max(s.over_noise for s in fit.segments) <= _ABOVE_NOISE:
             return fit
         kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)
@@ -186,37 +189,20 @@ def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool)
     )
 
 
-def _with_shapes(model: Oscillator, recordings: Sequence[Recording], data: Data, fixed: Sequence[str]) -> Fit:
+def _with_shapes(
+    model: Oscillator,
+    recordings: Sequence[Recording],
+    data: Data,
+    fixed: Sequence[str],
+    others: Callable[[], Iterable[Oscillator]],
+) -> Fit:
     """The fit; the shapes of laws, such as the sharpness of a bend, are freed where more than noise is left."""
     shapes = tuple(shape for shape in shapes_of(model) if shape not in fixed)
-    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, doubted=False)
+    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, doubted=False, others=others)
     if not shapes or max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
         return fit
     freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data, doubted=False)
     return freed if _left(freed) < _left(fit) else fit
-
-
-def _best_fit(
-    fitted: Callable[[Oscillator], Fit], starts: Iterable[Oscillator], progress: Callable[[str], None]
-) -> Fit:
-    """The fit from the first start; where that explains little, the best of all of them.
-
-    Where another effect bends the estimates, their cubic and preload lead astray first.
-    """
-    fits: list[Fit] = []
-    problems: list[BadInput] = []
-    for start in starts:
-        try:
-            fits.append(fitted(start))
-        except BadInput as problem:  # it does not simulate from there
-            problems.append(problem)
-            continue
-        if len(fits) == 1 and not _lost(fits[0]):
-            return fits[0]
-        progress("that explains little; again from another start")
-    if not fits:
-        raise problems[0]
-    return min(fits, key=_left)
 
 
 def _plain(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Iterator[Oscillator]:
@@ -226,11 +212,6 @@ def _plain(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Rec
         values = {"cubic": 0.0, "preload": 0.0, "dry": 0.0} | plain
         changed = {name: replace(known[name], value=value) for name, value in values.items() if name in known}
         yield start.with_parameters(changed)
-
-
-def _lost(fit: Fit) -> bool:
-    """Whether the search ended where some stretch that moves is hardly explained."""
-    return any(s.nrmse > _POOR_NRMSE and not _is_quiet(s.segment.response, fit) for s in fit.segments)
 
 
 def _left(fit: Fit) -> float:
@@ -341,7 +322,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
                 f"that the {family} does not, and the parameters may be off by more than their errors"
             )
     for segment in fit.segments:
-        if segment.nrmse > _POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
+        if segment.nrmse > POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
             start = segment.segment.time
             found.append(
                 f"{recordings[segment.segment.recording].name}, from {start:.3g} s: the model leaves "
@@ -372,4 +353,4 @@ def _over_noise(fit: Fit, index: int) -> float:
 
 def _is_quiet(response: np.ndarray, fit: Fit) -> bool:
     loudest = max(float(np.std(s.segment.response)) for s in fit.segments)
-    return float(np.std(response)) < 0.01 * loudest
+    return float(np.std(response)) < QUIET * loudest

@@ -13,7 +13,7 @@ likelihoods of different memories are those of the same data and may be compared
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -38,6 +38,12 @@ from .signals import noise_levels
 from .structure import Structure
 from .weighed import ABOVE_NOISE, Answer, over_noise, weighed, whitened
 
+#: A model that leaves more than this part of the motion has not understood the recording ...
+POOR_NRMSE = 0.5
+#: ... but for stretches that move this little beside the loudest.
+QUIET = 0.01
+#: What runs away has told nothing, however far it ran.
+_NOTHING_TOLD = 1e3
 #: Simulation is given up for prediction where that is a thousand times as likely.
 _DECISIVE = float(np.log(1000.0))
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
@@ -101,6 +107,7 @@ def maximum_likelihood(
     data: Data | None = None,
     *,
     doubted: bool = True,
+    others: Callable[[], Iterable[Oscillator]] = tuple,
 ) -> Fit:
     """Find the parameters of ``start``'s structure that make the recordings most likely.
 
@@ -111,6 +118,7 @@ def maximum_likelihood(
         data: the recordings as they are fitted, where they have been cut before.
         doubted: whether a simulation that keeps step is held against predictions, for the standard errors; fits that
             are only compared need none.
+        others: more models of the same structure to start from, asked for where the first explains little.
 
     Raises:
         BadInput: where nothing in the recordings can be simulated.
@@ -118,16 +126,9 @@ def maximum_likelihood(
     data = data or data_of(recordings, start, coarse=False)
     structure = Structure(start, data, fixed, zeros_of(data, recordings, start))
     problem = structure.problem
-    first, *later = growing(problem.segments)
-    told, notes = problem.over(first), []
-    free, rungs, iterations = from_prediction(told, structure.state(None))
-    for stage in later:
-        try:
-            free, rungs, steps = from_prediction(problem.over(stage), free)
-        except BadInput:  # what remains is at rest, say, where these values push the mass away
-            notes = [_beyond(told.segments, problem.segments, recordings)]
-            break
-        told, iterations = problem.over(stage), iterations + steps
+    climb = _best_climb(problem, structure.state(None), others)
+    told, free, rungs, iterations = climb.problem, climb.state, climb.rungs, climb.iterations
+    notes = [] if climb.whole else [_beyond(told.segments, problem.segments, recordings)]
     problem, free = kept_offsets(told, free, start)
     if any(offset.channel == "drift" for offset in problem.offsets):
         free, rungs, steps = from_prediction(problem, free)  # what drifted may have led the search astray
@@ -172,6 +173,71 @@ def maximum_likelihood(
         if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
     ]
     return _result(start, structure.free, problem, answer, doubt, recordings, iterations, notes)
+
+
+@dataclass(frozen=True, eq=False)
+class _Climb:
+    """Where a search came to from prediction and the beginnings of decays.
+
+    ``problem`` is over what it tells, ``whole`` whether that is all, ``lost`` whether some stretch is hardly explained;
+    ``left`` is the mean logarithm of what it leaves of each segment's motion, weighed by length.
+    """
+
+    problem: OutputError
+    state: State
+    rungs: Mapping[float, State]
+    iterations: int
+    whole: bool
+    left: float
+    lost: bool
+
+
+def _best_climb(problem: OutputError, start: State, others: Callable[[], Iterable[Oscillator]]) -> _Climb:
+    """The climb from the first start; where that explains little, the best of all of them.
+
+    Where a further effect bends the estimates, their cubic and preload lead astray first. Raises BadInput where none
+    simulates.
+    """
+    climbs: list[_Climb] = []
+    problems: list[BadInput] = []
+
+    def tried(state: State) -> None:
+        try:
+            climbs.append(_climbed(problem, state))
+        except BadInput as why:
+            problems.append(why)
+
+    tried(start)
+    if not climbs or climbs[0].lost:
+        for other in others():
+            tried(replace(start, values=np.array(list(other.values().values()))))
+    if not climbs:
+        raise problems[0]
+    return min(climbs, key=lambda climb: (not climb.whole, climb.left))
+
+
+def _climbed(problem: OutputError, state: State) -> _Climb:
+    first, *later = growing(problem.segments)
+    told, whole = problem.over(first), True
+    state, rungs, iterations = from_prediction(told, state)
+    for stage in later:
+        try:
+            state, rungs, steps = from_prediction(problem.over(stage), state)
+        except BadInput:  # what remains is at rest, say, where these values push the mass away
+            whole = False
+            break
+        told, iterations = problem.over(stage), iterations + steps
+    ratios = np.array(
+        [
+            _nrmse(residual, segment.response)
+            for residual, segment in zip(told.residuals(state), told.segments, strict=True)
+        ]
+    )
+    loud = [float(np.std(segment.response)) for segment in told.segments]
+    size = [segment.n for segment in told.segments]
+    left = float(np.average(np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD)), weights=size))
+    lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
+    return _Climb(told, state, rungs, iterations, whole, left, lost)
 
 
 def _beside_linear(
