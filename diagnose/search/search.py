@@ -105,12 +105,12 @@ class Search:
         self._race(starts, bar)
         starts += self._added(leader, by_score(leader.fit, self.data, laws) if laws else [])
         self._race(starts, bar)
-        front = max(starts, key=self._paid, default=None)
-        here = leader.fit if front is None or self._paid(front) < bar else front.fitted
-        if laws and max(times_the_noise(here.residuals, here.model, self.data)) > NEAR:
-            self.progress("regression on the measured motion", 0.5)
-            starts += self._added(leader, by_motion(leader.fit, self.data, laws))
-            self._race(starts, bar)
+        # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
+        for some in ([law for law in laws if not law.rugged], [law for law in laws if law.rugged]):
+            if some and not self._at_noise(leader, starts, bar):
+                self.progress("regression on the measured motion", 0.5)
+                starts += self._added(leader, by_motion(leader.fit, self.data, some))
+                self._race(starts, bar)
         best = max([bar, *(self._paid(start) for start in starts)])
         self._race(freed := self._with_shapes(starts, best), best - DECISIVE)
         by_laws: dict[tuple[str, ...], list[Start]] = {}
@@ -129,6 +129,12 @@ class Search:
                 self.candidates[laws] = candidate
                 arrived.append(candidate)
         return arrived
+
+    def _at_noise(self, leader: Candidate, starts: Sequence[Start], bar: float) -> bool:
+        """Whether the best so far leaves about the noise."""
+        front = max(starts, key=self._paid, default=None)
+        here = leader.fit if front is None or self._paid(front) < bar else front.fitted
+        return here is not None and max(times_the_noise(here.residuals, here.model, self.data)) <= NEAR
 
     def _race(self, starts: Sequence[Start], bar: float) -> None:
         race(starts, bar, self.data.points, lambda what, part: self.progress(what, 0.3 + 0.65 * part))
