@@ -19,7 +19,7 @@ from ..identify.identification import belong_together
 from ..identify.normal_equations import pseudo_inverse
 from ..identify.prediction import FREE
 from ..identify.scatter import scatter
-from ..identify.structure import Fitted, Structure
+from ..identify.structure import Fitted, Structure, renamed
 from ..model import Oscillator, Provenance, Range
 from ..model.laws import LIBRARY, find
 from ..model.oscillator import QUANTITIES
@@ -113,7 +113,8 @@ def diagnose(
         notes.append(other_rig)
     progress("standard errors", 0.86)
     before = _with_errors(family, replace(data, memory=memory), recordings)
-    after = _with_errors(fitted, search.data, recordings) if found.laws and not other_rig else None
+    named = _named(fitted, found.laws)
+    after = _with_errors(named, search.data, recordings) if found.laws and not other_rig else None
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     with TemporaryDirectory() as folder:
         artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
@@ -195,18 +196,30 @@ def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) ->
     )
 
 
+def _named(fitted: Fitted, laws: Sequence[str]) -> Fitted:
+    """The fit with every law that was added under the name that suits its values."""
+    for name in laws:
+        (term,) = [term for term in fitted.model.terms if term.effect == name]
+        suiting = names_of(term, fitted.model.values())[0]
+        if suiting != name:
+            fitted = renamed(fitted, name, find(suiting))
+    return fitted
+
+
 def _effects(found: Candidate, search: Search, model: Oscillator) -> tuple[Effect, ...]:
     """What is named, the most probable first."""
-    values, effects = model.values(), []
-    candidates = list(search.candidates.values())
+    effects = []
+    assert found.fit is not None
+    values = found.fit.model.values()
     for name in found.laws:
-        (term,) = [term for term in model.terms if term.effect == name]
-        stands = standing(name, found, candidates, search.parts)
-        names = names_of(term, values)
-        law, own = find(names[0]), find(names[0]).effect
+        (fitted,) = [term for term in found.fit.model.terms if term.effect == name]
+        names = names_of(fitted, values)
+        (term,) = [term for term in model.terms if term.effect == names[0]]
+        stands = standing(name, found, list(search.candidates.values()), search.parts)
+        law = find(names[0])
         rivals = dict.fromkeys(find(other).effect for other in (*names[1:], *stands.rivals))
-        rivals.pop(own, None)
-        effects.append(Effect(own, term.effect, law.path, dict(term.parameters), tuple(rivals), odds=stands.odds))
+        rivals.pop(law.effect, None)
+        effects.append(Effect(law.effect, law.name, law.path, dict(term.parameters), tuple(rivals), odds=stands.odds))
     return tuple(sorted(effects, key=lambda effect: -effect.odds))
 
 

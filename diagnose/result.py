@@ -12,7 +12,7 @@ import numpy as np
 from ..model import Oscillator, Parameter
 
 #: Odds beyond this say no more than that nothing else is left: the noise itself is known no better.
-_SURE = 1e6
+SURE = 1e6
 
 Verdict = Literal["consistent", "missing-physics", "unexplained"]
 
@@ -197,7 +197,7 @@ class Diagnosis:
                     },
                     "indistinguishable_from": list(e.indistinguishable_from),
                     "separated_by": e.separated_by,
-                    "odds": _number(min(e.odds, _SURE)),
+                    "odds": _number(min(e.odds, SURE)),
                 }
                 for e in self.effects
             ],

@@ -15,8 +15,7 @@ from ..errors import BadInput
 from ..model import Oscillator
 from ..model.equations import equations
 from ..model.law import Law, Scales
-from ..model.oscillator import Term
-from ..model.terms import with_values
+from ..model.terms import with_term, with_values, without_term
 from ..simulate.core import Core, core_of, internal_step
 from .data import Data, likelihood
 from .initial_motion import initial_states
@@ -69,15 +68,18 @@ class Fitted:
 
 
 def renamed(fitted: Fitted, effect: str, law: Law) -> Fitted:
-    """The same fit with one effect under the name of a law of the same equation, its parameters in the same order."""
-    names = [p.name for p in law.parameters]
+    """The same fit with one effect under the name of a law of the same equation, or of one of which either is a case.
+
+    Their parameters correspond in order; those that only one of the two has are zero.
+    """
     (old,) = [term for term in fitted.model.terms if term.effect == effect]
-    new = Term(law.name, dict(zip(names, old.parameters.values(), strict=True)))
-    terms = tuple(new if term is old else term for term in fitted.model.terms)
-    free = dict(zip((f"{effect}.{n}" for n in old.parameters), (f"{law.name}.{n}" for n in names), strict=True))
-    return replace(
-        fitted, model=replace(fitted.model, terms=terms), free=tuple(free.get(name, name) for name in fitted.free)
-    )
+    names = [p.name for p in law.parameters]
+    given = [parameter.value for parameter in old.parameters.values()]
+    values = dict.fromkeys(names, 0.0) | dict(zip(names, given, strict=False))
+    model = with_term(without_term(fitted.model, effect), law.name, values)
+    free = dict(zip((f"{effect}.{n}" for n in old.parameters), (f"{law.name}.{n}" for n in names), strict=False))
+    kept = {free.get(name, name) for name in fitted.free}
+    return replace(fitted, model=model, free=tuple(name for name in model.parameters() if name in kept))
 
 
 def typical_sizes(names: Sequence[str], values: np.ndarray, amplitude: float, pace: float) -> np.ndarray:

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from ..diagnose.result import SURE
 from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
 from ..model.display import full_stop, number, percent_text, pretty_unit, typeset, value_text
@@ -66,6 +67,7 @@ def effect_blocks(effect: Effect) -> list[Block]:
         rows.append(("Cannot be told from", "No other law of the library does as well on these recordings."))
         if effect.separated_by:
             rows.append(("To be surer still", full_stop(effect.separated_by)))
+    rows.append(("Odds", _odds(effect)))
     words = {p.name: p.description for p in law.parameters} if law else {}
     numbers = []
     for name, p in effect.parameters.items():
@@ -74,6 +76,14 @@ def effect_blocks(effect: Effect) -> list[Block]:
         numbers.append((name, value, error, percent_text(share), pretty_unit(p.unit), words.get(name, "")))
     head = ("Parameter", "Value", "± std error", "±", "Unit", "Meaning")
     return [Table((_title(effect_in_words(effect.law)), ""), tuple(rows)), Table(head, tuple(numbers), (1, 2, 3))]
+
+
+def _odds(effect: Effect) -> str:
+    """Against all that was tried in its place, in words."""
+    what = "One of these" if effect.indistinguishable_from else "It"
+    if effect.odds >= SURE:
+        return f"{what} beyond doubt: more than {SURE:,.0f} to 1 against all that was tried instead."
+    return f"{what} by {number(effect.odds)} to 1 against all that was tried instead."
 
 
 def _title(words: str) -> str:

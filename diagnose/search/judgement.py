@@ -103,6 +103,8 @@ def names_of(term: Term, values: dict[str, float]) -> tuple[str, ...]:
     own = list(term.parameters.values())
     suiting = []
     for other in family:
+        if any(parameter.value for parameter in own[len(other.parameters) :]):
+            continue  # it lacks what this one has
         named = {p.name: q.value for p, q in zip(other.parameters, own, strict=False)}
         named |= {p.name: 0.0 for p in other.parameters[len(own) :]}
         if other.proper is None or other.proper(named, values):
