@@ -33,6 +33,8 @@ from .weigh import judged, weighed
 
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
+#: Of what the best law gains on the measured motion one with side valleys must gain this part there.
+_HALF = 0.5
 #: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
 _VALLEYS = 3
 #: A law is exchanged for so many others: those that came farthest in its place before.
@@ -106,10 +108,14 @@ class Search:
         starts += self._added(leader, by_score(leader.fit, self.data, laws) if laws else [])
         self._race(starts, bar)
         # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
+        # and the measured motion, which knows no side valleys, does not speak against it
+        spoken = 0.0
         for some in ([law for law in laws if not law.rugged], [law for law in laws if law.rugged]):
             if some and not self._at_noise(leader, starts, bar):
                 self.progress("regression on the measured motion", 0.5)
-                starts += self._added(leader, by_motion(leader.fit, self.data, some))
+                proposals = by_motion(leader.fit, self.data, some)
+                starts += self._added(leader, [p for p in proposals if p.gain > _HALF * spoken])
+                spoken = max((p.gain for p in proposals), default=0.0)
                 self._race(starts, bar)
         best = max([bar, *(self._paid(start) for start in starts)])
         self._race(freed := self._with_shapes(starts, best), best - DECISIVE)
