@@ -169,8 +169,8 @@ def test_curves_of_an_exact_accelerometer_decay_do_not_contradict_its_regression
 
 @pytest.mark.parametrize(("part", "told"), [(1.04, False), (1.06, True), (0.94, True)])
 def test_a_backbone_elsewhere_over_most_amplitudes_is_told(recorded, monkeypatch, part, told):
-    def elsewhere(x, fs):
-        found = freevib(x, fs)
+    def elsewhere(signal):
+        found = freevib(signal)
         return replace(found, omega0=part * found.omega0)
 
     monkeypatch.setattr("dashpot.identify.start.freevib", elsewhere)

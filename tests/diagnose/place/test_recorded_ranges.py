@@ -33,7 +33,7 @@ def test_the_largest_motion_counts_wherever_it_was_recorded(quantity, largest_is
     small = record(1e-3, quantity=quantity, holdout=not largest_is_held_out)
     large = record(7e-3, quantity=quantity, holdout=largest_is_held_out)
     ranges = recorded_ranges([small, large], model(quantity))
-    assert ranges.displacement == pytest.approx((-7e-3, 7e-3), rel=0.03)
+    assert ranges.displacement == pytest.approx((-7e-3, 7e-3), rel=0.035)
     assert ranges.velocity == pytest.approx((-7e-3 * OMEGA, 7e-3 * OMEGA), rel=0.03)
     assert ranges.amplitude == pytest.approx((1e-3, 7e-3), rel=0.05)
 
