@@ -61,7 +61,7 @@ def test_ship_roll_decay_has_no_mass():
     assert found.oscillator.omega0.value / 2 / np.pi == pytest.approx(0.3915, rel=0.01)
     assert found.oscillator.dry.unit == "rad/s2"
     assert found.fit.segments[0].nrmse < 0.06
-    # The damping of rolling is quadratic, which the family lacks: dry friction finds nothing to stand for, and it says so.
+    # The damping of rolling is quadratic, which the family lacks: dry friction finds nothing to stand for.
     dry = found.oscillator.dry
     assert dry.std is not None
     assert abs(dry.value) < 3 * dry.std
