@@ -19,7 +19,7 @@ from ...errors import BadInput
 from ...identify.data import Data
 from ...identify.from_prediction import keeps_step
 from ...identify.prediction import FREE
-from ...identify.structure import Fitted, shapes_of, without_states
+from ...identify.structure import Fitted, renamed, shapes_of, without_states
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
@@ -108,10 +108,10 @@ class Search:
         starts += self._added(leader, by_score(leader.fit, self.data, laws) if laws else [])
         self._race(starts, bar)
         # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
-        # and the measured motion, which knows no side valleys, does not speak against it
+        # and the measured motion, which knows no side valleys, does not speak against it; beside the given family only
         spoken = 0.0
         for some in ([law for law in laws if not law.rugged], [law for law in laws if law.rugged]):
-            if some and not self._at_noise(leader, starts, bar):
+            if some and (not some[0].rugged or not leader.laws) and not self._at_noise(leader, starts, bar):
                 self.progress("regression on the measured motion", 0.5)
                 proposals = by_motion(leader.fit, self.data, some)
                 starts += self._added(leader, [p for p in proposals if p.gain > _HALF * spoken])
@@ -222,9 +222,9 @@ class Search:
     def _exchanged(self, leader: Candidate) -> list[Start]:
         """The leader with one law exchanged for another that came far in its place before."""
         assert leader.fit is not None
-        starts = []
+        starts: list[Start | None] = [*self._generalised(leader)]
         if len(leader.laws) < 2:
-            return []
+            return [start for start in starts if start is not None]
         singles = [c for c in self.candidates.values() if len(c.laws) == 1 and c.laws[0] not in leader.laws and c.fit]
         singles.sort(key=lambda c: 0.0 if c.fit is None else -c.fit.likelihood)
         for name in leader.laws:
@@ -240,6 +240,19 @@ class Search:
                 model = with_term(smaller, instead, values)
                 fixed = self._fixed(leader.fit, model)
                 starts.append(started(laws, model, self.data, initial, fixed, patience=PATIENCE))
+        return [start for start in starts if start is not None]
+
+    def _generalised(self, leader: Candidate) -> list[Start]:
+        """The leader with a law exchanged for the more general one of which it is a case, from where it is."""
+        assert leader.fit is not None
+        starts = []
+        for name in leader.laws:
+            general = find(name).twin
+            if general is None or only_a_name(find(name)):
+                continue
+            wider = renamed(leader.fit, name, find(general))
+            laws = key([general if law == name else law for law in leader.laws])
+            starts.append(started(laws, wider.model, self.data, wider.initial, (), patience=PATIENCE))
         return [start for start in starts if start is not None]
 
     def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
