@@ -2,8 +2,8 @@
 
 From the best structure so far every law of the library is added, every law that was added is dropped again, and each is
 exchanged for those that came near it before. What arrives is weighed; where one of them is decisively more probable it
-leads, and the search goes on from there. No structure is entered twice, so that there is an end, and at the end no
-neighbour of the leader promises to reach it.
+leads, and the search goes on from there. A structure leads again only where it came to a decisively better place, so
+that there is an end, and at the end no neighbour of the leader promises to reach it.
 """
 
 from __future__ import annotations
@@ -75,9 +75,9 @@ class Search:
     def from_family(self, family: Fitted) -> Candidate:
         """The best structure there is, starting from the given family."""
         leader = self.candidates[()] = self._weigh((), family)
-        led: set[tuple[str, ...]] = set()
-        while leader.laws not in led:
-            led.add(leader.laws)
+        led: dict[tuple[str, ...], float] = {}
+        while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
+            led[leader.laws] = leader.value
             arrived = self._arrived(leader)
             leader = self._simulated(self._best(self.candidates[leader.laws], arrived))
         return leader
