@@ -74,3 +74,41 @@ def test_other_weights_start_from_where_it_is():
     assert np.array_equal(descent.state.values, values)
     assert descent.cost == cost_of(descent.residuals, noise)
     assert cost_of((np.array([np.nan]),), None) == np.inf
+
+
+def test_the_cost_of_white_noise_is_concentrated_over_its_level():
+    residual = np.array([1.0, -3.0, 2.0])
+    assert cost_of((residual,), None) == pytest.approx(1.5 * np.log(14.0 / 3.0))
+    assert cost_of((residual,), [white(residual)]) == pytest.approx(1.5)
+
+
+def test_an_upper_bound_holds_too():
+    low = np.array([[-np.inf, -np.inf], [0.0, np.inf]])  # the first would be 1
+    descent = begun(low)
+    while not descent.resting:
+        descent.step(1e-6)
+    assert descent.state.values[0] == 0.0
+    assert descent.state.values[1] == pytest.approx(
+        descent.problem.rows[1] @ descent.problem.measured / np.sum(descent.problem.rows[1] ** 2), abs=1e-3
+    )
+
+
+def test_every_segment_finds_its_own_initial_state():
+    from dashpot.identify.output_error import State
+
+    class WithStart(Line):
+        """The line, and a decay that begins somewhere."""
+
+        start = np.exp(-np.arange(50) / 10)
+
+        def residuals(self, state):
+            return (self.measured + 0.5 * self.start - state.values @ self.rows - state.initial[0] @ [self.start],)
+
+        def derivatives(self, state, residuals):
+            return [np.vstack([self.rows, self.start])]
+
+    descent = Descent(WithStart(), State(np.zeros(2), np.zeros((1, 1))))  # type: ignore[arg-type]
+    while not descent.resting:
+        descent.step(1e-6)
+    assert descent.state.initial[0, 0] == pytest.approx(0.5, abs=0.02)
+    assert descent.taken < 6

@@ -93,3 +93,34 @@ def test_initial_states_are_averaged_over():
     alone = told_by(design, measured, at)
     split = told(alone.log_likelihood, [block], [(np.array([0]), at[1:], prior[:, 1:])], 1)
     assert evidence(split, at[:1], prior[:, :1]) == pytest.approx(evidence(alone, at, prior), rel=1e-9)
+
+
+def test_the_prior_is_cauchys():
+    prior = np.array([[3.0], [2.0]])
+    assert log_prior(np.array([3.0]), prior) == pytest.approx(-np.log(2.0 * np.pi))
+    assert log_prior(np.array([5.0]), prior) == pytest.approx(-np.log(4.0 * np.pi))
+    assert log_prior(np.array([-7.0]), prior) == pytest.approx(-np.log(2.0 * np.pi * 26.0))
+
+
+def test_initial_states_need_not_be_at_their_best():
+    """Averaged over, it does not matter where they were taken, as long as the prior is wide."""
+    design, measured = line(80, seed=6, columns=2)
+    at = best(design, measured) + np.array([0.02, 0.0])
+    found = []
+    for shift in (0.0, 0.03):
+        here = at + np.array([0.0, shift])
+        residual = measured - design @ here
+        block = (design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
+        log_likelihood = -0.5 * float(residual @ residual) / NOISE**2
+        found.append(told(log_likelihood, [block], [(np.array([0]), here[1:], wide(1, 1e4))], 1))
+    assert found[0].log_likelihood == pytest.approx(found[1].log_likelihood, abs=1e-3)
+    assert found[0].gradient == pytest.approx(found[1].gradient, rel=1e-6)
+    # the best of the shared one is below the point that was taken
+    assert found[0].gradient[0] < 0
+
+
+def test_what_training_did_not_see_the_prior_bounds():
+    unseen = Told(0.0, np.zeros((1, 1)), np.zeros(1))
+    held = Told(-3.0, np.array([[5.0]]), np.zeros(1))
+    prior = np.array([[0.0], [0.5]])  # a precision of 4
+    assert predictive(held, unseen, prior) == pytest.approx(-3.0 - 0.5 * np.log(9.0 / 4.0))

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.candidate import DECISIVE, Candidate, key
-from dashpot.diagnose.search.judgement import accepted, log_odds, matters, names_of, standing, why_not
+from dashpot.diagnose.search.judgement import accepted, leaves_mismatch, log_odds, matters, names_of, standing, why_not
 from dashpot.identify.data import Data
 from dashpot.identify.segments import Segment
 from dashpot.identify.structure import Fitted
@@ -72,6 +72,40 @@ def test_a_law_that_takes_less_than_a_hundredth_of_the_power_does_not_matter(lef
     better = candidate("quadratic-drag", evidence=100.0, predictive=100.0, left=left)
     assert matters(better, candidate()) is enough
     assert accepted(better, candidate(), parts(1.0)) is enough
+
+
+def test_power_is_what_matters():
+    """A law that takes one part in two hundred of a mismatch's size takes a hundredth of its power."""
+    before = candidate(left=2.0)
+    assert not matters(candidate("quadratic-drag", left=2.0 / np.sqrt(1.009)), before)
+    assert matters(candidate("quadratic-drag", left=2.0 / np.sqrt(1.011)), before)
+
+
+def test_why_a_law_was_not_taken_is_said():
+    family, best = candidate(), candidate("stribeck", evidence=200.0, left=0.5)
+    behind = candidate("quadratic-drag", evidence=100.0, predictive=1.0, left=0.9)
+    assert "stribeck is more probable: by 99 " in why_not(behind, family, best, parts(1.0))
+    little = candidate("quadratic-drag", evidence=3.0, predictive=1.0, left=0.9)
+    assert "not decisive" in why_not(little, family, best, parts(1.0))
+    needless = candidate("quadratic-drag", evidence=3.0, predictive=1.0, left=1.0)
+    assert "less than a tenth of the noise" in why_not(needless, family, family, parts(1.0))
+
+
+def test_what_was_not_judged_is_no_rival():
+    best = candidate("quadratic-drag", evidence=100.0, left=0.9)
+    left = replace(candidate("cubic-damping", evidence=99.9, left=0.9), stage="left")
+    assert standing("quadratic-drag", best, [best, left, candidate()], parts(1.0)).rivals == ()
+
+
+def test_a_mismatch_anywhere_is_one():
+    one = data(1.0)
+    both = replace(one, segments=one.segments * 2, sensor=(1.0, 1.0), force=(0.0, 0.0))
+    n = CYCLES * 100
+    quiet = replace(candidate(), held_out=None)
+    assert quiet.fit is not None
+    loud = replace(quiet, fit=replace(quiet.fit, residuals=(np.full(n, 1.0), np.full(n, 3.0))))
+    assert leaves_mismatch(loud, (both,))
+    assert not leaves_mismatch(replace(quiet, fit=replace(quiet.fit, residuals=(np.full(n, 1.0),) * 2)), (both,))
 
 
 def test_a_group_holds_what_together_has_nineteen_of_twenty_parts():
