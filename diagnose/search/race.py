@@ -28,8 +28,8 @@ NEAR = 1.2
 _TOLERANCE = 0.5
 #: Steps that a start far from the truth is given before its promise counts: the first turn into its valley.
 PATIENCE = 3
-#: Steps that one start may take: quadratic convergence needs ten, a bent valley twice as many.
-_MOST_STEPS = 40
+#: Steps that one start may take: quadratic convergence needs ten, the bent valley of a contact with play some dozens.
+_MOST_STEPS = 100
 #: A step that keeps this part of its promise was in a straight valley.
 _KEPT = 0.25
 #: One that kept less is believed less, but not less than this: a valley may open after a bend.
