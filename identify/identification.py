@@ -126,7 +126,10 @@ def identify(
         if not doubted or fit.memory != FREE or max(s.over_noise for s in fit.segments) <= _ABOVE_NOISE:
             return fit
         kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)
-        return maximum_likelihood(fit.oscillator, recordings, kept, data)
+        try:
+            return maximum_likelihood(fit.oscillator, recordings, kept, data)
+        except BadInput:  # it tells the beginning of a decay alone, and nothing simulates the whole from there
+            return fit
 
     fit, recordings, chain = _with_hold(answer(recordings), recordings, answer)
     return Identification(

@@ -131,8 +131,11 @@ def maximum_likelihood(
     notes = [] if climb.whole else [_beyond(told.segments, problem.segments, recordings)]
     problem, free = kept_offsets(told, free, start)
     if any(offset.channel == "drift" for offset in problem.offsets):
-        free, rungs, steps = from_prediction(problem, free)  # what drifted may have led the search astray
-        iterations += steps
+        try:
+            free, rungs, steps = from_prediction(problem, free)  # what drifted may have led the search astray
+            iterations += steps
+        except BadInput:  # with that taken off nothing simulates: it was the model's lack and no drift
+            problem, free = _without_drift(problem, free)
     free, plain, steps = _beside_linear(problem, free, start, recordings)
     iterations += steps
     smooth, left = smooth_stretches(problem, free)
@@ -238,6 +241,12 @@ def _climbed(problem: OutputError, state: State) -> _Climb:
     left = float(np.average(np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD)), weights=size))
     lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
     return _Climb(told, state, rungs, iterations, whole, left, lost)
+
+
+def _without_drift(problem: OutputError, state: State) -> tuple[OutputError, State]:
+    """The problem and the point of its search without the drift of any sensor."""
+    kept = [place for place, offset in enumerate(problem.offsets) if offset.channel != "drift"]
+    return problem.with_offsets([problem.offsets[place] for place in kept]), replace(state, offsets=state.offsets[kept])
 
 
 def _beside_linear(
