@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.data import Data, likelihood
 from ...identify.evidence import Prior, Told, evidence, predictive, told
 from ...identify.output_error import State
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure
 from ...model import Oscillator
 from ...model.law import Scales
+from .plausibility import plausibility, weights
 
 
 def judged(model: Oscillator, data: Data) -> Fitted:
@@ -54,7 +55,7 @@ def _told(fitted: Fitted, data: Data, free: tuple[str, ...]) -> Told:
     structure = Structure(fitted.model, data, fixed)
     problem = structure.problem
     state: State = structure.state(fitted.initial, fitted.offsets)
-    noise = noise_spectra(fitted.residuals, fitted.model, data)
+    noise = weights(fitted.residuals, fitted.model, data)
     blocks = problem.blocks(state, fitted.residuals, noise)
     k = len(structure.free)
     whole = initial_prior(fitted.model, data)
@@ -67,7 +68,7 @@ def _told(fitted: Fitted, data: Data, free: tuple[str, ...]) -> Told:
         width = np.concatenate([[100.0 * offset.scale for offset in problem.offsets], whole[1, places]])
         middle = np.zeros(len(where))
         initial.append((where, np.concatenate([state.offsets, begin[places]]), np.array([middle, width])))
-    return told(fitted.likelihood, blocks, initial, k)
+    return told(plausibility(fitted.residuals, fitted.model, data), blocks, initial, k)
 
 
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:
