@@ -18,7 +18,7 @@ from ..identify.offset import FoundOffset, Offset
 from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
-from ..model.terms import without_hold
+from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .search.residual_test import Leftover, leftovers
@@ -196,7 +196,7 @@ def first_fit(search: Search, model: Oscillator) -> Fitted:
     for memory in (data.memory, *reversed(memories(data.segments))):
         search.data = replace(data, memory=memory)
         search.holdout = None if holdout is None else replace(holdout, memory=memory)
-        for start in (model, without_hold(model)):
+        for start in (model, without_hold(model), linear(model)):
             try:
                 fitted = search.best_of_family(start)
             except BadInput:  # it does not simulate from there

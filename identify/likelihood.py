@@ -211,7 +211,7 @@ def _best_climb(problem: OutputError, start: State, others: Callable[[], Iterabl
             problems.append(why)
 
     tried(start)
-    if not climbs or climbs[0].lost:
+    if not climbs or climbs[0].lost or not climbs[0].whole:
         for other in others():
             tried(replace(start, values=np.array(list(other.values().values()))))
     if not climbs:

@@ -51,3 +51,12 @@ def without_hold(model: Oscillator) -> Oscillator:
     """The model without what can hold the mass: dry friction and preload at zero."""
     known = model.parameters()
     return model.with_parameters({name: replace(known[name], value=0.0) for name in ("dry", "preload")})
+
+
+def linear(model: Oscillator) -> Oscillator:
+    """The model as a linear rig that comes to rest, with its own frequency: what simulates along any motion."""
+    known = without_hold(model).parameters()
+    damping = abs(known["viscous"].value) or 0.01 * known["omega0"].value
+    return model.with_parameters(
+        known | {"cubic": replace(known["cubic"], value=0.0), "viscous": replace(known["viscous"], value=damping)}
+    )
