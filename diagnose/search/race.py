@@ -13,16 +13,17 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data, noise_spectra
+from ...identify.data import Data, likelihood, noise_spectra
 from ...identify.descent import Descent
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.terms import with_values
 from .candidate import DECISIVE
-from .plausibility import is_noise, plausibility
 from .residual_test import times_the_noise
 
+#: What is left within this many times the noise is told apart by frequency; beyond it the spectrum is the mismatch's.
+NEAR = 1.2
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
 _TOLERANCE = 0.5
 #: Steps that a start far from the truth is given before its promise counts: the first turn into its valley.
@@ -73,12 +74,11 @@ class Start:
         state = settled(problem, self.structure.state(initial))
         self.descent = Descent(problem, state)
         self.model = model
-        self.near = False
-        self.value = self._value(self.descent.residuals, model)
+        self.value = likelihood(self.descent.residuals, model, data)
         self.steps = 0
         self.resting = not np.isfinite(self.value)
         self.credit = 1.0
-        self._white = True
+        self._white, self.near = True, False
         self._promised: float | None = None
         self.hoped, self.patience = hoped, patience
         self._weigh()
@@ -122,7 +122,7 @@ class Start:
     def look(self) -> None:
         """Make its own promise: what the linearised response would leave."""
         if self._promised is None and not self.resting:
-            self._promised = plausibility(self.descent.expected, self.model, self.data)
+            self._promised = likelihood(self.descent.expected, self.model, self.data)
 
     @property
     def looked(self) -> bool:
@@ -138,7 +138,7 @@ class Start:
         moved = self.descent.step(_TOLERANCE)
         if moved:
             model = with_values(self.structure.model, self.descent.state.values)
-            value = self._value(self.descent.residuals, model)
+            value = likelihood(self.descent.residuals, model, self.data)
             if value < before and not self._white:  # the spectrum it was weighed by was another's
                 self.descent.state, self.descent.residuals, self.resting = state, residuals, True
                 return
@@ -147,21 +147,16 @@ class Start:
             self.credit = max(gained / promised, _LEAST_CREDIT) if gained < _KEPT * promised else 1.0
             self.resting = self.steps >= _MOST_STEPS
         self._weigh()
-        if not moved and (not self.near or not self._white):
+        if not moved and not self._white:
             self.resting = True
-        elif not self._white:
+        elif not moved or not self._white:
             self._to_coloured()
 
     def _weigh(self) -> None:
         """Near the truth, weigh every frequency by the noise that is left there."""
+        self.near = np.isfinite(self.value) and max(self.ratios) <= NEAR
         if self.near and self._white:
             self._to_coloured()
-
-    def _value(self, residuals: Sequence[np.ndarray], model: Oscillator) -> float:
-        """Log-likelihood here, by the measure that suits what is left."""
-        finite = all(bool(np.all(np.isfinite(residual))) for residual in residuals)
-        self.near = finite and is_noise(residuals, model, self.data)
-        return plausibility(residuals, model, self.data)
 
     def _to_coloured(self) -> None:
         self._white, self._promised = False, None

@@ -26,8 +26,8 @@ from ...model.laws import LIBRARY, find
 from ...model.terms import with_term, without_term
 from .candidate import DECISIVE, Candidate, key
 from .judgement import accepted, log_odds, only_a_name
-from .plausibility import is_noise, plausibility
-from .race import PATIENCE, Start, race, started
+from .race import NEAR, PATIENCE, Start, race, started
+from .residual_test import times_the_noise
 from .starts import Proposal, by_motion, by_score, without
 from .weigh import judged, weighed
 
@@ -100,7 +100,7 @@ class Search:
     def _arrived(self, leader: Candidate) -> list[Candidate]:
         """Neighbours of the leader that came within reach, weighed; the others are kept with the reason they left."""
         assert leader.fit is not None
-        bar = plausibility(leader.fit.residuals, leader.fit.model, self.data) - self._cost(len(leader.fit.free))
+        bar = leader.fit.likelihood - self._cost(len(leader.fit.free))
         laws = self._addable(leader)
         self.progress("score of every law", 0.0)
         starts = [*self._dropped(leader), *self._exchanged(leader)]
@@ -140,7 +140,7 @@ class Search:
         """Whether the best so far leaves about the noise."""
         front = max(starts, key=self._paid, default=None)
         here = leader.fit if front is None or self._paid(front) < bar else front.fitted
-        return here is not None and is_noise(here.residuals, here.model, self.data)
+        return here is not None and max(times_the_noise(here.residuals, here.model, self.data)) <= NEAR
 
     def _race(self, starts: Sequence[Start], bar: float) -> None:
         race(starts, bar, self.data.points, lambda what, part: self.progress(what, 0.3 + 0.65 * part))
@@ -181,7 +181,7 @@ class Search:
         """The leader with one law more, where that was proposed."""
         assert leader.fit is not None
         starts = []
-        near = is_noise(leader.fit.residuals, leader.fit.model, self.data)
+        near = max(times_the_noise(leader.fit.residuals, leader.fit.model, self.data)) <= NEAR
         for proposal in proposals:
             # far from the truth the leader has bent itself, and what it says of a law is no bound for it
             hoped = leader.fit.likelihood + proposal.gain if near else np.inf

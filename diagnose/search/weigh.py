@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...identify.data import Data, likelihood
+from ...identify.data import Data, likelihood, noise_spectra
 from ...identify.evidence import Prior, Told, evidence, predictive, told
 from ...identify.output_error import State
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure
 from ...model import Oscillator
 from ...model.law import Scales
-from .plausibility import plausibility, weights
 
 
 def judged(model: Oscillator, data: Data) -> Fitted:
@@ -55,7 +54,7 @@ def _told(fitted: Fitted, data: Data, free: tuple[str, ...]) -> Told:
     structure = Structure(fitted.model, data, fixed)
     problem = structure.problem
     state: State = structure.state(fitted.initial, fitted.offsets)
-    noise = weights(fitted.residuals, fitted.model, data)
+    noise = noise_spectra(fitted.residuals, fitted.model, data)
     blocks = problem.blocks(state, fitted.residuals, noise)
     k = len(structure.free)
     whole = initial_prior(fitted.model, data)
@@ -68,7 +67,7 @@ def _told(fitted: Fitted, data: Data, free: tuple[str, ...]) -> Told:
         width = np.concatenate([[100.0 * offset.scale for offset in problem.offsets], whole[1, places]])
         middle = np.zeros(len(where))
         initial.append((where, np.concatenate([state.offsets, begin[places]]), np.array([middle, width])))
-    return told(plausibility(fitted.residuals, fitted.model, data), blocks, initial, k)
+    return told(fitted.likelihood, blocks, initial, k)
 
 
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:

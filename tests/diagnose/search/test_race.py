@@ -6,8 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.plausibility import NEAR
-from dashpot.diagnose.search.race import PATIENCE, race, started
+from dashpot.diagnose.search.race import NEAR, PATIENCE, race, started
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import probes
 from dashpot.identify.structure import shapes_of
