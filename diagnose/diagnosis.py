@@ -152,7 +152,9 @@ def diagnose(
 def _survivors(found: Candidate, search: Search, best: Oscillator) -> dict[str, Oscillator]:
     """The model and its closest rivals, by name."""
     models = {(best.terms[-1].effect if best.terms else "Eq. 17"): best}
-    others = [c for c in search.candidates.values() if c.stage == "judged" and c.laws and c.laws != found.laws]
+    # one that has all of the best's laws and more says nothing else of the rig
+    others = [c for c in search.candidates.values() if c.stage == "judged" and c.laws]
+    others = [c for c in others if not set(c.laws) >= set(found.laws) or not found.laws]
     for candidate in sorted(others, key=lambda c: -c.value)[:3]:
         name = next((law for law in candidate.laws if law not in found.laws), "less")
         if candidate.fit is not None:

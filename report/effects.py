@@ -80,10 +80,9 @@ def effect_blocks(effect: Effect) -> list[Block]:
 
 def _odds(effect: Effect) -> str:
     """Against all that was tried in its place, in words."""
-    what = "One of these" if effect.indistinguishable_from else "It"
-    if effect.odds >= SURE:
-        return f"{what} beyond doubt: more than {SURE:,.0f} to 1 against all that was tried instead."
-    return f"{what} by {number(effect.odds)} to 1 against all that was tried instead."
+    what = "That it is one of these" if effect.indistinguishable_from else "That it is this"
+    size = f"more than {SURE:,.0f}" if effect.odds >= SURE else number(effect.odds)
+    return f"{what}: {size} to 1 against all that was tried instead."
 
 
 def _title(words: str) -> str:
