@@ -20,6 +20,7 @@ from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
 from .offset import FoundOffset, Offset
 from .output_error import OutputError, State
+from .segments import Segment
 
 #: An offset stays where it is this many of its standard errors from zero: a thousand times as likely with it as
 #: without (a gain of ln 1000 is half the square of 3.7), by chance once in five thousand recordings.
@@ -127,7 +128,8 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
     """The problem with a drift of each recording whose residual asks for one, by the score at none (Rao 1948).
 
     It moves the zero where that is free: where a law stands for the zero there is no drift either. A drift needs the
-    offset beside it, so the offsets of its recording come with it.
+    offset beside it, so the offsets of its recording come with it. A spring that is stiffer on one side moves the
+    middle of the motion too, but with its size: a drift goes on beside that.
     """
     if any(term.law.effect in _SAME_THING for term in start.terms):
         return problem, state
@@ -153,11 +155,39 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
         for i in range(len(tried.offsets))
         if tried.offsets[i].channel == "drift" and abs(step[first + i]) > _STANDS_OUT * errors[first + i]
     }
+    pace = start.omega0.value
+    stands = {index for index in stands if _goes_on(index, problem.segments, residuals, pace)}
     chosen = [i for i, o in enumerate(tried.offsets) if i < len(problem.offsets) or o.recording in stands]
     if not stands:
         return problem, state
     moved = [float(point.offsets[i] + step[first + i]) for i in chosen]
     return problem.with_offsets([tried.offsets[i] for i in chosen]), replace(state, offsets=np.array(moved))
+
+
+def _goes_on(index: int, segments: Sequence[Segment], residuals: Sequence[np.ndarray], omega: float) -> bool:
+    """Whether the middle of what a recording leaves moves with time, and not just with the size of the motion.
+
+    Judged by the means over cycles of angular frequency ``omega``, beside the square of the motion's own size in each.
+    """
+    times, means, sizes = [], [], []
+    for segment, residual in zip(segments, residuals, strict=True):
+        period = max(2, round(2 * np.pi / omega / segment.dt))
+        count = segment.n // period
+        if segment.recording != index or count < 1:
+            continue
+        cycles = slice(0, count * period)
+        times.append(segment.time + (np.arange(count) + 0.5) * period * segment.dt)
+        means.append(np.mean(residual[cycles].reshape(count, period), axis=1))
+        sizes.append(np.var(segment.response[cycles].reshape(count, period), axis=1))
+    if sum(len(part) for part in means) < _FEWEST_MEANS:
+        return True  # too short to say so
+    mean = np.concatenate(means)
+    columns = np.stack([np.ones(mean.size), np.concatenate(times), np.concatenate(sizes)])
+    columns /= np.maximum(np.max(np.abs(columns), axis=1, keepdims=True), np.finfo(float).tiny)
+    inverse = pseudo_inverse(columns @ columns.T)
+    fitted = inverse @ (columns @ mean)
+    scatter = np.sum((mean - fitted @ columns) ** 2) / max(mean.size - len(columns), 1)
+    return bool(abs(fitted[1]) > _STANDS_OUT * np.sqrt(scatter * inverse[1, 1]))
 
 
 def _line(residual: np.ndarray) -> np.ndarray:

@@ -1,8 +1,8 @@
 """The race: of all starts the one that promises most goes on; one leaves when its promise cannot reach the leader.
 
 A start is a structure with values. Each of its steps is one of Levenberg and Marquardt, and the linearised response
-says beforehand what the next one could come to, in the units in which all are compared. Far from the truth the steps
-are those of white noise, near it every frequency is weighed by the noise that is left there.
+says beforehand what the next one could come to, in the measure in which all are compared. Far from the truth the steps
+are those of white noise, near it every frequency is weighed by the noise that the nearest of them leaves.
 """
 
 from __future__ import annotations
@@ -13,17 +13,15 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.data import Data, likelihood
 from ...identify.descent import Descent
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.terms import with_values
 from .candidate import DECISIVE
-from .residual_test import times_the_noise
+from .measure import Measure, measure_by
 
-#: What is left within this many times the noise is told apart by frequency; beyond it the spectrum is the mismatch's.
-NEAR = 1.2
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
 _TOLERANCE = 0.5
 #: Steps that a start far from the truth is given before its promise counts: the first turn into its valley.
@@ -43,6 +41,7 @@ class Start:
         laws: name of the structure.
         model: structure and values.
         data: training recordings.
+        measure: in which it is compared.
         initial: (segments, states) initial states; found where None.
         fixed: names of parameters that keep their values.
         hoped: log-likelihood that whoever proposed it expects, before it has a promise of its own; infinite where it
@@ -51,7 +50,8 @@ class Start:
             response knows little.
 
     Attributes:
-        value: log-likelihood here; -inf where it does not simulate.
+        value: log-likelihood here, in the measure of all; -inf where it does not simulate.
+        near: whether it leaves about the noise.
         ceiling: what it promises to reach.
         resting: whether it is at its maximum, or cannot move.
         steps: taken so far.
@@ -62,6 +62,7 @@ class Start:
         laws: tuple[str, ...],
         model: Oscillator,
         data: Data,
+        measure: Measure,
         initial: np.ndarray | None = None,
         fixed: Sequence[str] = (),
         hoped: float = np.inf,
@@ -74,14 +75,28 @@ class Start:
         state = settled(problem, self.structure.state(initial))
         self.descent = Descent(problem, state)
         self.model = model
-        self.value = likelihood(self.descent.residuals, model, data)
         self.steps = 0
-        self.resting = not np.isfinite(self.value)
         self.credit = 1.0
-        self._white, self.near = True, False
+        self._white = True
         self._promised: float | None = None
         self.hoped, self.patience = hoped, patience
+        self.resting = False
+        self.measure = measure
+        self._measure()
+        self.resting = not np.isfinite(self.value)
+
+    def measured_by(self, measure: Measure) -> None:
+        """Go on in another measure."""
+        if measure is not self.measure:
+            self.measure = measure
+            self._measure()
+
+    def _measure(self) -> None:
+        self.value = self.measure.value(self.descent.residuals)
+        if self._promised is not None:
+            self._promised = self.measure.value(self.descent.expected)
         self._weigh()
+        self.resting = self.resting and self._white
 
     @property
     def count(self) -> int:
@@ -102,7 +117,8 @@ class Start:
     def fitted(self) -> Fitted:
         """Where it is."""
         state = self.descent.state
-        return Fitted(self.model, state.initial, self.descent.residuals, self.value, self.structure.free, state.offsets)
+        told = likelihood(self.descent.residuals, self.model, self.data)
+        return Fitted(self.model, state.initial, self.descent.residuals, told, self.structure.free, state.offsets)
 
     @property
     def locked(self) -> tuple[str, ...]:
@@ -114,7 +130,7 @@ class Start:
         fixed = [n for n in self.model.parameters() if n not in self.structure.free and n not in self.locked]
         state, residuals = self.descent.state, self.descent.residuals
         self.structure = Structure(self.model, self.data, fixed)
-        noise = None if self._white else noise_spectra(residuals, self.model, self.data)
+        noise = None if self._white else self.measure.spectra(residuals)
         self.descent = Descent(self.structure.problem, state, noise, residuals)
         self.patience, self.credit, self._promised = self.steps + steps, 1.0, None
         self.resting = self.steps >= _MOST_STEPS
@@ -122,7 +138,7 @@ class Start:
     def look(self) -> None:
         """Make its own promise: what the linearised response would leave."""
         if self._promised is None and not self.resting:
-            self._promised = likelihood(self.descent.expected, self.model, self.data)
+            self._promised = self.measure.value(self.descent.expected)
 
     @property
     def looked(self) -> bool:
@@ -138,8 +154,8 @@ class Start:
         moved = self.descent.step(_TOLERANCE)
         if moved:
             model = with_values(self.structure.model, self.descent.state.values)
-            value = likelihood(self.descent.residuals, model, self.data)
-            if value < before and not self._white:  # the spectrum it was weighed by was another's
+            value = self.measure.value(self.descent.residuals)
+            if value < before and not self._white:  # the levels moved against each other
                 self.descent.state, self.descent.residuals, self.resting = state, residuals, True
                 return
             gained = max(value - before, 0.0)
@@ -147,31 +163,31 @@ class Start:
             self.credit = max(gained / promised, _LEAST_CREDIT) if gained < _KEPT * promised else 1.0
             self.resting = self.steps >= _MOST_STEPS
         self._weigh()
-        if not moved and not self._white:
-            self.resting = True
-        elif not moved or not self._white:
+        if not self._white:
+            self.resting = self.resting or not moved
+            self._to_coloured()
+        elif not moved:
+            self.resting = self.measure.noise is None
             self._to_coloured()
 
     def _weigh(self) -> None:
-        """Near the truth, weigh every frequency by the noise that is left there."""
-        self.near = np.isfinite(self.value) and max(self.ratios) <= NEAR
+        """Near the truth, weigh every frequency by the noise."""
+        self.near = np.isfinite(self.value) and self.measure.near(self.descent.residuals, self.model, self.data)
         if self.near and self._white:
             self._to_coloured()
 
     def _to_coloured(self) -> None:
-        self._white, self._promised = False, None
-        self.descent.weigh_by(noise_spectra(self.descent.residuals, self.model, self.data))
-
-    @property
-    def ratios(self) -> list[float]:
-        """What is left in each segment over the noise."""
-        return times_the_noise(self.descent.residuals, self.model, self.data)
+        """Weigh by the measure at the levels of here; as long as no noise is known, every frequency alike."""
+        if self.measure.noise is not None:
+            self._white, self._promised = False, None
+            self.descent.weigh_by(self.measure.spectra(self.descent.residuals))
 
 
 def started(
     laws: tuple[str, ...],
     model: Oscillator,
     data: Data,
+    measure: Measure,
     initial: np.ndarray | None = None,
     fixed: Sequence[str] = (),
     hoped: float = np.inf,
@@ -179,7 +195,7 @@ def started(
 ) -> Start | None:
     """A start; None where the model cannot be simulated from there."""
     try:
-        start = Start(laws, model, data, initial, fixed, hoped, patience)
+        start = Start(laws, model, data, measure, initial, fixed, hoped, patience)
     except (DashpotError, np.linalg.LinAlgError):
         return None
     return start if np.isfinite(start.value) else None
@@ -187,40 +203,48 @@ def started(
 
 def race(
     starts: Sequence[Start],
-    bar: float,
+    measure: Measure,
+    standing: Fitted | None,
     points: int,
     progress: Callable[[str, float], None] = lambda _what, _part: None,
-) -> None:
+) -> Measure:
     """Let starts go on, the most promising first, until each is at rest or cannot reach the best of all.
 
     What is compared is the log-likelihood less half of log(points) for each parameter (Schwarz 1978), which the
-    evidence of those that arrive then does better.
+    evidence of those that arrive then does better. The first that comes to the noise gives the measure by which all
+    are compared from there on.
 
     Args:
         starts: on their way; they are moved.
-        bar: what is reached already by a structure outside, parameters paid for.
+        measure: in which they are compared.
+        standing: the best structure outside, None where there is none.
         points: number of samples.
         progress: called with what is being done and the part that is.
+
+    Returns:
+        The measure in which they are compared at the end.
     """
 
-    def paid(value: float, start: Start) -> float:
-        return value - 0.5 * start.count * math.log(points)
+    def paid(value: float, count: int) -> float:
+        return value - 0.5 * count * math.log(points)
 
     whole = max(len(starts), 1)
     while True:
-        best = max([bar, *(paid(start.value, start) for start in starts)])
+        bar = -np.inf if standing is None else paid(measure.value(standing.residuals), len(standing.free))
+        best = max([bar, *(paid(start.value, start.count) for start in starts)])
+
+        def hopeless(start: Start, best: float = best) -> bool:
+            return start.steps >= start.patience and paid(start.ceiling, start.count) < best - DECISIVE
+
         at_noise = any(start.near for start in starts)
         for start in starts:
-            out = start.resting or (start.steps >= start.patience and paid(start.ceiling, start) < best - DECISIVE)
-            if out and start.steps and start.locked and not at_noise:
+            if start.steps and start.locked and not at_noise and (start.resting or hopeless(start)):
                 start.unlock(PATIENCE)  # before it leaves, or rests with more than noise
-        running = [
-            s for s in starts if not s.resting and (s.steps < s.patience or paid(s.ceiling, s) > best - DECISIVE)
-        ]
+        running = [start for start in starts if not start.resting and not hopeless(start)]
         if not running:
-            return
+            return measure
         # the patient ones catch up with each other first, so that none runs far ahead into a side valley
-        front = max(running, key=lambda start: (start.steps < start.patience, paid(start.ceiling, start)))
+        front = max(running, key=lambda start: (start.steps < start.patience, paid(start.ceiling, start.count)))
         progress(" + ".join(front.laws) or "the given family", 1.0 - len(running) / whole)
         try:
             if front.looked:
@@ -229,6 +253,11 @@ def race(
                 front.look()  # its own promise may be far from its proposer's hope
         except (DashpotError, np.linalg.LinAlgError):
             front.resting = True
+        if measure.noise is None and (front.near or front.resting):
+            measure = measure_by(front.fitted, front.data)
+            if measure.noise is not None:
+                for start in starts:
+                    start.measured_by(measure)
         if front.near:  # nothing can do much better than leave the noise
             for other in starts:
                 other.patience = 0

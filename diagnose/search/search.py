@@ -26,10 +26,10 @@ from ...model.laws import LIBRARY, find
 from ...model.terms import with_term, without_term
 from .candidate import DECISIVE, Candidate, key
 from .judgement import accepted, log_odds, only_a_name
-from .race import NEAR, PATIENCE, Start, race, started
-from .residual_test import times_the_noise
+from .measure import Measure, measure_by
+from .race import PATIENCE, Start, race, started
 from .starts import Proposal, by_motion, by_score, without
-from .weigh import judged, weighed
+from .weigh import foretold, judged, weighed
 
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
@@ -60,20 +60,22 @@ class Search:
     laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
+    _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
     def best_of_family(self, model: Oscillator) -> Fitted:
         """The parameters of a model's own structure that suit the training recordings best.
 
         Raises BadInput where it does not simulate with these values.
         """
-        start = started((), model, self.data)
+        start = started((), model, self.data, Measure())
         if start is None:
             raise BadInput("the model does not simulate with its start values; check the units of force and response")
-        race([start], -np.inf, self.data.points)
+        race([start], Measure(), None, self.data.points)
         return start.fitted
 
     def from_family(self, family: Fitted) -> Candidate:
         """The best structure there is, starting from the given family."""
+        self._compare_by(family)
         leader = self.candidates[()] = self._weigh((), family)
         led: dict[tuple[str, ...], float] = {}
         while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
@@ -100,56 +102,82 @@ class Search:
     def _arrived(self, leader: Candidate) -> list[Candidate]:
         """Neighbours of the leader that came within reach, weighed; the others are kept with the reason they left."""
         assert leader.fit is not None
-        bar = leader.fit.likelihood - self._cost(len(leader.fit.free))
         laws = self._addable(leader)
         self.progress("score of every law", 0.0)
         starts = [*self._dropped(leader), *self._exchanged(leader)]
-        self._race(starts, bar)
+        self._race(starts, leader.fit)
         starts += self._added(leader, by_score(leader.fit, self.data, laws) if laws else [])
-        self._race(starts, bar)
+        self._race(starts, leader.fit)
         # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
         # and the measured motion, which knows no side valleys, does not speak against it; beside the given family only
         spoken = 0.0
         for some in ([law for law in laws if not law.rugged], [law for law in laws if law.rugged]):
-            if some and (not some[0].rugged or not leader.laws) and not self._at_noise(leader, starts, bar):
+            if some and (not some[0].rugged or not leader.laws) and not self._at_noise(leader, starts):
                 self.progress("regression on the measured motion", 0.5)
                 proposals = by_motion(leader.fit, self.data, some)
                 starts += self._added(leader, [p for p in proposals if p.gain > _HALF * spoken])
                 spoken = max((p.gain for p in proposals), default=0.0)
-                self._race(starts, bar)
-        best = max([bar, *(self._paid(start) for start in starts)])
-        self._race(freed := self._with_shapes(starts, best), best - DECISIVE)
+                self._race(starts, leader.fit)
+        front = self._front(leader, starts)
+        self._race(freed := self._with_shapes(starts, front), front)
+        starts += freed
+        front = self._front(leader, starts)
+        self._compare_by(front)
+        best = self._paid_by(front)
         by_laws: dict[tuple[str, ...], list[Start]] = {}
-        for start in [*starts, *freed]:
+        for start in starts:
+            start.measured_by(self._measures[0])
             by_laws.setdefault(start.laws, []).append(start)
         arrived = []
         for laws, own in by_laws.items():
-            front = max(own, key=self._paid)
-            if self._paid(front) < best - DECISIVE:
-                self._left(laws, front, best)
+            first = max(own, key=self._paid)
+            if self._paid(first) < best - DECISIVE:
+                self._left(laws, first, best)
                 continue
             self.progress("weighing what arrived", 0.95)
-            candidate = self._weigh(laws, front.fitted)
+            candidate = self._weigh(laws, first.fitted)
             known = self.candidates.get(laws)
             if known is None or candidate.value > known.value:
                 self.candidates[laws] = candidate
                 arrived.append(candidate)
         return arrived
 
-    def _at_noise(self, leader: Candidate, starts: Sequence[Start], bar: float) -> bool:
-        """Whether the best so far leaves about the noise."""
+    def _front(self, leader: Candidate, starts: Sequence[Start]) -> Fitted:
+        """The best so far, parameters paid for."""
+        assert leader.fit is not None
         front = max(starts, key=self._paid, default=None)
-        here = leader.fit if front is None or self._paid(front) < bar else front.fitted
-        return here is not None and max(times_the_noise(here.residuals, here.model, self.data)) <= NEAR
+        return leader.fit if front is None or self._paid(front) < self._paid_by(leader.fit) else front.fitted
 
-    def _race(self, starts: Sequence[Start], bar: float) -> None:
-        race(starts, bar, self.data.points, lambda what, part: self.progress(what, 0.3 + 0.65 * part))
+    def _at_noise(self, leader: Candidate, starts: Sequence[Start]) -> bool:
+        """Whether the best so far leaves about the noise."""
+        front = self._front(leader, starts)
+        return self._measures[0].near(front.residuals, front.model, self.data)
+
+    def _compare_by(self, front: Fitted) -> None:
+        """Compare all structures by the noise that the best of them leaves."""
+        held = None if self.holdout is None else judged(front.model, self.holdout)
+        by = Measure() if held is None or self.holdout is None else measure_by(held, self.holdout)
+        self._measures = measure_by(front, self.data), by
+        for laws, candidate in self.candidates.items():
+            if candidate.stage == "judged" and candidate.fit is not None:
+                self.candidates[laws] = self._weigh(laws, candidate.fit, candidate.held_out)
+
+    def _race(self, starts: Sequence[Start], standing: Fitted) -> None:
+        def told(what: str, part: float) -> None:
+            self.progress(what, 0.3 + 0.65 * part)
+
+        for start in starts:
+            start.measured_by(self._measures[0])
+        self._measures = race(starts, self._measures[0], standing, self.data.points, told), self._measures[1]
 
     def _cost(self, parameters: int) -> float:
         return 0.5 * parameters * math.log(self.data.points)
 
     def _paid(self, start: Start) -> float:
         return start.value - self._cost(start.count)
+
+    def _paid_by(self, fitted: Fitted) -> float:
+        return self._measures[0].value(fitted.residuals) - self._cost(len(fitted.free))
 
     def _left(self, laws: tuple[str, ...], front: Start, best: float) -> None:
         """Keep what is known of a structure that did not arrive."""
@@ -163,11 +191,27 @@ class Search:
         )
         self.candidates[laws] = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
 
-    def _weigh(self, laws: tuple[str, ...], fitted: Fitted) -> Candidate:
-        found, told, held_out = weighed(fitted, self.data, self.holdout)
+    def _weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
+        """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
+        found, told = weighed(fitted, self.data, self._measures[0])
+        foreseen = 0.0
+        if self.holdout is not None:
+            held_out = held_out or judged(fitted.model, self.holdout)
+            foreseen = foretold(fitted, told, self.data, held_out, self.holdout, self._measures[1])
         # before anything was measured each law of the library was as likely as any other, and one of them in all
         prior = -len(laws) * math.log(len(self.laws))
-        return Candidate(laws, fitted, held_out, found + prior, told, "judged")
+        return Candidate(laws, fitted, held_out, found + prior, foreseen, "judged")
+
+    def _started(
+        self,
+        laws: tuple[str, ...],
+        model: Oscillator,
+        initial: np.ndarray | None,
+        fixed: Sequence[str],
+        hoped: float = np.inf,
+        patience: int = 0,
+    ) -> Start | None:
+        return started(laws, model, self.data, self._measures[0], initial, fixed, hoped, patience)
 
     def _addable(self, leader: Candidate) -> list[Law]:
         """The laws that the leader could have besides."""
@@ -181,17 +225,18 @@ class Search:
         """The leader with one law more, where that was proposed."""
         assert leader.fit is not None
         starts = []
-        near = max(times_the_noise(leader.fit.residuals, leader.fit.model, self.data)) <= NEAR
+        measure = self._measures[0]
+        near = measure.near(leader.fit.residuals, leader.fit.model, self.data)
         for proposal in proposals:
             # far from the truth the leader has bent itself, and what it says of a law is no bound for it
-            hoped = leader.fit.likelihood + proposal.gain if near else np.inf
+            hoped = measure.value(leader.fit.residuals) + proposal.gain if near else np.inf
             cost = self._cost(sum(not p.shape for p in find(proposal.law).parameters))
             if proposal.gain < cost:
                 self._unmoved(leader, proposal.law, proposal.gain)
                 continue
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
             patience = 0 if near else PATIENCE
-            starts.append(started(laws, proposal.model, self.data, proposal.initial, fixed, hoped, patience))
+            starts.append(self._started(laws, proposal.model, proposal.initial, fixed, hoped, patience))
         return self._of_each_law([start for start in starts if start is not None])
 
     def _of_each_law(self, starts: Sequence[Start]) -> list[Start]:
@@ -216,7 +261,7 @@ class Search:
             laws = key([law for law in leader.laws if law != name])
             for model, initial in without(leader.fit, self.data, name):
                 fixed = self._fixed(leader.fit, model)
-                starts.append(started(laws, model, self.data, initial, fixed, patience=PATIENCE))
+                starts.append(self._started(laws, model, initial, fixed, patience=PATIENCE))
         return [start for start in starts if start is not None]
 
     def _exchanged(self, leader: Candidate) -> list[Start]:
@@ -226,7 +271,7 @@ class Search:
         if len(leader.laws) < 2:
             return [start for start in starts if start is not None]
         singles = [c for c in self.candidates.values() if len(c.laws) == 1 and c.laws[0] not in leader.laws and c.fit]
-        singles.sort(key=lambda c: 0.0 if c.fit is None else -c.fit.likelihood)
+        singles.sort(key=lambda c: 0.0 if c.fit is None else -self._paid_by(c.fit))
         for name in leader.laws:
             smaller = without_term(leader.fit.model, name)
             initial = without_states(leader.fit, name)
@@ -239,7 +284,7 @@ class Search:
                 values = {p.name: other.fit.model.values()[f"{instead}.{p.name}"] for p in find(instead).parameters}
                 model = with_term(smaller, instead, values)
                 fixed = self._fixed(leader.fit, model)
-                starts.append(started(laws, model, self.data, initial, fixed, patience=PATIENCE))
+                starts.append(self._started(laws, model, initial, fixed, patience=PATIENCE))
         return [start for start in starts if start is not None]
 
     def _generalised(self, leader: Candidate) -> list[Start]:
@@ -252,7 +297,7 @@ class Search:
                 continue
             wider = renamed(leader.fit, name, find(general))
             laws = key([general if law == name else law for law in leader.laws])
-            starts.append(started(laws, wider.model, self.data, wider.initial, (), patience=PATIENCE))
+            starts.append(self._started(laws, wider.model, wider.initial, (), patience=PATIENCE))
         return [start for start in starts if start is not None]
 
     def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
@@ -261,14 +306,14 @@ class Search:
         new = {name for name in shapes_of(model) if name not in fitted.model.parameters()}
         return tuple(name for name in model.parameters() if name in kept or name in new)
 
-    def _with_shapes(self, starts: Sequence[Start], best: float) -> list[Start]:
-        """Starts with the shape of their laws free too, where more than noise is left by one that came far."""
+    def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
+        """Starts with the shape of their laws free too, of those that came far."""
         found = []
         for start in starts:
             fixed = [name for name in shapes_of(start.model) if name not in start.structure.free]
-            if fixed and self._paid(start) > best - DECISIVE and max(start.ratios) > 1.0:
+            if fixed and self._paid(start) > self._paid_by(front) - DECISIVE:
                 kept = [n for n in start.model.parameters() if n not in start.structure.free and n not in fixed]
-                found.append(started(start.laws, start.model, self.data, start.fitted.initial, kept))
+                found.append(self._started(start.laws, start.model, start.fitted.initial, kept))
         return [start for start in found if start is not None]
 
     def _simulated(self, leader: Candidate) -> Candidate:
@@ -277,10 +322,10 @@ class Search:
             return leader
         free = replace(self.data, memory=FREE)
         fixed = [name for name in leader.fit.model.parameters() if name not in leader.fit.free]
-        start = started(leader.laws, leader.fit.model, free, leader.fit.initial, fixed)
+        start = started(leader.laws, leader.fit.model, free, Measure(), leader.fit.initial, fixed)
         if start is None:
             return leader
-        race([start], -np.inf, self.data.points)
+        race([start], Measure(), None, self.data.points)
         if not keeps_step(free.segments, start.fitted.residuals):
             return leader
         self.data = free
@@ -288,6 +333,7 @@ class Search:
         before = self.candidates[()].fit
         family = None if before is None else judged(before.model, free)
         self.candidates = {laws: c for laws, c in self.candidates.items() if c.stage != "judged"}
+        self._compare_by(start.fitted)
         if family is not None:
             self.candidates[()] = self._weigh((), family)
         again = self._weigh(leader.laws, start.fitted)

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...identify.data import Data, likelihood, noise_spectra
+from ...identify.data import Data, likelihood
 from ...identify.evidence import Prior, Told, evidence, predictive, told
 from ...identify.output_error import State
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure
 from ...model import Oscillator
 from ...model.law import Scales
+from .measure import Measure
 
 
 def judged(model: Oscillator, data: Data) -> Fitted:
@@ -30,32 +31,43 @@ def judged(model: Oscillator, data: Data) -> Fitted:
     return Fitted(model, state.initial, untold, likelihood(untold, model, data), ())
 
 
-def weighed(fitted: Fitted, data: Data, holdout: Data | None) -> tuple[float, float, Fitted | None]:
-    """Log-evidence of the training recordings, log-probability of those held out given these, and their fit.
+def weighed(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Told]:
+    """Log-evidence of the training recordings, and what they tell of the parameters.
 
     Args:
         fitted: to the training recordings.
         data: training recordings.
-        holdout: recordings that no parameter was fitted to; None where there are none: they then tell nothing.
+        measure: in which structures are compared on these.
     """
-    training = _told(fitted, data, fitted.free)
+    training = _told(fitted, data, fitted.free, measure)
     values = np.array([fitted.model.values()[name] for name in fitted.free])
+    return evidence(training, values, shared_prior(fitted.model, fitted.free, data.scales)), training
+
+
+def foretold(
+    fitted: Fitted, training: Told, data: Data, held_out: Fitted, holdout: Data, measure: Measure
+) -> float:
+    """Log-probability of held-out recordings, given those of the training.
+
+    Args:
+        fitted: to the training recordings.
+        training: what these tell of the parameters.
+        data: training recordings.
+        held_out: the same parameters on recordings that they were not fitted to; see ``judged``.
+        holdout: these recordings.
+        measure: in which structures are compared on these.
+    """
     prior = shared_prior(fitted.model, fitted.free, data.scales)
-    found = evidence(training, values, prior)
-    if holdout is None:
-        return found, 0.0, None
-    other = judged(fitted.model, holdout)
-    return found, predictive(_told(other, holdout, fitted.free), training, prior), other
+    return predictive(_told(held_out, holdout, fitted.free, measure), training, prior)
 
 
-def _told(fitted: Fitted, data: Data, free: tuple[str, ...]) -> Told:
+def _told(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> Told:
     """What recordings tell of the parameters, their initial states and offsets averaged over."""
     fixed = [name for name in fitted.model.parameters() if name not in free]
     structure = Structure(fitted.model, data, fixed)
     problem = structure.problem
     state: State = structure.state(fitted.initial, fitted.offsets)
-    noise = noise_spectra(fitted.residuals, fitted.model, data)
-    blocks = problem.blocks(state, fitted.residuals, noise)
+    blocks = problem.blocks(state, fitted.residuals, measure.spectra(fitted.residuals))
     k = len(structure.free)
     whole = initial_prior(fitted.model, data)
     initial = []
@@ -67,7 +79,7 @@ def _told(fitted: Fitted, data: Data, free: tuple[str, ...]) -> Told:
         width = np.concatenate([[100.0 * offset.scale for offset in problem.offsets], whole[1, places]])
         middle = np.zeros(len(where))
         initial.append((where, np.concatenate([state.offsets, begin[places]]), np.array([middle, width])))
-    return told(fitted.likelihood, blocks, initial, k)
+    return told(measure.value(fitted.residuals), blocks, initial, k)
 
 
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:

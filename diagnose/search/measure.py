@@ -1,0 +1,73 @@
+"""The log-likelihood in which structures are compared: one spectrum for all of them, and levels of each one's own.
+
+A spectrum of its own would let a structure that leaves a mismatch buy some quiet frequencies with the motion itself:
+what it explains least would count least. So the frequencies are weighed by the noise, as the structure that comes
+nearest to it shows it; as long as none does, what is left is no noise, and every frequency counts alike. The level of
+each stretch is concentrated out: far from the noise, gains are shares of what is left, and never shares of the noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...identify.data import Data, noise_spectra
+from ...identify.noise_spectrum import NoiseSpectrum, white
+from ...identify.structure import Fitted
+from ...model import Oscillator
+from .residual_test import leftovers, times_the_noise
+
+#: What is left within this many times the noise is near it; beyond, it has to be shown that it is noise at all.
+NEAR = 1.2
+
+
+@dataclass(frozen=True, eq=False)
+class Measure:
+    """How the frequencies of each segment count.
+
+    Attributes:
+        noise: one spectrum per segment, up to its level; None where every frequency counts alike.
+    """
+
+    noise: tuple[NoiseSpectrum, ...] | None = None
+
+    def value(self, residuals: Sequence[np.ndarray]) -> float:
+        """Log-likelihood, up to what is the same for all structures; -inf where one does not simulate."""
+        if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+            return -np.inf
+        return -0.5 * sum(r.size * float(np.log(p)) for r, p in zip(residuals, self._levels(residuals), strict=True))
+
+    def spectra(self, residuals: Sequence[np.ndarray]) -> list[NoiseSpectrum]:
+        """The spectra at the levels of what a structure leaves."""
+        if self.noise is None:
+            return [white(residual) for residual in residuals]
+        levels = self._levels(residuals)
+        return [replace(s, density=level * s.density) for s, level in zip(self.noise, levels, strict=True)]
+
+    def near(self, residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> bool:
+        """Whether what a structure leaves is about the noise in size."""
+        if self.noise is None:
+            return max(times_the_noise(residuals, model, data)) <= NEAR
+        return max(self._levels(residuals)) <= NEAR**2
+
+    def _levels(self, residuals: Sequence[np.ndarray]) -> list[float]:
+        """Mean square of each segment, weighed."""
+        if self.noise is not None:
+            residuals = [s.whiten(residual) for s, residual in zip(self.noise, residuals, strict=True)]
+        return [max(float(np.mean(residual**2)), np.finfo(float).tiny) for residual in residuals]
+
+
+def measure_by(fitted: Fitted, data: Data) -> Measure:
+    """The measure that a fitted structure gives: by the spectrum of what it leaves where that is noise."""
+    if not fitted.finite or not _is_noise(fitted, data):
+        return Measure()
+    return Measure(tuple(noise_spectra(fitted.residuals, fitted.model, data)))
+
+
+def _is_noise(fitted: Fitted, data: Data) -> bool:
+    """Whether what is left is near the noise in size, or at least does not move with the rig."""
+    if max(times_the_noise(fitted.residuals, fitted.model, data)) <= NEAR:
+        return True
+    return not any(part.is_mismatch or (part.short and part.ratio > NEAR) for part in leftovers(fitted, data))
