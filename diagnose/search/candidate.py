@@ -28,7 +28,8 @@ class Candidate:
         fit: its parameters on the training recordings; None where it was never put in.
         held_out: the same parameters on the recordings held out; None where it was not judged.
         evidence: of the training recordings, log.
-        predictive: log-probability of the held-out recordings, given the training ones.
+        predictive: log-probability of the held-out recordings, given the training ones; 0 where there are none.
+        foretold: the same, and where there are none that of each stretch of the training ones, given the others.
         stage: how far it was taken.
         why: why it was taken no further; empty where it was judged.
     """
@@ -38,6 +39,7 @@ class Candidate:
     held_out: Fitted | None = None
     evidence: float = -np.inf
     predictive: float = -np.inf
+    foretold: float = -np.inf
     stage: Stage = "not started"
     why: str = ""
 

@@ -62,7 +62,7 @@ def _stretches(candidate: Candidate, parts: Sequence[Data]) -> list[np.ndarray]:
 
 def accepted(candidate: Candidate, leader: Candidate, parts: Sequence[Data]) -> bool:
     """Whether a structure with further laws is decidedly better, on what was held out too, and by enough to matter."""
-    if len(parts) > 1 and candidate.predictive <= leader.predictive:
+    if candidate.foretold <= leader.foretold:
         return False
     return matters(candidate, leader) and log_odds(candidate, leader, parts) > DECISIVE
 
@@ -75,12 +75,13 @@ def matters(candidate: Candidate, leader: Candidate) -> bool:
 
 def why_not(candidate: Candidate, without: Candidate, best: Candidate, parts: Sequence[Data]) -> str:
     """Why a weighed structure was not taken, beside the one without its law and the best."""
-    gained, told = candidate.evidence - without.evidence, candidate.predictive - without.predictive
+    gained, told = candidate.evidence - without.evidence, candidate.foretold - without.foretold
     if candidate.value > without.value + DECISIVE and without.laws != best.laws:
         behind = best.value - candidate.value
         return f"{' + '.join(best.laws) or 'the given family'} is more probable: by {behind:.4g} in log-evidence"
-    if len(parts) > 1 and told <= 0:
-        return f"it gains {gained:.4g} in log-evidence on the training recordings and {told:.4g} on the held-out ones"
+    if told <= 0:
+        where = "the held-out ones" if len(parts) > 1 else "stretches of them that are foretold from the others"
+        return f"it gains {gained:.4g} in log-evidence on the training recordings and {told:.4g} on {where}"
     if not matters(candidate, without):
         return "it gains something, but less than a tenth of the noise in every recording"
     return f"its odds are not decisive: {log_odds(candidate, without, parts):.3g} in log-evidence"

@@ -37,7 +37,13 @@ class Measure:
         """Log-likelihood, up to what is the same for all structures; -inf where one does not simulate."""
         if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
             return -np.inf
-        return -0.5 * sum(r.size * float(np.log(p)) for r, p in zip(residuals, self._levels(residuals), strict=True))
+        return sum(self.values(residuals))
+
+    def values(self, residuals: Sequence[np.ndarray]) -> list[float]:
+        """The same of each segment."""
+        return [
+            -0.5 * r.size * float(np.log(level)) for r, level in zip(residuals, self._levels(residuals), strict=True)
+        ]
 
     def spectra(self, residuals: Sequence[np.ndarray]) -> list[NoiseSpectrum]:
         """The spectra at the levels of what a structure leaves."""

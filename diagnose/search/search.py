@@ -29,7 +29,7 @@ from .judgement import accepted, log_odds, only_a_name
 from .measure import Measure, measure_by
 from .race import PATIENCE, Start, race, started
 from .starts import Proposal, by_motion, by_score, without
-from .weigh import foretold, judged, weighed
+from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
@@ -142,6 +142,11 @@ class Search:
                 arrived.append(candidate)
         return arrived
 
+    @property
+    def _apart(self) -> Data:
+        """What is foretold: the recordings held out or, where there are none, stretches of the others."""
+        return stretches_of(self.data) if self.holdout is None else self.holdout
+
     def _front(self, leader: Candidate, starts: Sequence[Start]) -> Fitted:
         """The best so far, parameters paid for."""
         assert leader.fit is not None
@@ -155,9 +160,8 @@ class Search:
 
     def _compare_by(self, front: Fitted) -> None:
         """Compare all structures by the noise that the best of them leaves."""
-        held = None if self.holdout is None else judged(front.model, self.holdout)
-        by = Measure() if held is None or self.holdout is None else measure_by(held, self.holdout)
-        self._measures = measure_by(front, self.data), by
+        apart = self._apart
+        self._measures = measure_by(front, self.data), measure_by(judged(front.model, apart), apart)
         for laws, candidate in self.candidates.items():
             if candidate.stage == "judged" and candidate.fit is not None:
                 self.candidates[laws] = self._weigh(laws, candidate.fit, candidate.held_out)
@@ -194,13 +198,14 @@ class Search:
     def _weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
         """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
         found, told = weighed(fitted, self.data, self._measures[0])
-        foreseen = 0.0
-        if self.holdout is not None:
-            held_out = held_out or judged(fitted.model, self.holdout)
-            foreseen = foretold(fitted, told, self.data, held_out, self.holdout, self._measures[1])
         # before anything was measured each law of the library was as likely as any other, and one of them in all
-        prior = -len(laws) * math.log(len(self.laws))
-        return Candidate(laws, fitted, held_out, found + prior, foreseen, "judged")
+        value = found - len(laws) * math.log(len(self.laws))
+        if self.holdout is None:
+            foreseen = foretold_by_the_others(fitted, self._apart, self._measures[1])
+            return Candidate(laws, fitted, None, value, 0.0, foreseen, "judged")
+        held_out = held_out or judged(fitted.model, self.holdout)
+        foreseen = foretold(fitted, told, self.data, held_out, self.holdout, self._measures[1])
+        return Candidate(laws, fitted, held_out, value, foreseen, foreseen, "judged")
 
     def _started(
         self,

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from itertools import pairwise
+
 import numpy as np
 
 from ...identify.data import Data, likelihood
-from ...identify.evidence import Prior, Told, evidence, predictive, told
+from ...identify.evidence import Prior, Told, cross_validated, evidence, predictive, told
 from ...identify.output_error import State
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure
 from ...model import Oscillator
 from ...model.law import Scales
 from .measure import Measure
+
+#: What is foretold of itself is cut in three, as what is held out is one third ...
+_PARTS = 3
+#: ... each of two cycles at least: one tells an initial state, and the next one is foretold.
+_FEWEST_CYCLES = 2.0
 
 
 def judged(model: Oscillator, data: Data) -> Fitted:
@@ -61,25 +69,66 @@ def foretold(
     return predictive(_told(held_out, holdout, fitted.free, measure), training, prior)
 
 
+def stretches_of(data: Data) -> Data:
+    """The same recordings, each segment cut in stretches that are simulated from initial states of their own."""
+    found, places = [], []
+    for place, segment in enumerate(data.segments):
+        cycles = segment.n * segment.dt * segment.pace / (2 * np.pi)
+        count = _PARTS if cycles >= _PARTS * _FEWEST_CYCLES else 1
+        edges = np.linspace(0, segment.n, count + 1).round().astype(int).tolist()
+        found += [segment.part(a, b) for a, b in pairwise(edges)]
+        places += [place] * count
+    sensor, force = (tuple(levels[place] for place in places) for levels in (data.sensor, data.force))
+    return replace(data, segments=tuple(found), sensor=sensor, force=force)
+
+
+def foretold_by_the_others(fitted: Fitted, stretches: Data, measure: Measure) -> float:
+    """Log-probability of each stretch of the training recordings given the others: for where nothing is held out.
+
+    Args:
+        fitted: to the whole recordings.
+        stretches: of these; see ``stretches_of``.
+        measure: in which structures are compared on these.
+    """
+    own = judged(fitted.model, stretches)
+    parts = _told_by_each(own, stretches, fitted.free, measure)
+    return cross_validated(parts, shared_prior(fitted.model, fitted.free, stretches.scales))
+
+
 def _told(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> Told:
     """What recordings tell of the parameters, their initial states and offsets averaged over."""
+    parts = _told_by_each(fitted, data, free, measure)
+    return Told(
+        sum(part.log_likelihood for part in parts),
+        np.sum([part.information for part in parts], axis=0),
+        np.sum([part.gradient for part in parts], axis=0),
+    )
+
+
+def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> list[Told]:
+    """The same of each segment."""
     fixed = [name for name in fitted.model.parameters() if name not in free]
     structure = Structure(fitted.model, data, fixed)
     problem = structure.problem
     state: State = structure.state(fitted.initial, fitted.offsets)
     blocks = problem.blocks(state, fitted.residuals, measure.spectra(fitted.residuals))
-    k = len(structure.free)
-    whole = initial_prior(fitted.model, data)
-    initial = []
-    for segment, begin in zip(problem.segments, state.initial, strict=True):
+    k, whole = len(structure.free), initial_prior(fitted.model, data)
+    shared = [free.index(name) for name in structure.free]  # free motion says nothing of the mass
+    found = []
+    for segment, begin, block, value in zip(
+        problem.segments, state.initial, blocks, measure.values(fitted.residuals), strict=True
+    ):
         places = np.array(problem.own(segment), int)
         offsets = len(problem.offsets)
         # an offset belongs to its recording; it is averaged over with the states, in each of its segments
         where = np.concatenate([np.arange(offsets), offsets + places]).astype(int)
         width = np.concatenate([[100.0 * offset.scale for offset in problem.offsets], whole[1, places]])
-        middle = np.zeros(len(where))
-        initial.append((where, np.concatenate([state.offsets, begin[places]]), np.array([middle, width])))
-    return told(measure.value(fitted.residuals), blocks, initial, k)
+        values = np.concatenate([state.offsets, begin[places]])
+        part = told(value, [block], [(where, values, np.array([np.zeros(len(where)), width]))], k)
+        information, gradient = np.zeros((len(free), len(free))), np.zeros(len(free))
+        information[np.ix_(shared, shared)], gradient[shared] = part.information, part.gradient
+        found.append(Told(part.log_likelihood, information, gradient))
+    return found
 
 
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:

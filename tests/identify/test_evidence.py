@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.evidence import Told, evidence, log_prior, predictive, told
+from dashpot.identify.evidence import Told, cross_validated, evidence, log_prior, predictive, told
 
 NOISE = 0.1
 
@@ -124,3 +124,37 @@ def test_what_training_did_not_see_the_prior_bounds():
     held = Told(-3.0, np.array([[5.0]]), np.zeros(1))
     prior = np.array([[0.0], [0.5]])  # a precision of 4
     assert predictive(held, unseen, prior) == pytest.approx(-3.0 - 0.5 * np.log(9.0 / 4.0))
+
+
+def test_cross_validation_is_what_each_part_is_worth_beside_the_others():
+    """Of a linear model one step is exact: the integral over the slope, with and without the part."""
+    design, measured = line(30, seed=7)
+    at, prior = best(design, measured), wide(1)
+    thirds = [slice(0, 10), slice(10, 20), slice(20, 30)]
+    found = cross_validated([told_by(design[part], measured[part], at) for part in thirds], prior)
+    grid = np.linspace(at[0] - 0.6, at[0] + 0.6, 20_001)
+    # the prior is flat here, but for the information that it adds
+    logs = -0.5 * (measured[:, None] - design * grid[None, :]) ** 2 / NOISE**2
+    flat = -0.5 * (grid - at[0]) ** 2 / prior[1, 0] ** 2
+
+    def integral(rows: np.ndarray) -> float:
+        total = np.sum(logs[rows], axis=0) + flat
+        return float(np.log(np.trapezoid(np.exp(total - total.max()), grid)) + total.max())
+
+    every = np.arange(30)
+    expected = sum(integral(every) - integral(np.setdiff1d(every, every[part])) for part in thirds)
+    assert found == pytest.approx(expected, abs=1e-6)
+
+
+def test_cross_validation_sees_what_fits_but_does_not_foretell():
+    random = np.random.default_rng(11)
+    x = np.linspace(0.0, 1.0, 12)
+    measured = 2.0 * x + NOISE * random.standard_normal(x.size)
+    plain, bent = x[:, None], np.stack([x**k for k in range(1, 8)], axis=1)
+    thirds = [slice(0, 4), slice(4, 8), slice(8, 12)]
+
+    def crossed(design: np.ndarray) -> float:
+        at = best(design, measured)
+        return cross_validated([told_by(design[p], measured[p], at) for p in thirds], wide(design.shape[1]))
+
+    assert crossed(plain) > crossed(bent) + 3.0
