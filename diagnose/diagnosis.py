@@ -26,7 +26,7 @@ from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
-from .family import cut_for, family_of, first_fit, stranger
+from .family import cut_for, family_of, first_fit, less_offsets, stranger, zeros_said
 from .mend import exported, record_fits
 from .place.locate import locate
 from .place.missing_force import latent_forces
@@ -81,8 +81,10 @@ def diagnose(
     notes += best.notes
     recordings, holdout = list(best.recordings), list(best.holdout)
     if not holdout:
+        notes += zeros_said(recordings, best.shown)
         recordings, holdout = split(recordings, model)
-        best = replace(best, free_zeros=False)  # the pieces of a recording share what was taken off
+        # the pieces of a recording share what was taken off
+        best = replace(best, free_zeros=False, drifts=(), shown={})
         notes.append(
             "no recording was held out, so stretches of each that can spare them are: judge with one of another level"
             if holdout
@@ -91,7 +93,7 @@ def diagnose(
         )
     data = cut_for(best, recordings, model)
     # cut as the training was, whatever the fit made of the spring
-    judged = cut_for(best, holdout, model) if holdout else None
+    judged = cut_for(best, holdout, model, judged=True) if holdout else None
     laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != SENSOR_OFFSET]
     search = Search(data, judged, laws, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     family = first_fit(search, best.model)
@@ -105,8 +107,13 @@ def diagnose(
     final = fitted if search.data.memory == FREE else judged_by(fitted.model, data)
     family_free = family if memory == FREE else judged_by(family.model, data)
     left, before_left = leftovers(final, data), leftovers(family_free, data)
+    recordings, zeros = less_offsets(recordings, best.shown, data, final.offsets)
+    notes += zeros
     if held is not None:
-        left += leftovers(judged_by(fitted.model, held), held)
+        told = judged_by(fitted.model, held)
+        holdout, zeros = less_offsets(holdout, best.shown_elsewhere, held, told.offsets)
+        notes += zeros
+        left += leftovers(told, held)
         before_left += leftovers(judged_by(family.model, held), held)
     other_rig = stranger(fitted, search, left, len(data.segments))
     if other_rig:

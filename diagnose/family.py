@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
 from ..identify.offset import FoundOffset, Offset
 from ..identify.prediction import FREE
+from ..identify.signals import response_of
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
 from ..model.terms import linear, without_hold
@@ -34,6 +35,8 @@ _KNOWN = 0.1
 _STRANGE = 1.5
 #: Frequency and mass of one rig stay within this part of themselves from one recording to the next.
 _KEPT = 1e-3
+#: Size of an offset for finite differences, in the motion's.
+_FEELER = 1e-2
 #: Offsets of several recordings that agree to this many of their errors have one cause, and are looked for among laws.
 _AGREE = 4.0
 
@@ -48,7 +51,10 @@ class Family:
         recordings, holdout: less what their sensors show at zero, with the hold of their force.
         zeros_are_shared: whether the recordings show the same at zero, so that a law may stand for it.
         free_zeros: whether each recording's zero is free in every fit.
+        drifts: of the training recordings' sensors, taken off and free in every fit: what a family took for a drift
+            may be what it lacks.
         notes: what a user should know.
+        shown, shown_elsewhere: what was taken off from the response of training recordings and of those held out.
     """
 
     model: Oscillator
@@ -57,7 +63,10 @@ class Family:
     holdout: tuple[Recording, ...]
     zeros_are_shared: bool
     free_zeros: bool
+    drifts: tuple[Offset, ...]
     notes: tuple[str, ...]
+    shown: Mapping[int, float] = field(default_factory=dict)
+    shown_elsewhere: Mapping[int, float] = field(default_factory=dict)
 
 
 def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Sequence[Recording]) -> Family:
@@ -68,7 +77,8 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     """
     notes: list[str] = []
     found = _from(model, recordings)
-    if found is None or not keeps_step([s.segment for s in found.fit.segments], _free_residuals(found)):
+    in_step = found is not None and keeps_step([s.segment for s in found.fit.segments], _free_residuals(found))
+    if found is None or not (in_step or _identified_from(model, recordings)):
         effects = [term.effect for term in model.terms]
         again = identify(recordings, name=model.name, effects=effects, doubted=False)
         if found is None or _left(again) < _left(found) - math.log(2.0):
@@ -86,17 +96,14 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     # what is missing adds up over time: the longer the memory, the more of it shows
     memory = FREE if found.fit.memory == FREE else max(memories([s.segment for s in found.fit.segments]))
     recordings = _without_drift_and_force(recordings, found.fit.offsets)
+    drifts = _drifts(recordings, found.fit.offsets)
     shown = {o.recording: o.value for o in found.fit.offsets if o.channel == "response"}
     # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
     # a law is the shorter answer
     single = len(recordings) == 1
     if not single and (not shown or _one_cause(found)):
-        return Family(best, memory, tuple(recordings), tuple(holdout), True, False, tuple(notes))
+        return Family(best, memory, tuple(recordings), tuple(holdout), True, False, drifts, tuple(notes))
     elsewhere = _offsets(best, holdout)
-    for group, values in ((recordings, shown), (holdout, elsewhere)):
-        for index, value in values.items():
-            unit = group[index].unit
-            notes.append(f"{group[index].name}: its sensor shows {quantity(value, unit)} at zero; taken off")
     return Family(
         best,
         memory,
@@ -104,8 +111,17 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         tuple(_less(r, elsewhere.get(i, 0.0)) for i, r in enumerate(holdout)),
         False,
         True,
+        drifts,
         tuple(notes),
+        shown,
+        elsewhere,
     )
+
+
+def _identified_from(model: Oscillator, recordings: Sequence[Recording]) -> bool:
+    """Whether the model file's values were found from these very recordings: then there are no others to find."""
+    known = {entry.get("sha256") for entry in model.identified.recordings} - {None, ""}
+    return bool(known) and {recording.sha256 for recording in recordings} <= known
 
 
 def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification | None:
@@ -172,19 +188,57 @@ def _less(recording: Recording, shown: float) -> Recording:
     return changed(recording, response=np.asarray(recording.response, float) - shown) if shown else recording
 
 
-def with_offsets(data: Data) -> Data:
-    """Data whose recordings have a zero of their own each, free in every fit."""
-    used = sorted({segment.recording for segment in data.segments})
-    return replace(
-        data,
-        offsets=tuple(Offset(i, "response", 1e-2 * float(np.std(data.recordings[i].response))) for i in used),
-    )
+def _drifts(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> tuple[Offset, ...]:
+    """The offsets that a fit needs where drifts were taken off; their zero goes with them."""
+    found = []
+    for offset in offsets:
+        if offset.channel == "drift":
+            recording = recordings[offset.recording]
+            size = _FEELER * float(np.std(recording.response))
+            found.append(Offset(offset.recording, "response", size))
+            found.append(Offset(offset.recording, "drift", size / recording.duration, middle=offset.middle))
+    return tuple(found)
 
 
-def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator) -> Data:
-    """Recordings as every law is fitted to them."""
+def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator, *, judged: bool = False) -> Data:
+    """Recordings as every law is fitted to them or, held out, ``judged`` on them."""
     data = replace(data_of(recordings, model), memory=family.memory)
-    return with_offsets(data) if family.free_zeros else data
+    used = sorted({segment.recording for segment in data.segments})
+    offsets = () if judged else tuple(offset for offset in family.drifts if offset.recording in used)
+    if family.free_zeros:
+        there = {offset.recording for offset in offsets}
+        zeros = [Offset(i, "response", _FEELER * float(np.std(data.recordings[i].response))) for i in used]
+        offsets = (*(zero for zero in zeros if zero.recording not in there), *offsets)
+    return replace(data, offsets=offsets)
+
+
+def less_offsets(
+    recordings: Sequence[Recording], shown: Mapping[int, float], data: Data, values: np.ndarray
+) -> tuple[list[Recording], list[str]]:
+    """Recordings less what the sensors of each were found to show beside a model, and sentences on what that is.
+
+    Args:
+        recordings: of which ``shown`` was taken off before.
+        data: what they were cut to, with their offsets.
+        values: of these, as fitted.
+    """
+    found, zeros = list(recordings), dict(shown)
+    for offset, value in zip(data.offsets, values, strict=True):
+        if offset.channel == "response":
+            zeros[offset.recording] = zeros.get(offset.recording, 0.0) + float(value)
+        recording = found[offset.recording]
+        line = np.ones(recording.n) if offset.channel == "response" else np.asarray(recording.time) - offset.middle
+        found[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - value * line)
+    return found, zeros_said(recordings, zeros)
+
+
+def zeros_said(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[str]:
+    """A sentence on each recording whose sensor shows more than its noise at zero."""
+    return [
+        f"{recordings[i].name}: its sensor shows {quantity(value, recordings[i].unit)} at zero; taken off"
+        for i, value in shown.items()
+        if abs(value) > response_of(recordings[i]).noise
+    ]
 
 
 def first_fit(search: Search, model: Oscillator) -> Fitted:

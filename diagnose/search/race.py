@@ -52,6 +52,7 @@ class Start:
     Attributes:
         value: log-likelihood here, in the measure of all; -inf where it does not simulate.
         near: whether it leaves about the noise.
+        adds: whether it is the structure that it is held against with something more, which must pay for that.
         ceiling: what it promises to reach.
         resting: whether it is at its maximum, or cannot move.
         steps: taken so far.
@@ -79,6 +80,8 @@ class Start:
         self.credit = 1.0
         self._white = True
         self._promised: float | None = None
+        self._rested: tuple[np.ndarray, ...] | None = None
+        self.adds = False
         self.hoped, self.patience = hoped, patience
         self.resting = False
         self.measure = measure
@@ -95,6 +98,8 @@ class Start:
         self.value = self.measure.value(self.descent.residuals)
         if self._promised is not None:
             self._promised = self.measure.value(self.descent.expected)
+        if not self._white:
+            self._to_coloured()
         self._weigh()
         self.resting = self.resting and self._white
 
@@ -127,13 +132,26 @@ class Start:
 
     def unlock(self, steps: int) -> None:
         """Free the shapes of its laws as well, with some steps before its promise counts again."""
-        fixed = [n for n in self.model.parameters() if n not in self.structure.free and n not in self.locked]
-        state, residuals = self.descent.state, self.descent.residuals
-        self.structure = Structure(self.model, self.data, fixed)
-        noise = None if self._white else self.measure.spectra(residuals)
-        self.descent = Descent(self.structure.problem, state, noise, residuals)
-        self.patience, self.credit, self._promised = self.steps + steps, 1.0, None
+        self._freed([n for n in self.model.parameters() if n not in self.structure.free and n not in self.locked])
+        self.patience, self.credit = self.steps + steps, 1.0
         self.resting = self.steps >= _MOST_STEPS
+
+    def gains_anew(self, measure: Measure) -> bool:
+        """Whether it came decisively farther since it last began anew, or never did."""
+        return self._rested is None or self.value - measure.value(self._rested) > DECISIVE
+
+    def begin_anew(self) -> None:
+        """Go on from where it rests as if it had been put in here, with steps as bold as at first."""
+        self._rested = self.descent.residuals
+        self._freed([name for name in self.model.parameters() if name not in self.structure.free])
+        self.resting = self.steps >= _MOST_STEPS
+
+    def _freed(self, fixed: Sequence[str]) -> None:
+        """The same place with other parameters free, simulated anew with the steps that suit it."""
+        self.structure = Structure(self.model, self.data, fixed)
+        self.descent = Descent(self.structure.problem, self.descent.state)
+        self._promised = None
+        self._measure()
 
     def look(self) -> None:
         """Make its own promise: what the linearised response would leave."""
@@ -229,12 +247,17 @@ def race(
         return value - 0.5 * count * math.log(points)
 
     whole = max(len(starts), 1)
+    # that the noise can be reached is news once: where it was known, whoever starts was given its patience for that
+    news_is_old = (
+        standing is not None and bool(starts) and measure.near(standing.residuals, standing.model, starts[0].data)
+    )
     while True:
         bar = -np.inf if standing is None else paid(measure.value(standing.residuals), len(standing.free))
         best = max([bar, *(paid(start.value, start.count) for start in starts)])
 
-        def hopeless(start: Start, best: float = best) -> bool:
-            return start.steps >= start.patience and paid(start.ceiling, start.count) < best - DECISIVE
+        def hopeless(start: Start, bar: float = bar, best: float = best) -> bool:
+            reach = max(best - DECISIVE, bar if start.adds else -np.inf)
+            return start.steps >= start.patience and paid(start.ceiling, start.count) < reach
 
         at_noise = any(start.near for start in starts)
         for start in starts:
@@ -258,6 +281,13 @@ def race(
             if measure.noise is not None:
                 for start in starts:
                     start.measured_by(measure)
-        if front.near:  # nothing can do much better than leave the noise
+        elif front.near and front.resting and paid(front.value, front.count) >= best and front.gains_anew(measure):
+            # the first noise that was seen held some mismatch still; at that of here the valley may go on
+            measure = measure_by(front.fitted, front.data)
+            front.begin_anew()
+            for start in starts:
+                start.measured_by(measure)
+        if front.near and not news_is_old:  # nothing can do much better than leave the noise
+            news_is_old = True
             for other in starts:
                 other.patience = 0

@@ -60,6 +60,8 @@ class Search:
     laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
+    _gone_on: set[tuple[str, ...]] = field(default_factory=set, init=False)
+    _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
     def best_of_family(self, model: Oscillator) -> Fitted:
@@ -131,7 +133,7 @@ class Search:
         arrived = []
         for laws, own in by_laws.items():
             first = max(own, key=self._paid)
-            if self._paid(first) < best - DECISIVE:
+            if self._paid(first) < max(best - DECISIVE, self._paid_by(leader.fit) if first.adds else -np.inf):
                 self._left(laws, first, best)
                 continue
             self.progress("weighing what arrived", 0.95)
@@ -160,7 +162,9 @@ class Search:
 
     def _compare_by(self, front: Fitted) -> None:
         """Compare all structures by the noise that the best of them leaves."""
-        apart = self._apart
+        if front is self._front_before:
+            return
+        self._front_before, apart = front, self._apart
         self._measures = measure_by(front, self.data), measure_by(judged(front.model, apart), apart)
         for laws, candidate in self.candidates.items():
             if candidate.stage == "judged" and candidate.fit is not None:
@@ -242,7 +246,10 @@ class Search:
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
             patience = 0 if near else PATIENCE
             starts.append(self._started(laws, proposal.model, proposal.initial, fixed, hoped, patience))
-        return self._of_each_law([start for start in starts if start is not None])
+        found = self._of_each_law([start for start in starts if start is not None])
+        for start in found:
+            start.adds = True
+        return found
 
     def _of_each_law(self, starts: Sequence[Start]) -> list[Start]:
         """Of a law that was put in at many places, with side valleys between them, the best few."""
@@ -272,7 +279,7 @@ class Search:
     def _exchanged(self, leader: Candidate) -> list[Start]:
         """The leader with one law exchanged for another that came far in its place before."""
         assert leader.fit is not None
-        starts: list[Start | None] = [*self._generalised(leader)]
+        starts: list[Start | None] = [*self._generalised(leader), *self._again(leader)]
         if len(leader.laws) < 2:
             return [start for start in starts if start is not None]
         singles = [c for c in self.candidates.values() if len(c.laws) == 1 and c.laws[0] not in leader.laws and c.fit]
@@ -291,6 +298,29 @@ class Search:
                 fixed = self._fixed(leader.fit, model)
                 starts.append(self._started(laws, model, initial, fixed, patience=PATIENCE))
         return [start for start in starts if start is not None]
+
+    def _again(self, leader: Candidate) -> list[Start | None]:
+        """Those that came farthest in the place of one of the leader's laws, and left when that came to the noise.
+
+        What they promised from afar was no bound. Each is gone on with once.
+        """
+        starts = []
+        for name in leader.laws:
+            rest = set(leader.laws) - {name}
+            others = [
+                c
+                for laws, c in self.candidates.items()
+                if c.stage == "left" and c.fit is not None and rest < set(laws) and len(laws) == len(leader.laws)
+            ]
+            others.sort(key=lambda c: 0.0 if c.fit is None else -self._paid_by(c.fit))
+            for other in others[:_NEAREST]:
+                if other.laws in self._gone_on:
+                    continue
+                self._gone_on.add(other.laws)
+                assert other.fit is not None
+                fixed = [n for n in other.fit.model.parameters() if n not in other.fit.free]
+                starts.append(self._started(other.laws, other.fit.model, other.fit.initial, fixed, patience=PATIENCE))
+        return starts
 
     def _generalised(self, leader: Candidate) -> list[Start]:
         """The leader with a law exchanged for the more general one of which it is a case, from where it is."""

@@ -52,9 +52,7 @@ def weighed(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Told]:
     return evidence(training, values, shared_prior(fitted.model, fitted.free, data.scales)), training
 
 
-def foretold(
-    fitted: Fitted, training: Told, data: Data, held_out: Fitted, holdout: Data, measure: Measure
-) -> float:
+def foretold(fitted: Fitted, training: Told, data: Data, held_out: Fitted, holdout: Data, measure: Measure) -> float:
     """Log-probability of held-out recordings, given those of the training.
 
     Args:

@@ -64,7 +64,11 @@ def test_what_was_held_out_must_not_speak_against_it():
     better = candidate("quadratic-drag", evidence=100.0, predictive=-1.0, left=0.9)
     assert not accepted(better, candidate(), parts(1.0))
     assert "held-out" in why_not(better, candidate(), candidate(), parts(1.0))
-    assert accepted(replace(better, held_out=None, predictive=0.0, foretold=1.0), replace(candidate(), held_out=None), parts(1.0)[:1])
+    assert accepted(
+        replace(better, held_out=None, predictive=0.0, foretold=1.0),
+        replace(candidate(), held_out=None),
+        parts(1.0)[:1],
+    )
 
 
 @pytest.mark.parametrize(("left", "enough"), [(1.0 / np.sqrt(1.009), False), (1.0 / np.sqrt(1.011), True)])
