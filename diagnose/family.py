@@ -196,7 +196,9 @@ def _drifts(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> 
             recording = recordings[offset.recording]
             size = _FEELER * float(np.std(recording.response))
             found.append(Offset(offset.recording, "response", size))
-            found.append(Offset(offset.recording, "drift", size / recording.duration, middle=offset.middle))
+            found.append(
+                Offset(offset.recording, "drift", size / recording.duration, middle=offset.middle, taken=offset.value)
+            )
     return tuple(found)
 
 
@@ -207,8 +209,13 @@ def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator, 
     offsets = () if judged else tuple(offset for offset in family.drifts if offset.recording in used)
     if family.free_zeros:
         there = {offset.recording for offset in offsets}
-        zeros = [Offset(i, "response", _FEELER * float(np.std(data.recordings[i].response))) for i in used]
-        offsets = (*(zero for zero in zeros if zero.recording not in there), *offsets)
+        sizes = {i: _FEELER * float(np.std(data.recordings[i].response)) for i in used if i not in there}
+        offsets = (*(Offset(i, "response", size) for i, size in sizes.items()), *offsets)
+    shown = family.shown_elsewhere if judged else family.shown
+    offsets = tuple(
+        replace(offset, taken=shown.get(offset.recording, 0.0)) if offset.channel == "response" else offset
+        for offset in offsets
+    )
     return replace(data, offsets=offsets)
 
 

@@ -254,8 +254,10 @@ def _beside_linear(
 ) -> tuple[State, float, int]:
     """The simulation beside the best linear rig's, which it must not leave more than; that one's cost, and the steps.
 
-    Only where more than noise is left: else there is nothing better.
+    Only where more than noise is left: else there is nothing better. Nor is there where no parameter is free.
     """
+    if not problem.free:
+        return state, np.inf, 0
     residuals = problem.residuals(state)
     if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
         return state, np.inf, 0

@@ -199,7 +199,8 @@ class Regression:
         moving = [p for p in law.parameters if not p.strength and not p.shape and guess.values[f"{law.name}.{p.name}"]]
         if not moving:
             return guess
-        places = {q.name: guess.values[f"{law.name}.{q.name}"] for q in law.parameters if not q.strength}
+        # strengths at zero, as in all probes: the derivatives of a contact are those of one that pushes
+        places = {q.name: 0.0 if q.strength else guess.values[f"{law.name}.{q.name}"] for q in law.parameters}
         best = guess
 
         def misfit(factors: np.ndarray) -> float:

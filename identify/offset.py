@@ -17,7 +17,8 @@ class Offset:
     """What a sensor shows at zero, all through one recording: of the ``response`` or of the ``force``.
 
     The channel ``drift`` is that of the response, by which it moves in a second, about the time ``middle`` (s).
-    ``scale`` is its size for finite differences, ``guess`` where the search begins.
+    ``scale`` is its size for finite differences, ``guess`` where the search begins, ``taken`` what of it was taken off
+    the recording before.
     """
 
     recording: int
@@ -25,6 +26,7 @@ class Offset:
     scale: float
     guess: float = 0.0
     middle: float = 0.0
+    taken: float = 0.0
 
 
 @dataclass(frozen=True)

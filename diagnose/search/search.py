@@ -1,7 +1,7 @@
 """The search for what is missing: structures of laws, raced against each other and weighed by their evidence.
 
 From the best structure so far every law of the library is added, every law that was added is dropped again, and each is
-exchanged for those that came near it before. What arrives is weighed; where one of them is decisively more probable it
+exchanged for those that act most like it. What arrives is weighed; where one of them is decisively more probable it
 leads, and the search goes on from there. A structure leads again only where it came to a decisively better place, so
 that there is an end, and at the end no neighbour of the leader promises to reach it.
 """
@@ -19,13 +19,13 @@ from ...errors import BadInput
 from ...identify.data import Data
 from ...identify.from_prediction import keeps_step
 from ...identify.prediction import FREE
-from ...identify.structure import Fitted, renamed, shapes_of, without_states
+from ...identify.structure import Fitted, renamed, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
-from ...model.terms import with_term, without_term
 from .candidate import DECISIVE, Candidate, key
 from .judgement import accepted, log_odds, only_a_name
+from .likeness import alike
 from .measure import Measure, measure_by
 from .race import PATIENCE, Start, race, started
 from .starts import Proposal, by_motion, by_score, without
@@ -37,8 +37,10 @@ SENSOR_OFFSET = "sensor-offset"
 _HALF = 0.5
 #: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
 _VALLEYS = 3
-#: A law is exchanged for so many others: those that came farthest in its place before.
+#: A law is exchanged for so many others: those that act most like it ...
 _NEAREST = 4
+#: ... with the steps that quadratic convergence takes, before what they promise counts against them.
+_CONVERGES = 10
 #: More laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
 
@@ -60,7 +62,7 @@ class Search:
     laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
-    _gone_on: set[tuple[str, ...]] = field(default_factory=set, init=False)
+    _asked: dict[tuple[tuple[str, ...], str], Fitted] = field(default_factory=dict, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
@@ -224,9 +226,11 @@ class Search:
 
     def _addable(self, leader: Candidate) -> list[Law]:
         """The laws that the leader could have besides."""
+        return [] if len(leader.laws) == _MOST_EFFECTS else self._beside(leader)
+
+    def _beside(self, leader: Candidate) -> list[Law]:
+        """The laws that the leader does not have."""
         assert leader.fit is not None
-        if len(leader.laws) == _MOST_EFFECTS:
-            return []
         present = {name for term in leader.fit.model.terms for name in (term.law.effect, term.law.twin)}
         return [law for law in self.laws if law.effect not in present and not only_a_name(law)]
 
@@ -277,50 +281,22 @@ class Search:
         return [start for start in starts if start is not None]
 
     def _exchanged(self, leader: Candidate) -> list[Start]:
-        """The leader with one law exchanged for another that came far in its place before."""
+        """The leader with one law exchanged for those that act most like it on the leader's own motion."""
         assert leader.fit is not None
-        starts: list[Start | None] = [*self._generalised(leader), *self._again(leader)]
-        if len(leader.laws) < 2:
-            return [start for start in starts if start is not None]
-        singles = [c for c in self.candidates.values() if len(c.laws) == 1 and c.laws[0] not in leader.laws and c.fit]
-        singles.sort(key=lambda c: 0.0 if c.fit is None else -self._paid_by(c.fit))
+        starts: list[Start | None] = [*self._generalised(leader)]
         for name in leader.laws:
-            smaller = without_term(leader.fit.model, name)
-            initial = without_states(leader.fit, name)
-            for other in singles[:_NEAREST]:
-                (instead,) = other.laws
-                laws = key([law for law in leader.laws if law != name] + [instead])
-                if laws in self.candidates or find(instead).effect in {t.law.effect for t in smaller.terms}:
+            place = leader.laws, name
+            if place in self._asked and self._asked[place] is leader.fit:
+                continue
+            self._asked[place] = leader.fit
+            proposals = alike(leader.fit, self.data, name, [law for law in self._beside(leader) if not law.rugged])
+            for proposal in proposals[:_NEAREST]:
+                laws = key([law for law in leader.laws if law != name] + [proposal.law])
+                if laws in self.candidates and self.candidates[laws].stage == "judged":
                     continue
-                assert other.fit is not None
-                values = {p.name: other.fit.model.values()[f"{instead}.{p.name}"] for p in find(instead).parameters}
-                model = with_term(smaller, instead, values)
-                fixed = self._fixed(leader.fit, model)
-                starts.append(self._started(laws, model, initial, fixed, patience=PATIENCE))
+                fixed = self._fixed(leader.fit, proposal.model)
+                starts.append(self._started(laws, proposal.model, proposal.initial, fixed, patience=_CONVERGES))
         return [start for start in starts if start is not None]
-
-    def _again(self, leader: Candidate) -> list[Start | None]:
-        """Those that came farthest in the place of one of the leader's laws, and left when that came to the noise.
-
-        What they promised from afar was no bound. Each is gone on with once.
-        """
-        starts = []
-        for name in leader.laws:
-            rest = set(leader.laws) - {name}
-            others = [
-                c
-                for laws, c in self.candidates.items()
-                if c.stage == "left" and c.fit is not None and rest < set(laws) and len(laws) == len(leader.laws)
-            ]
-            others.sort(key=lambda c: 0.0 if c.fit is None else -self._paid_by(c.fit))
-            for other in others[:_NEAREST]:
-                if other.laws in self._gone_on:
-                    continue
-                self._gone_on.add(other.laws)
-                assert other.fit is not None
-                fixed = [n for n in other.fit.model.parameters() if n not in other.fit.free]
-                starts.append(self._started(other.laws, other.fit.model, other.fit.initial, fixed, patience=PATIENCE))
-        return starts
 
     def _generalised(self, leader: Candidate) -> list[Start]:
         """The leader with a law exchanged for the more general one of which it is a case, from where it is."""

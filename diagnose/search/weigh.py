@@ -16,6 +16,8 @@ from ...model import Oscillator
 from ...model.law import Scales
 from .measure import Measure
 
+#: A sensor may show as much at zero as the motion is large; an offset's feeler is a hundredth of that.
+_SIZES = 100.0
 #: What is foretold of itself is cut in three, as what is held out is one third ...
 _PARTS = 3
 #: ... each of two cycles at least: one tells an initial state, and the next one is foretold.
@@ -117,12 +119,13 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
         problem.segments, state.initial, blocks, measure.values(fitted.residuals), strict=True
     ):
         places = np.array(problem.own(segment), int)
-        offsets = len(problem.offsets)
         # an offset belongs to its recording; it is averaged over with the states, in each of its segments
-        where = np.concatenate([np.arange(offsets), offsets + places]).astype(int)
-        width = np.concatenate([[100.0 * offset.scale for offset in problem.offsets], whole[1, places]])
-        values = np.concatenate([state.offsets, begin[places]])
-        part = told(value, [block], [(where, values, np.array([np.zeros(len(where)), width]))], k)
+        own = [i for i, offset in enumerate(problem.offsets) if offset.recording == segment.recording]
+        where = np.concatenate([own, len(problem.offsets) + places]).astype(int)
+        middle = np.concatenate([[-problem.offsets[i].taken for i in own], whole[0, places]])
+        width = np.concatenate([[_SIZES * problem.offsets[i].scale for i in own], whole[1, places]])
+        values = np.concatenate([state.offsets[own], begin[places]])
+        part = told(value, [block], [(where, values, np.array([middle, width]))], k)
         information, gradient = np.zeros((len(free), len(free))), np.zeros(len(free))
         information[np.ix_(shared, shared)], gradient[shared] = part.information, part.gradient
         found.append(Told(part.log_likelihood, information, gradient))

@@ -1,0 +1,50 @@
+"""Which laws act like one that was found: the others, put on the very motion that this one makes.
+
+On the motion of a fitted model there is neither noise nor mismatch. With one of its laws taken out, what another law
+makes of the rest there says how nearly it could stand in its place, and with which values of everything: the best start
+for that other structure, from which a few steps lead to its own maximum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from ...identify.data import Data
+from ...identify.initial_motion import initial_states
+from ...identify.offset import zeros_along
+from ...identify.structure import Fitted, without_states
+from ...model.law import Law
+from ...model.terms import without_term
+from ...recording.fact import changed
+from .starts import Proposal, by_motion
+
+
+def alike(fitted: Fitted, data: Data, law: str, others: Sequence[Law]) -> list[Proposal]:
+    """Laws in the place of one that a fitted model has, the one that acts most like it first.
+
+    Args:
+        fitted: to ``data``.
+        data: training recordings.
+        law: which of the model's is exchanged.
+        others: what may stand in its place.
+    """
+    initial = without_states(fitted, law)
+    if initial.shape != fitted.initial.shape:  # its own states made part of the motion's beginning
+        shown = [float(np.mean(zeros_along(data.offsets, fitted.offsets, s)[0])) for s in data.segments]
+        initial[:, :2] = initial_states(data.segments, fitted.model.response.quantity, shown)
+    smaller = replace(fitted, model=without_term(fitted.model, law), initial=initial)
+    found = by_motion(smaller, _as_simulated(fitted, data), others)
+    return sorted(found, key=lambda proposal: -proposal.gain)
+
+
+def _as_simulated(fitted: Fitted, data: Data) -> Data:
+    """The recordings as the model makes them, the sensors' zeros and noise taken off."""
+    responses = [np.array(recording.response, float) for recording in data.recordings]
+    for segment, residual in zip(data.segments, fitted.residuals, strict=True):
+        shown, _ = zeros_along(data.offsets, fitted.offsets, segment)
+        responses[segment.recording][segment.start : segment.stop] = segment.response - residual - shown
+    recordings = [changed(r, response=response) for r, response in zip(data.recordings, responses, strict=True)]
+    return replace(data, recordings=tuple(recordings))
