@@ -128,7 +128,7 @@ def identify(
     laws = [find_law(effect).name for effect in effects]
     begin = None if start is None else load(start)
     given, band = mode_alone(read_all(recordings, options, _say), mode, begin, _say)
-    found = find(
+    identification = find(
         given,
         name=name or output.stem,
         effects=laws,
@@ -137,22 +137,22 @@ def identify(
         band=band,
         progress=_say,
     )
-    for note in found.notes:
+    for note in identification.notes:
         _say(f"note: {note}")
     if report is not None:
         from .report.page import identification_page
 
-        page = identification_page(found, files=(output.name,))
+        page = identification_page(identification, files=(output.name,))
         with replacing(report) as temporary:
             temporary.write_text(page, encoding="utf-8")
-    save(found.oscillator, output)
+    save(identification.oscillator, output)
     if as_json:
-        _print_json(model_json(found.oscillator))
+        _print_json(model_json(identification.oscillator))
     else:
-        click.echo(describe(found.oscillator))
+        click.echo(describe(identification.oscillator))
     _say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
-    if found.useless:
-        _say(f"{output}: {found.useless}")
+    if identification.useless:
+        _say(f"{output}: {identification.useless}")
         sys.exit(1)
 
 
@@ -306,17 +306,17 @@ def diagnose(
     held = in_the_same_band(held, band)
     with tempfile.TemporaryDirectory() as scratch, _progress() as progress:
         artefact = Path(scratch) / FMU
-        found = find(oscillator, training, held, fmu=artefact, progress=progress)
-        found = replace(found, model=in_band_of(found.model, band))
+        diagnosis = find(oscillator, training, held, fmu=artefact, progress=progress)
+        diagnosis = replace(diagnosis, model=in_band_of(diagnosis.model, band))
         fmu = artefact.read_bytes() if artefact.exists() else None
-    page = diagnosis_page(found, files=tuple(name for name in files if name != REPORT and (fmu or name != FMU)))
-    written = write_folder(output, found, page, fmu)
+    page = diagnosis_page(diagnosis, files=tuple(name for name in files if name != REPORT and (fmu or name != FMU)))
+    written = write_folder(output, diagnosis, page, fmu)
     if as_json:
-        _print_json(found.as_json())
+        _print_json(diagnosis.as_json())
     else:
-        click.echo(describe(found))
+        click.echo(describe(diagnosis))
     _say(f"written: {', '.join(str(path) for path in written)}")
-    if found.verdict == "unexplained":
+    if diagnosis.verdict == "unexplained":
         sys.exit(1)
 
 

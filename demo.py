@@ -47,22 +47,22 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
     step("the paper's stand: four bursts with free decays, two sweeps; a multisine held out")
     train = [read(files[kind]) for kind in _TRAIN]
     held_out = [read(files[kind]) for kind in _HELD_OUT]
-    found = identify(train, name="paper-stand", progress=step)
+    identification = identify(train, name="paper-stand", progress=step)
     model = folder / "model.yaml"
-    save(found.oscillator, model)
+    save(identification.oscillator, model)
     step(f"written: {model}")
-    say(comparison(found.oscillator.parameters(), TRUTH))
+    say(comparison(identification.oscillator.parameters(), TRUTH))
     fmu = folder / "rig.fmu"
     written = [model]
     for output in (fmu, folder / "rig.casadi"):
-        made = export(found.oscillator, output, progress=step)
+        made = export(identification.oscillator, output, progress=step)
         written += made
         step(f"written: {', '.join(path.name for path in made)}")
     step("the FMU under FMPy, with the force of every recording")
     proof = verify(fmu, [*train, *held_out], progress=step)
     page = folder / "report.html"
     with replacing(page) as temporary:
-        text = identification_page(found, proof, TRUTH, files=tuple(path.name for path in written))
+        text = identification_page(identification, proof, TRUTH, files=tuple(path.name for path in written))
         temporary.write_text(text, encoding="utf-8")
     step(f"written: {page}")
     step(proof.sentence())

@@ -60,16 +60,16 @@ def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[
 
 def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
     """``NAME=VALUE`` as a dictionary."""
-    found = {}
+    fixed = {}
     for text in values:
         name, sign, number = text.partition("=")
         try:
-            found[name.strip()] = float(number)
+            fixed[name.strip()] = float(number)
         except ValueError:
             sign = ""
         if not sign or not name.strip():
             raise click.BadParameter(f"'{text}' is not NAME=VALUE with a number, such as viscous=0.5")
-    return found
+    return fixed
 
 
 def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:

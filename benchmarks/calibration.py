@@ -64,7 +64,7 @@ def paper_stand_again(count: int) -> list[np.ndarray]:
     """The built-in rig under other noises of the same size."""
     clean = {kind: force(kind) for kind in ("bursts", "sweep_low", "sweep_high")}
     motion = {kind: paper_stand(pieces) for kind, pieces in clean.items()}
-    found = []
+    rows = []
     for seed in range(count):
         random = np.random.default_rng(100 + seed)
         recordings = []
@@ -73,15 +73,15 @@ def paper_stand_again(count: int) -> list[np.ndarray]:
             y = x + SENSOR_NOISE * random.standard_normal(x.size)
             g = f + FORCE_NOISE * np.max(np.abs(f)) * random.standard_normal(f.size)
             recordings.append(Recording(name=kind, fs=FS, response=y, force=g))
-        found.append(scores(recordings, TRUTH))
-        print("paper stand", seed, np.round(found[-1], 2), flush=True)
-    return found
+        rows.append(scores(recordings, TRUTH))
+        print("paper stand", seed, np.round(rows[-1], 2), flush=True)
+    return rows
 
 
-def summary(title: str, found: list[np.ndarray]) -> None:
+def summary(title: str, rows: list[np.ndarray]) -> None:
     """Root mean square and largest size of the scores, a column a parameter."""
-    table = np.array(found)
-    print(f"{title}: {len(found)} identifications; columns are {', '.join(NAMES)}")
+    table = np.array(rows)
+    print(f"{title}: {len(rows)} identifications; columns are {', '.join(NAMES)}")
     print("   root mean square", np.round(np.sqrt(np.nanmean(table**2, axis=0)), 2))
     print("   largest         ", np.round(np.nanmax(np.abs(table), axis=0), 2))
 
@@ -89,16 +89,16 @@ def summary(title: str, found: list[np.ndarray]) -> None:
 def main() -> None:
     """Print one line an identification and the two summaries."""
     rigs, noises = (int(text) for text in (sys.argv[1:] + ["24", "10"][len(sys.argv) - 1 :])[:2])
-    found = []
+    rows = []
     for seed in range(rigs):
         recordings, truth = random_rig(1000 + seed)
         try:
-            found.append(scores(recordings, truth))
-            print("random rig", seed, np.round(found[-1], 2), flush=True)
+            rows.append(scores(recordings, truth))
+            print("random rig", seed, np.round(rows[-1], 2), flush=True)
         except DashpotError as problem:
             print("random rig", seed, "refused:", problem, flush=True)
-    if found:
-        summary("random rigs", found)
+    if rows:
+        summary("random rigs", rows)
     if noises:
         summary("the built-in rig", paper_stand_again(noises))
 

@@ -69,12 +69,12 @@ def rig(law: str, random: np.random.Generator) -> tuple[list[Recording], list[Re
         return core.record(values, np.array(start), None if shape is None else force * shape, n, 1 / FS, longest)
 
     level = _level(lambda force: float(np.max(np.abs(response(shapes["sweep_high"][0], force)))))
-    found = []
+    recordings = []
     for name, (shape, part) in shapes.items():
         x = response(shape, part * level) + 0.002 * AMPLITUDE * random.standard_normal(n)
         force = None if shape is None else part * level * (shape + 0.001 * random.standard_normal(n))
-        found.append(Recording(name=name, fs=FS, response=x, force=force))
-    return found[:3], found[3:]
+        recordings.append(Recording(name=name, fs=FS, response=x, force=force))
+    return recordings[:3], recordings[3:]
 
 
 def _level(peak: Callable[[float], float]) -> float:
@@ -100,10 +100,10 @@ def measure(law: str) -> tuple[float, float, str]:
         )
     once = time.perf_counter() - began
     began = time.perf_counter()
-    found = diagnose(model, training, held_out)
+    diagnosis = diagnose(model, training, held_out)
     spent = time.perf_counter() - began
-    named = ", ".join(effect.law for effect in found.effects)
-    return spent, spent / once, found.verdict + (f": {named}" if named else "")
+    named = ", ".join(effect.law for effect in diagnosis.effects)
+    return spent, spent / once, diagnosis.verdict + (f": {named}" if named else "")
 
 
 def main(laws: list[str]) -> None:

@@ -52,8 +52,8 @@ def sweep(steps: int = STEPS) -> np.ndarray:
 
 def in_turn(measures: dict[str, Callable[[], float]], rounds: int = ROUNDS) -> dict[str, float]:
     """The least of each measure, all of them taken in turn so that what slows the machine meets them alike."""
-    found = [{name: measure() for name, measure in measures.items()} for _ in range(rounds)]
-    return {name: min(of[name] for of in found) for name in measures}
+    turns = [{name: measure() for name, measure in measures.items()} for _ in range(rounds)]
+    return {name: min(turn[name] for turn in turns) for name in measures}
 
 
 def rows(folder: Path, reference: Path | None) -> Iterator[Row]:
@@ -188,8 +188,8 @@ def under_fmpy(folder: Path, ours: dict[int, Path]) -> Iterator[Row]:
                 return measure
 
             least = in_turn({"ours": run(fmu), "empty": run(empty)})
-            asked, found = "1.2 x", least["ours"] / least["empty"]
-            yield f"under FMPy, FMI {version}: over an FMU that does nothing", asked, f"{found:.2f} x"
+            asked, ratio = "1.2 x", least["ours"] / least["empty"]
+            yield f"under FMPy, FMI {version}: over an FMU that does nothing", asked, f"{ratio:.2f} x"
 
 
 def size(folder: Path) -> Iterator[Row]:

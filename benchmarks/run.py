@@ -86,10 +86,10 @@ def rig(folder: Path) -> None:
     train = [read(files[kind]) for kind in ("bursts", "sweep_low", "sweep_high")]
     identify(train[:1])  # compiles and imports
     began = time.perf_counter()
-    found = identify(train, name="paper-stand")
+    identification = identify(train, name="paper-stand")
     spent = time.perf_counter() - began
     asked = {"mass": 0.5, "omega0": 0.5, "viscous": 0.5, "cubic": 3.0, "preload": 5.0, "dry": 5.0}
-    for name, parameter in found.oscillator.parameters().items():
+    for name, parameter in identification.oscillator.parameters().items():
         off = 100 * (parameter.value / TRUTH[name] - 1)
         sigmas = (parameter.value - TRUTH[name]) / (parameter.std or np.nan)
         row(
@@ -99,7 +99,7 @@ def rig(folder: Path) -> None:
         )
     seconds = sum(r.duration for r in train)
     row(f"identification of {seconds:.0f} s of recordings", "20 s", f"{spent:.1f} s")
-    export(found.oscillator, folder / "rig.fmu")
+    export(identification.oscillator, folder / "rig.fmu")
     checks = verify(folder / "rig.fmu", [*train, read(files["multisine"])])
     for check in checks.recordings:
         row(f"FMU against {check.file}: NRMSE over noise floor", "1.1", f"{check.nrmse / check.noise_floor:.3f}")
@@ -118,12 +118,16 @@ def real(folder: Path) -> None:
     model = identify([multisines.slice(0, edge)]).oscillator
     row("Silverbox: identification of 107 s of multisines", "-", f"{time.perf_counter() - began:.1f} s")
     for name, test, last in (("multisine", multisines.slice(edge, None), None), ("arrow", arrow, 32_000)):
-        left = 1e3 * (replay(model, test) - test.response)[50:last]
-        text = f"{np.sqrt(np.mean(left**2)):.2f} mV, {np.std(left):.2f} mV"
+        residual = 1e3 * (replay(model, test) - test.response)[50:last]
+        text = f"{np.sqrt(np.mean(residual**2)):.2f} mV, {np.std(residual):.2f} mV"
         row(f"Silverbox {name}: free-run rms error, and without its mean", "as it is", text)
     ship = read(folder / "kvlcc2_roll_21338.csv.gz")
-    found = identify([ship])
-    row("ship roll decay: mass; NRMSE", "null", f"{found.oscillator.mass}; {found.fit.segments[0].nrmse:.3f}")
+    identification = identify([ship])
+    row(
+        "ship roll decay: mass; NRMSE",
+        "null",
+        f"{identification.oscillator.mass}; {identification.fit.segments[0].nrmse:.3f}",
+    )
 
 
 def main() -> None:

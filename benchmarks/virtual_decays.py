@@ -112,35 +112,35 @@ def virtual(seed: int) -> Virtual:
     )
 
 
-def is_found(one: Virtual) -> str:
+def is_found(case: Virtual) -> str:
     """Empty where the decay is found; else what is wrong."""
-    decays = find_free_motion(one.recording).decays
+    decays = find_free_motion(case.recording).decays
     if not decays:
         return "none"
     best = max(decays, key=lambda decay: decay.stop - decay.start)
-    if best.start < one.start - 0.25 * one.period:
+    if best.start < case.start - 0.25 * case.period:
         return "early"
-    if best.start > one.start + _LATE * one.period:
+    if best.start > case.start + _LATE * case.period:
         return "late"
-    if one.caught is not None and best.stop > one.caught + _BEYOND * one.period:
+    if case.caught is not None and best.stop > case.caught + _BEYOND * case.period:
         return "beyond"
-    return "" if best.stop - best.start > _PART * (one.stop - one.start) else "part"
+    return "" if best.stop - best.start > _PART * (case.stop - case.start) else "part"
 
 
-def is_identified(one: Virtual) -> bool:
+def is_identified(case: Virtual) -> bool:
     """Whether frequency at rest and viscous friction come out within three of their errors with a sine spring."""
     try:
-        found = identify([one.recording], effects=["softening-stiffness/sine"]).oscillator
+        oscillator = identify([case.recording], effects=["softening-stiffness/sine"]).oscillator
     except BadInput:
         return False
-    value = found.values()
+    value = oscillator.values()
     stiffness = value["omega0"] ** 2 + value["softening-stiffness/sine.stiffness"]
-    known = found.parameters()
+    known = oscillator.parameters()
     spread = np.hypot(
         2 * value["omega0"] * (known["omega0"].std or 0.0), known["softening-stiffness/sine.stiffness"].std or 0.0
     )
-    near = abs(value["viscous"] - one.viscous) < 3 * (known["viscous"].std or 0.0)
-    return bool(near and abs(stiffness - one.omega**2) < 3 * spread)
+    near = abs(value["viscous"] - case.viscous) < 3 * (known["viscous"].std or 0.0)
+    return bool(near and abs(stiffness - case.omega**2) < 3 * spread)
 
 
 def main() -> None:
@@ -151,17 +151,19 @@ def main() -> None:
     parser.add_argument("--step", type=int, default=1, help="4 for exact 0.8 Hz at 100 Hz")
     parser.add_argument("--identify", action="store_true")
     given = parser.parse_args()
-    found = identified = 0
+    hits = identified = 0
     for seed in range(given.seed, given.seed + given.count * given.step, given.step):
-        one = virtual(seed)
-        wrong = is_found(one)
-        found += not wrong
+        case = virtual(seed)
+        wrong = is_found(case)
+        hits += not wrong
         if wrong:
-            cycles = (one.stop - one.start) / one.period
-            print(f"{seed}: {wrong}; {cycles:.1f} cycles of {one.period:.0f} samples from {one.start / one.period:.1f}")
+            cycles = (case.stop - case.start) / case.period
+            print(
+                f"{seed}: {wrong}; {cycles:.1f} cycles of {case.period:.0f} samples from {case.start / case.period:.1f}"
+            )
         elif given.identify:
-            identified += is_identified(one)
-    print(f"found {found} of {given.count}" + (f", identified {identified}" if given.identify else ""))
+            identified += is_identified(case)
+    print(f"found {hits} of {given.count}" + (f", identified {identified}" if given.identify else ""))
 
 
 if __name__ == "__main__":

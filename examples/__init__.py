@@ -11,8 +11,8 @@ def recordings(name: str = "paper-stand") -> dict[str, Path]:
     Raises ValueError for another name.
     """
     root = Path(__file__).parent / "recordings"
-    found = {path.name.removesuffix(".csv.gz"): path for path in sorted((root / name).glob("*.csv.gz"))}
-    if not found:
+    files = {path.name.removesuffix(".csv.gz"): path for path in sorted((root / name).glob("*.csv.gz"))}
+    if not files:
         names = ", ".join(sorted(path.name for path in root.iterdir()))
         raise ValueError(f"there is no stand named {name!r}; there are {names}")
-    return found
+    return files

@@ -87,12 +87,12 @@ class Slider:
             net = push[0] - self.spring(x[0]) - self.preload * mode.side
             down = [-v for v in push[1:]]
             return [("forward", 1, [grip - net, *down]), ("backward", 1, [grip + net, *push[1:]])]
-        found = []
+        guards = []
         if self.preload:
-            found.append(("x", mode.side, x))
+            guards.append(("x", mode.side, x))
         if self.dry:
-            found.append(("v", mode.way, [k * x[k] for k in range(1, len(x))]))
-        return found
+            guards.append(("v", mode.way, [k * x[k] for k in range(1, len(x))]))
+        return guards
 
     def switch(self, mode: Mode, x: float, v: float, push: float, fired: str) -> tuple[Mode, float, float]:
         """Give mode, x and v after one of `guards` fired."""

@@ -38,8 +38,8 @@ def force(kind: str) -> np.ndarray:
     if kind == "multisine":  # three periods of 20 s, every line from 5 to 20 Hz, as strong as a sine of 0.6 N
         lines = np.arange(100, 401) / 20.0
         phases = np.random.default_rng(20).uniform(0.0, 2 * np.pi, len(lines))
-        one = multisine(0.6 / np.sqrt(len(lines)), lines, phases, np.arange(20_000) / FS, DT)
-        return np.tile(one, (3, 1))
+        period = multisine(0.6 / np.sqrt(len(lines)), lines, phases, np.arange(20_000) / FS, DT)
+        return np.tile(period, (3, 1))
     raise ValueError(f"{kind!r} is no kind of recording; there are {', '.join(KINDS)}")
 
 

@@ -73,12 +73,12 @@ def binaries(
     Raises:
         ToolchainMissing: where a platform's compiler is missing or fails.
     """
-    found: dict[str, list[bytes]] = {}
+    contents: dict[str, list[bytes]] = {}
     for platform in platforms:
         content = _built(sources, main, identifier, platform, progress).read_bytes()
         for folder in folders(platform, platforms, version):
-            found.setdefault(f"binaries/{folder}/{identifier}{platform.suffix}", []).append(content)
-    return {name: universal(thin) if len(thin) > 1 else thin[0] for name, thin in found.items()}
+            contents.setdefault(f"binaries/{folder}/{identifier}{platform.suffix}", []).append(content)
+    return {name: universal(thin) if len(thin) > 1 else thin[0] for name, thin in contents.items()}
 
 
 def inside(platforms: Sequence[Platform]) -> str:

@@ -92,7 +92,7 @@ def functions(facts: Facts, dt: float = 1e-3) -> Functions:
     identified = list(facts.values.values())
     check_step(dt, facts.longest)
     event_step = exact_step(oscillator, dt, facts.longest)
-    found = surfaces(oscillator, eq, facts.sample)
+    smoothed = surfaces(oscillator, eq, facts.sample)
     names = ["x", "u", "p", "t"] if timed else ["x", "u", "p"]
     options = {"default_in": [0.0, 0.0, ca.inf, 0.0][: len(names)]}
 
@@ -102,7 +102,7 @@ def functions(facts: Facts, dt: float = 1e-3) -> Functions:
     x, u, p = ca.SX.sym("x", eq.z.numel()), ca.SX.sym("u"), ca.SX.sym("p", eq.p.numel())
     t = ca.SX.sym("t") if timed else ca.SX(0)
     p_full = with_defaults(p, identified)
-    plain = signed(eq, eq.zdot, ca.DM([one.width for one in found]) if found else None)
+    plain = signed(eq, eq.zdot, ca.DM([surface.width for surface in smoothed]) if smoothed else None)
     field = ca.Function("field", [eq.z, eq.t, eq.u, eq.p], [plain])
     made = {
         "casadi": function("f", [x, u, p, t], exact_field(eq, x, u, p_full, t), "xdot"),
@@ -125,7 +125,7 @@ def functions(facts: Facts, dt: float = 1e-3) -> Functions:
             lambda z, tau: field(z, clock + tau, forces[0] + force_line * tau, full), state, n * h, h
         )
     made["smooth.step.casadi"] = function("step_smooth", inputs, state, "x_next")
-    return Functions(made, tuple(found), timed)
+    return Functions(made, tuple(smoothed), timed)
 
 
 def _pace(oscillator: Oscillator, eq: Equations, smooth: Expression, sample: Sample) -> float:
@@ -190,8 +190,8 @@ def describe(facts: Facts, stem: str, dt: float, made: Functions) -> dict[str, A
             f"{stem}.smooth.step.casadi": f"x_next = step_smooth(x, u, p{more}) of the smooth right-hand side",
         },
         "x": [
-            {"name": name, "unit": one, "starts_from": None if leader is None else eq.state_names[leader]}
-            for name, one, leader in zip(eq.state_names, state_units, eq.follows, strict=True)
+            {"name": name, "unit": unit, "starts_from": None if leader is None else eq.state_names[leader]}
+            for name, unit, leader in zip(eq.state_names, state_units, eq.follows, strict=True)
         ],
         "u": [{"name": "F", "unit": force_unit, "hold": oscillator.hold, "step_takes": _STEP_TAKES[oscillator.hold]}],
         "p": [
@@ -199,7 +199,7 @@ def describe(facts: Facts, stem: str, dt: float, made: Functions) -> dict[str, A
             for name, q in oscillator.parameters().items()
         ],
         "p_default": "inf in an element of p stands for the identified value",
-        "y": [{"name": name, "unit": one} for name, one in zip(eq.output_names, output_units, strict=True)],
+        "y": [{"name": name, "unit": unit} for name, unit in zip(eq.output_names, output_units, strict=True)],
         "step_s": dt,
         "smoothing_width": [{"surface": g.text, "width": g.width, "unit": g.unit} for g in made.surfaces],
     }

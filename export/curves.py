@@ -73,27 +73,27 @@ def curves(facts: Facts) -> Curves | None:
     return Curves(amplitude, omega / (2 * np.pi), damping, low, high, valid is not None)
 
 
-def pictures(found: Curves, unit: str) -> tuple[str, str]:
+def pictures(drawn: Curves, unit: str) -> tuple[str, str]:
     """SVG elements of the backbone and of the damping curve; ``unit`` is the displacement's."""
-    across = scale_of(unit, found.high)
+    across = scale_of(unit, drawn.high)
     return (
-        _picture("backbone", "Natural frequency [Hz]", found, found.frequency, across, from_zero=False),
-        _picture("damping", "Damping h [1/s]", found, found.damping, across, from_zero=True),
+        _picture("backbone", "Natural frequency [Hz]", drawn, drawn.frequency, across, from_zero=False),
+        _picture("damping", "Damping h [1/s]", drawn, drawn.damping, across, from_zero=True),
     )
 
 
-def table(found: Curves, unit: str) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def table(drawn: Curves, unit: str) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """Head and rows of the same in numbers, at amplitudes spread over the range."""
-    across = scale_of(unit, found.high)
-    wanted = np.geomspace(found.low, found.high, 5)
-    places = [int(np.argmin(np.abs(np.log(found.amplitude / a)))) for a in wanted]
+    across = scale_of(unit, drawn.high)
+    wanted = np.geomspace(drawn.low, drawn.high, 5)
+    places = [int(np.argmin(np.abs(np.log(drawn.amplitude / a)))) for a in wanted]
     rows = []
     for i in dict.fromkeys(places):
-        f, h = found.frequency[i], found.damping[i]
+        f, h = drawn.frequency[i], drawn.damping[i]
         if not (np.isfinite(f) and np.isfinite(h)):
             continue
         ratio = 100 * h / (2 * np.pi * f)
-        rows.append((number(found.amplitude[i] * across.factor), _digits(f, 5), _digits(h, 4), _digits(ratio, 3)))
+        rows.append((number(drawn.amplitude[i] * across.factor), _digits(f, 5), _digits(h, 4), _digits(ratio, 3)))
     return (across.label("Amplitude"), "Natural frequency [Hz]", "Damping h [1/s]", "Damping ratio [%]"), rows
 
 
@@ -102,9 +102,9 @@ def _digits(value: float, digits: int) -> str:
     return typeset(f"{value:#.{digits}g}".rstrip("."))
 
 
-def _picture(key: str, label: str, found: Curves, y: np.ndarray, across: Scale, *, from_zero: bool) -> str:
+def _picture(key: str, label: str, drawn: Curves, y: np.ndarray, across: Scale, *, from_zero: bool) -> str:
     """One curve over a logarithmic amplitude, full within the range of validity and dashed beyond."""
-    left, right = found.amplitude[0], found.amplitude[-1]
+    left, right = drawn.amplitude[0], drawn.amplitude[-1]
     bottom, top, ticks = _axis(y[np.isfinite(y)], from_zero=from_zero)
 
     def px(a: float) -> float:
@@ -118,10 +118,10 @@ def _picture(key: str, label: str, found: Curves, y: np.ndarray, across: Scale, 
 
     floor = _HEIGHT - _BOTTOM
     parts = []
-    if found.stated:
-        x = px(found.low)
+    if drawn.stated:
+        x = px(drawn.low)
         parts.append(
-            f'<rect x="{x:.1f}" y="{_TOP}" width="{px(found.high) - x:.1f}" height="{floor - _TOP}" fill="{_SHADE}"/>'
+            f'<rect x="{x:.1f}" y="{_TOP}" width="{px(drawn.high) - x:.1f}" height="{floor - _TOP}" fill="{_SHADE}"/>'
         )
     for v in ticks:
         parts.append(f'<path d="M{_LEFT} {py(v):.1f}H{_WIDTH - _RIGHT}" stroke="{_GRID}"/>')
@@ -131,14 +131,14 @@ def _picture(key: str, label: str, found: Curves, y: np.ndarray, across: Scale, 
         parts.append(f'<path d="M{x:.1f} {_TOP}V{floor}" stroke="{_GRID}"/>')
         parts.append(text(x, floor + 17, tick_text(a)))
     parts.append(f'<path d="M{_LEFT} {_TOP}V{floor}H{_WIDTH - _RIGHT}" stroke="{_INK}" fill="none"/>')
-    inside = (found.amplitude >= found.low * (1 - 1e-9)) & (found.amplitude <= found.high * (1 + 1e-9))
+    inside = (drawn.amplitude >= drawn.low * (1 - 1e-9)) & (drawn.amplitude <= drawn.high * (1 + 1e-9))
     first, last = np.flatnonzero(inside)[[0, -1]]
     for part, style in (
         (slice(0, first + 1), ' stroke-width="1.5" stroke-dasharray="4 4"'),
         (slice(last, None), ' stroke-width="1.5" stroke-dasharray="4 4"'),
         (slice(first, last + 1), ' stroke-width="2.5"'),
     ):
-        line = _line([(px(a), py(v)) for a, v in zip(found.amplitude[part], y[part], strict=True)])
+        line = _line([(px(a), py(v)) for a, v in zip(drawn.amplitude[part], y[part], strict=True)])
         if line:
             parts.append(f'<path d="{line}" stroke="{_LINE}" fill="none" stroke-linejoin="round"{style}/>')
     parts.append(text((_LEFT + _WIDTH - _RIGHT) / 2, _HEIGHT - 8, across.label("Amplitude")))
@@ -153,12 +153,12 @@ def _picture(key: str, label: str, found: Curves, y: np.ndarray, across: Scale, 
 
 def _line(points: list[tuple[float, float]]) -> str:
     """Path through the points; where one is not there the line stops."""
-    found, pen = [], "M"
+    strokes, pen = [], "M"
     for x, y in points:
         if math.isfinite(y):
-            found.append(f"{pen}{x:.1f} {y:.1f}")
+            strokes.append(f"{pen}{x:.1f} {y:.1f}")
         pen = "L" if math.isfinite(y) else "M"
-    return "".join(found) if any(one[0] == "L" for one in found) else ""
+    return "".join(strokes) if any(stroke[0] == "L" for stroke in strokes) else ""
 
 
 def _axis(values: np.ndarray, *, from_zero: bool) -> tuple[float, float, list[float]]:

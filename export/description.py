@@ -222,13 +222,13 @@ def _outputs(oscillator: Oscillator, eq: Equations, known: Knowns, size: MotionS
         "acceleration": (acceleration, "acceleration"),
     }
     nominals = {} if size is None else {"displacement": size.nominals[0], "velocity": size.nominals[1]}
-    found = [
+    variables = [
         Variable(name, "output", i, *outputs[name], None, *known.of(eq.y[i]), nominal=nominals.get(name))
         for i, name in enumerate(eq.output_names)
     ]
     energy, power = oscillator.energy_units
     per_mass = "" if oscillator.mass is not None else " per unit mass"
-    found += [
+    variables += [
         Variable("energy", "power", 0, energy, f"kinetic and stored energy{per_mass}", None, *known.of(eq.energy)),
         Variable(
             "dissipated_power",
@@ -241,11 +241,11 @@ def _outputs(oscillator: Oscillator, eq: Equations, known: Knowns, size: MotionS
         ),
     ]
     if size is None:
-        return found
+        return variables
     covered = oscillator.amplitude
     stated = "no range is stated" if covered is None else f"{covered.min:.4g} to {covered.max:.4g} {covered.unit}"
     return [
-        *found,
+        *variables,
         Variable("amplitude", "swing", 0, length, "amplitude: half the way between the latest two turning points"),
         Variable(
             "outside_range",
@@ -263,7 +263,7 @@ def _continuous(
     """What an importer's integrator needs: the smooth law, inner states, derivatives and event indicators."""
     response = oscillator.response
     length = response.displacement_unit
-    found = [
+    variables = [
         Variable(
             "smoothing",
             "smoothing",
@@ -281,31 +281,31 @@ def _continuous(
         state_units.append(unit)
         law, _, own = name.rpartition(".")
         text, starts = f"{law}: inner state {own}", known.of(eq.z[i])[1]
-        found.append(Variable(name, "state", i, unit, text, None, (), starts, nominal=size.nominals[i]))
+        variables.append(Variable(name, "state", i, unit, text, None, (), starts, nominal=size.nominals[i]))
     for i, (name, unit) in enumerate(zip(names, state_units, strict=True)):
         text, rate = f"rate of {name}", units.compose("X/s", unit)
-        found.append(
+        variables.append(
             Variable(f"der({name})", "derivative", i, rate, text, None, *known.of(eq.zdot[i]), derivative_of=name)
         )
     if indicators:
         for i, surface in enumerate(size.surfaces):
             text = f"falls to zero where the sign of {plain_text(surface.text)} changes, or the motion breaks away"
-            found.append(Variable(f"event({i + 1})", "indicator", i, "1", text, None, *known.of_event(eq, i)))
-    return found
+            variables.append(Variable(f"event({i + 1})", "indicator", i, "1", text, None, *known.of_event(eq, i)))
+    return variables
 
 
 def _inner_starts(oscillator: Oscillator, eq: Equations) -> list[Variable]:
     """Start values of the laws' inner states, each from what it follows or from zero."""
     response = oscillator.response
-    found = []
+    variables = []
     for i, (name, state) in enumerate(zip(eq.state_names[2:], eq.inner, strict=True), start=2):
         law, _, own = name.rpartition(".")
         leader = eq.follows[i]
         beyond = "" if leader is None else f", beyond {('x0', 'v0')[leader]}"
         unit = units.compose(state.unit, response.displacement_unit, oscillator.force_unit, response.unit)
         text = f"{law}: start value of its {own}{beyond}{OWN if state.free else ''}"
-        found.append(Variable(f"{name}0", "initial", i, unit, text, 0.0))
-    return found
+        variables.append(Variable(f"{name}0", "initial", i, unit, text, 0.0))
+    return variables
 
 
 def identifier_of(name: str) -> str:

@@ -50,8 +50,8 @@ def documentation(facts: Facts, description: Description, hold: str) -> str:
         starts=_starts(description),
         parameters=_parameters(oscillator),
         correlations=", ".join(
-            f"{one} and {other} (correlation {typeset(f'{value:+.2f}')})"
-            for one, other, value in strong_correlations(oscillator)
+            f"{first} and {second} (correlation {typeset(f'{value:+.2f}')})"
+            for first, second, value in strong_correlations(oscillator)
         ),
         warnings=[full_stop(sentence) for sentence in model_warnings(oscillator)],
         ranges=_ranges(oscillator),
@@ -108,17 +108,17 @@ def _parameters(o: Oscillator) -> list[tuple[str, ...]]:
 
 
 def _ranges(o: Oscillator) -> list[tuple[str, str, str, str]]:
-    found = []
-    for name, one in (("amplitude", o.amplitude), ("frequency", o.frequency)):
-        if one is not None:
-            scale = scale_of(one.unit, one.max)
-            found.append((name, number(one.min * scale.factor, 4), number(one.max * scale.factor, 4), scale.unit))
-    return found
+    rows = []
+    for name, span in (("amplitude", o.amplitude), ("frequency", o.frequency)):
+        if span is not None:
+            scale = scale_of(span.unit, span.max)
+            rows.append((name, number(span.min * scale.factor, 4), number(span.max * scale.factor, 4), scale.unit))
+    return rows
 
 
 def _curves(facts: Facts) -> dict[str, Any]:
-    found = curves(facts)
-    if found is None:
+    drawn = curves(facts)
+    if drawn is None:
         return {"pictures": (), "caption": "", "curve_head": (), "curve_rows": ()}
     unit = facts.oscillator.response.displacement_unit
     caption = (
@@ -127,11 +127,11 @@ def _curves(facts: Facts) -> dict[str, Any]:
     )
     caption += (
         "Shaded: amplitudes that the recordings covered; dashed: beyond them."
-        if found.stated
+        if drawn.stated
         else "The model states no range of amplitudes; the one drawn is a guess."
     )
-    head, rows = table(found, unit)
-    return {"pictures": pictures(found, unit), "caption": caption, "curve_head": head, "curve_rows": rows}
+    head, rows = table(drawn, unit)
+    return {"pictures": pictures(drawn, unit), "caption": caption, "curve_head": head, "curve_rows": rows}
 
 
 def _laws(o: Oscillator) -> list[tuple[str, ...]]:
@@ -143,13 +143,13 @@ def _laws(o: Oscillator) -> list[tuple[str, ...]]:
 
 
 def _provenance(o: Oscillator) -> str:
-    found = o.identified
-    if not (found.recordings or found.method or found.software):
+    provenance = o.identified
+    if not (provenance.recordings or provenance.method or provenance.software):
         return "The model file does not say; the numbers were given, not measured."
     parts = [
-        f"Method: {plain_text(found.method) or 'not stated'}",
-        f"Software: {plain_text(found.software) or 'not stated'}",
+        f"Method: {plain_text(provenance.method) or 'not stated'}",
+        f"Software: {plain_text(provenance.software) or 'not stated'}",
     ]
-    if found.log_likelihood is not None and math.isfinite(found.log_likelihood):
-        parts.append(f"Log likelihood: {number(found.log_likelihood, 7)}")
+    if provenance.log_likelihood is not None and math.isfinite(provenance.log_likelihood):
+        parts.append(f"Log likelihood: {number(provenance.log_likelihood, 7)}")
     return ". ".join(parts) + ". The standard errors are one sigma, at the maximum of the likelihood."

@@ -44,25 +44,25 @@ def draws(oscillator: Oscillator, count: int, seed: int = 0) -> list[dict[str, f
     centre = np.array([values[name] for name in names])
     low, high = np.array([limits(oscillator, name) for name in names]).reshape(-1, 2).T
     random = np.random.default_rng(seed)
-    found: list[dict[str, float]] = []
+    kept: list[dict[str, float]] = []
     outside = np.zeros(len(names), int)
     tried = 0
-    while len(found) < count:
+    while len(kept) < count:
         if tried >= _TRIES * count:
             worst = names[int(np.argmax(outside))]
             raise BadInput(
-                f"{oscillator.name}: of {tried} draws from the covariance only {len(found)} lie within the bounds of "
+                f"{oscillator.name}: of {tried} draws from the covariance only {len(kept)} lie within the bounds of "
                 f"the parameters, most of the others not because of {worst} = {values[worst]:.4g}, whose error is "
                 "large; record where it matters and identify again, or ask for --draws 0"
             )
         tried += 1
         # to twelve digits: the last ones of the linear algebra differ between machines
-        one = [float(f"{value:.12g}") for value in centre + root @ random.standard_normal(len(names))]
-        wrong = ~((low <= one) & (one <= high))
+        draw = [float(f"{value:.12g}") for value in centre + root @ random.standard_normal(len(names))]
+        wrong = ~((low <= draw) & (draw <= high))
         outside += wrong
         if not np.any(wrong):
-            found.append(values | dict(zip(names, one, strict=True)))
-    return found
+            kept.append(values | dict(zip(names, draw, strict=True)))
+    return kept
 
 
 def limits(oscillator: Oscillator, name: str) -> tuple[float, float]:
@@ -80,19 +80,19 @@ def limits(oscillator: Oscillator, name: str) -> tuple[float, float]:
 def _root(oscillator: Oscillator) -> tuple[tuple[str, ...], np.ndarray]:
     """Names of the rows of the covariance, and its symmetric root (n, n): unlike a triangular one it needs no rank,
     and unlike eigenvectors it has no sign of its own."""
-    found = oscillator.identified
-    if found.covariance is None:
+    provenance = oscillator.identified
+    if provenance.covariance is None:
         raise BadInput(
             f"{oscillator.name}: the model holds no covariance to draw parameters from; "
             "take one that dashpot identify wrote, or ask for --draws 0"
         )
-    names = found.parameters or tuple(oscillator.parameters())
+    names = provenance.parameters or tuple(oscillator.parameters())
     unknown = [name for name in names if name not in oscillator.parameters()]
-    problem = covariance_problem([list(row) for row in found.covariance], list(names))
+    problem = covariance_problem([list(row) for row in provenance.covariance], list(names))
     if unknown or problem:
         said = f"{unknown[0]!r} is no parameter" if unknown else problem
         raise BadInput(f"{oscillator.name}: identified.covariance: {said}; identify the model again")
-    matrix = np.array(found.covariance, float)
+    matrix = np.array(provenance.covariance, float)
     std = np.sqrt(np.diag(matrix))
     unit = np.where(std > 0, std, 1.0)
     size, vectors = np.linalg.eigh(0.5 * (matrix + matrix.T) / unit[:, None] / unit)

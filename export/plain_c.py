@@ -116,8 +116,8 @@ def _engine_header() -> tuple[str, str]:
     text = re.sub(
         r"^#(ifndef|define) DASHPOT_ENGINE_H\n", "", engine.text("engine.h"), flags=re.MULTILINE
     ).removesuffix("#endif\n")
-    before, found, after = re.split(r"typedef struct \{\n(.*?)\n\} dp_engine;\n", text, flags=re.DOTALL)
-    return found, before + after
+    before, members, after = re.split(r"typedef struct \{\n(.*?)\n\} dp_engine;\n", text, flags=re.DOTALL)
+    return members, before + after
 
 
 def _sized(struct: str, numbers: dict[str, int]) -> str:
@@ -154,21 +154,21 @@ def _words(oscillator: Oscillator, description: Description, eq: Equations) -> d
 def _states(description: Description, eq: Equations) -> list[str]:
     """Unit of each state, and what its start value is where that is not the state itself."""
     unit = {v.index: v.unit for v in description.variables if v.role == "initial"}
-    found = []
+    comments = []
     for i, leader in enumerate(eq.follows):
         counted = "" if leader is None else f"; its start value is counted from the {eq.state_names[leader]}"
-        found.append(f"{unit[i]}{counted}{'; another in each run' if eq.free[i] else ''}")
-    return found
+        comments.append(f"{unit[i]}{counted}{'; another in each run' if eq.free[i] else ''}")
+    return comments
 
 
 def symbols(names: list[str]) -> list[str]:
     """A C name for each name, no two alike."""
-    found: list[str] = []
+    symbols: list[str] = []
     for name in names:
         plain = re.sub(r"[^A-Za-z0-9]+", "_", name)
-        twins = sum(re.fullmatch(rf"{plain}(__\d+)?", other) is not None for other in found)
-        found.append(f"{plain}__{twins + 1}" if twins else plain)
-    return found
+        twins = sum(re.fullmatch(rf"{plain}(__\d+)?", other) is not None for other in symbols)
+        symbols.append(f"{plain}__{twins + 1}" if twins else plain)
+    return symbols
 
 
 def _about(o: Oscillator, description: Description) -> list[str]:

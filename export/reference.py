@@ -64,18 +64,18 @@ def reference_result(facts: Facts, description: Description) -> dict[str, bytes]
 
     Raises BadInput where a value of the model is not finite.
     """
-    found = reference(facts)
-    if isinstance(found, str):
+    result = reference(facts)
+    if isinstance(result, str):
         name = plain_text(facts.oscillator.name) or "the model"
-        return {f"{FOLDER}/README.txt": f"There is no reference result of {name}: {found}.\n".encode()}
+        return {f"{FOLDER}/README.txt": f"There is no reference result of {name}: {result}.\n".encode()}
     outputs = ["time", *facts.equations.output_names]
     tables = {
-        "input.csv": (["time", "F"], np.column_stack([found.time, found.force])),
-        "output_straight.csv": (outputs, np.column_stack([found.time, found.straight])),
-        "output_held.csv": (outputs, np.column_stack([found.time, found.held])),
+        "input.csv": (["time", "F"], np.column_stack([result.time, result.force])),
+        "output_straight.csv": (outputs, np.column_stack([result.time, result.straight])),
+        "output_held.csv": (outputs, np.column_stack([result.time, result.held])),
     }
-    files = {f"{FOLDER}/{name}": _csv(*one).encode() for name, one in tables.items()}
-    return {f"{FOLDER}/README.txt": _words(facts, description, found).encode(), **files}
+    files = {f"{FOLDER}/{name}": _csv(*table).encode() for name, table in tables.items()}
+    return {f"{FOLDER}/README.txt": _words(facts, description, result).encode(), **files}
 
 
 def reference(facts: Facts) -> Reference | str:
@@ -149,11 +149,11 @@ class _Run:
         if find_compiler() is not None:
             return core_of(oscillator).record(self.values, rest, force, n, dt, longest, states=True)
         step = exact_step(oscillator, dt, longest)
-        found = [rest]
+        states = [rest]
         for k in range(n - 1):
             ends = [force.pieces[k, 0], force.pieces[k, 0] + force.pieces[k, 1] * dt]
-            found.append(np.array(step(found[-1], ends, self.values, k * dt, dt)).ravel())
-        return np.array(found)
+            states.append(np.array(step(states[-1], ends, self.values, k * dt, dt)).ravel())
+        return np.array(states)
 
 
 def _natural(facts: Facts, amplitude: float) -> tuple[float, float]:
@@ -162,7 +162,7 @@ def _natural(facts: Facts, amplitude: float) -> tuple[float, float]:
 
     try:
         with np.errstate(all="ignore"):
-            omega, h = (float(one[0]) for one in facts.harmonic.natural(amplitude))
+            omega, h = (float(series[0]) for series in facts.harmonic.natural(amplitude))
     except BadInput:
         omega, h = math.nan, math.nan
     plain = facts.oscillator.omega0.value
@@ -192,20 +192,20 @@ def _csv(names: list[str], columns: np.ndarray) -> str:
     return "\n".join([",".join(names), *rows]) + "\n"
 
 
-def _words(facts: Facts, description: Description, found: Reference) -> str:
+def _words(facts: Facts, description: Description, result: Reference) -> str:
     o = facts.oscillator
     unit = {v.name: v.unit for v in description.variables}
-    dt, stop = found.time[1], found.time[-1]
-    bend = (found.end - found.start) / (2 * stop)
-    peak = float(np.max(np.abs(found.straight[:, 1])))
+    dt, stop = result.time[1], result.time[-1]
+    bend = (result.end - result.start) / (2 * stop)
+    peak = float(np.max(np.abs(result.straight[:, 1])))
     valid = "" if o.amplitude is None else f"; the model is valid to {o.amplitude.max:.4g} {o.amplitude.unit}"
     columns = ", ".join(f"{name} [{unit[name]}]" for name in facts.equations.output_names)
     return f"""\
 Reference result of {plain_text(o.name) or "the model"}
 
-A sine sweep from {found.start:g} to {found.end:g} Hz in {stop:g} s, from rest, all variables at their start values:
+A sine sweep from {result.start:g} to {result.end:g} Hz in {stop:g} s, from rest, all variables at their start values:
 
-    F(t) = {found.level:g} {unit["F"]} sin(2 pi ({found.start:g} t + {bend:.6g} t^2))
+    F(t) = {result.level:g} {unit["F"]} sin(2 pi ({result.start:g} t + {bend:.6g} t^2))
 
 sampled every {dt:g} s. The largest displacement is {peak:.4g} {_length(o)}{valid}.
 

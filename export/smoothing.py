@@ -88,13 +88,13 @@ def sample_motion(oscillator: Oscillator, eq: Equations, longest: float) -> Samp
     leaders = [amplitude, 0.0]
     z = np.array([*leaders, *(0.0 if leader is None else leaders[leader] for leader in eq.follows[2:])])
     p = list(oscillator.values().values())
-    found = [z]
+    states = [z]
     for k in range(t.size - 1):
         z = np.array(step(z, [u[k], u[k + 1]], p, t[k], dt)).ravel()
         if not np.all(np.isfinite(z)):
             break
-        found.append(z)
-    return Sample(np.array(found).T, t[: len(found)], u[: len(found)])
+        states.append(z)
+    return Sample(np.array(states).T, t[: len(states)], u[: len(states)])
 
 
 def surfaces(oscillator: Oscillator, eq: Equations, sample: Sample | None) -> list[Surface]:
@@ -113,13 +113,13 @@ def surfaces(oscillator: Oscillator, eq: Equations, sample: Sample | None) -> li
         p = np.tile(np.array(list(oscillator.values().values()))[:, None], sample.t.size)
         g = np.array(values(sample.z, sample.t[None, :], sample.u[None, :], p))
         ranges = np.where(np.ptp(g, axis=1) > 0, np.ptp(g, axis=1) / 2, np.max(np.abs(g), axis=1))
-    found = []
+    surfaces = []
     for i, kind in enumerate(eq.kinds):
         size = float(ranges[i]) or 1.0
         if kind is not SurfaceKind.OTHER:
             size = amplitude * (oscillator.omega0.value if kind is SurfaceKind.VELOCITY else 1.0)
-        found.append(Surface(texts[i], RELATIVE_WIDTH * size, _unit(oscillator, eq, eq.surfaces[i])))
-    return found
+        surfaces.append(Surface(texts[i], RELATIVE_WIDTH * size, _unit(oscillator, eq, eq.surfaces[i])))
+    return surfaces
 
 
 @dataclass(frozen=True)
@@ -188,13 +188,13 @@ def _unit(oscillator: Oscillator, eq: Equations, surface: Expression) -> str:
     value = ca.Function("g", [symbols], [surface])
     random = np.random.default_rng(0)
     point = random.uniform(0.5, 1.5, symbols.numel())
-    found: dict[str, int] = {}
-    for base in dict.fromkeys(symbol for one in factors for symbol in one):
+    powers: dict[str, int] = {}
+    for base in dict.fromkeys(symbol for factor in factors for symbol in factor):
         scaled = point.copy()
-        scaled[: len(factors)] *= [2.0 ** one.get(base, 0) for one in factors]
+        scaled[: len(factors)] *= [2.0 ** factor.get(base, 0) for factor in factors]
         ratio = float(value(scaled)) / float(value(point))
         power = math.log2(ratio) if ratio > 0 else math.nan
         if not abs(power - round(power)) < 1e-6:
             return "1"
-        found[base] = round(power)
-    return units.render({base: power for base, power in found.items() if power})
+        powers[base] = round(power)
+    return units.render({base: power for base, power in powers.items() if power})

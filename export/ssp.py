@@ -147,5 +147,5 @@ def _signals(description: Description) -> list[Variable]:
 
 def _known(description: Description, used: set[str]) -> dict[str, Any]:
     """Base exponents of the units in use; of those that SI does not know (counts, say) SSP can say nothing."""
-    found = description.units()
-    return {unit: exponents for unit, exponents in found.items() if exponents is not None and unit in used}
+    units = description.units()
+    return {unit: exponents for unit, exponents in units.items() if exponents is not None and unit in used}

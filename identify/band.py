@@ -89,13 +89,13 @@ def _struck(
     alone: np.ndarray, force: np.ndarray, blows: list[tuple[int, int, bool]], reach: int
 ) -> tuple[tuple[int, int, bool], ...]:
     """Start, stop and whether clipped of blows after the band has drawn them out."""
-    found: list[tuple[int, int, bool]] = []
+    struck: list[tuple[int, int, bool]] = []
     for a, b, clipped in blows:
         low, high = max(0, a - reach), min(force.size, b + reach)
         loud = np.flatnonzero(np.abs(force[low:high]) > _OVER * np.max(np.abs(force[low:high])))
         start, stop = low + int(loud[0]), low + int(loud[-1]) + 1
-        if found and start < found[-1][1]:
-            start = found[-1][1]
+        if struck and start < struck[-1][1]:
+            start = struck[-1][1]
         if start < stop:
-            found.append((start, stop, clipped))
-    return tuple(found)
+            struck.append((start, stop, clipped))
+    return tuple(struck)

@@ -156,11 +156,11 @@ def noise_of(
     In a simulation the noise of the force is among it, as the rig passes it on through its resonance; a prediction has
     forgotten it.
     """
-    found = []
+    spectra = []
     for segment, residual in zip(segments, residuals, strict=True):
         passed = segment.force is not None and memory == FREE
-        found.append(estimate(residual, equivalent_resonance(segment, values, quantity) if passed else None))
-    return found
+        spectra.append(estimate(residual, equivalent_resonance(segment, values, quantity) if passed else None))
+    return spectra
 
 
 def noise_spectra(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[NoiseSpectrum]:

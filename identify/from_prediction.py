@@ -69,10 +69,10 @@ def _beginning(segment: Segment, cycles: float) -> Segment:
 def memories(segments: Sequence[Segment]) -> list[float]:
     """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
     longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
-    found = [_FIRST_MEMORY]
-    while found[-1] * _GROWTH < longest:
-        found.append(found[-1] * _GROWTH)
-    return found
+    ladder = [_FIRST_MEMORY]
+    while ladder[-1] * _GROWTH < longest:
+        ladder.append(ladder[-1] * _GROWTH)
+    return ladder
 
 
 def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:

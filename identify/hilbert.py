@@ -181,8 +181,8 @@ def _mean_decay(x: np.ndarray, period: float, fs: float) -> float:
 
 def _continued(y: np.ndarray, period: float, pad: int) -> np.ndarray:
     """`y` with `pad` samples before and after it, each end going on with its own last cycle, tapered to zero."""
-    left = _forward(y[::-1], period, pad)[::-1]
-    return np.concatenate([left, y, _forward(y, period, pad)])
+    before = _forward(y[::-1], period, pad)[::-1]
+    return np.concatenate([before, y, _forward(y, period, pad)])
 
 
 def _forward(y: np.ndarray, period: float, pad: int) -> np.ndarray:

@@ -229,10 +229,10 @@ def _further(
     for i, rows in enumerate(problem.derivatives(state, residuals)):
         columns = np.vstack([rows[:k], directions[0][i], directions[1][i], rows[k:], residuals[i]])
         white = noise[i].whiten(columns)
-        shared, own, left = white[: k + 2], white[k + 2 : -1], white[-1]
+        shared, own, residual = white[: k + 2], white[k + 2 : -1], white[-1]
         shared = shared - (shared @ own.T) @ pseudo_inverse(own @ own.T) @ own
         normal += shared @ shared.T
-        gradient += shared @ left
+        gradient += shared @ residual
     inverse = pseudo_inverse(normal[:k, :k])
     border = normal[k:, :k] @ inverse
     score = gradient[k:] - border @ gradient[:k]

@@ -145,21 +145,21 @@ def _with_hold(
     fit: Fit, recordings: Sequence[Recording], answer: Callable[[Sequence[Recording]], Fit]
 ) -> tuple[Fit, Sequence[Recording], list[str]]:
     """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it."""
-    found, names, notes = hold_of_fit(fit, recordings), fit.names, []
-    if found.hold != "smooth":
-        held = held_as(recordings, found.hold)
+    estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
+    if estimate.hold != "smooth":
+        held = held_as(recordings, estimate.hold)
         again = answer(held)  # in full: a fit under a wrong hold may have ended far away
-        if _no_worse(again, fit) and found.believed(further_of_fit(again, recordings, found.hold)):
-            fit, recordings, notes = again, held, [hold_note(found.hold)]
+        if _no_worse(again, fit) and estimate.believed(further_of_fit(again, recordings, estimate.hold)):
+            fit, recordings, notes = again, held, [hold_note(estimate.hold)]
     hold = hold_of_recordings(recordings)
-    fit = with_hold_unknown(fit, found.spread(hold) if fit.names == names else 0.0)
+    fit = with_hold_unknown(fit, estimate.spread(hold) if fit.names == names else 0.0)
     return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
 
 
 def _no_worse(fit: Fit, other: Fit) -> bool:
     """Whether a fit leaves no more than noise, or no more than another does: it has not run away."""
-    left, allowed = (max(s.over_noise for s in one.segments) for one in (fit, other))
-    return left <= max(allowed, _ABOVE_NOISE)
+    ratio, allowed = (max(s.over_noise for s in candidate.segments) for candidate in (fit, other))
+    return ratio <= max(allowed, _ABOVE_NOISE)
 
 
 def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
@@ -228,10 +228,11 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
     first = recordings[0]
-    for i, one in enumerate(recordings):
-        if any(_same_signals(one, other) for other in recordings[:i]):
+    for i, recording in enumerate(recordings):
+        if any(_same_signals(recording, other) for other in recordings[:i]):
             raise BadInput(
-                f"{one.name} is given twice, which would make the standard errors too small; name each recording once"
+                f"{recording.name} is given twice, which would make the standard errors too small; "
+                "name each recording once"
             )
     for recording in recordings:
         if np.ptp(recording.response) > 0 and recording.n > 1:
@@ -258,12 +259,12 @@ def belong_together(recordings: Sequence[Recording]) -> None:
             )
 
 
-def _same_signals(one: Recording, other: Recording) -> bool:
-    if one.start != other.start or not np.array_equal(one.response, other.response):
+def _same_signals(recording: Recording, other: Recording) -> bool:
+    if recording.start != other.start or not np.array_equal(recording.response, other.response):
         return False
-    if one.force is None or other.force is None:
-        return one.force is other.force
-    return np.array_equal(one.force, other.force)
+    if recording.force is None or other.force is None:
+        return recording.force is other.force
+    return np.array_equal(recording.force, other.force)
 
 
 def _with_provenance(
@@ -306,32 +307,32 @@ def _with_provenance(
 
 
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
-    found = []
+    remarks = []
     family = "model" if fit.oscillator.terms else "Eq. 17 family"
     for offset in fit.offsets:
-        found.append(_offset_told(offset, recordings[offset.recording]))
+        remarks.append(_offset_told(offset, recordings[offset.recording]))
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
-            found.append(f"{name} came out negative, a sign that the {family} lacks something these recordings show")
+            remarks.append(f"{name} came out negative, a sign that the {family} lacks something these recordings show")
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
-            found.append(f"{name} is not distinguishable from zero in these recordings")
+            remarks.append(f"{name} is not distinguishable from zero in these recordings")
     for index, recording in enumerate(recordings):
         ratio = _over_noise(fit, index)
         if ratio > _ABOVE_NOISE:
-            found.append(
+            remarks.append(
                 f"{recording.name}: the model leaves {ratio:.2g} times the noise, so the recording holds something "
                 f"that the {family} does not, and the parameters may be off by more than their errors"
             )
     for segment in fit.segments:
         if segment.nrmse > POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
             start = segment.segment.time
-            found.append(
+            remarks.append(
                 f"{recordings[segment.segment.recording].name}, from {start:.3g} s: the model leaves "
                 f"{100 * segment.nrmse:.0f} % of the motion unexplained"
             )
-    return found
+    return remarks
 
 
 def _offset_told(offset: FoundOffset, recording: Recording) -> str:

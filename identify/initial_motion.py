@@ -22,16 +22,16 @@ def initial_states(segments: Sequence[Segment], quantity: str, offsets: Sequence
         quantity: what they show.
         offsets: (segments,) what the sensor shows at zero.
     """
-    found = np.zeros((len(segments), 2))
+    states = np.zeros((len(segments), 2))
     for i, segment in enumerate(segments):
         if segment.rests:
             continue
         response = segment.response - (0.0 if offsets is None else offsets[i])
         if quantity == "displacement":
-            found[i] = first_motion(response, segment.dt, segment.pace)[0]
+            states[i] = first_motion(response, segment.dt, segment.pace)[0]
         else:
-            found[i] = from_first_cycle(response, segment.dt, segment.pace, quantity)
-    return found
+            states[i] = from_first_cycle(response, segment.dt, segment.pace, quantity)
+    return states
 
 
 def from_first_cycle(response: np.ndarray, dt: float, pace: float, quantity: str) -> tuple[float, float]:

@@ -138,12 +138,12 @@ def maximum_likelihood(
             problem, free = _without_drift(problem, free)
     free, plain, steps = _beside_linear(problem, free, start, recordings)
     iterations += steps
-    smooth, left = smooth_stretches(problem, free)
+    smooth, begun = smooth_stretches(problem, free)
     jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
     notes += jumps
     if jumps:
         problem = problem.over(smooth)  # what has no derivative may have held the search back
-        free, rungs, steps = from_prediction(problem, left)
+        free, rungs, steps = from_prediction(problem, begun)
         iterations += steps
         free, plain, steps = _beside_linear(problem, free, start, recordings)
         iterations += steps
@@ -183,7 +183,7 @@ class _Climb:
     """Where a search came to from prediction and the beginnings of decays.
 
     ``problem`` is over what it tells, ``whole`` whether that is all, ``lost`` whether some stretch is hardly explained;
-    ``left`` is the mean logarithm of what it leaves of each segment's motion, weighed by length.
+    ``log_nrmse`` is the mean logarithm of what it leaves of each segment's motion, weighed by length.
     """
 
     problem: OutputError
@@ -191,7 +191,7 @@ class _Climb:
     rungs: Mapping[float, State]
     iterations: int
     whole: bool
-    left: float
+    log_nrmse: float
     lost: bool
 
 
@@ -216,7 +216,7 @@ def _best_climb(problem: OutputError, start: State, others: Callable[[], Iterabl
             tried(replace(start, values=np.array(list(other.values().values()))))
     if not climbs:
         raise problems[0]
-    return min(climbs, key=lambda climb: (not climb.whole, climb.left))
+    return min(climbs, key=lambda climb: (not climb.whole, climb.log_nrmse))
 
 
 def _climbed(problem: OutputError, state: State) -> _Climb:
@@ -238,9 +238,9 @@ def _climbed(problem: OutputError, state: State) -> _Climb:
     )
     loud = [float(np.std(segment.response)) for segment in told.segments]
     size = [segment.n for segment in told.segments]
-    left = float(np.average(np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD)), weights=size))
+    log_nrmse = float(np.average(np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD)), weights=size))
     lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
-    return _Climb(told, state, rungs, iterations, whole, left, lost)
+    return _Climb(told, state, rungs, iterations, whole, log_nrmse, lost)
 
 
 def _without_drift(problem: OutputError, state: State) -> tuple[OutputError, State]:
@@ -287,13 +287,13 @@ def _predictions(
     problem: OutputError, free: Answer, rungs: Mapping[float, State], start: Oscillator
 ) -> tuple[list[tuple[float, Answer]], int]:
     """The answer of each finite memory, the most likely first, and the steps to them."""
-    found, steps = [], 0
+    answers, steps = [], 0
     for memory in memories(problem.segments):
         state = replace(rungs.get(memory, free.outcome.state), offsets=free.outcome.state.offsets)
         answer, taken = whitened(problem.predicting(memory), state, start)
-        found.append((memory, answer))
+        answers.append((memory, answer))
         steps += taken
-    return sorted(found, key=lambda pair: -pair[1].likelihood), steps
+    return sorted(answers, key=lambda pair: -pair[1].likelihood), steps
 
 
 def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
@@ -317,7 +317,7 @@ def _result(
 ) -> Fit:
     outcome, noise = answer.outcome, answer.noise
     levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
-    spread = scatter(problem, outcome.state, noise, levels, _DRAWS, left=answer.left)
+    spread = scatter(problem, outcome.state, noise, levels, _DRAWS, remainders=answer.remainders)
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
     doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)
     covariance = inverse @ spread @ inverse + np.outer(doubt, doubt)  # Huber (1967): right where the weights are not
@@ -352,7 +352,7 @@ def _result(
         fits,
         tuple(noise),
         problem.memory,
-        found_offsets(problem, outcome.state, outcome.residuals, answer.left or noise),
+        found_offsets(problem, outcome.state, outcome.residuals, answer.remainders or noise),
         iterations,
         outcome.converged,
         tuple(notes),

@@ -76,8 +76,8 @@ def linear_fit(segments: Sequence[Segment], quantity: str) -> LinearFit | None:
     inside = [np.clip(np.log(place), low + 1e-9, high - 1e-9) for place in places]
     costs = [float(np.sum(remainder(theta) ** 2)) for theta in inside]
     nearest = [inside[i] for i in np.argsort(costs)[:_KEPT]]
-    found = [least_squares(remainder, theta, bounds=(low, high), max_nfev=_STEPS) for theta in nearest]
-    best = min(found, key=lambda outcome: outcome.cost)
+    outcomes = [least_squares(remainder, theta, bounds=(low, high), max_nfev=_STEPS) for theta in nearest]
+    best = min(outcomes, key=lambda outcome: outcome.cost)
     omega, rate = np.exp(best.x)
     solved = _solve(signals, omega, rate)
     pole = complex(-rate, omega)

@@ -159,7 +159,7 @@ class Regression:
             if along_of(law).phases:
                 own += _quadratures(law, values, motion, fine, dt)
             elif law.force is not None:
-                columns += [_project(fine, one) for one in along_of(law)(values, motion, dt)]
+                columns += [_project(fine, signal) for signal in along_of(law)(values, motion, dt)]
         w = view.omega
         gap = (model.omega0.value**2 - w**2) ** 2 + (model.viscous.value * w) ** 2 + (2 * w * view.width) ** 2
         mass = model.mass.value if model.mass is not None else 1.0
@@ -186,10 +186,10 @@ class Regression:
         if law.record is not None or (law.drive is not None and not self.forced) or not self.rows:
             return None
         scales = self.data.scales
-        found = [guess for probe in probes(law, scales) if (guess := self._solve(law, probe)) is not None]
-        if not found:
+        guesses = [guess for probe in probes(law, scales) if (guess := self._solve(law, probe)) is not None]
+        if not guesses:
             return None
-        guess = min(found, key=lambda one: one.misfit)
+        guess = min(guesses, key=lambda candidate: candidate.misfit)
         return self._refined(law, guess)
 
     def _refined(self, law: Law, guess: Guess) -> Guess:
@@ -211,7 +211,7 @@ class Regression:
             trial = self._solve(law, here)
             if trial is None:
                 return _ABSURD
-            best = min(best, trial, key=lambda one: one.misfit)
+            best = min(best, trial, key=lambda candidate: candidate.misfit)
             return trial.misfit
 
         n = len(moving)
@@ -245,8 +245,8 @@ class Regression:
     def guesses(self, laws: Sequence[Law]) -> list[Guess]:
         """The best place of each law, the smallest misfit first."""
         with ThreadPoolExecutor(max_workers=2) as pool:
-            found = [guess for guess in pool.map(self.best, laws) if guess is not None]
-        return sorted(found, key=lambda guess: guess.misfit)
+            guesses = [guess for guess in pool.map(self.best, laws) if guess is not None]
+        return sorted(guesses, key=lambda guess: guess.misfit)
 
     def _solve(self, law: Law, probe: Mapping[str, float]) -> Guess | None:
         if not self.rows:  # every segment is too short for a window
@@ -263,7 +263,7 @@ class Regression:
             made = along(values, rows.motion, 1.0 / rows.view.fs)
             if not np.max(np.abs(made)) < _ABSURD:  # an unstable inner state, or none
                 return None
-            projected = [_project(rows.view, one).ravel() for one in made]
+            projected = [_project(rows.view, signal).ravel() for signal in made]
             if along.phases:
                 own = np.column_stack([own, *_quadratures(law, values, rows.motion, rows.view, 1.0 / rows.view.fs)])
             elif law.drive is not None:
@@ -315,9 +315,9 @@ class Regression:
 
 def _project(view: Windows, force: np.ndarray) -> np.ndarray:
     """Products with the windows, which let no constant pass: one leaves zeros, not a remainder of roundings."""
-    found = view.project(force - force[0])
+    products = view.project(force - force[0])
     whole = view.length / view.fs * float(np.max(np.abs(force)))
-    return found if np.max(np.abs(found), initial=0.0) > _NOTHING * whole else np.zeros_like(found)
+    return products if np.max(np.abs(products), initial=0.0) > _NOTHING * whole else np.zeros_like(products)
 
 
 def probes(law: Law, scales: Scales) -> list[dict[str, float]]:
@@ -357,7 +357,7 @@ def _quadratures(
 ) -> list[np.ndarray]:
     """A periodic force of unit amplitude as a cosine and as a sine from the segment's start."""
     shifts = (0.0, -0.5 * np.pi)
-    return [view.project(one).ravel() for shift in shifts for one in along_of(law)(values, motion, dt, shift)]
+    return [view.project(signal).ravel() for shift in shifts for signal in along_of(law)(values, motion, dt, shift)]
 
 
 def _amplitude(

@@ -123,7 +123,7 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
         return []
     line = fs / size
     exact = np.array([_between_lines(row, k) for row, k in zip(spectra, main, strict=True)])
-    found = [_Track(exact * line, np.array([_power(row, k) for row, k in zip(spectra, main, strict=True)]))]
+    tracks = [_Track(exact * line, np.array([_power(row, k) for row, k in zip(spectra, main, strict=True)]))]
     peaks = [
         [k for k in _peaks(row, least) if not _is_harmonic(row, k, place, moved)]
         for row, place, moved in zip(spectra, exact, _moves(exact), strict=True)
@@ -145,8 +145,8 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
     for track in (*closed, *open_tracks):
         power = np.array([_power(spectra[w], round(k)) for w, k in track])
         if len(track) >= _SEEN and (not falling or power[0] > _FALLS * power[-1]):
-            found.append(_Track(np.array([k for _, k in track]) * line, power))
-    return found
+            tracks.append(_Track(np.array([k for _, k in track]) * line, power))
+    return tracks
 
 
 def _followed(spectra: np.ndarray, strongest: float) -> np.ndarray:
@@ -231,15 +231,15 @@ def _merged(tracks: Sequence[_Track]) -> list[tuple[float, float, float]]:
             spans.append(this)
     kept: list[tuple[float, float, float, float]] = []
     for span in sorted(spans, key=lambda s: -s[3]):
-        if not any(_is_combination(span[0], one[0], other[0]) for one in kept for other in kept):
+        if not any(_is_combination(span[0], first[0], second[0]) for first in kept for second in kept):
             kept.append(span)
     return sorted(span[:3] for span in kept)
 
 
-def _is_combination(frequency: float, one: float, other: float) -> bool:
+def _is_combination(frequency: float, first: float, second: float) -> bool:
     """Whether a frequency is a sum or a difference of multiples of two others."""
     orders = range(_ORDERS + 1)
-    made = [abs(n * one + sign * m * other) for n in orders for m in orders for sign in (1, -1) if n + m > 1]
+    made = [abs(n * first + sign * m * second) for n in orders for m in orders for sign in (1, -1) if n + m > 1]
     return any(abs(frequency - f) < _AGREES * frequency for f in made)
 
 

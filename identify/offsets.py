@@ -50,16 +50,16 @@ def response_offsets(data: Data, recordings: Sequence[Recording], model: Oscilla
     if any(term.law.effect in _SAME_THING for term in model.terms):
         return ()
     used = sorted({segment.recording for segment in data.segments})
-    found = []
+    offsets = []
     for index in used:
         recording = recordings[index]
         size = 1e-2 * float(np.std(recording.response))
-        found.append(
+        offsets.append(
             Offset(
                 index, "response", size, centre(np.asarray(recording.response, float), recording.fs, data.scales.omega)
             )
         )
-    return tuple(found)
+    return tuple(offsets)
 
 
 def force_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator) -> tuple[Offset, ...]:
@@ -72,14 +72,14 @@ def force_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator
     driven = sorted(
         {s.recording for s in data.segments if s.force is not None and not isinstance(s.force, ContactForce)}
     )
-    found = []
+    offsets = []
     for index in driven:
         force, fs = np.asarray(recordings[index].force, float), recordings[index].fs
         period = max(2, round(2 * np.pi / data.scales.omega * fs))
         zero, error = zero_of(force, period), _error_of_centre(force, period)
         if abs(zero) > _STANDS_OUT * error:
-            found.append(Offset(index, "force", 1e-2 * float(np.std(force)), zero))
-    return tuple(found)
+            offsets.append(Offset(index, "force", 1e-2 * float(np.std(force)), zero))
+    return tuple(offsets)
 
 
 def _error_of_centre(force: np.ndarray, period: int) -> float:

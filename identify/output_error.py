@@ -264,12 +264,13 @@ class OutputError:
                 else:
                     jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
         rows = iter(self.parallel(jobs))
-        found = [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
+        jacobians = [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
         return (
-            found
+            jacobians
             if raw
             else [
-                self._bounded(i, made, state, self.segments[i].response - residuals[i]) for i, made in enumerate(found)
+                self._bounded(i, made, state, self.segments[i].response - residuals[i])
+                for i, made in enumerate(jacobians)
             ]
         )
 

@@ -46,11 +46,11 @@ def linear_state(problem: OutputError, state: State, start: Oscillator) -> State
             if place not in problem.free and values[place] != 0.0:
                 return None
             values[place] = 0.0
-    found = linear_fit(problem.segments, start.response.quantity)
-    if found is None:
+    fit = linear_fit(problem.segments, start.response.quantity)
+    if fit is None:
         return None
     for name in _LINEAR:
-        known = getattr(found, name)
+        known = getattr(fit, name)
         if name in names and (place := names.index(name)) in problem.free:
             linear.append(place)
             values[place] = values[place] if known is None else known
@@ -60,10 +60,10 @@ def linear_state(problem: OutputError, state: State, start: Oscillator) -> State
     for i, segment in enumerate(problem.segments):
         own = problem.own(segment)
         initial[i, 2:] = state.initial[i, 2:]
-        initial[i, [k for k in (0, 1) if k in own]] = found.initial[i, [k for k in (0, 1) if k in own]]
+        initial[i, [k for k in (0, 1) if k in own]] = fit.initial[i, [k for k in (0, 1) if k in own]]
     shown = state.offsets.copy()
     for k, offset in enumerate(problem.offsets):
-        own_offsets = [found.offsets[i] for i, s in enumerate(problem.segments) if s.recording == offset.recording]
+        own_offsets = [fit.offsets[i] for i, s in enumerate(problem.segments) if s.recording == offset.recording]
         if offset.channel == "response" and own_offsets:
             shown[k] = float(np.mean(own_offsets))
     point = State(values, initial, shown)
@@ -80,7 +80,7 @@ def _only(problem: OutputError, free: Sequence[int]) -> OutputError:
     return other
 
 
-def by_chance(problem: OutputError, plain: Outcome, left: Sequence[NoiseSpectrum]) -> float:
+def by_chance(problem: OutputError, plain: Outcome, remainders: Sequence[NoiseSpectrum]) -> float:
     """By how much the cost of a right model's own values may exceed that of least squares.
 
     What least squares takes from the noise is its part in the space of the derivatives; of noise with a spectrum that
@@ -90,13 +90,13 @@ def by_chance(problem: OutputError, plain: Outcome, left: Sequence[NoiseSpectrum
     Args:
         problem: what was fitted.
         plain: its least squares.
-        left: spectra of what they leave.
+        remainders: spectra of what they leave.
     """
     from scipy.special import chdtri
 
     mean = square = 0.0
     for rows, residual, spectrum in zip(
-        problem.derivatives(plain.state, plain.residuals), plain.residuals, left, strict=True
+        problem.derivatives(plain.state, plain.residuals), plain.residuals, remainders, strict=True
     ):
         rows = rows[np.any(rows != 0.0, axis=1)]
         size = np.linalg.norm(rows, axis=1, keepdims=True)

@@ -87,8 +87,8 @@ def initial_state(
     ]
 
     def misfit(candidate: np.ndarray, n: int) -> float:
-        left = _power(measured[:n] - simulator(candidate, n))
-        return left if np.isfinite(left) else np.inf
+        power = _power(measured[:n] - simulator(candidate, n))
+        return power if np.isfinite(power) else np.inf
 
     if len(own) == scale.size:
         begins = _begins(moved, recording, omega)

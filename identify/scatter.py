@@ -19,7 +19,7 @@ def scatter(
     force_noise: Sequence[float],
     draws: int,
     seed: int = 0,
-    left: Sequence[NoiseSpectrum] | None = None,
+    remainders: Sequence[NoiseSpectrum] | None = None,
 ) -> np.ndarray:
     """(k, k) scatter of the free parameters' score, force noise passed through the model as it is.
 
@@ -33,7 +33,7 @@ def scatter(
         force_noise: standard deviation of the force noise of each segment (0: none).
         draws: how many times.
         seed: of the random numbers.
-        left: spectra of what is left, where the fit weighed by others and the model leaves more than noise.
+        remainders: spectra of what is left, where the fit weighed by others and the model leaves more than noise.
     """
     residuals = problem.residuals(state)
     derivatives = problem.derivatives(state, residuals)
@@ -44,8 +44,8 @@ def scatter(
         blocks.append((jacobian @ jacobian.T, np.zeros(jacobian.shape[0])))
         own = jacobian[shared:] @ jacobian.T
         projected = jacobian[:shared] - own[:, :shared].T @ pseudo_inverse(own[:, shared:]) @ jacobian[shared:]
-        if left is not None:
-            coloured = left[i].colour(noise[i].whiten(projected))
+        if remainders is not None:
+            coloured = remainders[i].colour(noise[i].whiten(projected))
             total += coloured @ coloured.T
             continue
         if segment.force is None or force_noise[i] == 0.0:

@@ -99,7 +99,7 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
         omega0: natural frequency, rad/s, to judge lengths and the force's interpolation.
         force_band: the force is interpolated finely enough up to this multiple of the natural frequency.
     """
-    found: list[Segment] = []
+    segments: list[Segment] = []
     pace = pace_of(recordings, omega0)
     slide = pace > omega0
     for index, recording in enumerate(recordings):
@@ -143,8 +143,8 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
                 rests=forced and starts_at_rest(response, recording.dt, pace, noise),
                 slide=slide,
             )
-            found += _pieces(whole) if slide else [whole]
-    return tuple(found)
+            segments += _pieces(whole) if slide else [whole]
+    return tuple(segments)
 
 
 def _pieces(whole: Segment) -> list[Segment]:
@@ -159,15 +159,15 @@ def _pieces(whole: Segment) -> list[Segment]:
 
 def stretches(segments: Sequence[Segment]) -> list[tuple[int, ...]]:
     """Indices of segments that follow one another without a gap, each such stretch together."""
-    found: list[list[int]] = []
+    runs: list[list[int]] = []
     for i, segment in enumerate(segments):
-        last = segments[found[-1][-1]] if found else None
+        last = segments[runs[-1][-1]] if runs else None
         follows = last is not None and (last.recording, last.stop) == (segment.recording, segment.start)
         if follows and last is not None and (last.force is None) == (segment.force is None):
-            found[-1].append(i)
+            runs[-1].append(i)
         else:
-            found.append([i])
-    return [tuple(one) for one in found]
+            runs.append([i])
+    return [tuple(run) for run in runs]
 
 
 def pace_of(recordings: Sequence[Recording], omega0: float) -> float:

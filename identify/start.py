@@ -96,29 +96,29 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     motions: list[Segment] = []
     for r in recordings:
         motion = find_free_motion(r)
-        found = motion.decays
+        free_decays = motion.decays
         notes += motion.notes
-        decays.append(found)
+        decays.append(free_decays)
         try:
             x = displacement(r)
         except BadInput as problem:
             notes.append(f"{r.name}: {problem}")
             continue
         drive = drive_of(r)
-        if drive is not None and (np.ptp(drive.samples) == 0 or (found and drive.is_silent)):
+        if drive is not None and (np.ptp(drive.samples) == 0 or (free_decays and drive.is_silent)):
             drive = None
         motions.append(Segment(x, drive))
-        if drive is None and not found:
+        if drive is None and not free_decays:
             notes.append(f"{r.name}: no force and no free decay found in it; it was not used for the start values.")
-        for d in found:
+        for d in free_decays:
             curves += _freevib_curve(r, x, d, notes)
         if drive is not None:
             segments.append(motions[-1])
             # with much free ringing in it the force says little, and the decays have told their part
-            if sum(d.stop - d.start for d in found) < r.n / 2:
+            if sum(d.stop - d.start for d in free_decays) < r.n / 2:
                 curves += _forcevib_curve(r, x, drive, notes)
         else:
-            segments += [Segment(x.part(d.start, d.stop), None) for d in found]
+            segments += [Segment(x.part(d.start, d.stop), None) for d in free_decays]
     if not motions:
         raise BadInput("No recording oscillates; " + " ".join(notes))
     backbone, damping = _fit_curves(curves, notes)
@@ -135,12 +135,12 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
     omegas = [2 * np.pi * float(np.median(lines))]
     if estimate.backbone is not None:
         omegas.insert(0, float(estimate.backbone.omega0))
-    found = [{"omega0": omega, "viscous": _PLAIN_DAMPING * omega} for omega in omegas]
+    starts = [{"omega0": omega, "viscous": _PLAIN_DAMPING * omega} for omega in omegas]
     linear = estimate.linear
     if linear is not None:
         known = {"omega0": linear.omega0, "viscous": max(linear.viscous, 1e-3 * linear.omega0)}
-        found.insert(0, known | ({} if linear.mass is None else {"mass": linear.mass}))
-    return found
+        starts.insert(0, known | ({} if linear.mass is None else {"mass": linear.mass}))
+    return starts
 
 
 def _freevib_curve(r: Recording, x: Signal, d: Decay, notes: list[str]) -> list[Curve]:
@@ -189,14 +189,14 @@ def _regression(segments: list[Segment], notes: list[str]) -> tuple[RegressionSt
             notes.append(
                 f"A stretch of {s.displacement.n / s.displacement.fs:.4g} s was left out of the regression: {problem}"
             )
-    found: list[RegressionStart | None] = [None, None]
+    regressions: list[RegressionStart | None] = [None, None]
     for place, linear in enumerate((False, True)):
         try:
-            found[place] = regress_rows(rows, linear=linear) if rows else None
+            regressions[place] = regress_rows(rows, linear=linear) if rows else None
         except BadInput as problem:
             if not linear:
                 notes.append(str(problem))
-    return found[0], found[1]
+    return regressions[0], regressions[1]
 
 
 def _combine(
@@ -282,10 +282,10 @@ def _apart(curves: Sequence[Curve], value: Mapping[str, float]) -> float:
 
 
 def _curve_mass(curves: list[Curve]) -> tuple[float | None, float]:
-    found = [(c.mass, c.mass_std) for c in curves if c.mass is not None and np.isfinite(c.mass_std)]
-    if not found:
+    masses = [(c.mass, c.mass_std) for c in curves if c.mass is not None and np.isfinite(c.mass_std)]
+    if not masses:
         return None, float("inf")
-    mass, std = np.array(found).T
+    mass, std = np.array(masses).T
     weight = 1 / np.maximum(std, 1e-9 * mass) ** 2
     return float(np.sum(weight * mass) / np.sum(weight)), float(1 / np.sqrt(np.sum(weight)))
 

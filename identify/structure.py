@@ -88,10 +88,10 @@ def typical_sizes(names: Sequence[str], values: np.ndarray, amplitude: float, pa
     acceleration = 0.01 * pace**2 * amplitude
     sizes = {"mass": abs(values[0]), "omega0": 0.01 * pace, "cubic": acceleration / length**3}
     sizes |= {"preload": acceleration, "dry": acceleration, "viscous": acceleration / rate}
-    found = []
+    typical = []
     for i, name in enumerate(names):
-        found.append(sizes.get(name, max(abs(values[i]), 1e-12)))
-    return np.array(found)
+        typical.append(sizes.get(name, max(abs(values[i]), 1e-12)))
+    return np.array(typical)
 
 
 def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:

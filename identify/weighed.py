@@ -24,13 +24,13 @@ ABOVE_NOISE = 1.1
 class Answer:
     """A maximum with the noise that it was weighed by, and its log-likelihood but for a constant.
 
-    ``left`` are the spectra of what it leaves, where it was weighed by others.
+    ``remainders`` are the spectra of what it leaves, where it was weighed by others.
     """
 
     outcome: Outcome
     noise: list[NoiseSpectrum]
     likelihood: float
-    left: list[NoiseSpectrum] | None = None
+    remainders: list[NoiseSpectrum] | None = None
 
 
 def weighed(
@@ -55,19 +55,19 @@ def weighed(
     if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
         return answer, steps
     nearer = min(
-        (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda one: plain_cost(one[1])
+        (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda point: plain_cost(point[1])
     )
     plain = problem.search(nearer[0], tolerance=1e-3)
     steps += plain.iterations
-    left = _left(problem, plain, start, recordings)
+    remainders = _remainders(problem, plain, start, recordings)
     cost = plain_cost(answer.outcome.residuals)
-    if cost <= linear and cost - plain_cost(plain.residuals) < by_chance(problem, plain, left):
+    if cost <= linear and cost - plain_cost(plain.residuals) < by_chance(problem, plain, remainders):
         return answer, steps
     flat = [white(residual) for residual in plain.residuals]
-    left = _noise(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
-    found = -0.5 * sum(spectrum.log_determinant() for spectrum in left)
+    remainders = _noise(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
+    likelihood = -0.5 * sum(spectrum.log_determinant() for spectrum in remainders)
     plain = replace(plain, cost=0.5 * sum(residual.size for residual in plain.residuals))  # that under flat spectra
-    return Answer(plain, flat, float(found), left), steps
+    return Answer(plain, flat, float(likelihood), remainders), steps
 
 
 def whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[Answer, int]:
@@ -81,8 +81,8 @@ def whitened(problem: OutputError, state: State, start: Oscillator) -> tuple[Ans
     state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
     noise = _noise(problem, residuals, state, start)
     outcome = problem.search(state, noise, tolerance=1e-3)
-    found = -0.5 * sum(s.log_determinant() for s in _noise(problem, outcome.residuals, outcome.state, start))
-    return Answer(outcome, noise, float(found)), steps + outcome.iterations
+    likelihood = -0.5 * sum(s.log_determinant() for s in _noise(problem, outcome.residuals, outcome.state, start))
+    return Answer(outcome, noise, float(likelihood)), steps + outcome.iterations
 
 
 def over_noise(
@@ -103,7 +103,7 @@ def over_noise(
     return ratios
 
 
-def _left(
+def _remainders(
     problem: OutputError, plain: Outcome, start: Oscillator, recordings: Sequence[Recording]
 ) -> list[NoiseSpectrum]:
     """Spectra of what least squares leave: as they show, and no less than sensors' noise makes through the model.

@@ -114,10 +114,10 @@ class Meaning:
 
     def _unit(self, path: Path, raw: Any, *expected: str | None) -> None:
         unit = _item(raw, "unit")
-        wanted = [one for one in dict.fromkeys(expected) if one is not None]
+        wanted = [asked for asked in dict.fromkeys(expected) if asked is not None]
         if not wanted or not isinstance(unit, str) or not unit.isprintable() or not 0 < len(unit) <= 200:
             return
-        if _readable(unit) and any(units.same(unit, one) for one in wanted):
+        if _readable(unit) and any(units.same(unit, asked) for asked in wanted):
             return
         why = f"for {'an' if self.quantity == 'acceleration' else 'a'} {self.quantity} in {self.unit}"
         factor = "; convert the value" if wanted != ["rad/s"] or unit != "Hz" else "; multiply the value by 2 pi"

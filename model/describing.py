@@ -105,14 +105,14 @@ def _natural(harmonic: HarmonicMotion, a: np.ndarray) -> tuple[np.ndarray, np.nd
 
 
 def _periodic(oscillator: Oscillator, amplitude: ArrayLike, omega: ArrayLike) -> tuple[np.ndarray, np.ndarray]:
-    found = HarmonicMotion(oscillator)(amplitude, omega)
-    if not np.all(np.isfinite(found)):
-        a = np.broadcast_to(positive(amplitude, "amplitude", ""), found[0].shape)[~np.isfinite(found[0])]
+    equivalent = HarmonicMotion(oscillator)(amplitude, omega)
+    if not np.all(np.isfinite(equivalent)):
+        a = np.broadcast_to(positive(amplitude, "amplitude", ""), equivalent[0].shape)[~np.isfinite(equivalent[0])]
         raise BadInput(
             f"a law with a memory follows no periodic motion at amplitude {a[0] if a.size else 0.0:.3g} "
             f"{oscillator.response.displacement_unit}, or is far faster than it; choose other amplitudes, or simulate"
         )
-    return found
+    return equivalent
 
 
 def positive(values: ArrayLike, what: str, unit: str) -> np.ndarray:

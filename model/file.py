@@ -70,7 +70,7 @@ def dumps(oscillator: Oscillator) -> str:
     unit = {"unit": o.force_unit} if o.force_unit != "N" else {}
     if o.mass is not None or unit or o.hold != "smooth":
         lines.append(f"excitation: {_flow({**unit, 'hold': o.hold})}")
-    ranges = {name: found for name in ("amplitude", "frequency") if (found := getattr(o, name)) is not None}
+    ranges = {name: span for name in ("amplitude", "frequency") if (span := getattr(o, name)) is not None}
     if ranges:
         lines.append("valid:   # what the recordings covered")
         lines += [f"  {n}: {_flow({'min': r.min, 'max': r.max, 'unit': r.unit})}" for n, r in ranges.items()]

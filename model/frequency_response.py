@@ -63,7 +63,7 @@ def steady_amplitude(omega: ArrayLike, omega0: ArrayLike, h: ArrayLike, force: A
         A of the broadcast shape, in the displacement's unit. With curves that depend on A this is one step of a
         fixed-point iteration, not the solution; ``branches`` is the solution.
     """
-    w, w0, damping = (np.asarray(one, dtype=float) for one in (omega, omega0, h))
+    w, w0, damping = (np.asarray(value, dtype=float) for value in (omega, omega0, h))
     return np.asarray(force, dtype=float) / np.sqrt((w0**2 - w**2) ** 2 + 4 * damping**2 * w**2)
 
 
@@ -160,11 +160,11 @@ def _interpolated(oscillator: Oscillator) -> _Curves:
 
         place = np.log10(a) * _A_DECADE
         grid = np.arange(np.floor(place.min()) - 1, np.ceil(place.max()) + 2)
-        found = at(grid)
-        there = np.isfinite(found[:, 0])
+        samples = at(grid)
+        there = np.isfinite(samples[:, 0])
         if np.count_nonzero(there) < 2:
             return np.full(a.shape, np.nan), np.full(a.shape, np.nan)
-        curve = PchipInterpolator(grid[there], found[there], extrapolate=False)(place)
+        curve = PchipInterpolator(grid[there], samples[there], extrapolate=False)(place)
         curve[np.isnan(np.interp(place, grid, np.where(there, 0.0, np.nan)))] = np.nan
         return curve[:, 0], curve[:, 1]
 

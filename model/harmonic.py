@@ -95,21 +95,21 @@ class Memory:
         size = np.where(self._reach > 0, self._reach, np.maximum(np.abs(q), by_unit))
         for _ in range(_SETTLING):
             q = self._cycle(count, q, amplitude, omega)[:-2]
-        found = np.full((2, amplitude.size), np.nan)
+        integrals = np.full((2, amplitude.size), np.nan)
         open_ = np.arange(amplitude.size)  # the amplitudes that are not periodic yet
         for turn in range(_NEWTON):
             inner, a, w, scale = q[:, open_], amplitude[open_], omega[open_], size[:, open_]
             after = self._cycle(count, inner, a, w)
             drift = after[:-2] - inner
             done: np.ndarray = np.all(np.abs(drift) <= _PERIODIC * np.maximum(scale, np.abs(inner)), axis=0)
-            found[:, open_[done]] = after[-2:, done]
+            integrals[:, open_[done]] = after[-2:, done]
             lost: np.ndarray = np.any(~np.isfinite(after), axis=0)
             over = np.logical_or(done, lost)
             if np.all(over):
                 break
             q[:, open_] = inner + (drift if turn % 4 == 3 else self._newton(count, inner, drift, a, w, scale))
             open_ = open_[~over]
-        return found[0], found[1]
+        return integrals[0], integrals[1]
 
     def _newton(
         self, count: int, q: np.ndarray, drift: np.ndarray, a: np.ndarray, w: np.ndarray, scale: np.ndarray
@@ -163,10 +163,10 @@ def _cycle(eq: Equations, laws: Any, count: int) -> Any:
 
     h = 2 * math.pi / count
     y = state[: inner + 2]
-    one = field(y, start)
-    two = field(y + h / 2 * one, start + h / 2)
-    three = field(y + h / 2 * two, start + h / 2)
-    four = field(y + h * three, start + h)
-    after = y + h / 6 * (one + 2 * two + 2 * three + four)
+    k1 = field(y, start)
+    k2 = field(y + h / 2 * k1, start + h / 2)
+    k3 = field(y + h / 2 * k2, start + h / 2)
+    k4 = field(y + h * k3, start + h)
+    after = y + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
     step = ca.Function("step", [state], [ca.vertcat(after, amplitude, omega, start + h)])
     return step.fold(count)

@@ -194,14 +194,14 @@ class Oscillator:
 
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter by its name, in the order used everywhere: mass (unless None), Eq. 17, the terms."""
-        found: dict[str, Parameter] = {} if self.mass is None else {"mass": self.mass}
+        parameters: dict[str, Parameter] = {} if self.mass is None else {"mass": self.mass}
         for law in BASE:
             for p in law.parameters:
-                found[p.name] = getattr(self, p.name)
+                parameters[p.name] = getattr(self, p.name)
         for term in self.terms:
             for name, parameter in term.parameters.items():
-                found[f"{term.effect}.{name}"] = parameter
-        return found
+                parameters[f"{term.effect}.{name}"] = parameter
+        return parameters
 
     @property
     def energy_units(self) -> tuple[str, str]:
@@ -230,12 +230,12 @@ class Oscillator:
 
     def descriptions(self) -> dict[str, str]:
         """What each parameter is, in words."""
-        found = {} if self.mass is None else {"mass": "moving mass"}
+        descriptions = {} if self.mass is None else {"mass": "moving mass"}
         for law in BASE:
-            found.update({p.name: p.description for p in law.parameters})
+            descriptions.update({p.name: p.description for p in law.parameters})
         for term in self.terms:
-            found.update({f"{term.effect}.{p.name}": p.description for p in term.law.parameters})
-        return found
+            descriptions.update({f"{term.effect}.{p.name}": p.description for p in term.law.parameters})
+        return descriptions
 
     def equation(self, shown: Callable[[str], str] | None = None) -> str:
         """The equation of motion as text, for reports; further equations and what the paths do stand behind semicolons.

@@ -196,4 +196,4 @@ def _keys(path: Path) -> list[str]:
 def _form_in(annotation: Any) -> type[BaseModel] | None:
     if isinstance(annotation, type) and issubclass(annotation, BaseModel):
         return annotation
-    return next((found for inner in get_args(annotation) if (found := _form_in(inner))), None)
+    return next((form for inner in get_args(annotation) if (form := _form_in(inner))), None)

@@ -27,7 +27,7 @@ def describe(oscillator: Oscillator) -> str:
     parts = [f"{o.name}\n\n  {equation}", "Parameters\n" + "\n".join(_table(o))]
     for term in o.terms:
         parts.append(f"{term.effect} ({term.law.path})\n  {term.law.sentence}")
-    strong = [f"  {one} and {other}: {value:+.3f}" for one, other, value in strong_correlations(o)]
+    strong = [f"  {first} and {second}: {value:+.3f}" for first, second, value in strong_correlations(o)]
     if strong:
         parts.append(
             f"Correlations above {STRONG:g} (such a pair is known better together than each alone)\n"
@@ -45,7 +45,7 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
     """The same as plain data for ``json.dumps``: numbers with their units, None where something is not known."""
     o = oscillator
     words = o.descriptions()
-    found = o.identified
+    provenance = o.identified
     return {
         "format": "dashpot-show/1",
         "name": o.name,
@@ -69,15 +69,17 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
             for name, r in (("amplitude", o.amplitude), ("frequency", o.frequency))
         },
         "identified": {
-            "recordings": [dict(recording) for recording in found.recordings],
-            "method": found.method,
-            "software": found.software,
-            "parameters": list(found.parameters),
-            "covariance": None if found.covariance is None else [[float(c) for c in row] for row in found.covariance],
-            "log_likelihood": _finite(found.log_likelihood),
+            "recordings": [dict(recording) for recording in provenance.recordings],
+            "method": provenance.method,
+            "software": provenance.software,
+            "parameters": list(provenance.parameters),
+            "covariance": None
+            if provenance.covariance is None
+            else [[float(c) for c in row] for row in provenance.covariance],
+            "log_likelihood": _finite(provenance.log_likelihood),
         },
         "correlations": [
-            {"parameters": [one, other], "correlation": value} for one, other, value in strong_correlations(o)
+            {"parameters": [first, second], "correlation": value} for first, second, value in strong_correlations(o)
         ],
         "warnings": warnings(o),
     }
@@ -97,11 +99,11 @@ def percent(parameter: Parameter) -> float | None:
 
 def strong_correlations(oscillator: Oscillator) -> list[tuple[str, str, float]]:
     """Pairs of parameters whose estimates are correlated above 0.9 in size, strongest first."""
-    found = oscillator.identified
-    rows = found.covariance
+    provenance = oscillator.identified
+    rows = provenance.covariance
     if rows is None:
         return []
-    names = found.parameters or tuple(oscillator.parameters())
+    names = provenance.parameters or tuple(oscillator.parameters())
     pairs = []
     for i in range(len(rows)):
         for j in range(i):
@@ -206,10 +208,10 @@ def _validity(o: Oscillator) -> list[str]:
 
 
 def _origin(o: Oscillator) -> list[str]:
-    found = o.identified
-    lines = [f"  {_recording(recording)}" for recording in found.recordings] or ["  not stated"]
-    likelihood = None if found.log_likelihood is None else f"log likelihood {found.log_likelihood:.6g}"
-    how = [part for part in (found.method, found.software, likelihood) if part]
+    provenance = o.identified
+    lines = [f"  {_recording(recording)}" for recording in provenance.recordings] or ["  not stated"]
+    likelihood = None if provenance.log_likelihood is None else f"log likelihood {provenance.log_likelihood:.6g}"
+    how = [part for part in (provenance.method, provenance.software, likelihood) if part]
     return [*lines, *([f"  by {', '.join(how)}"] if how else [])]
 
 

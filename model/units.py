@@ -46,7 +46,7 @@ def factors(unit: str) -> dict[str, int]:
     (a recording may be in counts), it simply carries no dimension.
     """
     above, slash, below = unit.strip().partition("/")
-    found: Counter[str] = Counter()
+    exponents: Counter[str] = Counter()
     for part, sign in ((above, 1), (below, -1)):
         if sign == -1 and not slash:
             continue
@@ -57,8 +57,8 @@ def factors(unit: str) -> dict[str, int]:
                 raise BadInput(f"unit {unit!r}: cannot read {factor!r}; write it like 1/(m2.s2) or m/s2")
             symbol, exponent = match.group(1), int(match.group(2) or 1)
             if symbol != "1":
-                found[symbol] += sign * exponent
-    return {symbol: exponent for symbol, exponent in found.items() if exponent}
+                exponents[symbol] += sign * exponent
+    return {symbol: exponent for symbol, exponent in exponents.items() if exponent}
 
 
 def base_exponents(unit: str) -> dict[str, int]:

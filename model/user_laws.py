@@ -77,9 +77,9 @@ def load_law_file(path: str | os.PathLike[str]) -> tuple[Law, ...]:
         if law.name in taken:
             raise BadInput(f"{where}: law {law.name!r}: there is one of that name already; choose another name")
         taken.add(law.name)
-        found = list(problems(law))
-        if found:
-            raise BadInput(f"{where}: law {law.name!r}: {found[0]}")
+        faults = list(problems(law))
+        if faults:
+            raise BadInput(f"{where}: law {law.name!r}: {faults[0]}")
     LIBRARY.update({law.name: law for law in laws})
     try:
         for law in laws:
@@ -186,7 +186,7 @@ def _try(law: Law, where: str) -> None:
 
     own = {p.name: ca.SX.sym(p.name) for p in law.parameters}
     motion = Motion(x=ca.SX.sym("x"), v=ca.SX.sym("v"), t=ca.SX.sym("t"))
-    values = {p.name: 1.0 for one in BASE for p in one.parameters}
+    values = {p.name: 1.0 for base in BASE for p in base.parameters}
     values |= {"mass": 1.0, **{f"{law.name}.{p.name}": p.natural(_SCALES) for p in law.parameters}}
     try:
         made: Any = law.force or law.drive or law.record

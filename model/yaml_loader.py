@@ -182,7 +182,7 @@ def _plain(node: Any, path: Path, document: Document) -> Any:
 
 
 def _mapping(node: Any, path: Path, document: Document) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    mapping: dict[str, Any] = {}
     for key_node, value_node in node.value:
         line = key_node.start_mark.line + 1
         if not isinstance(key_node, yaml.ScalarNode):
@@ -190,11 +190,11 @@ def _mapping(node: Any, path: Path, document: Document) -> dict[str, Any]:
             continue
         key = key_node.value
         here = (*path, key)
-        if key in found:
+        if key in mapping:
             first = document.lines[here]
             text = f"stands here for the second time (first on line {first}); keep one"
             document.problems.append(Problem(here, line, text))
             continue
         document.lines[here] = line
-        found[key] = _plain(value_node, here, document)
-    return found
+        mapping[key] = _plain(value_node, here, document)
+    return mapping

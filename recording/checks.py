@@ -159,24 +159,24 @@ def no_decay(recording: Recording, motion: Oscillation) -> list[Problem]:
 
 def wrong_unit(recording: Recording, motion: Oscillation) -> list[Problem]:
     """Find a response too large or too small by orders of magnitude for its unit."""
-    found = implausible(recording.quantity, recording.unit, motion.amplitude, motion.frequency)
-    if found is None:
+    doubt = implausible(recording.quantity, recording.unit, motion.amplitude, motion.frequency)
+    if doubt is None:
         return []
     advice = (
-        f"the unit is probably {found.probable}: pass --unit {found.probable} if so"
-        if found.probable
+        f"the unit is probably {doubt.probable}: pass --unit {doubt.probable} if so"
+        if doubt.probable
         else "state the right unit with --unit"
     )
-    sentence = f"the response of {found.reason}; {advice}"
-    return [_error(recording, sentence) if found.impossible else _note(recording, sentence)]
+    sentence = f"the response of {doubt.reason}; {advice}"
+    return [_error(recording, sentence) if doubt.impossible else _note(recording, sentence)]
 
 
 def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
     """Find a force that varies and to which the response shows no relation in the force's own band."""
     if recording.force is None or _free(recording) or not lasting(recording.force):
         return []
-    found = reach(recording.force, recording.response)
-    if found is None or found.related:
+    relation = reach(recording.force, recording.response)
+    if relation is None or relation.related:
         return []
     if is_white(recording.force) and is_one_decay(recording.response, recording.fs, motion.frequency):
         return [_note(recording, FORCE_IS_NOISE)]
@@ -184,8 +184,8 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
         _error(
             recording,
             "the force does not reach the response: in the force's own frequency band it explains no more than chance "
-            f"would (coherence {found.coherence:.2f}); check the columns, the cable and that both belong to one run, "
-            "or leave the force out with --force none if this is a free decay",
+            f"would (coherence {relation.coherence:.2f}); check the columns, the cable and that both belong to one "
+            "run, or leave the force out with --force none if this is a free decay",
         )
     ]
 

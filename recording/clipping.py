@@ -38,7 +38,7 @@ def clipping(signal: np.ndarray) -> list[Clipping]:
     runs at the very extreme only, so neither coarse resolution nor rest nor friction's dwell at varied levels counts.
     """
     step = _resolution(signal)
-    found: list[Clipping] = []
+    rails: list[Clipping] = []
     for sign in (1.0, -1.0):
         starts, lengths = _runs_at_maximum(sign * signal)
         if lengths.sum() > MOST * len(signal):
@@ -47,10 +47,10 @@ def clipping(signal: np.ndarray) -> list[Clipping]:
         if cut:
             samples = int(sum(n for _, n in cut))
             hidden = sum(_beyond(sign * signal, int(i), int(n)) for i, n in cut)
-            found.append(Clipping(float(signal[cut[0][0]]), len(cut), samples, int(cut[0][0]), hidden))
-    both = sum(rail.visits for rail in found) >= VISITS
-    at_rails = sum(rail.samples for rail in found) <= MOST * len(signal)
-    return found if both and at_rails else []
+            rails.append(Clipping(float(signal[cut[0][0]]), len(cut), samples, int(cut[0][0]), hidden))
+    both = sum(rail.visits for rail in rails) >= VISITS
+    at_rails = sum(rail.samples for rail in rails) <= MOST * len(signal)
+    return rails if both and at_rails else []
 
 
 def measured(signal: np.ndarray) -> bool:

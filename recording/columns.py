@@ -155,11 +155,11 @@ def _find(table: Table, columns: Sequence[Column], role: str, option: str | int)
         lambda c: c.name.lower() == text.lower(),
         lambda c: c.base.lower() == text.lower(),
     ):
-        found = [i for i, column in enumerate(columns) if column.name and same(column)]
-        if len(found) == 1:
-            return found[0]
-        if found:
-            raise BadInput(f"{table.where}: --{role} {text} fits {len(found)} columns; give the number of the column")
+        matches = [i for i, column in enumerate(columns) if column.name and same(column)]
+        if len(matches) == 1:
+            return matches[0]
+        if matches:
+            raise BadInput(f"{table.where}: --{role} {text} fits {len(matches)} columns; give the number of the column")
     if text.isdigit():
         if 1 <= int(text) <= len(columns):
             return int(text) - 1
@@ -171,11 +171,11 @@ def _find(table: Table, columns: Sequence[Column], role: str, option: str | int)
     raise BadInput(f"{table.where} has no column '{text}' (--{role}); {advice}")
 
 
-def _only(table: Table, columns: Sequence[Column], role: str, found: list[int]) -> int | None:
-    if len(found) > 1:
-        names = ", ".join(table.label(i) for i in found)
+def _only(table: Table, columns: Sequence[Column], role: str, matches: list[int]) -> int | None:
+    if len(matches) > 1:
+        names = ", ".join(table.label(i) for i in matches)
         raise BadInput(f"{table.where}: the columns {names} all look like the {role}; choose one with --{role}")
-    return found[0] if found else None
+    return matches[0] if matches else None
 
 
 def _reject_doubles(table: Table, chosen: dict[str, int | None]) -> None:

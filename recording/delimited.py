@@ -131,10 +131,10 @@ def _commented_header(above: list[str], delimiter: str | None, width: int) -> li
 
 def _reject_unequal_rows(where: str, lines: list[tuple[int, str]], delimiter: str | None, width: int) -> None:
     for number, line in lines:
-        found = line.count(delimiter) + 1 if delimiter else len(line.split())
-        if found != width and (found := len(_cells(line, delimiter))) != width:
+        count = line.count(delimiter) + 1 if delimiter else len(line.split())
+        if count != width and (count := len(_cells(line, delimiter))) != width:
             raise BadInput(
-                f"{where}: line {number} has {found} column(s) where the lines before have {width}; "
+                f"{where}: line {number} has {count} column(s) where the lines before have {width}; "
                 "mend or remove that line"
             )
 
@@ -159,6 +159,6 @@ def _numbers(
         for i in indices:
             if not _is_number(cells[i]):
                 label = f"column '{names[i]}'" if names[i] else f"column {i + 1}"
-                found = f"holds '{cells[i][:40]}', which is not a number" if cells[i] else "is empty"
-                raise BadInput(f"{where}: line {number}, {label} {found}; mend or remove that line")
+                fault = f"holds '{cells[i][:40]}', which is not a number" if cells[i] else "is empty"
+                raise BadInput(f"{where}: line {number}, {label} {fault}; mend or remove that line")
     raise BadInput(f"{where} cannot be read as columns of numbers; export it as plain CSV")

@@ -70,8 +70,8 @@ class DampedSine:
 
 def is_short_decay(signal: np.ndarray, fs: float) -> bool:
     """Whether a signal (n,) at `fs` Hz is a free decay of few swings, as far as its errors tell."""
-    found = damped_sine(np.asarray(signal, float), fs)
-    return found is not None and found.decays
+    sine = damped_sine(np.asarray(signal, float), fs)
+    return sine is not None and sine.decays
 
 
 def damped_sine(signal: np.ndarray, fs: float) -> DampedSine | None:
@@ -104,9 +104,9 @@ def damped_sine(signal: np.ndarray, fs: float) -> DampedSine | None:
     cycles, fall = least_squares(remainder, begin, bounds=bounds).x
     made = columns(cycles, fall)
     weights = np.linalg.lstsq(made, means)[0]
-    left = means - made @ weights
-    power = np.abs(np.fft.rfft(left))[1 : int(np.ceil(3.0 * MOST_CYCLES)) + 1] ** 2 / count
-    level = max(float(np.mean(power)), float(np.mean(left**2)) / width)  # of the means; no less than white noise's
+    residual = means - made @ weights
+    power = np.abs(np.fft.rfft(residual))[1 : int(np.ceil(3.0 * MOST_CYCLES)) + 1] ** 2 / count
+    level = max(float(np.mean(power)), float(np.mean(residual**2)) / width)  # of the means; no less than white noise's
     moved = 1e-6
     slopes = [
         (columns(cycles + moved, fall) - made) @ weights / moved,
@@ -115,7 +115,7 @@ def damped_sine(signal: np.ndarray, fs: float) -> DampedSine | None:
     jacobian = np.column_stack([*slopes, made])
     spreads = np.sqrt(np.diag(np.linalg.pinv(jacobian.T @ jacobian)) * level)
     duration = count * width / fs
-    rest = float(np.sqrt(np.mean(left**2)))
+    rest = float(np.sqrt(np.mean(residual**2)))
     return DampedSine(
         float(cycles) / duration,
         float(spreads[0]) / duration,

@@ -65,8 +65,8 @@ def distance_figure(identification: Identification, verification: Verification |
         log_ticks(axes.xaxis)
         axes.set_xlabel(scale.label("Amplitude"))
         axes.set_ylabel("Frequency − model's [Hz]")
-        found = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-        legend_below(figure, list(found.values()), list(found), columns=3)
+        legend = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
+        legend_below(figure, list(legend.values()), list(legend), columns=3)
         title = f"Measured natural frequency minus the model's, in Hz, over amplitude in {scale.unit}"
         return svg(figure, "distance", title)
 

@@ -98,13 +98,13 @@ def model_backbone(model: Oscillator, amplitude: np.ndarray) -> tuple[np.ndarray
         return amplitude, exact_backbone(model, amplitude)
     except BadInput:
         pass
-    found = []
+    points = []
     for a in amplitude:  # a negative preload or a softening spring swings at some amplitudes only
         try:
-            found.append((a, float(exact_backbone(model, float(a))[0])))
+            points.append((a, float(exact_backbone(model, float(a))[0])))
         except BadInput:
             continue
-    table = np.array(found).reshape(-1, 2)
+    table = np.array(points).reshape(-1, 2)
     return table[:, 0], table[:, 1]
 
 
@@ -116,27 +116,27 @@ def backbone_kind(model: Oscillator) -> str:
 def _responses(identification: Identification, top: float) -> list[tuple[str, FrequencyResponse]]:
     """Eq. 14 at every level of a recorded sine; else at the one level that reaches the largest amplitude."""
     model = identification.oscillator
-    found = []
+    responses = []
     unit = pretty_unit(model.force_unit)
     if model.mass is not None:
         for level in sine_levels(identification.recordings):
             try:
-                found.append((f"{number(level)} {unit}", frequency_response(model, level)))
+                responses.append((f"{number(level)} {unit}", frequency_response(model, level)))
             except BadInput:
                 continue
-    if not found:
+    if not responses:
         try:
             level = _level_for(model, top)
             response = frequency_response(model, level * (model.mass.value if model.mass else 1.0))
-            found.append(("", response))
+            responses.append(("", response))
         except BadInput:
             pass  # negative damping: no force has a steady response, and there is nothing to draw
-    return found
+    return responses
 
 
 def _level_for(model: Oscillator, amplitude: float) -> float:
     """Force per unit mass whose response peaks at ``amplitude``: f = 2 h A sqrt(omega0² - h²), from Eq. 14."""
-    omega, h = (float(one[0]) for one in natural_motion(model, amplitude))
+    omega, h = (float(series[0]) for series in natural_motion(model, amplitude))
     if not omega > 0:
         raise BadInput("the spring has softened to nothing at this amplitude; choose a smaller one")
     return 2 * h * amplitude * float(np.sqrt(max(omega**2 - h**2, 0.0)))
@@ -199,10 +199,10 @@ def _window(responses: list[tuple[str, FrequencyResponse]], identification: Iden
 
 
 def _once(axes: Any) -> tuple[list[Any], list[str]]:
-    found: dict[str, Any] = {}
+    handles: dict[str, Any] = {}
     for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-        found.setdefault(label, handle)
-    return list(found.values()), list(found)
+        handles.setdefault(label, handle)
+    return list(handles.values()), list(handles)
 
 
 def _sources(identification: Identification, verification: Verification | None) -> str:

@@ -71,12 +71,12 @@ def fit_sentence(records: Sequence[RecordFit], mended: bool) -> str:
     of = "the held-out recordings" if held else "the recordings, none of which was held out"
     which = f"Worst of {of}, {worst.file}" if len(some) > 1 else f"{worst.file}{' (held out)' if held else ''}"
     before, after, floor = (_share(v) for v in (worst.nrmse_before, worst.nrmse_after, worst.noise_floor))
-    left = (
+    clause = (
         f"the old model leaves {before} of the motion, the new one {after}"
         if mended
         else f"the model leaves {before} of the motion"
     )
-    return f"{which}: {left}, where noise alone makes {floor}."
+    return f"{which}: {clause}, where noise alone makes {floor}."
 
 
 def _share(nrmse: float) -> str:
@@ -100,24 +100,24 @@ def fit_table(records: Sequence[RecordFit], caption: str, mended: bool) -> Table
         ratio = ratio_to_floor(r)
         tone = "" if not math.isfinite(ratio) else "good" if ratio <= NOISE_RATIO else "bad"
         words = times_text(ratio) if math.isfinite(ratio) else "unknown"
-        left = (r.nrmse_before, r.nrmse_after) if mended else (r.nrmse_before,)
-        rows.append((r.file, *(number(v) for v in (*left, r.noise_floor)), Cell(words, tone)))
-    two, one = (
+        errors = (r.nrmse_before, r.nrmse_after) if mended else (r.nrmse_before,)
+        rows.append((r.file, *(number(v) for v in (*errors, r.noise_floor)), Cell(words, tone)))
+    mended_head, plain_head = (
         ("NRMSE before", "NRMSE after", "Noise floor", "After / floor"),
         ("NRMSE", "Noise floor", "NRMSE / floor"),
     )
-    head = ("Recording", *(two if mended else one))
+    head = ("Recording", *(mended_head if mended else plain_head))
     return Table(head, tuple(rows), tuple(range(1, len(head))), caption)
 
 
 def _caption(record: RecordFit, mended: bool) -> str:
     held = "held out" if record.holdout else "used for the fit"
     lines = "before (dashed), after (full line)" if mended else "the model (full line)"
-    left = f"{number(record.nrmse_before)} before, {number(record.nrmse_after)} after"
+    errors = f"{number(record.nrmse_before)} before, {number(record.nrmse_after)} after"
     return (
         f"{plain_text(record.file)}, {held}: measured (grey; close up, dots), {lines}. Below: what is left, against "
         "the noise floor; the spectra show at which frequency it lies. "
-        f"NRMSE {left if mended else number(record.nrmse_before)}, noise floor {number(record.noise_floor)}."
+        f"NRMSE {errors if mended else number(record.nrmse_before)}, noise floor {number(record.noise_floor)}."
     )
 
 

@@ -110,10 +110,10 @@ def _friction(model: Oscillator, top: float) -> tuple[np.ndarray, np.ndarray]:
     return _odd(static_force(omega * a, 2 * h * omega * a))
 
 
-def _odd(one: Characteristic) -> tuple[np.ndarray, np.ndarray]:
-    if not one.at.size:
+def _odd(measured: Characteristic) -> tuple[np.ndarray, np.ndarray]:
+    if not measured.at.size:
         raise BadInput(_NONE)
-    return np.concatenate([-one.at[::-1], one.at]), np.concatenate([-one.force[::-1], one.force])
+    return np.concatenate([-measured.at[::-1], measured.at]), np.concatenate([-measured.force[::-1], measured.force])
 
 
 def _characteristic(
@@ -128,8 +128,8 @@ def _characteristic(
     """The model's force as a line, the measured points on it; the model sets the view, as far points may scatter."""
     up = scale_of(unit, line)
     axes.plot(grid * across.factor, line * up.factor, color=MODEL, label="model", linewidth=1.6)
-    for method, one in points.items():
-        _draw(axes, one, slope, method, across.factor, up.factor)
+    for method, measured in points.items():
+        _draw(axes, measured, slope, method, across.factor, up.factor)
     axes.set_ylabel(up.label("Force per unit mass"))
     reach = 1.4 * float(np.max(np.abs(line))) * up.factor
     if reach > 0:
@@ -196,13 +196,13 @@ def _sure(curve: Curve) -> np.ndarray:
     return curve.damping_std < _UNSURE * np.abs(curve.damping)
 
 
-def _draw(axes: Any, one: Characteristic, slope: float, method: str, across: float, up: float) -> None:
+def _draw(axes: Any, measured: Characteristic, slope: float, method: str, across: float, up: float) -> None:
     color, marker, label = _MARKS[method]
-    if not one.at.size:
+    if not measured.at.size:
         return
-    y = (one.force - slope * one.at) * up
+    y = (measured.force - slope * measured.at) * up
     axes.plot(
-        np.concatenate([-one.at[::-1], one.at]) * across,
+        np.concatenate([-measured.at[::-1], measured.at]) * across,
         np.concatenate([-y[::-1], y]),
         linestyle="none",
         marker=marker,

@@ -91,9 +91,9 @@ def comparisons(identification: Identification, verification: Verification | Non
 def _of_fit(identification: Identification, index: int) -> Comparison | None:
     recording = identification.recordings[index]
     simulated = np.full(recording.n, np.nan)
-    for one in identification.fit.segments:
-        if one.segment.recording == index:
-            simulated[one.segment.start : one.segment.stop] = one.simulated
+    for fitted in identification.fit.segments:
+        if fitted.segment.recording == index:
+            simulated[fitted.segment.start : fitted.segment.stop] = fitted.simulated
     there = np.isfinite(simulated)
     spread = float(np.std(recording.response))
     if not there.any() or not spread > 0:

@@ -29,11 +29,11 @@ def sine_level(recording: Recording) -> float | None:
 
 def sine_levels(recordings: Sequence[Recording]) -> tuple[float, ...]:
     """Different levels among the recordings, rising."""
-    found: list[float] = []
+    levels: list[float] = []
     for level in sorted(level for r in recordings if (level := sine_level(r)) is not None):
-        if not found or level > (1 + _SAME) * found[-1]:
-            found.append(level)
-    return tuple(found)
+        if not levels or level > (1 + _SAME) * levels[-1]:
+            levels.append(level)
+    return tuple(levels)
 
 
 def _analytic(signal: np.ndarray) -> np.ndarray:

@@ -28,8 +28,8 @@ _SURE = 3.0
 def force_section(diagnosis: Diagnosis) -> Section:
     """A picture for each recording that shows the missing force best."""
     title = "The missing force"
-    usable = [one for one in diagnosis.latent if one.force.size > 1 and np.any(np.isfinite(one.force))]
-    shown = [one for one in usable if _rises(one)][:_PICTURES] or usable[:1]
+    usable = [latent for latent in diagnosis.latent if latent.force.size > 1 and np.any(np.isfinite(latent.force))]
+    shown = [latent for latent in usable if _rises(latent)][:_PICTURES] or usable[:1]
     if not shown:
         why = "nothing is missing" if diagnosis.verdict == "consistent" else "it was not reconstructed"
         return Section(title, (Text(f"There is no missing force to show: {why}."),))
@@ -42,14 +42,15 @@ def force_section(diagnosis: Diagnosis) -> Section:
         )
     ]
     unit = diagnosis.model.response.displacement_unit
-    for i, one in enumerate(shown):
-        named = " Line: the named effects along the same motion, averaged alike." if one.named is not None else ""
+    for i, latent in enumerate(shown):
+        named = " Line: the named effects along the same motion, averaged alike." if latent.named is not None else ""
         caption = (
-            f"{plain_text(one.file)}: mean of the missing force over displacement and over velocity, with its spread "
-            f"(light) and the smoother's standard error (dark); below, a stretch of it over time (thick grey).{named}"
+            f"{plain_text(latent.file)}: mean of the missing force over displacement and over velocity, with its "
+            "spread (light) and the smoother's standard error (dark); below, a stretch of it over time (thick grey)."
+            f"{named}"
         )
-        blocks.append(picture(lambda one=one, i=i: force_figure(one, unit, f"missing-{i + 1}"), caption))
-    quiet = [one.file for one in usable if not _rises(one)]
+        blocks.append(picture(lambda latent=latent, i=i: force_figure(latent, unit, f"missing-{i + 1}"), caption))
+    quiet = [latent.file for latent in usable if not _rises(latent)]
     if quiet and len(quiet) < len(usable):
         blocks.append(Text(f"In {', '.join(quiet)} it does not rise above its uncertainty."))
     return Section(title, tuple(blocks))
@@ -76,20 +77,20 @@ def force_figure(latent: LatentForce, unit: str, key: str = "missing") -> str:
     name = plain_text(latent.file)
     with drawing(height=5.6) as figure:
         axes = figure.subplot_mosaic([["x", "v"], ["t", "t"]])
-        for at, one, what, symbol in (
+        for at, motion, what, symbol in (
             (axes["x"], latent.displacement, "Displacement", "X"),
             (axes["v"], latent.velocity, "Velocity", "X/s"),
         ):
-            across = scale_of(units.compose(symbol, unit), one)
-            _over(at, np.asarray(one, float) * across.factor, force, std, named, up)
+            across = scale_of(units.compose(symbol, unit), motion)
+            _over(at, np.asarray(motion, float) * across.factor, force, std, named, up)
             at.set_xlabel(across.label(what))
             at.set_ylabel(up.label("Force per unit mass"))
             at.set_title(f"Over {what.lower()}")
         _stretch(axes["t"], latent, force, std, named, up)
         axes["t"].set_title(f"Over time, {name}")
         handles: dict[str, Any] = {}
-        for one in axes.values():
-            for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
+        for panel in axes.values():
+            for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
                 handles.setdefault(label, handle)
         legend_below(figure, list(handles.values()), list(handles), columns=4)
         title = f"{name}: missing force per unit mass in {up.unit} over displacement, velocity and time"

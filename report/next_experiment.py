@@ -41,8 +41,8 @@ def experiment_section(diagnosis: Diagnosis) -> Section:
     pairs = sorted(plan.separates, key=lambda pair: -pair[2] if math.isfinite(pair[2]) else math.inf)
     if pairs:
         rows = tuple(
-            (one, other, times_text(times) if math.isfinite(times) else "unknown")
-            for one, other, times in pairs[:_PAIRS]
+            (first, second, times_text(times) if math.isfinite(times) else "unknown")
+            for first, second, times in pairs[:_PAIRS]
         )
         more = f" {len(pairs) - _PAIRS} further pairs are left out." if len(pairs) > _PAIRS else ""
         caption = f"How far apart the two would be in this recording, as a multiple of its noise.{more}"
@@ -57,20 +57,20 @@ def _force_unit(model: Oscillator) -> str:
 def _facts(plan: Experiment, model: Oscillator) -> tuple[tuple[str, str], ...]:
     """Level, band and length as far as they are known."""
     decay = plan.kind == "decay"
-    found = [("Kind", plan.kind)]
+    facts = [("Kind", plan.kind)]
     if math.isfinite(plan.level) and plan.level > 0:
         scale = scale_of(model.response.displacement_unit if decay else _force_unit(model), plan.level)
-        found.append(
+        facts.append(
             ("Release from" if decay else "Largest force", f"{number(plan.level * scale.factor)} {scale.unit}")
         )
     low, high = plan.band_hz
     if math.isfinite(low) and math.isfinite(high) and high > 0 and not decay:
-        found.append(("Band", f"{number(low)} to {number(high)} Hz" if high > low else f"{number(high)} Hz"))
+        facts.append(("Band", f"{number(low)} to {number(high)} Hz" if high > low else f"{number(high)} Hz"))
     if math.isfinite(plan.seconds) and plan.seconds > 0:
-        found.append(("Length", f"{number(plan.seconds)} s"))
+        facts.append(("Length", f"{number(plan.seconds)} s"))
     if plan.signal is not None and math.isfinite(plan.fs) and plan.fs > 0:
-        found.append(("Sampled at", f"{number(plan.fs, 5)} Hz"))
-    return tuple(found)
+        facts.append(("Sampled at", f"{number(plan.fs, 5)} Hz"))
+    return tuple(facts)
 
 
 def experiment_figure(plan: Experiment, unit: str, key: str = "experiment") -> str:

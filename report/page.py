@@ -72,14 +72,14 @@ def _backbones(identification: Identification, verification: Verification | None
         f"forced records by FORCEVIB; thin: the model's {kind} backbone; dashed: the model's response by Eq. 14 to a "
         f"sine of the recorded level{fmu}. Right: the backbones alone, over a logarithmic amplitude."
     )
-    found = [picture(lambda: backbone_figure(identification, verification), caption)]
+    blocks = [picture(lambda: backbone_figure(identification, verification), caption)]
     if identification.hilbert.curves:
         caption = (
             "The same backbones as their distance from the model's mean natural frequency, which is what FREEVIB and "
             "FORCEVIB measure. A model that lacks something shows as a bend that all curves share."
         )
-        found.append(picture(lambda: distance_figure(identification, verification), caption))
-    return found
+        blocks.append(picture(lambda: distance_figure(identification, verification), caption))
+    return blocks
 
 
 def _characteristics(identification: Identification) -> list[Block]:
@@ -116,7 +116,7 @@ def _recordings(identification: Identification) -> list[Block]:
         decays = str(len(identification.hilbert.decays[i]))
         rows.append((r.name, kind, length, f"{number(r.fs, 5)} Hz", peak, force, decays))
     head = ("Recording", "Kind", "Length", "Sampled at", "Largest response", "Largest force", "Free decays")
-    found: list[Block] = [Table(head, tuple(rows), (2, 3, 4, 5, 6))]
+    blocks: list[Block] = [Table(head, tuple(rows), (2, 3, 4, 5, 6))]
     for i, r in enumerate(identification.recordings):
         decays = identification.hilbert.decays[i]
         caption = f"{plain_text(r.name)} as recorded."
@@ -124,33 +124,33 @@ def _recordings(identification: Identification) -> list[Block]:
             caption += " Shaded: the free decays that were found in it and evaluated by FREEVIB."
         if r.notes:
             caption += " " + " ".join(r.notes)
-        found.append(picture(lambda r=r, d=decays, i=i: recording_figure(r, d, f"recording-{i + 1}"), caption))
-    return found
+        blocks.append(picture(lambda r=r, d=decays, i=i: recording_figure(r, d, f"recording-{i + 1}"), caption))
+    return blocks
 
 
 def _certainty(identification: Identification) -> list[Block]:
-    found: list[Block] = []
+    blocks: list[Block] = []
     table = correlation_table(identification.oscillator)
     if table is not None:
-        found.append(table)
+        blocks.append(table)
     notes = [*identification.notes, *model_warnings(identification.oscillator)]
     sentences = tuple(dict.fromkeys(full_stop(note) for note in notes))
     if sentences:
-        found += [Text("Take note:"), Items(sentences)]
+        blocks += [Text("Take note:"), Items(sentences)]
     else:
-        found.append(
+        blocks.append(
             Text("The identification has nothing to remark: no parameter is poorly known, none has an odd sign.")
         )
-    return found
+    return blocks
 
 
 def _validity(identification: Identification) -> list[Block]:
     model = identification.oscillator
     rows = []
-    for name, one in (("amplitude", model.amplitude), ("frequency", model.frequency)):
-        if one is not None:
-            scale = scale_of(one.unit, one.max)
-            low, high = (number(v * scale.factor, 4) for v in (one.min, one.max))
+    for name, span in (("amplitude", model.amplitude), ("frequency", model.frequency)):
+        if span is not None:
+            scale = scale_of(span.unit, span.max)
+            low, high = (number(v * scale.factor, 4) for v in (span.min, span.max))
             rows.append((name, low, high, scale.unit))
     if not rows:
         return [Text("The model states no range; judge for yourself how far it reaches.")]
@@ -161,17 +161,17 @@ def _validity(identification: Identification) -> list[Block]:
 
 
 def _provenance(identification: Identification, files: Sequence[str]) -> list[Block]:
-    found = identification.oscillator.identified
+    provenance = identification.oscillator.identified
     fit = identification.fit
     rest = "came to rest" if fit.converged else "was stopped at its limit"
     how = (
-        f"Method: {found.method or 'not stated'}, "
+        f"Method: {provenance.method or 'not stated'}, "
         f"direct estimates from {_SOURCES[identification.hilbert.source]}; "
         f"the search {rest} after {fit.iterations} steps"
-        + ("" if found.log_likelihood is None else f", log likelihood {number(found.log_likelihood, 7)}")
-        + f". Software: {found.software or 'not stated'}."
+        + ("" if provenance.log_likelihood is None else f", log likelihood {number(provenance.log_likelihood, 7)}")
+        + f". Software: {provenance.software or 'not stated'}."
     )
-    blocks: list[Block] = [*recordings_table(found), Text(how)]
+    blocks: list[Block] = [*recordings_table(provenance), Text(how)]
     unit = pretty_unit(identification.oscillator.response.unit)
     blocks.append(Text(f"Response: {identification.oscillator.response.quantity} in {unit}."))
     return [*blocks, *files_text(files)]

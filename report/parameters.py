@@ -77,11 +77,11 @@ def _with_numbers(model: Oscillator) -> Callable[[str], str]:
 
 def correlation_table(model: Oscillator) -> Table | None:
     """Correlations of the estimates; None where there is no covariance."""
-    found = model.identified
-    rows = found.covariance
+    provenance = model.identified
+    rows = provenance.covariance
     if rows is None:
         return None
-    names = found.parameters or tuple(model.parameters())
+    names = provenance.parameters or tuple(model.parameters())
     body: list[tuple[str | Cell, ...]] = []
     for i, name in enumerate(names):
         cells: list[str | Cell] = [name]

@@ -11,11 +11,11 @@ if TYPE_CHECKING:
     from ..model.oscillator import Provenance
 
 
-def recordings_table(found: Provenance) -> tuple[Table, ...]:
+def recordings_table(provenance: Provenance) -> tuple[Table, ...]:
     """The recordings that a model was identified from; nothing where it names none."""
     rows = tuple(
         (str(r.get("file", "")), str(r.get("kind") or ""), Cell(str(r.get("sha256") or "not read from a file"), "code"))
-        for r in found.recordings
+        for r in provenance.recordings
     )
     return (Table(("Recording", "Kind", "SHA-256 of the file"), rows),) if rows else ()
 

@@ -22,8 +22,8 @@ def usage_section(model: Oscillator, files: Sequence[str]) -> Section:
     blocks: list[Block] = []
     if fmu is None or casadi is None:
         name = yaml.removesuffix(".yaml")
-        made = [one for one, there in ((f"{name}.fmu", fmu), (f"{name}.casadi", casadi)) if there is None]
-        lines = "\n".join(f"dashpot export {_shell(yaml)} {_shell(one)}" for one in made)
+        made = [file for file, there in ((f"{name}.fmu", fmu), (f"{name}.casadi", casadi)) if there is None]
+        lines = "\n".join(f"dashpot export {_shell(yaml)} {_shell(file)}" for file in made)
         blocks.append(Code("Make the files that other programs load:", lines))
         fmu, casadi = fmu or f"{name}.fmu", casadi or f"{name}.casadi"
     blocks.append(

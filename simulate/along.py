@@ -40,8 +40,8 @@ class Along:
         strengths = [i for i, parameter in enumerate(law.parameters) if parameter.strength]
         values = ca.jacobian(made, p)[:, strengths].T if strengths and law.force else made
         slopes = ca.densify(ca.jacobian(rates, inner)) if inner.numel() else ca.SX(0, 0)
-        everything = [inner, ca.vertcat(x, v, t, u), p, ca.vertcat(ca.SX(0, 1), *motion.signs)]
-        self._slopes = ca.Function("slopes", everything, [slopes])
+        inputs = [inner, ca.vertcat(x, v, t, u), p, ca.vertcat(ca.SX(0, 1), *motion.signs)]
+        self._slopes = ca.Function("slopes", inputs, [slopes])
         self._signs = len(motion.signs)
         if motion.signs:
             plain = ca.vertcat(*[ca.sign(surface) for surface in motion.surfaces])

@@ -88,9 +88,9 @@ class _Stepper:
         rest = self.raw_field(z, tau, line, p, free)[1]
         capacity = ca.SX(0)
         for i in [*self.velocity, *self.positions]:
-            one = ca.SX(free)
-            one[i] = 1
-            part = rest - self.raw_field(z, tau, line, p, one)[1]
+            unit = ca.SX(free)
+            unit[i] = 1
+            part = rest - self.raw_field(z, tau, line, p, unit)[1]
             if i in self.velocity:
                 capacity += part
             else:
@@ -167,43 +167,43 @@ class _Stepper:
             middle = 0.5 * (lo + hi)
             below = cubic(middle) < 0
             lo, hi = ca.if_else(below, lo, middle), ca.if_else(below, middle, hi)
-        found = ca.logic_and(m != 0, ca.logic_or(dips, g1 < 0))
-        return ca.if_else(found, 0.5 * (lo + hi), 2), top
+        crosses = ca.logic_and(m != 0, ca.logic_or(dips, g1 < 0))
+        return ca.if_else(crosses, 0.5 * (lo + hi), 2), top
 
-    def attempt(self, z, tau, left, line: _Line, p):
+    def attempt(self, z, tau, remaining, line: _Line, p):
         """The whole rest of an internal step at once: state at its end, and whether an event lies in it."""
         ca = self.ca
         s, held = self.modes(z, tau, line, p)
-        end = self.flow(z, tau, left, line, p, s, held)
-        best, _, _ = self._first(z, tau, left, line, p, s, held, end)
-        rest, capacity = self.balance(end, tau + left, line, p, s) if self.velocity else (ca.SX(0), ca.SX(0))
+        end = self.flow(z, tau, remaining, line, p, s, held)
+        best, _, _ = self._first(z, tau, remaining, line, p, s, held, end)
+        rest, capacity = self.balance(end, tau + remaining, line, p, s) if self.velocity else (ca.SX(0), ca.SX(0))
         return end, ca.logic_or(ca.logic_and(held, ca.fabs(rest) > capacity), best < 2)
 
-    def _first(self, z, tau, left, line: _Line, p, s, held, end):
+    def _first(self, z, tau, remaining, line: _Line, p, s, held, end):
         """The first crossing between z and end: place (2: none), a point beyond it, and which surface (0 or 1 each)."""
         ca = self.ca
         best, top, chosen = ca.SX(2), ca.SX(1), ca.SX(-1)
         g0, d0 = self.surfaces(z, tau, line, p, s)
-        g1, d1 = self.surfaces(end, tau + left, line, p, s)
+        g1, d1 = self.surfaces(end, tau + remaining, line, p, s)
         for i in range(s.numel()):
-            place, beyond = self.crossing(s[i], g0[i], ca.if_else(held, 0, d0[i]) * left, g1[i], d1[i] * left)
+            place, beyond = self.crossing(s[i], g0[i], ca.if_else(held, 0, d0[i]) * remaining, g1[i], d1[i] * remaining)
             first = place < best
             best, top = ca.if_else(first, place, best), ca.if_else(first, beyond, top)
             chosen = ca.if_else(first, i, chosen)
         return best, top, ca.vertcat(*[chosen == i for i in range(s.numel())])
 
-    def to_event(self, z, tau, left, h, line: _Line, p):
-        """From (z, tau) to the event that ``attempt`` saw: the state there and the part of ``left`` that was used."""
+    def to_event(self, z, tau, remaining, h, line: _Line, p):
+        """From (z, tau) to the event that ``attempt`` saw: the state there and the part of ``remaining`` it used."""
         ca = self.ca
         s, held = self.modes(z, tau, line, p)
-        end = self.flow(z, tau, left, line, p, s, held)
-        best, top, pick = self._first(z, tau, left, line, p, s, held, end)
+        end = self.flow(z, tau, remaining, line, p, s, held)
+        best, top, pick = self._first(z, tau, remaining, line, p, s, held, end)
         side = ca.dot(pick, s)
         x, lo, hi = ca.fmin(best, 1), ca.SX(0), top
         for _ in range(_NEWTON):  # Newton on the flow, inside a bracket that moves
-            state = self.flow(z, tau, x * left, line, p, s, held)
-            g, d = self.surfaces(state, tau + x * left, line, p, s)
-            value, rate = ca.dot(pick, g), ca.dot(pick, d) * left
+            state = self.flow(z, tau, x * remaining, line, p, s, held)
+            g, d = self.surfaces(state, tau + x * remaining, line, p, s)
+            value, rate = ca.dot(pick, g), ca.dot(pick, d) * remaining
             over = value * side < 0
             lo, hi = ca.if_else(over, lo, x), ca.if_else(over, x, hi)
             newton = x - value / ca.if_else(rate != 0, rate, 1)
@@ -211,12 +211,12 @@ class _Stepper:
             x = ca.if_else(value == 0, x, ca.if_else(inside, newton, 0.5 * (lo + hi)))
         if self.others:
             other = sum(pick[i] for i in self.others)
-            x = ca.if_else(other, ca.fmin(1, x + BEYOND * h / left), x)
-        state = self.flow(z, tau, x * left, line, p, s, held)
-        state = self._land(state, tau + x * left, h, line, p, s, pick)
+            x = ca.if_else(other, ca.fmin(1, x + BEYOND * h / remaining), x)
+        state = self.flow(z, tau, x * remaining, line, p, s, held)
+        state = self._land(state, tau + x * remaining, h, line, p, s, pick)
         if not self.velocity:
             return state, x
-        gone, where, breaks = self._break_away(z, tau, left, line, p, s, held)
+        gone, where, breaks = self._break_away(z, tau, remaining, line, p, s, held)
         first = ca.logic_and(breaks, ca.logic_or(best >= 2, where <= x))
         return ca.if_else(first, gone, state), ca.if_else(first, where, x)
 
@@ -245,13 +245,13 @@ class _Stepper:
         ends = ca.logic_and(ca.logic_and(on_position, short), ca.fabs(rest) <= capacity)
         return ca.if_else(ends, stopped, landed)
 
-    def _break_away(self, z, tau, left, line: _Line, p, s, held):
-        """The state where within ``left`` the forces exceed what holds the motion, that place, and whether they do."""
+    def _break_away(self, z, tau, remaining, line: _Line, p, s, held):
+        """The state where within ``remaining`` forces exceed what holds the motion, that place, and whether they do."""
         ca = self.ca
 
         def excess(x):
-            state = self.flow(z, tau, x * left, line, p, s, held)
-            rest, capacity = self.balance(state, tau + x * left, line, p, s)
+            state = self.flow(z, tau, x * remaining, line, p, s, held)
+            rest, capacity = self.balance(state, tau + x * remaining, line, p, s)
             return ca.fabs(rest) - capacity
 
         lo, hi = ca.SX(0), ca.SX(1)
@@ -265,7 +265,7 @@ class _Stepper:
             free = value >= 0
             hi, high = ca.if_else(free, x, hi), ca.if_else(free, value, high)
             lo, low = ca.if_else(free, lo, x), ca.if_else(free, low, value)
-        return self.flow(z, tau, hi * left, line, p, s, held), hi, breaks
+        return self.flow(z, tau, hi * remaining, line, p, s, held), hi, breaks
 
 
 def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression:
@@ -309,7 +309,8 @@ def _phase(structure: Structure) -> Expression:
 
     Returns:
         casadi.Function of whether there is anything left to do, state, time within the step, what is left of the
-        internal step, its length, force and its slope, time, parameters; state and the part of ``left`` that was used.
+        internal step, its length, force and its slope, time, parameters; state and the part of ``remaining`` that was
+        used.
     """
     import casadi as ca
 
@@ -317,16 +318,16 @@ def _phase(structure: Structure) -> Expression:
     stepper = _Stepper(eq)
     nz, np_ = eq.z.numel(), eq.p.numel()
     z, p = ca.SX.sym("z", nz), ca.SX.sym("p", np_)
-    tau, left, h = ca.SX.sym("tau"), ca.SX.sym("left"), ca.SX.sym("h")
+    tau, remaining, h = ca.SX.sym("tau"), ca.SX.sym("left"), ca.SX.sym("h")
     start, rate, time = ca.SX.sym("start"), ca.SX.sym("rate"), ca.SX.sym("time")
     line = _Line(start, rate, time)
-    arguments = [z, tau, left, h, start, rate, time, p]
+    arguments = [z, tau, remaining, h, start, rate, time, p]
     # Three levels, so that a step without an event costs one evaluation: done, straight on, up to the event.
     done = ca.Function("done", arguments, [z, ca.SX(1)])
-    state, event = stepper.attempt(z, tau, left, line, p)
+    state, event = stepper.attempt(z, tau, remaining, line, p)
     if eq.kinds:
         attempt = ca.Function("attempt", arguments, [state, event])
-        to_event = ca.Function("to_event", arguments, list(stepper.to_event(z, tau, left, h, line, p)))
+        to_event = ca.Function("to_event", arguments, list(stepper.to_event(z, tau, remaining, h, line, p)))
         straight = ca.Function("straight", [state_in := ca.SX.sym("end", nz), *arguments], [state_in, ca.SX(1)])
         located = ca.Function("located", [ca.SX.sym("end", nz), *arguments], to_event.call(arguments))
         resolve = ca.Function.if_else("resolve", located, straight)

@@ -81,10 +81,10 @@ class Core:
 
     def initial(self, z: np.ndarray) -> np.ndarray:
         """What ``begin`` makes the states ``z`` of."""
-        found = np.array(z, float)
+        states = np.array(z, float)
         for i, leader in enumerate(self.equations.follows):
-            found[i] -= 0.0 if leader is None else z[leader]
-        return found
+            states[i] -= 0.0 if leader is None else z[leader]
+        return states
 
     def record(
         self,
@@ -212,10 +212,10 @@ def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude
             matrix = np.array(jacobian(begin, 0.0, 0.0, p, signs))
             if np.all(np.isfinite(matrix)):
                 rates.append(np.linalg.eigvals(matrix))
-    found = np.concatenate(rates) if rates else np.zeros(1)
-    size = np.abs(found)
+    eigenvalues = np.concatenate(rates) if rates else np.zeros(1)
+    size = np.abs(eigenvalues)
     slow = 3.0 * values["omega0"] if eq.inner or count > 2 else np.inf
-    decays = np.abs(np.real(found)) > _DAMPED * size
+    decays = np.abs(np.real(eigenvalues)) > _DAMPED * size
     steps = np.where(size <= slow, STEPS_PER_PERIOD, _FAST_STEPS_PER_PERIOD) / (2 * np.pi)
     pace = float(np.max(np.where(decays & (size > slow / 3.0), _STEPS_PER_DECAY, steps) * size, initial=0.0))
     if not np.isfinite(pace) or pace <= 0.0:

@@ -27,7 +27,7 @@ def held(tmp_path):
     return path
 
 
-def left(path):
+def remainder(path):
     table = np.loadtxt(path, delimiter=",", skiprows=1)
     return np.sqrt(np.mean((table[:, 3] - table[:, 2]) ** 2))
 
@@ -40,9 +40,9 @@ def test_a_hold_goes_from_the_option_into_the_model_and_on(tmp_path, held, capsy
     main(["show", str(model), "--json"])
     assert json.loads(capsys.readouterr().out)["excitation"] == {"unit": "N", "hold": "zero"}
     main(["simulate", str(model), str(held), "-o", str(out)])
-    assert left(out) < 1.1 * NOISE
+    assert remainder(out) < 1.1 * NOISE
     main(["simulate", str(model), str(held), "-o", str(out), "--hold", "smooth"])
-    assert left(out) > 10 * NOISE
+    assert remainder(out) > 10 * NOISE
 
 
 def test_a_hold_nobody_knows_is_refused(tmp_path, held, capsys):

@@ -197,6 +197,6 @@ def test_the_commands_for_a_law_of_ones_own_do_what_they_say(tmp_path):
         for name in written(words):
             assert (tmp_path / name).exists()
         said.append(ended.stdout)
-    found = re.search(r"magnet\.strength +(\S+) +± (\S+)", said[1])
-    assert found
-    assert float(found.group(1)) == pytest.approx(strength, rel=0.02)
+    match = re.search(r"magnet\.strength +(\S+) +± (\S+)", said[1])
+    assert match
+    assert float(match.group(1)) == pytest.approx(strength, rel=0.02)

@@ -45,17 +45,17 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 def read_table(text: str) -> dict[str, set[str]]:
     """Read the table of docs/house.md: folder (or cli) to the folders it may import."""
     table: dict[str, set[str]] = {}
-    everything = []
+    unbounded = []
     for line in text.splitlines():
         cells = [cell.strip() for cell in line.strip("|").split("|")]
         if len(cells) != 3 or not (name := re.fullmatch(r"`(\w+)(?:/|\.py)`", cells[0])):
             continue
         table[name[1]] = set(re.findall(r"`(\w+)`", cells[2]))
         if cells[2].startswith("everything"):
-            everything.append(name[1])
+            unbounded.append(name[1])
         elif not table[name[1]] and cells[2] != "nothing":
             raise ValueError(f"docs/house.md: the row of {name[1]} allows '{cells[2]}', which is no list of folders")
-    for name in everything:
+    for name in unbounded:
         table[name] = set(table) - {name}
     return table
 
@@ -86,23 +86,23 @@ def violations(path: Path, text: str) -> list[str]:
     """Return what a file imports against the table, one sentence each."""
     here = path.parts[0] if len(path.parts) > 1 else path.stem
     allowed = {"__main__": {"cli"}}.get(here, TABLE.get(here, set()))
-    found = []
+    sentences = []
     for line, name in imported(path, ast.parse(text)):
         where = f"{path}:{line}"
         if name[0] in TABLE:
-            found.append(
+            sentences.append(
                 f"{where} imports '{'.'.join(name)}' from the current folder; write it relative to the package"
             )
         elif name[0] == "dashpot" and len(name) > 1 and name[1] in TABLE and name[1] != here and name[1] not in allowed:
-            found.append(f"{where}: {here} imports {name[1]}, which the table of docs/house.md does not allow")
-    return found
+            sentences.append(f"{where}: {here} imports {name[1]}, which the table of docs/house.md does not allow")
+    return sentences
 
 
 @pytest.mark.parametrize("folder", [*sorted(TABLE), "root"])
 def test_imports_go_downwards(folder: str) -> None:
     mine = [path for path in MODULES if path.parts[0] == folder or (folder == "root" and len(path.parts) == 1)]
-    found = [sentence for path in mine for sentence in violations(path, (ROOT / path).read_text(encoding="utf-8"))]
-    assert not found, "\n".join(found)
+    sentences = [sentence for path in mine for sentence in violations(path, (ROOT / path).read_text(encoding="utf-8"))]
+    assert not sentences, "\n".join(sentences)
 
 
 @pytest.mark.parametrize(
@@ -230,8 +230,8 @@ def test_test_folders_mirror_the_package() -> None:
 
 def test_every_package_is_listed() -> None:
     # An editable install finds unlisted folders too; a wheel would lack them.
-    found = {".".join(["dashpot", *path.parent.parts]) for path in MODULES}
-    assert set(PROJECT["tool"]["setuptools"]["packages"]) == found
+    packages = {".".join(["dashpot", *path.parent.parts]) for path in MODULES}
+    assert set(PROJECT["tool"]["setuptools"]["packages"]) == packages
 
 
 def test_every_data_file_is_packaged() -> None:

@@ -35,8 +35,8 @@ def _fmi_version(fmu: Path) -> str | None:
             text = archive.read("modelDescription.xml").decode("utf-8", errors="replace")
     except (OSError, zipfile.BadZipFile, KeyError, EOFError, zlib.error, NotImplementedError, RuntimeError):
         return None
-    found = re.search(r"""<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*["']([^"']*)["']""", text)
-    return found.group(1) if found else None
+    match = re.search(r"""<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*["']([^"']*)["']""", text)
+    return match.group(1) if match else None
 
 
 def _short(problem: Exception) -> str:
@@ -63,10 +63,10 @@ def _inner(variables: Mapping[str, Any], name: str) -> InnerState:
 def _hold(file: Path) -> str | None:
     """What a model file says of its force between samples; None where there is no such file, or it says nothing."""
     try:
-        found = read_yaml(file.read_text(encoding="utf-8"), file.name).data
+        content = read_yaml(file.read_text(encoding="utf-8"), file.name).data
     except (OSError, UnicodeDecodeError, BadInput):
         return None  # an FMU of another make may hold anything under that name
-    excitation = found.get("excitation") if isinstance(found, dict) else None
+    excitation = content.get("excitation") if isinstance(content, dict) else None
     hold = excitation.get("hold") if isinstance(excitation, dict) else None
     return hold if hold in HOLDS else None
 

@@ -153,14 +153,16 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     pieces = _pieces(recording)
     runs = [_run(run, piece) for piece in pieces]
     measured = np.concatenate([np.asarray(piece.response, float) for piece in pieces])
-    simulated = np.concatenate([one for one, _ in runs])
+    simulated = np.concatenate([response for response, _ in runs])
     spread = float(np.std(measured))
     if not spread > 0:
         raise BadInput(f"{recording.name}: the response does not move; there is nothing to compare with")
     nrmse = float(np.sqrt(np.mean((simulated - measured) ** 2))) / spread
     variance = sum(piece.n * noise**2 for piece, (_, noise) in zip(pieces, runs, strict=True)) / measured.size
     floor = float(np.sqrt(variance)) / spread
-    backbones = tuple(pair for piece, (one, _) in zip(pieces, runs, strict=True) for pair in _backbones(piece, one))
+    backbones = tuple(
+        pair for piece, (response, _) in zip(pieces, runs, strict=True) for pair in _backbones(piece, response)
+    )
     error = _largest_error(backbones)
     frequency = natural_frequency(recording) / (2 * np.pi)
     passed = nrmse <= noise_ratio * floor and (error is None or error <= BACKBONE_PART * frequency)
@@ -170,12 +172,12 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
 
 def _pieces(recording: Recording) -> list[Recording]:
     """Its pieces; raises BadInput where it has none."""
-    found = pieces(recording)
-    if not found:
+    parts = pieces(recording)
+    if not parts:
         raise BadInput(
             f"{recording.name}: has neither a force nor a free decay; give the column of the force (--force)"
         )
-    return found
+    return parts
 
 
 def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
@@ -194,17 +196,17 @@ def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
 def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backbone, Backbone], ...]:
     """Backbones by the same method from the recording and from the FMU's response."""
     twin = changed(recording, response=simulated)
-    found = []
+    pairs = []
     free = recording.force is None or not np.any(recording.force)
     decays = (Decay(0, recording.n),) if free else find_decays(recording)
     for decay in decays:
         ends = decay.start, decay.stop
-        found.append(_pair(lambda r, ends=ends: _free(displacement(r).part(*ends)), recording, twin))
+        pairs.append(_pair(lambda r, ends=ends: _free(displacement(r).part(*ends)), recording, twin))
     # a multisine has no envelope that passes slowly through the amplitudes, so it has no backbone to compare
     drive = drive_of(recording)
     if drive is not None and kind_of(recording, decays) in ("sweep", "sine"):
-        found.append(_pair(lambda r: _forced(displacement(r), drive), recording, twin))
-    return tuple(pair for pair in found if pair is not None)
+        pairs.append(_pair(lambda r: _forced(displacement(r), drive), recording, twin))
+    return tuple(pair for pair in pairs if pair is not None)
 
 
 def _pair(

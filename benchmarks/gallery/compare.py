@@ -76,14 +76,16 @@ def broken(entry: Entry, outcome: Outcome, quick: bool = False) -> list[str]:
     Where a quick look gave the diagnosis less time than it needs, nothing is asked of its verdict and its figures.
     """
     unfinished = quick and outcome.verdict == "timeout"
-    found = []
+    sentences = []
     if entry.bounds.verdicts and outcome.verdict not in entry.bounds.verdicts and not unfinished:
-        found.append(f"{entry.name}: {outcome.verdict}, where {' or '.join(entry.bounds.verdicts)} is asked for")
+        sentences.append(f"{entry.name}: {outcome.verdict}, where {' or '.join(entry.bounds.verdicts)} is asked for")
     for role, words, bound in (
         ("training", "in training", entry.bounds.training),
         ("holdout", "held out", None if unfinished else entry.bounds.holdout),
     ):
         reached = outcome.error(role)
         if bound is not None and (reached is None or reached > bound):
-            found.append(f"{entry.name}: error {words} {percent(reached)} %, at most {percent(bound)} % is asked for")
-    return found
+            sentences.append(
+                f"{entry.name}: error {words} {percent(reached)} %, at most {percent(bound)} % is asked for"
+            )
+    return sentences

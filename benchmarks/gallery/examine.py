@@ -49,12 +49,12 @@ def examine(entry: Entry, data: Path, work: Path, limit: float = LIMIT, quick: b
 
 def _simulations(entry: Entry, model: str, name: str, work: Path, limit: float) -> list[Run]:
     """The free run of a model over the motion of every piece; files NAME-FILE.csv.gz."""
-    found = []
+    runs = []
     for piece in entry.pieces:
         part = () if piece.motion is None else ("--part", f"{piece.motion[0]}:{piece.motion[1]}")
         words = ["simulate", model, piece.file, *entry.options, *part, "-o", simulated_file(name, piece)]
-        found.append(run(words, work, limit))
-    return found
+        runs.append(run(words, work, limit))
+    return runs
 
 
 def simulated_file(name: str, piece: Piece) -> str:
@@ -169,7 +169,7 @@ def _plain(entry: Entry, work: Path) -> dict[str, float]:
     """
     if entry.columns is None:
         return {}
-    found: dict[str, float] = {}
+    errors: dict[str, float] = {}
     oscillator = None
     for piece in entry.pieces:
         dt, response, force = inputs.signals(entry.columns, work / piece.file)
@@ -184,9 +184,9 @@ def _plain(entry: Entry, work: Path) -> dict[str, float]:
             continue
         first, last = piece.judged or (0, None)
         residual = (simulated - response)[first:last]
-        found[piece.file] = 100 * float(np.sqrt(np.mean(residual**2)) / np.std(response[first:last]))
+        errors[piece.file] = 100 * float(np.sqrt(np.mean(residual**2)) / np.std(response[first:last]))
         kept = np.column_stack([np.arange(response.size) * dt + begin * dt, response, simulated])
         np.savetxt(
             work / simulated_file("plain", piece), kept, "%.9g", ",", header="time_s,measured,plain", comments=""
         )
-    return found
+    return errors

@@ -45,8 +45,8 @@ def paint(figure: Any, entry: Entry, piece: Piece, work: Path) -> None:
     limit = 1.3 * float(np.max(np.abs(measured - np.median(measured))))
     _line(rest, band.time, band.rms, limit, color=MEASURED, alpha=0.5, label="measured")
     for name, words, colour, line in _RUNS:
-        if (found := runs[name]) is not None:
-            remainder = envelope(found[0], found[2] - found[1], _BINS)
+        if (run := runs[name]) is not None:
+            remainder = envelope(run[0], run[2] - run[1], _BINS)
             _line(rest, remainder.time, remainder.rms, limit, linestyle=line, color=colour, label=f"left by: {words}")
     rest.set_yscale("log")
     rest.set_ylim(top=20 * limit)  # room for the legend

@@ -58,8 +58,10 @@ def main(arguments: Sequence[str] | None = None, entries: Mapping[str, Entry] = 
         if given.output.suffix == ".json":
             chosen = [entries[name] for name in names or PROOF]
             work = given.output.with_suffix("")
-            found = list(run(chosen, work, given.limit, given.quick, print))
-            given.output.write_text(json.dumps([proof_row(outcome) for outcome in found], indent=1), encoding="utf-8")
+            outcomes = list(run(chosen, work, given.limit, given.quick, print))
+            given.output.write_text(
+                json.dumps([proof_row(outcome) for outcome in outcomes], indent=1), encoding="utf-8"
+            )
             return 0
         kept = read(given.output / JSON) if (given.output / JSON).is_file() else {}
     except (OSError, ValueError, KeyError, TypeError) as problem:

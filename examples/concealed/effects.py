@@ -80,16 +80,16 @@ def twins(effects: tuple[str, ...], parameters: dict[str, float]) -> list[str]:
     Dry friction that differs between the directions is a constant force beside ordinary friction; two mirrored springs
     behind a gap are undamped stops; on a rig that is linear but for damping an offset of the sensor is a static load.
     """
-    found = []
+    names = []
     linear = parameters["cubic"] == 0.0 and parameters["preload"] == 0.0
     if parameters.get("direction_dry"):
-        found.append("constant-force")
+        names.append("constant-force")
     if "constant-force" in effects:
-        found.append("asymmetric-friction")
+        names.append("asymmetric-friction")
     if "clearance" in effects:
-        found.append("two-sided-stop")
+        names.append("two-sided-stop")
     if linear and "constant-force" in effects:
-        found.append("sensor-offset")
+        names.append("sensor-offset")
     if linear and "sensor-offset" in effects:
-        found += ["constant-force", "asymmetric-friction"]
-    return found
+        names += ["constant-force", "asymmetric-friction"]
+    return names

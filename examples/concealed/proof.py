@@ -33,10 +33,10 @@ DASHPOT = (sys.executable, "-P", "-m", "dashpot")
 
 def _settings(given: argparse.Namespace) -> list[str]:
     """Give the options that make the suite."""
-    found = ["--seed", str(given.seed), "--scale", given.scale]
-    found += ["--kinds", *given.kinds] if given.kinds else []
-    found += ["--count-per-effect", str(given.count_per_effect)] if given.count_per_effect else []
-    return found + (["--short", str(given.short)] if given.short else [])
+    arguments = ["--seed", str(given.seed), "--scale", given.scale]
+    arguments += ["--kinds", *given.kinds] if given.kinds else []
+    arguments += ["--count-per-effect", str(given.count_per_effect)] if given.count_per_effect else []
+    return arguments + (["--short", str(given.short)] if given.short else [])
 
 
 def make_suite(folder: Path, settings: list[str]) -> str:
@@ -50,12 +50,12 @@ def make_suite(folder: Path, settings: list[str]) -> str:
         known = json.loads(note.read_text(encoding="utf-8"))
         if known["settings"] != settings:
             raise ValueError(f"{folder}: holds the suite of {' '.join(known['settings'])}; name another folder")
-        found = sha256(suite / NAME)
-        if found != known["sha256"]:
+        digest = sha256(suite / NAME)
+        if digest != known["sha256"]:
             raise ValueError(
                 f"{suite / NAME}: is not the truth that was sealed ({known['sha256']}); start anew elsewhere"
             )
-        return found
+        return digest
     if suite.exists():  # begun and not finished
         shutil.rmtree(suite)
     folder.mkdir(parents=True, exist_ok=True)
@@ -63,9 +63,9 @@ def make_suite(folder: Path, settings: list[str]) -> str:
     run = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if run.returncode:
         raise RuntimeError(f"the suite could not be made: exit code {run.returncode}")
-    found = run.stdout.split()[-1]
-    note.write_text(json.dumps({"settings": settings, "sha256": found}), encoding="utf-8")
-    return found
+    digest = run.stdout.split()[-1]
+    note.write_text(json.dumps({"settings": settings, "sha256": digest}), encoding="utf-8")
+    return digest
 
 
 def _command(command: Sequence[str], cwd: Path, log: Path, timeout: float) -> int:
@@ -162,7 +162,7 @@ def main(arguments: list[str]) -> int:
     print(report(given.output, known, recorded))
     print(given.output / "scoreboard.html")
     board = json.loads((given.output / "scoreboard.json").read_text(encoding="utf-8"))
-    return 0 if all(one["met"] for one in board["targets"]) else 1
+    return 0 if all(target["met"] for target in board["targets"]) else 1
 
 
 if __name__ == "__main__":

@@ -55,10 +55,10 @@ def two_sided_stop(rng: np.random.Generator, base: Base, variant: str, strength:
     at, stiffness, damping = _stop(rng, base, not unequal or rng.uniform() < 0.5, strength)
     farther = rng.uniform(1.05, 1.3) if unequal else 1.0
     sides = rng.permutation(["up", "down"])
-    found = {}
+    parameters = {}
     for side, place in zip(sides, (at, at * farther), strict=True):
-        found |= {f"{side}_at": place, f"{side}_stiffness": stiffness, f"{side}_damping": damping}
-    return found
+        parameters |= {f"{side}_at": place, f"{side}_stiffness": stiffness, f"{side}_damping": damping}
+    return parameters
 
 
 def constant_force(rng: np.random.Generator, base: Base, variant: str, strength: float) -> dict[str, float]:

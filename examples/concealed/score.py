@@ -108,7 +108,9 @@ def score_rig(rig: str, truth: dict[str, Any], answer: Answer) -> RigScore:
         alone=strict and len(sets[0]) == 1,
         group=truth["kind"] == "single" and bool(sets) and concealed[0] in sets[0],
         twin=first in truth.get("twins", ()),
-        found=sum(any(name in one for one in sets) for name in concealed) if truth["kind"] in {"single", "two"} else 0,
+        found=sum(any(name in names for names in sets) for name in concealed)
+        if truth["kind"] in {"single", "two"}
+        else 0,
         false_alarm=truth["kind"] == "none" and bool(answer.named),
         unexplained=answer.verdict == "unexplained" or answer.remainder,
         before=max((before for before, _ in ratios), default=None),
@@ -189,10 +191,10 @@ def targets(rigs: Sequence[RigScore], scale: str) -> list[dict[str, Any]]:
     singles = [rig for rig in rigs if rig.kind == "single"]
     nothing = [rig for rig in rigs if rig.kind == "none"]
     if scale == "small":
-        found = _target("small effects found, alone or in a group", _share(rig.group for rig in singles), 0.5)
+        rows = _target("small effects found, alone or in a group", _share(rig.group for rig in singles), 0.5)
     else:
         named = [rig.after is not None and rig.after <= CLOSE for rig in singles if rig.group]
-        found = [
+        rows = [
             *_target("effect named first", _share(rig.strict for rig in singles), 0.95),
             *_target("effect named first and alone", _share(rig.alone for rig in singles), 0.92),
             *_target("effect in the group named", _share(rig.group for rig in singles), 0.98),
@@ -200,7 +202,7 @@ def targets(rigs: Sequence[RigScore], scale: str) -> list[dict[str, Any]]:
             *_target("right, of what is named with more than 95 %", _sure(calibration(rigs)), 0.93),
         ]
     return [
-        *found,
+        *rows,
         *_target("false alarms where nothing is missing", sum(rig.false_alarm for rig in nothing), 0, True)
         * bool(nothing),
         *_target("other physics left unexplained", _share(rig.unexplained for rig in rigs if rig.kind == "open"), 0.8),
@@ -214,8 +216,8 @@ def score(truth: dict[str, Any], results: Path) -> dict[str, Any]:
     missing counts as a miss.
     """
     rigs = [
-        score_rig(name, one, read_answer(results / name / "diagnosis.json"))
-        for name, one in sorted(truth["rigs"].items())
+        score_rig(name, concealed, read_answer(results / name / "diagnosis.json"))
+        for name, concealed in sorted(truth["rigs"].items())
     ]
     rows = []
     for name in sorted({rig.concealed[0] for rig in rigs if rig.kind == "single"}):
@@ -239,10 +241,12 @@ def score(truth: dict[str, Any], results: Path) -> dict[str, Any]:
 def summary(board: dict[str, Any]) -> str:
     """The score in a few lines for a terminal."""
     lines = []
-    for one in board["targets"]:
-        value, limit = (f"{x:.0f}" if one["at_most"] else f"{100 * x:.0f} %" for x in (one["value"], one["limit"]))
-        asked = f"{'at most' if one['at_most'] else 'target'} {limit}"
-        lines.append(f"{'met   ' if one['met'] else 'missed'} {one['target']}: {value} ({asked})")
+    for target in board["targets"]:
+        value, limit = (
+            f"{x:.0f}" if target["at_most"] else f"{100 * x:.0f} %" for x in (target["value"], target["limit"])
+        )
+        asked = f"{'at most' if target['at_most'] else 'target'} {limit}"
+        lines.append(f"{'met   ' if target['met'] else 'missed'} {target['target']}: {value} ({asked})")
     singles = board["singles"]
     if singles:
         lines.append(
@@ -254,7 +258,7 @@ def summary(board: dict[str, Any]) -> str:
         lines.append(
             f"named with {100 * part['above']:g} to {100 * part['below']:g} %: {part['right']} of {part['named']} right"
         )
-    for one in board["rows"]:
-        if one["name"] == "two effects":
-            lines.append(f"{one['rigs']} rigs with two effects: both found in {one['both']}, one in {one['one']}")
+    for group in board["rows"]:
+        if group["name"] == "two effects":
+            lines.append(f"{group['rigs']} rigs with two effects: both found in {group['both']}, one in {group['one']}")
     return "\n".join(lines)

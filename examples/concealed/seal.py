@@ -30,9 +30,9 @@ def sha256(path: Path) -> str:
 def open_sealed(path: Path, expected: str) -> dict[str, Any]:
     """Read the truth back; raises SealBroken where the file's SHA-256 is not `expected`."""
     content = path.read_bytes()
-    found = hashlib.sha256(content).hexdigest()
-    if found != expected.strip().lower():
+    digest = hashlib.sha256(content).hexdigest()
+    if digest != expected.strip().lower():
         raise SealBroken(
-            f"{path}: its SHA-256 is {found}, not {expected}; the truth was changed after the suite was made"
+            f"{path}: its SHA-256 is {digest}, not {expected}; the truth was changed after the suite was made"
         )
     return json.loads(gzip.decompress(content))

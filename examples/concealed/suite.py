@@ -56,13 +56,13 @@ def _unlisted(seed: int, count: int) -> list[Spec]:
 def _pairs(seed: int, count: int) -> list[Spec]:
     """Two effects at once, from different paths of the rig."""
     rng = np.random.default_rng([seed, 2])
-    found = []
-    while len(found) < count:
+    pairs = []
+    while len(pairs) < count:
         first, second = (EFFECTS[str(name)] for name in rng.choice(list(EFFECTS), 2, replace=False))
         if first.path != second.path:
             variants = tuple(str(rng.choice(effect.variants)) for effect in (first, second))
-            found.append(Spec(TWO, (first.name, second.name), variants, "white", len(found)))
-    return found
+            pairs.append(Spec(TWO, (first.name, second.name), variants, "white", len(pairs)))
+    return pairs
 
 
 def specs(
@@ -80,14 +80,14 @@ def specs(
     if unknown:
         names = ", ".join([*EFFECTS, *COUNTS, *UNLISTED])
         raise ValueError(f"there is no kind of rig named {', '.join(unknown)}; there are {names}")
-    found: list[Spec] = []
+    suite: list[Spec] = []
     for name in chosen:
         if name in EFFECTS:
-            found += _singles(seed, name, count or (1 if small else max(2, len(EFFECTS[name].variants))))
+            suite += _singles(seed, name, count or (1 if small else max(2, len(EFFECTS[name].variants))))
         elif name in UNLISTED:
-            found += [Spec(OPEN, (name,), ("",), "white", i) for i in range(count or 1)]
+            suite += [Spec(OPEN, (name,), ("",), "white", i) for i in range(count or 1)]
         else:
             number = COUNTS[name]
-            found += {NONE: _nothing, OPEN: lambda n: _unlisted(seed, n), TWO: lambda n: _pairs(seed, n)}[name](number)
-    order = np.random.default_rng([seed, 3]).permutation(len(found))
-    return [found[i] for i in order][:short]
+            suite += {NONE: _nothing, OPEN: lambda n: _unlisted(seed, n), TWO: lambda n: _pairs(seed, n)}[name](number)
+    order = np.random.default_rng([seed, 3]).permutation(len(suite))
+    return [suite[i] for i in order][:short]

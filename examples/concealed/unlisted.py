@@ -103,5 +103,5 @@ def fractional_damping(rng: np.random.Generator, base: Base, variant: str, stren
     rates = np.geomspace(0.03, 30.0, 5) * base.omega
     weights = rates ** rng.uniform(0.3, 0.6)
     stiffness = strength * rng.uniform(0.10, 0.30) * base.stiffness * weights / weights.sum()
-    found = {f"maxwell_{i + 1}": float(value) for i, value in enumerate(stiffness)}
-    return found | {f"relaxation_{i + 1}": float(rate) for i, rate in enumerate(rates)}
+    branches = {f"maxwell_{i + 1}": float(value) for i, value in enumerate(stiffness)}
+    return branches | {f"relaxation_{i + 1}": float(rate) for i, rate in enumerate(rates)}

@@ -102,9 +102,9 @@ def _concealer(spec: Spec, base: Base, phases: dict[str, dict[str, float]], size
             parts |= {key: float(drawn[key]) for key in drawn if name != left_out or key in OF_THE_BASE}
 
         def rig(recording: str, level: float) -> dict[str, float]:
-            found = base.parameters | {k: v * (level if k in PARTS_OF_FORCE else 1.0) for k, v in parts.items()}
-            found |= {phase: phases[recording][phase] for size, phase in PHASES.items() if size in found}
-            return found | {"force": level / found["mass"]}
+            values = base.parameters | {k: v * (level if k in PARTS_OF_FORCE else 1.0) for k, v in parts.items()}
+            values |= {phase: phases[recording][phase] for size, phase in PHASES.items() if size in values}
+            return values | {"force": level / values["mass"]}
 
         return rig
 
@@ -136,18 +136,20 @@ def _check(base: Base, responses: dict[str, Response]) -> None:
         raise NotSane("a record in which hardly anything moves")
 
 
-def _check_visible(base: Base, without: Rig, plans: dict[str, Plan], level: float, found: dict[str, Response]) -> None:
+def _check_visible(
+    base: Base, without: Rig, plans: dict[str, Plan], level: float, responses: dict[str, Response]
+) -> None:
     for name in TRAINING:
         try:
             other = run(without, base, name, plans[name], level)
         except RuntimeError:
             return  # without it the rig would run away
-        if np.sqrt(np.mean((other.shown - found[name].shown) ** 2)) >= VISIBLE * base.noise:
+        if np.sqrt(np.mean((other.shown - responses[name].shown) ** 2)) >= VISIBLE * base.noise:
             return
     raise NotSane("the effect is not visible")
 
 
-def _check_repeats(base: Base, rig: Rig, plans: dict[str, Plan], level: float, found: dict[str, Response]) -> None:
+def _check_repeats(base: Base, rig: Rig, plans: dict[str, Plan], level: float, responses: dict[str, Response]) -> None:
     """A record that an immeasurable change of the rig alters beyond the noise would not come out the same twice."""
 
     def nearly(recording: str, force: float) -> dict[str, float]:
@@ -155,5 +157,5 @@ def _check_repeats(base: Base, rig: Rig, plans: dict[str, Plan], level: float, f
         return parameters | {"omega2": parameters["omega2"] * (1 + BARELY)}
 
     for name, response in _responses(base, nearly, plans, level).items():
-        if np.abs(response.shown - found[name].shown).max() > 0.3 * base.noise:
+        if np.abs(response.shown - responses[name].shown).max() > 0.3 * base.noise:
             raise NotSane("the record does not repeat")

@@ -180,7 +180,7 @@ def diagnosis(effect: str, *group: str, odds: float | None = None) -> dict[str, 
 
 
 @pytest.mark.parametrize(
-    ("found", "right", "counts"),
+    ("content", "right", "counts"),
     [
         (diagnosis("quadratic-drag"), True, "alone"),
         (diagnosis("quadratic-drag", "cubic-damping"), True, "in the group"),
@@ -189,8 +189,8 @@ def diagnosis(effect: str, *group: str, odds: float | None = None) -> dict[str, 
     ],
 )
 @pytest.mark.usefixtures("no_plain_fit")
-def test_what_is_documented_counts_as_right(found: dict[str, Any], right: bool, counts: str, tmp_path: Path) -> None:
-    outcome = examine.assemble(ENTRY, tmp_path, [command.read_run(("diagnose",), 0, 1.0, "")], found)
+def test_what_is_documented_counts_as_right(content: dict[str, Any], right: bool, counts: str, tmp_path: Path) -> None:
+    outcome = examine.assemble(ENTRY, tmp_path, [command.read_run(("diagnose",), 0, 1.0, "")], content)
     assert outcome.right is right
     assert outcome.effects[0].counts == counts
     assert outcome.judged[0][:2] == ("made", "training")
@@ -301,13 +301,13 @@ def test_a_gallery_of_one_recording(
     entries = {"made": asked, "absent": replace(ENTRY, name="absent", quick=True, training=(Piece("absent.csv.gz"),))}
     assert run.main(["-o", str(folder), "--quick", "--check"], entries) == 0
     assert "absent.csv.gz not in" in capsys.readouterr().out
-    (found,) = run.read(folder / run.JSON).values()
-    assert found.verdict == "timeout"
-    assert found.parameters["omega0"][0] == pytest.approx(20.0, rel=1e-3)
-    assert found.errors[0].before is not None
-    assert found.errors[0].before < 0.1
-    assert found.errors[0].plain is not None
-    assert found.errors[0].plain < 0.01
+    (result,) = run.read(folder / run.JSON).values()
+    assert result.verdict == "timeout"
+    assert result.parameters["omega0"][0] == pytest.approx(20.0, rel=1e-3)
+    assert result.errors[0].before is not None
+    assert result.errors[0].before < 0.1
+    assert result.errors[0].plain is not None
+    assert result.errors[0].plain < 0.01
     page = (folder / run.PAGE).read_text()
     assert page.count("<svg") == 1
     assert "timeout" in page

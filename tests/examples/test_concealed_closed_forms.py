@@ -23,8 +23,8 @@ def test_linear_decay_is_the_closed_form():
     viscous = 0.02 * W
     t, damped = sampled(6000), np.sqrt(K - viscous**2 / 4)
     exact = A * np.exp(-viscous * t / 2) * (np.cos(damped * t) + viscous / 2 / damped * np.sin(damped * t))
-    found = simulate(BASE | {"viscous": viscous}, REST, A, FS, 6000)
-    assert np.abs(found.x - exact).max() < 1e-9 * A
+    response = simulate(BASE | {"viscous": viscous}, REST, A, FS, 6000)
+    assert np.abs(response.x - exact).max() < 1e-9 * A
 
 
 def test_dry_friction_decays_linearly_and_then_holds():
@@ -35,9 +35,9 @@ def test_dry_friction_decays_linearly_and_then_holds():
     n = np.minimum(np.floor(t * W / np.pi), halves)
     exact = (-1.0) ** n * (offset + (A - (2 * n + 1) * offset) * np.cos(W * t - n * np.pi))
     exact[n == halves] = (-1.0) ** halves * (A - 2 * halves * offset)
-    found = simulate(BASE | {"dry": friction}, REST, A, FS, 6000)
-    assert np.abs(found.x - exact).max() < 1e-8 * A
-    assert np.ptp(found.x[-1000:]) == 0.0
+    response = simulate(BASE | {"dry": friction}, REST, A, FS, 6000)
+    assert np.abs(response.x - exact).max() < 1e-8 * A
+    assert np.ptp(response.x[-1000:]) == 0.0
 
 
 def test_preload_shortens_the_period_as_it_must():
@@ -48,8 +48,8 @@ def test_preload_shortens_the_period_as_it_must():
     phase = np.abs((t + 2 * quarter) % (4 * quarter) - 2 * quarter)  # time since the last or until the next +A
     side = np.where(phase < quarter, 1.0, -1.0)
     exact = side * ((A + rest) * np.cos(W * np.where(side > 0, phase, 2 * quarter - phase)) - rest)
-    found = simulate(BASE | {"preload": preload}, REST, A, FS, 3000)
-    assert np.abs(found.x - exact).max() < 1e-8 * A
+    response = simulate(BASE | {"preload": preload}, REST, A, FS, 3000)
+    assert np.abs(response.x - exact).max() < 1e-8 * A
 
 
 def test_one_sided_stop_at_the_origin_is_the_bilinear_oscillator():
@@ -67,16 +67,16 @@ def test_one_sided_stop_at_the_origin_is_the_bilinear_oscillator():
             -A * np.sin(W * (t - slow / 2 - fast)),
         ),
     )
-    found = simulate(parameters, REST, -A, FS, 3000)
-    assert np.abs(found.x - exact).max() < 1e-7 * A
+    response = simulate(parameters, REST, -A, FS, 3000)
+    assert np.abs(response.x - exact).max() < 1e-7 * A
 
 
 def test_bouncing_about_the_origin_comes_to_rest():
-    found = simulate(BASE | {"preload": 0.02 * K * A, "viscous": 0.1 * W}, REST, A, FS, 3000)
-    assert np.all(found.x[-60:] == 0.0)
+    response = simulate(BASE | {"preload": 0.02 * K * A, "viscous": 0.1 * W}, REST, A, FS, 3000)
+    assert np.all(response.x[-60:] == 0.0)
 
 
 def test_friction_holds_a_force_that_is_too_weak():
-    found = simulate(BASE | {"dry": 0.5 * PEAK, "preload": 0.01 * PEAK}, SWEEP, 0.0, FS, 1800)
-    assert np.all(found.x == 0.0)
-    assert np.abs(found.force).max() == pytest.approx(PEAK, rel=1e-2)
+    response = simulate(BASE | {"dry": 0.5 * PEAK, "preload": 0.01 * PEAK}, SWEEP, 0.0, FS, 1800)
+    assert np.all(response.x == 0.0)
+    assert np.abs(response.force).max() == pytest.approx(PEAK, rel=1e-2)

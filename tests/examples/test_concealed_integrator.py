@@ -44,9 +44,9 @@ def force(drive: Drive, t: float) -> float:
 
 @pytest.mark.parametrize("drive", [SWEEP, MULTISINE, Drive("logarithmic", PEAK, 16.0, 6.0, 3.0, 0.3), REST])
 def test_recorded_force_is_the_drive(drive):
-    found = simulate(BASE | {"viscous": W}, drive, 0.0, FS, 1800).force
+    recorded = simulate(BASE | {"viscous": W}, drive, 0.0, FS, 1800).force
     exact = np.array([force(drive, t) for t in sampled(1800)])
-    assert np.abs(found - exact).max() <= 1e-12 * PEAK
+    assert np.abs(recorded - exact).max() <= 1e-12 * PEAK
 
 
 def test_straight_lines_between_samples():
@@ -54,12 +54,12 @@ def test_straight_lines_between_samples():
     samples = np.random.default_rng(1).normal(size=50)
     lines = np.column_stack([samples[:-1], np.diff(samples)])
     law = {"mass": 1.0, "omega2": 1e-14, "omega": 1.0, "amplitude": 1.0, "force": 1.0}
-    found = simulate(law, Drive("straight", 1.0, ramp=0.0, lines=lines), 0.0, 1.0, 50)
+    response = simulate(law, Drive("straight", 1.0, ramp=0.0, lines=lines), 0.0, 1.0, 50)
     x = v = 0.0
     for k, (value, rise) in enumerate(lines):
         x, v = x + v + value / 2 + rise / 6, v + value + rise / 2
-        assert found.x[k + 1] == pytest.approx(x, rel=1e-8, abs=1e-9)
-    assert found.force[:-1] == pytest.approx(samples[:-1], rel=1e-12)
+        assert response.x[k + 1] == pytest.approx(x, rel=1e-8, abs=1e-9)
+    assert response.force[:-1] == pytest.approx(samples[:-1], rel=1e-12)
 
 
 def positive(value: float) -> float:
@@ -264,8 +264,8 @@ def second_opinion(
     t = sampled(samples)
     # Between a kink and the next the step must not grow so long that it misses one.
     longest = 0.1 / W if corners else np.inf
-    found = solve_ivp(physics, (0, t[-1]), start, "DOP853", t, rtol=1e-11, atol=1e-11 * scale, max_step=longest)
-    return found.y[0]
+    solution = solve_ivp(physics, (0, t[-1]), start, "DOP853", t, rtol=1e-11, atol=1e-11 * scale, max_step=longest)
+    return solution.y[0]
 
 
 @pytest.mark.parametrize("name", SMOOTH)
@@ -273,26 +273,26 @@ def second_opinion(
 def test_smooth_rigs_agree_with_scipy(name, drive):
     parameters = BASE | VISCOUS | SMOOTH[name]
     exact = second_opinion(parameters, drive, corners=False)
-    found = simulate(parameters, drive, 0.0, FS, SAMPLES).x
+    motion = simulate(parameters, drive, 0.0, FS, SAMPLES).x
     assert np.abs(exact).max() > 0.05 * A
-    assert np.abs(found - exact).max() < 1e-7 * np.abs(exact).max()
+    assert np.abs(motion - exact).max() < 1e-7 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("name", BROKEN)
 def test_rigs_with_corners_agree_with_scipy(name):
     parameters = BASE | VISCOUS | BROKEN[name]
     exact = second_opinion(parameters, SWEEP)
-    found = simulate(parameters, SWEEP, 0.0, FS, SAMPLES)
-    assert found.events > 10
-    assert np.abs(found.x - exact).max() < 1e-5 * np.abs(exact).max()
+    response = simulate(parameters, SWEEP, 0.0, FS, SAMPLES)
+    assert response.events > 10
+    assert np.abs(response.x - exact).max() < 1e-5 * np.abs(exact).max()
 
 
 @pytest.mark.parametrize("name", RUBBING)
 def test_friction_agrees_with_scipy_while_the_rig_does_not_stick(name):
     parameters = BASE | VISCOUS | RUBBING[name]
     exact = second_opinion(parameters, REST, A, 400)
-    found = simulate(parameters, REST, A, FS, 400).x
-    assert np.abs(found - exact).max() < 1e-5 * A
+    motion = simulate(parameters, REST, A, FS, 400).x
+    assert np.abs(motion - exact).max() < 1e-5 * A
 
 
 @pytest.mark.parametrize("extra", [RESONATOR, COIL, LOOSE, MAXWELL], ids=["resonator", "coil", "loose", "maxwell"])
@@ -317,11 +317,11 @@ STICKING = {
 @pytest.mark.parametrize("drive", [SWEEP, REST], ids=["sweep", "ringdown"])
 def test_shorter_steps_change_nothing(name, drive):
     parameters, x0 = BASE | VISCOUS | STICKING[name], A if drive is REST else 0.0
-    found = simulate(parameters, drive, x0, FS, 1800)
+    response = simulate(parameters, drive, x0, FS, 1800)
     finer = simulate(parameters, drive, x0, FS, 1800, tolerance=1e-13, steps_per_cycle=407)
-    assert found.events > 10
-    assert np.abs(found.x).max() > 0.1 * A
-    assert np.abs(found.shown - finer.shown).max() < 1e-5 * np.abs(finer.shown).max()
+    assert response.events > 10
+    assert np.abs(response.x).max() > 0.1 * A
+    assert np.abs(response.shown - finer.shown).max() < 1e-5 * np.abs(finer.shown).max()
 
 
 def test_sensor_shows_what_its_formula_says():
@@ -339,10 +339,10 @@ def test_sensor_shows_what_its_formula_says():
 def test_lagging_sensor_is_the_first_order_filter():
     # x' of the filter is known wherever its output is: tau y' = x - y, checked by the trapezoidal rule on fine samples.
     tau, fs = 0.15 / W, 50 * FS
-    found = simulate(BASE | VISCOUS | {"sensor_lag": tau}, SWEEP, 0.0, fs, 20000)
-    gap = found.x - found.shown
+    response = simulate(BASE | VISCOUS | {"sensor_lag": tau}, SWEEP, 0.0, fs, 20000)
+    gap = response.x - response.shown
     change = np.cumsum((gap[1:] + gap[:-1]) / 2) / fs / tau
-    assert np.abs(change - found.shown[1:]).max() < 1e-5 * np.abs(found.shown).max()
+    assert np.abs(change - response.shown[1:]).max() < 1e-5 * np.abs(response.shown).max()
 
 
 def test_hysteresis_starts_on_its_virgin_curve():
@@ -350,8 +350,8 @@ def test_hysteresis_starts_on_its_virgin_curve():
     reach, t = 0.2 * A, 1e-4 / W
     for name, z in (("dahl", reach * (1 - np.exp(-A / reach))), ("jenkins", reach)):
         parameters = BASE | {f"{name}_stiffness": 0.2 * K, f"{name}_reach": reach}
-        found = simulate(parameters, REST, A, 1 / t, 2).x
-        assert A - found[1] == pytest.approx((K * A + 0.2 * K * z) * t**2 / 2, rel=1e-3)
+        motion = simulate(parameters, REST, A, 1 / t, 2).x
+        assert A - motion[1] == pytest.approx((K * A + 0.2 * K * z) * t**2 / 2, rel=1e-3)
     loss = 1 / reach
     parameters = BASE | {
         "bouc_stiffness": 0.2 * K,
@@ -359,8 +359,8 @@ def test_hysteresis_starts_on_its_virgin_curve():
         "bouc_gamma": 0.4 * loss,
         "bouc_power": 1.0,
     }
-    found = simulate(parameters, REST, A, 1 / t, 2).x
-    assert A - found[1] == pytest.approx((K * A + 0.2 * K * reach * (1 - np.exp(-A / reach))) * t**2 / 2, rel=1e-3)
+    motion = simulate(parameters, REST, A, 1 / t, 2).x
+    assert A - motion[1] == pytest.approx((K * A + 0.2 * K * reach * (1 - np.exp(-A / reach))) * t**2 / 2, rel=1e-3)
 
 
 def test_unknown_parameters_and_runaways_are_refused():

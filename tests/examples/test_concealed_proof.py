@@ -44,7 +44,7 @@ def test_the_blind_test_from_suite_to_scoreboard(tmp_path, stand_in, capsys):
     assert f"SHA-256 of the sealed truth: {board['sha256']}" in out
     assert "rig_002: diagnosed" in out
     assert len(board["rigs"]) == 2
-    assert code == (0 if all(one["met"] for one in board["targets"]) else 1)
+    assert code == (0 if all(target["met"] for target in board["targets"]) else 1)
     assert board["sha256"] in (folder / "scoreboard.html").read_text()
 
     seen = json.loads((folder / "results/rig_001/diagnosis.json").read_text())["seen"]

@@ -148,9 +148,9 @@ def test_the_same_seed_gives_the_same_bytes_and_the_folder_tells_nothing(tmp_pat
     with gzip.open(tmp_path / "a/rig_001/sweep_high.csv.gz", "rt") as file:
         assert file.readline() == "time_s,force_N,displacement_m\n"
         table = np.loadtxt(file, delimiter=",")
-    one = truth["rigs"]["rig_001"]
-    assert np.abs(np.diff(table[:, 0]) * one["fs_hz"] - 1).max() < 1e-4
-    assert np.ptp(table[:, 2]) / 2 == pytest.approx(one["recordings"]["sweep_high"]["amplitude_m"], rel=0.1)
+    rig = truth["rigs"]["rig_001"]
+    assert np.abs(np.diff(table[:, 0]) * rig["fs_hz"] - 1).max() < 1e-4
+    assert np.ptp(table[:, 2]) / 2 == pytest.approx(rig["recordings"]["sweep_high"]["amplitude_m"], rel=0.1)
 
 
 def test_the_command_says_what_is_wrong(tmp_path, capsys):

@@ -49,7 +49,7 @@ def scored(folder: Path, truth: dict[str, Any], *answers: dict[str, Any] | None)
 
 
 def reached(board: dict[str, Any]) -> dict[str, tuple[float, bool]]:
-    return {one["target"]: (one["value"], one["met"]) for one in board["targets"]}
+    return {target["target"]: (target["value"], target["met"]) for target in board["targets"]}
 
 
 FIRST, ALONE, GROUP = "effect named first", "effect named first and alone", "effect in the group named"
@@ -87,8 +87,8 @@ def test_the_perfect_diagnosis_meets_every_target(tmp_path):
         *open_answers,
         said("quadratic-drag", ("two-sided-stop", "clearance")),
     )
-    everything = ((FIRST, 1), (ALONE, 1), (GROUP, 1), (CLOSE, 1), (SURE, 1), (ALARMS, 0), (OPEN, 1))
-    assert reached(board) == {name: (value, True) for name, value in everything}
+    expected = ((FIRST, 1), (ALONE, 1), (GROUP, 1), (CLOSE, 1), (SURE, 1), (ALARMS, 0), (OPEN, 1))
+    assert reached(board) == {name: (value, True) for name, value in expected}
     rows = {row["name"]: row for row in board["rows"]}
     assert rows["stribeck"]["strict"] == rows["stribeck"]["alone"] == rows["stribeck"]["group"] == 1
     assert rows["stribeck"]["held_out"] == {"before": pytest.approx(20), "after": pytest.approx(1), "close": 1}
@@ -114,8 +114,8 @@ def test_the_wrong_diagnosis_misses_every_target(tmp_path):
         said(("sensor-lag", "time-delay"), after=0.02),
     )
     # sensor-lag is the first named on one of the two rigs, with a rival; three of the six that were named are right
-    everything = ((FIRST, 0.5), (ALONE, 0), (GROUP, 0.5), (CLOSE, 0), (SURE, 0.5), (ALARMS, 1), (OPEN, 0))
-    assert reached(board) == {name: (value, False) for name, value in everything}
+    expected = ((FIRST, 0.5), (ALONE, 0), (GROUP, 0.5), (CLOSE, 0), (SURE, 0.5), (ALARMS, 1), (OPEN, 0))
+    assert reached(board) == {name: (value, False) for name, value in expected}
     rows = {row["name"]: row for row in board["rows"]}
     assert rows["stribeck"]["missed"] == rows["stribeck"]["more_named"] == 1
     assert rows["stribeck"]["group"] == 0  # the second effect's group does not count

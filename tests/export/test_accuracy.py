@@ -86,11 +86,11 @@ def run() -> Callable[..., np.ndarray]:
 
 def reference(values: dict[str, float], t: np.ndarray, force: np.ndarray) -> np.ndarray:
     """(n,) displacement by Taylor series, step by step, whatever their lengths."""
-    x, v, found = 0.0, 0.0, [0.0]
+    x, v, displacements = 0.0, 0.0, [0.0]
     for dt, now, then in zip(np.diff(t).tolist(), force[:-1], force[1:], strict=True):
         (_, x), (_, v) = integrate_pieces(values, np.array([[now, then - now]]), dt, float(x), float(v))
-        found.append(x)
-    return np.array(found)
+        displacements.append(x)
+    return np.array(displacements)
 
 
 def error(x: np.ndarray, exact: np.ndarray) -> float:
@@ -114,12 +114,12 @@ def test_results_do_not_depend_on_the_step(run, fmu_of, version):
     """The same force, whose knots are 10 ms apart, in steps of 10 ms, of 1 ms, and irregular ones."""
     knots = points("10 ms")
     force = sweep(knots, 1.0)
-    one = run(fmu_of(version), knots, force)
+    coarse = run(fmu_of(version), knots, force)
     between = np.random.default_rng(5).uniform(0.0, knots[-1], 3 * knots.size)
     for t in (points("1 ms"), np.union1d(knots, between)):
         t[np.searchsorted(t, knots - 1e-9)] = knots
-        many = run(fmu_of(version), t, np.interp(t, knots, force))[np.searchsorted(t, knots)]
-        assert error(many, one) < CLOSE
+        fine = run(fmu_of(version), t, np.interp(t, knots, force))[np.searchsorted(t, knots)]
+        assert error(fine, coarse) < CLOSE
 
 
 #: A law, what it is given beside the stand's parameters, and the same in the concealed rigs' own words.

@@ -45,7 +45,7 @@ def elf(data):
     assert data[:6] == b"\x7fELF\x02\x01"  # 64 bits, little-endian
     kind, machine = struct.unpack_from("<2H", data, 16)
     assert kind == 3  # ET_DYN
-    found = Binary({62: "x86-64", 183: "aarch64"}[machine])
+    binary = Binary({62: "x86-64", 183: "aarch64"}[machine])
     (table,) = struct.unpack_from("<Q", data, 40)
     _, count = struct.unpack_from("<2H", data, 58)
     sections = [struct.unpack_from("<2I4Q2I2Q", data, table + 64 * i) for i in range(count)]
@@ -54,12 +54,12 @@ def elf(data):
         if kind == 6:  # SHT_DYNAMIC
             for tag, value in struct.iter_unpack("<2Q", data[begin : begin + size]):
                 if tag == 1:
-                    found.needs.add(text(data, names + value))
+                    binary.needs.add(text(data, names + value))
                 assert tag not in (15, 29)  # DT_RPATH, DT_RUNPATH
         elif kind == 11:  # SHT_DYNSYM
             for name, _, _, section, _, _ in struct.iter_unpack("<IBBHQQ", data[begin : begin + size]):
                 if section:
-                    found.exports.add(text(data, names + name))
+                    binary.exports.add(text(data, names + name))
         elif kind == 0x6FFFFFFE:  # SHT_GNU_verneed
             at = begin
             for _ in range(entries):
@@ -68,10 +68,10 @@ def elf(data):
                 for _ in range(marks):
                     _, _, _, name, further = struct.unpack_from("<I2H2I", data, mark)
                     version = text(data, names + name).removeprefix("GLIBC_")
-                    found.versions.add(tuple(int(part) for part in version.split(".")))
+                    binary.versions.add(tuple(int(part) for part in version.split(".")))
                     mark += further
                 at += onwards
-    return found
+    return binary
 
 
 def pe(data):
@@ -79,7 +79,7 @@ def pe(data):
     assert data[at : at + 4] == b"PE\0\0"
     machine, count, _, _, _, optional, flags = struct.unpack_from("<2H3I2H", data, at + 4)
     assert flags & 0x2000  # IMAGE_FILE_DLL
-    found = Binary({0x8664: "x86-64"}[machine])
+    binary = Binary({0x8664: "x86-64"}[machine])
     assert struct.unpack_from("<H", data, at + 24) == (0x20B,)  # PE32+
     exported, _, imported, _ = struct.unpack_from("<4I", data, at + 24 + 112)
     sections = [struct.unpack_from("<8s6I", data, at + 24 + optional + 40 * i) for i in range(count)]
@@ -91,14 +91,14 @@ def pe(data):
         raise AssertionError(f"no section holds {address:#x}")
 
     *_, name, _, _, names, _, table, _ = struct.unpack_from("<2I2H7I", data, place(exported))
-    found.name = text(data, place(name))
+    binary.name = text(data, place(name))
     for (address,) in struct.iter_unpack("<I", data[place(table) : place(table) + 4 * names]):
-        found.exports.add(text(data, place(address)))
+        binary.exports.add(text(data, place(address)))
     row = place(imported)
     while (name := struct.unpack_from("<5I", data, row)[3]) != 0:
-        found.needs.add(text(data, place(name)).lower())
+        binary.needs.add(text(data, place(name)).lower())
         row += 20
-    return found
+    return binary
 
 
 def commands(data):
@@ -113,22 +113,22 @@ def commands(data):
 def macho(data):
     magic, cpu, _, kind = struct.unpack_from("<4I", data)
     assert (magic, kind) == (0xFEEDFACF, 6)  # MH_DYLIB
-    found = Binary({0x01000007: "x86-64", 0x0100000C: "aarch64"}[cpu])
+    binary = Binary({0x01000007: "x86-64", 0x0100000C: "aarch64"}[cpu])
     for command, at, _ in commands(data):
         if command in (0xC, 0xD):  # LC_LOAD_DYLIB, LC_ID_DYLIB
             name = text(data, at + struct.unpack_from("<I", data, at + 8)[0])
-            found.needs |= {name} if command == 0xC else set()
-            found.name = name if command == 0xD else found.name
+            binary.needs |= {name} if command == 0xC else set()
+            binary.name = name if command == 0xD else binary.name
         if command in (0x24, 0x32):  # LC_VERSION_MIN_MACOSX, LC_BUILD_VERSION
             (packed,) = struct.unpack_from("<I", data, at + (8 if command == 0x24 else 12))
-            found.versions.add((packed >> 16, packed >> 8 & 255))
+            binary.versions.add((packed >> 16, packed >> 8 & 255))
         if command == 2:  # LC_SYMTAB
             symbols, count, strings, _ = struct.unpack_from("<4I", data, at + 8)
             for i in range(count):
                 name, flags, *_ = struct.unpack_from("<IBBHQ", data, symbols + 16 * i)
                 if flags & 1 and flags & 0x0E:  # N_EXT, and defined here
-                    found.exports.add(text(data, strings + name).removeprefix("_"))
-    return found
+                    binary.exports.add(text(data, strings + name).removeprefix("_"))
+    return binary
 
 
 def thin(data):
@@ -161,28 +161,28 @@ def test_an_fmu_for_all_desktops_is_small_and_sound(everywhere, contents):
 
 @pytest.mark.parametrize(("folder", "kind"), [("linux64", "x86-64"), ("aarch64-linux", "aarch64")])
 def test_linux_needs_the_c_library_of_2012(contents, folder, kind):
-    found = elf(contents[f"binaries/{folder}/stand.so"])
-    assert found.kind == kind
-    assert found.needs <= {"libc.so.6", "libm.so.6"}
-    assert found.versions
-    assert max(found.versions) <= (2, 17)
-    assert found.exports == FMI2
+    binary = elf(contents[f"binaries/{folder}/stand.so"])
+    assert binary.kind == kind
+    assert binary.needs <= {"libc.so.6", "libm.so.6"}
+    assert binary.versions
+    assert max(binary.versions) <= (2, 17)
+    assert binary.exports == FMI2
 
 
 def test_windows_needs_what_is_part_of_it(contents):
-    found = pe(contents["binaries/win64/stand.dll"])
-    assert (found.kind, found.name) == ("x86-64", "stand.dll")
-    assert {name for name in found.needs if not name.startswith("api-ms-win-crt-")} == set()
-    assert found.exports == FMI2
+    binary = pe(contents["binaries/win64/stand.dll"])
+    assert (binary.kind, binary.name) == ("x86-64", "stand.dll")
+    assert {name for name in binary.needs if not name.startswith("api-ms-win-crt-")} == set()
+    assert binary.exports == FMI2
 
 
 def test_macos_has_one_file_for_both_processors(contents):
     both = [macho(part) for part in thin(contents["binaries/darwin64/stand.dylib"])]
-    assert [(found.kind, found.versions) for found in both] == [("x86-64", {(10, 13)}), ("aarch64", {(11, 0)})]
-    for found in both:
-        assert found.name == "@rpath/stand.dylib"
-        assert found.needs == {"/usr/lib/libSystem.B.dylib"}
-        assert found.exports - _OF_THE_LINKER == FMI2
+    assert [(binary.kind, binary.versions) for binary in both] == [("x86-64", {(10, 13)}), ("aarch64", {(11, 0)})]
+    for binary in both:
+        assert binary.name == "@rpath/stand.dylib"
+        assert binary.needs == {"/usr/lib/libSystem.B.dylib"}
+        assert binary.exports - _OF_THE_LINKER == FMI2
 
 
 def test_the_signature_that_arm64_asks_for_holds(contents):
@@ -204,15 +204,15 @@ def test_the_signature_that_arm64_asks_for_holds(contents):
 
 def test_fmi_3_has_a_folder_for_each(contents, models):
     sources, _ = fmu_sources(Facts(models["base"]()))
-    found = binaries(sources, "all.c", "stand", PLATFORMS, version=3)
-    assert set(found) == {f"binaries/{p.fmi3}/stand{p.suffix}" for p in PLATFORMS}
-    assert found["binaries/x86_64-linux/stand.so"] == contents["binaries/linux64/stand.so"]
+    files = binaries(sources, "all.c", "stand", PLATFORMS, version=3)
+    assert set(files) == {f"binaries/{p.fmi3}/stand{p.suffix}" for p in PLATFORMS}
+    assert files["binaries/x86_64-linux/stand.so"] == contents["binaries/linux64/stand.so"]
     assert thin(contents["binaries/darwin64/stand.dylib"]) == [
-        found["binaries/x86_64-darwin/stand.dylib"],
-        found["binaries/aarch64-darwin/stand.dylib"],
+        files["binaries/x86_64-darwin/stand.dylib"],
+        files["binaries/aarch64-darwin/stand.dylib"],
     ]
     alone = binaries(sources, "all.c", "stand", parse_platforms("darwin-arm64,linux-arm64"))
-    assert alone["binaries/darwin64/stand.dylib"] == found["binaries/aarch64-darwin/stand.dylib"]
+    assert alone["binaries/darwin64/stand.dylib"] == files["binaries/aarch64-darwin/stand.dylib"]
     assert alone["binaries/linux64/stand.so"] == alone["binaries/aarch64-linux/stand.so"]
 
 
@@ -252,8 +252,8 @@ def test_what_takes_long_the_first_time_is_said_then_and_only_then(everywhere, m
     monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path))
     said = []
     for _ in range(2):
-        found = binaries({}, "all.c", "rig", parse_platforms("win64,linux64"), progress=said.append)
-    assert list(found) == ["binaries/linux64/rig.so", "binaries/win64/rig.dll"]
+        files = binaries({}, "all.c", "rig", parse_platforms("win64,linux64"), progress=said.append)
+    assert list(files) == ["binaries/linux64/rig.so", "binaries/win64/rig.dll"]
     assert [line.partition(";")[0] for line in said] == ["compiling for Linux x86-64", "compiling for Windows x64"]
 
 
@@ -273,10 +273,14 @@ def test_whatever_a_law_can_be_made_of_links_everywhere(everywhere):
     import casadi as ca
 
     x, y = ca.SX.sym("x"), ca.SX.sym("y")
-    one = "sqrt sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log log1p expm1 erf floor ceil fabs"
-    two = "atan2 fmin fmax fmod copysign hypot remainder"
-    values = [getattr(ca, name)(x) for name in (*one.split(), "log10", "sign")]
-    values += [getattr(ca, name)(x, y) for name in two.split()] + [x**y, ca.if_else(x < y, x, y), ca.constpow(x, 2.5)]
+    unary = "sqrt sin cos tan asin acos atan sinh cosh tanh asinh acosh atanh exp log log1p expm1 erf floor ceil fabs"
+    binary = "atan2 fmin fmax fmod copysign hypot remainder"
+    values = [getattr(ca, name)(x) for name in (*unary.split(), "log10", "sign")]
+    values += [getattr(ca, name)(x, y) for name in binary.split()] + [
+        x**y,
+        ca.if_else(x < y, x, y),
+        ca.constpow(x, 2.5),
+    ]
     generator = ca.CodeGenerator("law.c", {"with_header": False})
     generator.add(ca.Function("law", [x, y], [ca.vertcat(*values)]))
     sources = {

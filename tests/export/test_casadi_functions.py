@@ -178,7 +178,7 @@ def test_the_smooth_step_of_every_law_follows_the_exact_one(effect, with_law):
 def test_a_surface_is_smoothed_in_its_own_size_and_unit(with_law, tmp_path):
     model = with_law("actuator-dead-zone", "hysteresis")
     about = json.loads(Path(export(model, tmp_path / "rig.casadi")[-1]).read_text(encoding="utf-8"))
-    width = {one["surface"]: (one["width"], one["unit"]) for one in about["smoothing_width"]}
+    width = {row["surface"]: (row["width"], row["unit"]) for row in about["smoothing_width"]}
     limit = model.values()["hysteresis.limit"]
     assert width["hysteresis.deflection"] == (pytest.approx(1e-3 * limit, rel=0.1), "m")
     size, unit = width["(F-actuator-dead-zone.threshold)"]

@@ -21,7 +21,7 @@ def place(caller: Any, seed: int, part: float, **further: float) -> Any:
     random = np.random.default_rng(seed)
     starts = caller.known.starts
     size = caller.initialise().nominals()
-    caller.it.reset()
+    caller.fmu.reset()
     state = part * np.array(size) * random.uniform(0.2, 0.7, len(size)) * random.choice([-1, 1], len(size))
     values = dict(zip(starts, state.tolist(), strict=True)) | {"F": float(random.uniform(0.2, 0.9))} | further
     return caller.start(at=0.3, **values)
@@ -30,8 +30,8 @@ def place(caller: Any, seed: int, part: float, **further: float) -> Any:
 def unlisted(caller: Any, unknowns: Any, knowns: list[str]) -> set[tuple[str, str]]:
     """Pairs of unknown and known with a derivative that is not zero and yet not listed."""
     listed = {u.variable.name: {v.name for v in u.dependencies} for u in unknowns}
-    found = {name: caller.derivative(list(listed), [name], [1.0]) for name in knowns}
-    return {(u, k) for k in knowns for u, d in zip(listed, found[k], strict=True) if d != 0.0 and k not in listed[u]}
+    columns = {name: caller.derivative(list(listed), [name], [1.0]) for name in knowns}
+    return {(u, k) for k in knowns for u, d in zip(listed, columns[k], strict=True) if d != 0.0 and k not in listed[u]}
 
 
 @pytest.mark.parametrize(("effects", "further"), MODELS, ids=name_of)
@@ -44,7 +44,7 @@ def test_nothing_depends_on_what_is_not_listed(law_fmu, callers, effects, furthe
         for seed in range(3):
             place(caller, seed, part, **changed)
             assert unlisted(caller, unknowns, knowns) == set()
-            caller.it.reset()
+            caller.fmu.reset()
 
 
 @pytest.mark.parametrize(("effects", "further"), MODELS, ids=name_of)
@@ -55,4 +55,4 @@ def test_nor_at_the_start(law_fmu, callers, effects, further):
         caller.initialise(at=0.3, **{"F": 0.4, "x0": 2e-4, "v0": -0.1, **changed})
         knowns = ["F", "time", *caller.known.starts, *caller.known.tunable]
         assert unlisted(caller, told.initialUnknowns, knowns) == set()
-        caller.it.reset()
+        caller.fmu.reset()

@@ -51,13 +51,13 @@ def sizes(caller: Any, knowns: Sequence[str]) -> np.ndarray:
 def differences(caller: Any, names: list[str], known: str, step: float) -> np.ndarray:
     """Central difference of fourth order of the values of ``names`` as ``known`` moves."""
     (at,) = caller.get(known)
-    move = caller.it.setTime if known == "time" else lambda value: caller.set(**{known: value})
-    found = []
+    move = caller.fmu.setTime if known == "time" else lambda value: caller.set(**{known: value})
+    values = []
     for part in (-2, -1, 1, 2):
         move(at + part * step)
-        found.append(caller.get(*names))
+        values.append(caller.get(*names))
     move(at)
-    return np.array([1.0, -8.0, 8.0, -1.0]) @ np.array(found) / (12.0 * step)
+    return np.array([1.0, -8.0, 8.0, -1.0]) @ np.array(values) / (12.0 * step)
 
 
 def check(caller: Any, knowns: Sequence[str]) -> None:
@@ -67,11 +67,11 @@ def check(caller: Any, knowns: Sequence[str]) -> None:
         GRAIN * np.maximum(np.abs(caller.get(*names)), [1.0 * (n in ("x", "acceleration")) for n in names])[:, None]
     )
     told = np.array([caller.derivative(names, [name], [1.0]) for name in knowns]).T * size
-    found = np.array([differences(caller, names, n, MOVE * s) for n, s in zip(knowns, size, strict=True)]).T * size
-    largest = np.maximum(np.abs(found), np.abs(told)).max(axis=1)[:, None]
-    error = np.maximum(np.abs(told - found) - rounding, 0.0) / np.where(largest > 0, largest, 1.0)
+    numeric = np.array([differences(caller, names, n, MOVE * s) for n, s in zip(knowns, size, strict=True)]).T * size
+    largest = np.maximum(np.abs(numeric), np.abs(told)).max(axis=1)[:, None]
+    error = np.maximum(np.abs(told - numeric) - rounding, 0.0) / np.where(largest > 0, largest, 1.0)
     i, k = np.unravel_index(np.argmax(error), error.shape)
-    assert error[i, k] <= CLOSE, f"{names[i]} by {knowns[k]}: {told[i, k]:.9g} told, {found[i, k]:.9g} found"
+    assert error[i, k] <= CLOSE, f"{names[i]} by {knowns[k]}: {told[i, k]:.9g} told, {numeric[i, k]:.9g} found"
 
 
 def place(caller: Any, seed: int, part: float = 1.0, **further: float) -> Any:
@@ -79,7 +79,7 @@ def place(caller: Any, seed: int, part: float = 1.0, **further: float) -> Any:
     random = np.random.default_rng(seed)
     starts = caller.known.starts
     nominal = sizes(caller.initialise(at=START), starts) * random.uniform(0.2, 0.7, len(starts))
-    caller.it.reset()
+    caller.fmu.reset()
     state = dict(zip(starts, (part * nominal * random.choice([-1, 1], len(starts))).tolist(), strict=True))
     return caller.start(at=START, F=float(random.uniform(0.2, 0.9)), **{**state, **further})
 
@@ -90,7 +90,7 @@ def test_every_law(law_fmu, callers, effect):
     for seed in range(3):
         place(caller, seed)
         check(caller, knowns_of(caller))
-        caller.it.reset()
+        caller.fmu.reset()
 
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect or "base")
@@ -100,7 +100,7 @@ def test_every_smooth_law(law_fmu, callers, effect):
     for seed, part in ((0, 1.0), (1, 0.01), (2, 0.03)):
         place(caller, seed, part, smoothing=0.02)
         check(caller, [*knowns_of(caller), "smoothing"])
-        caller.it.reset()
+        caller.fmu.reset()
 
 
 @pytest.mark.parametrize("effect", STUCK)

@@ -139,8 +139,10 @@ def test_the_same_model_gives_the_same_page_which_stands_alone(identified):
     "nasty", ["<b>\"&'", "</style><script>alert(1)</script>", "{{ 7*7 }} {% raw %}", "a\x00\ud800b"]
 )
 def test_text_of_a_model_stays_text(identified, nasty):
-    found = replace(identified.identified, recordings=({"file": nasty, "kind": nasty},), method=nasty, software=nasty)
-    model = replace(identified, name=nasty, identified=found)
+    provenance = replace(
+        identified.identified, recordings=({"file": nasty, "kind": nasty},), method=nasty, software=nasty
+    )
+    model = replace(identified, name=nasty, identified=provenance)
     text = page(model)
     Balance().feed(text)
     text.encode()
@@ -156,24 +158,24 @@ def test_curves_are_those_of_the_closed_forms():
     """Eq. 6 for the cubic spring, Eq. 7 for viscous and dry friction (Feldman, Bucher, Rotberg 2009)."""
     values = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.0, "viscous": 5.0, "dry": 0.015}
     model = replace(Oscillator.from_values(values), amplitude=Range(2e-4, 9e-3, "m"))
-    found = curves(Facts(model))
-    assert found is not None
-    expected = np.sqrt(79.6**2 + 0.75 * 4.6e5 * found.amplitude**2) / (2 * np.pi)
-    assert np.max(np.abs(found.frequency / expected - 1)) < 1e-9
-    expected = damping_curve(5.0, 0.015, found.amplitude, 2 * np.pi * found.frequency)
-    assert np.max(np.abs(found.damping / expected - 1)) < 1e-9
-    assert found.amplitude[0] < found.low == 2e-4 < found.high == 9e-3 < found.amplitude[-1]
-    head, rows = table(found, "m")
+    drawn = curves(Facts(model))
+    assert drawn is not None
+    expected = np.sqrt(79.6**2 + 0.75 * 4.6e5 * drawn.amplitude**2) / (2 * np.pi)
+    assert np.max(np.abs(drawn.frequency / expected - 1)) < 1e-9
+    expected = damping_curve(5.0, 0.015, drawn.amplitude, 2 * np.pi * drawn.frequency)
+    assert np.max(np.abs(drawn.damping / expected - 1)) < 1e-9
+    assert drawn.amplitude[0] < drawn.low == 2e-4 < drawn.high == 9e-3 < drawn.amplitude[-1]
+    head, rows = table(drawn, "m")
     assert head[0] == "Amplitude [mm]"
     assert [row[0] for row in (rows[0], rows[-1])] == ["0.2", "9"]
-    ratio = 100 * found.damping[found.amplitude == 9e-3][0] / (2 * np.pi * found.frequency[found.amplitude == 9e-3][0])
+    ratio = 100 * drawn.damping[drawn.amplitude == 9e-3][0] / (2 * np.pi * drawn.frequency[drawn.amplitude == 9e-3][0])
     assert float(rows[-1][3]) == pytest.approx(ratio, rel=5e-3)
 
 
 def test_the_picture_shows_the_numbers_and_marks_the_range(identified):
-    found = curves(Facts(identified))
-    assert found is not None
-    backbone = ElementTree.fromstring(pictures(found, "m")[0])
+    drawn = curves(Facts(identified))
+    assert drawn is not None
+    backbone = ElementTree.fromstring(pictures(drawn, "m")[0])
     assert backbone.get("role") == "img"
     title = backbone.find(f"{SVG}title")
     assert title is not None
@@ -189,7 +191,7 @@ def test_the_picture_shows_the_numbers_and_marks_the_range(identified):
     amplitude = np.exp(np.interp(points[:, 0], [x for _, x in across], [v for v, _ in across], left=np.nan))
     frequency = np.interp(-points[:, 1], [-y for _, y in up], [v for v, _ in up])
     there = np.isfinite(amplitude)
-    expected = np.interp(amplitude[there] * 1e-3, found.amplitude, found.frequency)
+    expected = np.interp(amplitude[there] * 1e-3, drawn.amplitude, drawn.frequency)
     inside = (expected > up[0][0]) & (expected < up[-1][0])
     assert np.count_nonzero(inside) > 20
     assert np.max(np.abs(frequency[there][inside] - expected[inside])) < 0.02
@@ -216,8 +218,8 @@ def test_odd_models_have_sound_pictures_or_none(models, changed):
     model = models["base"]()
     model = model.with_parameters({n: replace(model.parameters()[n], value=v) for n, v in changed.items()})
     for valid in (None, Range(0.0, 9e-3, "m"), Range(9e-3, 9e-3, "m"), Range(1e-12, 1e3, "m"), Range(0.0, 0.0, "m")):
-        one = replace(model, amplitude=valid)
-        text = page(one)
+        ranged = replace(model, amplitude=valid)
+        text = page(ranged)
         assert "nan" not in " ".join(re.findall(r' d="([^"]*)"', text))
         for svg in re.findall(r"<svg.*?</svg>", text, re.DOTALL):
             ElementTree.fromstring(svg)

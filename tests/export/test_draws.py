@@ -23,7 +23,7 @@ def known(model: Oscillator, **std: float) -> Oscillator:
 def table(model: Oscillator, count: int, seed: int = 0) -> np.ndarray:
     """(count, rows of the covariance)."""
     names = model.identified.parameters
-    return np.array([[one[name] for name in names] for one in draws(model, count, seed)])
+    return np.array([[draw[name] for name in names] for draw in draws(model, count, seed)])
 
 
 def test_mean_and_covariance_are_those_of_the_model(models):
@@ -32,11 +32,11 @@ def test_mean_and_covariance_are_those_of_the_model(models):
     matrix[1, 2] = matrix[2, 1] = -0.9 * STD["omega0"] * STD["cubic"]
     model = replace(model, identified=replace(model.identified, covariance=tuple(map(tuple, matrix.tolist()))))
     n = 4000
-    found = table(model, n)
-    error = (found.mean(axis=0) - list(model.values().values())) / list(STD.values())
+    drawn = table(model, n)
+    error = (drawn.mean(axis=0) - list(model.values().values())) / list(STD.values())
     assert np.max(np.abs(error)) < 4 / np.sqrt(n)
     scale = np.outer(list(STD.values()), list(STD.values()))
-    assert np.max(np.abs(np.cov(found.T) - matrix) / scale) < 6 / np.sqrt(n)
+    assert np.max(np.abs(np.cov(drawn.T) - matrix) / scale) < 6 / np.sqrt(n)
 
 
 def test_the_same_seed_gives_the_same_draws_and_more_begin_with_the_fewer(models):
@@ -48,27 +48,27 @@ def test_the_same_seed_gives_the_same_draws_and_more_begin_with_the_fewer(models
 
 def test_what_is_not_in_the_covariance_stays(models):
     model = known(models["drag"](), mass=1e-3)
-    for one in draws(model, 5):
-        assert list(one) == list(model.values())
-        assert {name for name in one if one[name] != model.values()[name]} == {"mass"}
+    for draw in draws(model, 5):
+        assert list(draw) == list(model.values())
+        assert {name for name in draw if draw[name] != model.values()[name]} == {"mass"}
 
 
 def test_a_covariance_of_lower_rank_moves_together(models):
     model = models["base"]()
     rows = ((1e-6, 2e-6), (2e-6, 4e-6))
     model = replace(model, identified=Provenance(parameters=("viscous", "omega0"), covariance=rows))
-    found = table(model, 50) - [model.viscous.value, model.omega0.value]
-    assert np.allclose(2 * found[:, 0], found[:, 1], rtol=0, atol=1e-7 * 1e-3)
-    assert np.std(found[:, 0]) > 5e-4
+    drawn = table(model, 50) - [model.viscous.value, model.omega0.value]
+    assert np.allclose(2 * drawn[:, 0], drawn[:, 1], rtol=0, atol=1e-7 * 1e-3)
+    assert np.std(drawn[:, 0]) > 5e-4
 
 
 def test_bounds_hold_and_cut_the_distribution_where_they_are(models):
     """A half-normal distribution has its mean at sqrt(2/pi) of the standard deviation: clipping would halve it."""
     model = models["drag"]()
     model = model.with_parameters({"quadratic-drag.coefficient": replace_value(model, "quadratic-drag.coefficient", 0)})
-    found = table(known(model, **{"quadratic-drag.coefficient": 2.0}), 4000)[:, 0]
-    assert found.min() >= 0.0
-    assert found.mean() == pytest.approx(2.0 * np.sqrt(2 / np.pi), rel=0.05)
+    drawn = table(known(model, **{"quadratic-drag.coefficient": 2.0}), 4000)[:, 0]
+    assert drawn.min() >= 0.0
+    assert drawn.mean() == pytest.approx(2.0 * np.sqrt(2 / np.pi), rel=0.05)
 
 
 def replace_value(model: Oscillator, name: str, value: float):
@@ -81,8 +81,8 @@ def test_signs_that_nature_wants_are_kept_where_the_model_has_them(models):
     assert limits(model, "cubic") == (-np.inf, np.inf)
     assert limits(models["drag"](), "quadratic-drag.coefficient") == (0.0, np.inf)
     feeding = model.with_parameters({"viscous": replace_value(model, "viscous", -0.1)})
-    found = table(known(feeding, viscous=0.1), 300)
-    assert found.min() < 0 < found.max()
+    drawn = table(known(feeding, viscous=0.1), 300)
+    assert drawn.min() < 0 < drawn.max()
 
 
 def test_what_cannot_be_drawn_is_said(models):

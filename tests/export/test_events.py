@@ -28,7 +28,7 @@ def moved(caller: Any, t: float, z: np.ndarray, h: float) -> np.ndarray:
     """One step of Heun's method; leaves the FMU at its end."""
 
     def rates(t: float, z: np.ndarray) -> np.ndarray:
-        caller.it.setTime(t)
+        caller.fmu.setTime(t)
         caller.set(F=rush(t))
         caller.set_states(z.tolist())
         return np.array(caller.rates())
@@ -44,9 +44,9 @@ def test_small_steps_see_every_indicator_settle(law_fmu, callers, with_law, effe
     """Events are dealt with where the step ends, somewhat late, and are over when event mode is left."""
     caller = callers(law_fmu(3, *laws(effect)))
     count = len(equations(with_law(*laws(effect))).kinds)
-    assert caller.known.indicators == caller.it.getNumberOfEventIndicators() == count
+    assert caller.known.indicators == caller.fmu.getNumberOfEventIndicators() == count
     caller.start(**START, F=rush(0.0))
-    assert caller.it.getNumberOfContinuousStates() == len(caller.known.states)
+    assert caller.fmu.getNumberOfContinuousStates() == len(caller.known.states)
     z, crossed, turned = np.array(caller.states()), 0, 0
     for k in range(N):
         assert min(caller.indicators()) > 0
@@ -74,12 +74,12 @@ def test_a_mass_breaks_away_where_the_force_exceeds_what_holds_it(law_fmu, calle
     assert caller.rates() == [0.0, 0.0]
     m, w, c, b = (with_law().values()[name] for name in ("mass", "omega0", "cubic", "preload"))
     held = m * (3.0 + w**2 * 2e-4 + c * 8e-12 + b)
-    left = []
+    least = []
     for force in (held * (1 - 1e-9), held * (1 + 1e-9)):
         caller.set(F=force)
-        left.append(min(caller.indicators()))
+        least.append(min(caller.indicators()))
         caller.event()
-    assert left[0] > 0 > left[1]
+    assert least[0] > 0 > least[1]
     assert 0 < caller.rates()[1] < 1e-6
     assert min(caller.indicators()) > 0
 
@@ -108,12 +108,12 @@ def test_flights_at_the_seat_of_a_preloaded_spring_come_to_an_end(law_fmu, calle
         expected += inside.get("x")
     outside = callers(fmu)
     if version == 2:
-        outside.it.setupExperiment(startTime=0.0)
-    found = integrate(outside.model(), outside.known, np.zeros(160), dt, start, "first", "F", "x")
+        outside.fmu.setupExperiment(startTime=0.0)
+    response = integrate(outside.model(), outside.known, np.zeros(160), dt, start, "first", "F", "x")
     assert inside.get("x", "velocity") == [0.0, 0.0]
     assert outside.get("x", "velocity") == [0.0, 0.0]
     assert outside.rates() == [0.0, 0.0]
-    assert np.max(np.abs(found - expected)) <= 1e-6 * 5e-4
+    assert np.max(np.abs(response - expected)) <= 1e-6 * 5e-4
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -67,7 +67,7 @@ def test_a_kept_state_replays_bit_for_bit(fmu, effects):
     assert caller.bytes_of(again) != told
 
     other = fmu(*effects).start()  # as after a restart of the simulator
-    brought = other.it.deserializeFMUState(told)
+    brought = other.fmu.deserializeFMUState(told)
     other.back(brought)
     assert walk(other, 150, 300) == first
     for owner, state in ((caller, kept), (caller, again), (other, brought)):
@@ -94,7 +94,7 @@ def test_a_state_kept_while_it_sticks_breaks_away_at_the_same_instant(fmu):
     caller.back(kept)
     assert on(caller) == first
     other = fmu().start()
-    brought = other.it.deserializeFMUState(told)
+    brought = other.fmu.deserializeFMUState(told)
     other.back(brought)
     assert on(other) == first
     caller.forget(kept)
@@ -104,13 +104,13 @@ def test_a_state_kept_while_it_sticks_breaks_away_at_the_same_instant(fmu):
 def test_a_state_keeps_the_slope_of_the_force_and_the_mode(fmu):
     caller = fmu().start(F=0.1, F_rate=50.0)
     kept = caller.keep()
-    caller.it.doStep(0.0, DT)
+    caller.fmu.doStep(0.0, DT)
     first = caller.get("F", "F_rate", *OUTPUTS)
     assert first[:2] == pytest.approx([0.15, 50.0], rel=1e-15)
     caller.set(F_rate=0.0)
-    caller.it.terminate()
+    caller.fmu.terminate()
     caller.back(kept)
-    caller.it.doStep(0.0, DT)
+    caller.fmu.doStep(0.0, DT)
     assert caller.get("F", "F_rate", *OUTPUTS) == first
     caller.forget(kept)
 
@@ -119,10 +119,10 @@ def test_a_slope_holds_until_it_is_set_anew(fmu):
     """Unlike the derivatives of FMI 2: an input keeps its value."""
     caller = fmu().start(F=0.0, F_rate=100.0)
     for k in range(5):
-        caller.it.doStep(k * DT, DT)
+        caller.fmu.doStep(k * DT, DT)
     assert caller.get("F") == pytest.approx([0.5], rel=1e-14)
     whole = fmu().start(F=0.0, F_rate=100.0)
-    whole.it.doStep(0.0, 5 * DT)
+    whole.fmu.doStep(0.0, 5 * DT)
     assert caller.get("x", "velocity") == pytest.approx(whole.get("x", "velocity"), rel=1e-9)
 
 
@@ -153,9 +153,9 @@ def test_damaged_bytes_are_no_state(fmu, damage):
     bad = bytearray(good)
     bad[damage] ^= 0x10
     words = "not a state of this model"
-    refused(caller, lambda: caller.it.deserializeFMUState(bytes(bad)), words)
-    refused(caller, lambda: caller.it.deserializeFMUState(good[:-8]), words)
-    refused(caller, lambda: caller.it.deserializeFMUState(b""), words)
+    refused(caller, lambda: caller.fmu.deserializeFMUState(bytes(bad)), words)
+    refused(caller, lambda: caller.fmu.deserializeFMUState(good[:-8]), words)
+    refused(caller, lambda: caller.fmu.deserializeFMUState(b""), words)
     caller.forget(kept)
 
 
@@ -164,13 +164,13 @@ def test_foreign_states_are_refused(fmu, law_fmu, callers):
     exchange, second = fmu(interface=MODEL_EXCHANGE).start(), callers(law_fmu(2), CO_SIMULATION).start()
     kept, its = caller.keep(), second.keep()
     before = exchange.rates()
-    refused(other, lambda: other.it.deserializeFMUState(caller.bytes_of(kept)), "not a state of this model")
-    refused(caller, lambda: caller.it.deserializeFMUState(second.bytes_of(its)), "not a state of this model")
+    refused(other, lambda: other.fmu.deserializeFMUState(caller.bytes_of(kept)), "not a state of this model")
+    refused(caller, lambda: caller.fmu.deserializeFMUState(second.bytes_of(its)), "not a state of this model")
     refused(other, lambda: other.back(kept), "not a state of this model")
     refused(exchange, lambda: exchange.back(kept), "the other kind of interface")
     refused(caller, lambda: caller.back(ctypes.c_void_p()), "not a state of this model")
     short = (ctypes.c_ubyte * 8)()
-    refused(caller, lambda: caller.it.fmi3SerializeFMUState(caller.it.component, kept, short, 8), "bytes")
+    refused(caller, lambda: caller.fmu.fmi3SerializeFMUState(caller.fmu.component, kept, short, 8), "bytes")
     assert exchange.rates() == before
     caller.forget(kept)
     second.forget(its)
@@ -190,10 +190,10 @@ def test_reset_starts_afresh(fmu, interface):
 
     first = here()
     caller.set(omega0=60.0, mass=1.0, F=2.0, F_rate=3.0)
-    caller.it.terminate()
-    caller.it.reset()
+    caller.fmu.terminate()
+    caller.fmu.reset()
     assert here() == first
-    caller.it.reset()
+    caller.fmu.reset()
     assert caller.start().get("x", "F", "F_rate") == [0.0, 0.0, 0.0]
 
 
@@ -202,7 +202,7 @@ def test_communication_steps_do_not_matter(fmu, effects):
     """One force with corners every 10 ms, at 1 ms, at 10 ms and at irregular times."""
     corners = 2.0 * np.sin(np.arange(41) * 0.9)
     grids = [np.linspace(0.0, 0.01, 11), np.array([0.0, 0.01]), np.array([0.0, 1e-7, 1.4e-4, 4.7e-3, 0.0099, 0.01])]
-    found = []
+    runs = []
     for grid in grids:
         caller = fmu(*effects).start(x0=1e-3, dry=2.0)
         rows = []
@@ -210,11 +210,11 @@ def test_communication_steps_do_not_matter(fmu, effects):
             rate = (corners[k + 1] - corners[k]) / 0.01
             for begin, end in pairwise(grid):
                 caller.set(F=corners[k] + rate * begin, F_rate=rate)
-                caller.it.doStep(k * 0.01 + begin, end - begin)
+                caller.fmu.doStep(k * 0.01 + begin, end - begin)
             rows.append(caller.get("x", "velocity", "energy"))
-        found.append(np.array(rows))
-    for other in found[1:]:
-        assert np.all(np.abs(other - found[0]) <= 1e-6 * np.abs(found[0]).max(axis=0))
+        runs.append(np.array(rows))
+    for other in runs[1:]:
+        assert np.all(np.abs(other - runs[0]) <= 1e-6 * np.abs(runs[0]).max(axis=0))
 
 
 def test_tunable_parameters_change_while_it_runs(fmu):
@@ -227,8 +227,8 @@ def test_tunable_parameters_change_while_it_runs(fmu):
     other = fmu().start(at=100 * DT, x0=x, v0=v, **changed)
     names = OUTPUTS[:6]
     for k in range(100, 300):  # the force goes on where it was, so that nothing but the parameters has changed
-        for one in (caller, other):
-            one.step(k * DT, DT, force + math.sin(0.1 * (k - 100)), force + math.sin(0.1 * (k - 99)))
+        for instance in (caller, other):
+            instance.step(k * DT, DT, force + math.sin(0.1 * (k - 100)), force + math.sin(0.1 * (k - 99)))
         assert caller.get(*names) == pytest.approx(other.get(*names), rel=1e-9, abs=1e-12)
 
 
@@ -247,76 +247,90 @@ def test_less_friction_lets_a_mass_go(fmu, interface):
 
 def test_co_simulation_calls_out_of_order_are_refused(fmu):
     caller = fmu()
-    it = caller.it
-    step = lambda t=0.0: it.doStep(t, DT)  # noqa: E731
-    for call in (it.exitInitializationMode, it.terminate, step, lambda: caller.get("x")):
+    instance = caller.fmu
+    step = lambda t=0.0: instance.doStep(t, DT)  # noqa: E731
+    for call in (instance.exitInitializationMode, instance.terminate, step, lambda: caller.get("x")):
         refused(caller, call, "not allowed before initialisation")
-    it.enterInitializationMode()
-    for call in (it.enterInitializationMode, step):
+    instance.enterInitializationMode()
+    for call in (instance.enterInitializationMode, step):
         refused(caller, call, "not allowed in initialization mode")
-    it.exitInitializationMode()
-    for call in (it.enterInitializationMode, it.exitInitializationMode):
+    instance.exitInitializationMode()
+    for call in (instance.enterInitializationMode, instance.exitInitializationMode):
         refused(caller, call, "not allowed between steps")
-    refused(caller, it.enterEventMode, "not allowed between steps")
-    refused(caller, it.enterStepMode, "not among the capabilities")
-    refused(caller, lambda: it.getOutputDerivatives([1], [1]), "not among the capabilities")
+    refused(caller, instance.enterEventMode, "not allowed between steps")
+    refused(caller, instance.enterStepMode, "not among the capabilities")
+    refused(caller, lambda: instance.getOutputDerivatives([1], [1]), "not among the capabilities")
     step()
-    it.terminate()
-    for call in (it.terminate, lambda: step(DT), lambda: caller.set(F=1.0)):
+    instance.terminate()
+    for call in (instance.terminate, lambda: step(DT), lambda: caller.set(F=1.0)):
         refused(caller, call, "not allowed after the end")
     assert len(caller.get(*OUTPUTS)) == len(OUTPUTS)  # final values may still be read
 
 
 def test_model_exchange_calls_out_of_order_are_refused(fmu):
     caller = fmu(interface=MODEL_EXCHANGE)
-    it = caller.it
-    for call in (it.updateDiscreteStates, it.enterEventMode, lambda: it.setTime(1.0), caller.rates, caller.states):
+    instance = caller.fmu
+    for call in (
+        instance.updateDiscreteStates,
+        instance.enterEventMode,
+        lambda: instance.setTime(1.0),
+        caller.rates,
+        caller.states,
+    ):
         refused(caller, call, "not allowed before initialisation")
     caller.initialise(x0=1e-3)
-    for call in (it.updateDiscreteStates, it.enterContinuousTimeMode, lambda: caller.set_states([0.0, 0.0])):
+    for call in (
+        instance.updateDiscreteStates,
+        instance.enterContinuousTimeMode,
+        lambda: caller.set_states([0.0, 0.0]),
+    ):
         refused(caller, call, "not allowed in initialization mode")
-    it.exitInitializationMode()
-    for call in (it.completedIntegratorStep, lambda: caller.set_states([0.0, 0.0]), it.exitInitializationMode):
+    instance.exitInitializationMode()
+    for call in (
+        instance.completedIntegratorStep,
+        lambda: caller.set_states([0.0, 0.0]),
+        instance.exitInitializationMode,
+    ):
         refused(caller, call, "not allowed in event mode")
-    it.enterContinuousTimeMode()
-    for call in (it.updateDiscreteStates, it.enterContinuousTimeMode):
+    instance.enterContinuousTimeMode()
+    for call in (instance.updateDiscreteStates, instance.enterContinuousTimeMode):
         refused(caller, call, "not allowed in continuous-time mode")
-    assert it.completedIntegratorStep() == (False, False)
-    it.terminate()
-    for call in (it.enterEventMode, lambda: it.setTime(1.0), lambda: caller.set_states([0.0, 0.0])):
+    assert instance.completedIntegratorStep() == (False, False)
+    instance.terminate()
+    for call in (instance.enterEventMode, lambda: instance.setTime(1.0), lambda: caller.set_states([0.0, 0.0])):
         refused(caller, call, "not allowed after the end")
 
 
 def test_wrong_references_and_values_change_nothing(fmu):
     caller = fmu().start(x0=1e-3, F=0.1)
     before = caller.get("F", "F_rate", *OUTPUTS)
-    one, two = (ctypes.c_uint * 1)(0), (ctypes.c_double * 2)(1.0, 1.0)
-    it, instance = caller.it, caller.it.component
+    reference, values = (ctypes.c_uint * 1)(0), (ctypes.c_double * 2)(1.0, 1.0)
+    instance, component = caller.fmu, caller.fmu.component
     for bad in (math.nan, math.inf, -math.inf):
         refused(caller, lambda bad=bad: caller.set(F=bad), "not a finite number")
         refused(caller, lambda bad=bad: caller.set(F_rate=bad), "not a finite number")
-        refused(caller, lambda bad=bad: it.doStep(0.0, bad), "finite and positive")
-        refused(caller, lambda bad=bad: it.doStep(bad, DT), "finite and positive")
+        refused(caller, lambda bad=bad: instance.doStep(0.0, bad), "finite and positive")
+        refused(caller, lambda bad=bad: instance.doStep(bad, DT), "finite and positive")
     for step in (0.0, -DT):
-        refused(caller, lambda step=step: it.doStep(0.0, step), "finite and positive")
-    refused(caller, lambda: it.doStep(0.5, DT), "stands at 0 s")
-    refused(caller, lambda: it.getFloat64([0, 99]), "value reference 99")
-    refused(caller, lambda: it.setFloat64([0, 2**32 - 1], [9.0, 1.0]), "value reference 4294967295")
+        refused(caller, lambda step=step: instance.doStep(0.0, step), "finite and positive")
+    refused(caller, lambda: instance.doStep(0.5, DT), "stands at 0 s")
+    refused(caller, lambda: instance.getFloat64([0, 99]), "value reference 99")
+    refused(caller, lambda: instance.setFloat64([0, 2**32 - 1], [9.0, 1.0]), "value reference 4294967295")
     refused(caller, lambda: caller.set(F=9.0, x=1.0), "is computed, not set")
     refused(caller, lambda: caller.set(F=9.0, time=1.0), "is computed, not set")
     refused(caller, lambda: caller.set(F=9.0, x0=1.0), "fixed after initialization")
     refused(caller, lambda: caller.set(F=9.0, max_step=1.0), "fixed after initialization")
     for kind in ("Float32", "Int32", "UInt64", "Boolean", "String"):
-        refused(caller, lambda kind=kind: getattr(it, f"get{kind}")([0]), "are real")
-        assert getattr(it, f"get{kind}")([]) == []
-    refused(caller, lambda: it.fmi3GetFloat64(instance, one, 1, two, 2), "2 values for 1 references")
-    refused(caller, lambda: it.fmi3SetFloat64(instance, one, 1, two, 0), "0 values for 1 references")
-    refused(caller, lambda: it.fmi3GetFloat64(instance, None, 1, two, 1), "null pointer")
-    refused(caller, lambda: it.fmi3SetFloat64(instance, one, 1, None, 1), "null pointer")
-    refused(caller, lambda: it.fmi3GetFMUState(instance, None), "null pointer")
+        refused(caller, lambda kind=kind: getattr(instance, f"get{kind}")([0]), "are real")
+        assert getattr(instance, f"get{kind}")([]) == []
+    refused(caller, lambda: instance.fmi3GetFloat64(component, reference, 1, values, 2), "2 values for 1 references")
+    refused(caller, lambda: instance.fmi3SetFloat64(component, reference, 1, values, 0), "0 values for 1 references")
+    refused(caller, lambda: instance.fmi3GetFloat64(component, None, 1, values, 1), "null pointer")
+    refused(caller, lambda: instance.fmi3SetFloat64(component, reference, 1, None, 1), "null pointer")
+    refused(caller, lambda: instance.fmi3GetFMUState(component, None), "null pointer")
     refused(caller, lambda: caller.derivative(["x"], ["F"], [1.0, 2.0]), "2 values for 1 references")
     refused(caller, lambda: caller.adjoint(["x"], ["F"], [1.0, 2.0]), "2 values for 1 references")
-    assert it.getFloat64([]) == []
+    assert instance.getFloat64([]) == []
     assert caller.get("F", "F_rate", *OUTPUTS) == before
     assert caller.get("time") == [0.0]
 
@@ -324,19 +338,19 @@ def test_wrong_references_and_values_change_nothing(fmu):
 @pytest.mark.parametrize("size", [0, 1, 3])
 def test_wrong_sizes_are_refused(fmu, size):
     caller = fmu(interface=MODEL_EXCHANGE).start(x0=1e-3)
-    it, place = caller.it, (ctypes.c_double * 4)()
+    instance, place = caller.fmu, (ctypes.c_double * 4)()
     before = caller.states()
     for call in (
-        it.setContinuousStates,
-        it.getContinuousStates,
-        it.getContinuousStateDerivatives,
-        it.getNominalsOfContinuousStates,
-        it.getEventIndicators,
+        instance.setContinuousStates,
+        instance.getContinuousStates,
+        instance.getContinuousStateDerivatives,
+        instance.getNominalsOfContinuousStates,
+        instance.getEventIndicators,
     ):
         refused(caller, lambda call=call: call(place, size), f"{size} values where the model has 2")
-    refused(caller, lambda: it.setContinuousStates((ctypes.c_double * 2)(math.nan, 0.0), 2), "is not finite")
-    refused(caller, lambda: it.setContinuousStates(None, 2), "null pointer")
-    refused(caller, lambda: it.setTime(math.nan), "not a finite number")
+    refused(caller, lambda: instance.setContinuousStates((ctypes.c_double * 2)(math.nan, 0.0), 2), "is not finite")
+    refused(caller, lambda: instance.setContinuousStates(None, 2), "null pointer")
+    refused(caller, lambda: instance.setTime(math.nan), "not a finite number")
     assert caller.states() == before
 
 
@@ -345,25 +359,25 @@ def test_a_motion_without_bounds_is_discarded_and_can_be_taken_back(fmu, change)
     caller = fmu().start(x0=1e-3, v0=0.1)
     before, kept = caller.get("x", "velocity"), caller.keep()
     caller.set(**change)
-    refused(caller, lambda: [caller.it.doStep(k * 0.05, 0.05) for k in range(100)], "from t =", DISCARD)
-    refused(caller, lambda: caller.it.doStep(0.0, DT), "after a step that failed")
+    refused(caller, lambda: [caller.fmu.doStep(k * 0.05, 0.05) for k in range(100)], "from t =", DISCARD)
+    refused(caller, lambda: caller.fmu.doStep(0.0, DT), "after a step that failed")
     caller.back(kept)
     assert caller.get("x", "velocity") == before
-    caller.it.doStep(0.0, DT)
+    caller.fmu.doStep(0.0, DT)
     caller.forget(kept)
 
 
 def test_stop_time_is_kept(fmu):
     caller = fmu().start(stop=0.01)
     for k in range(10):
-        told = caller.it.doStep(k * DT, DT)
+        told = caller.fmu.doStep(k * DT, DT)
         assert told == (False, False, False, pytest.approx((k + 1) * DT))
-    refused(caller, lambda: caller.it.doStep(0.01, DT), "beyond the stop time")
+    refused(caller, lambda: caller.fmu.doStep(0.01, DT), "beyond the stop time")
 
 
 def test_instantiation_that_cannot_be_is_refused(fmu):
     caller = fmu()
-    caller.it.guid = "{another}"
+    caller.fmu.guid = "{another}"
     with pytest.raises(Exception, match="instantiate"):
-        caller.it.instantiate(logMessage=lambda *said: caller._log(said[0], b"", *said[1:]))
+        caller.fmu.instantiate(logMessage=lambda *said: caller._log(said[0], b"", *said[1:]))
     assert "GUID" in caller.texts[-1]

@@ -130,7 +130,7 @@ def test_bad_arguments_are_refused_and_change_nothing(instances):
     fmu = instances().start(x0=1e-3, F=0.1)
     f, c = fmu.fmu, fmu.component
     before = fmu.get("F", *OUTPUTS)
-    one = (ctypes.c_uint * 1)(0)
+    reference = (ctypes.c_uint * 1)(0)
     value = (ctypes.c_double * 1)(1.0)
     for bad in (math.nan, math.inf, -math.inf):
         refused(fmu, lambda bad=bad: fmu.set(F=bad), "not a finite number")
@@ -153,9 +153,9 @@ def test_bad_arguments_are_refused_and_change_nothing(instances):
     refused(fmu, lambda: f.getRealOutputDerivatives([1], [1]), "capabilities")
     refused(fmu, lambda: f.getDirectionalDerivative([1], [1], [1.0]), "is not known now")
     refused(fmu, lambda: f.fmi2GetReal(c, None, 1, value), "null pointer")
-    refused(fmu, lambda: f.fmi2GetReal(c, one, 1, None), "null pointer")
-    refused(fmu, lambda: f.fmi2SetReal(c, one, 1, None), "null pointer")
-    refused(fmu, lambda: f.fmi2SetRealInputDerivatives(c, one, 1, None, value), "null pointer")
+    refused(fmu, lambda: f.fmi2GetReal(c, reference, 1, None), "null pointer")
+    refused(fmu, lambda: f.fmi2SetReal(c, reference, 1, None), "null pointer")
+    refused(fmu, lambda: f.fmi2SetRealInputDerivatives(c, reference, 1, None, value), "null pointer")
     refused(fmu, lambda: f.fmi2GetFMUstate(c, None), "null pointer")
     refused(fmu, lambda: f.getStatus(1), "no such status", DISCARD)
     assert f.getReal([]) == []

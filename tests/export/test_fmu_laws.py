@@ -26,8 +26,8 @@ def test_validator_finds_no_problem(effect, version, law_fmu):
 
 def test_start_values_of_inner_states_are_named_and_explained(with_law):
     description = describe_fmu(Facts(with_law("actuator-backlash", "viscoelastic", "tonal-disturbance")))
-    found = {v.name: (v.unit, v.start, v.description) for v in description.variables if v.role == "initial"}
-    assert found == {
+    starts = {v.name: (v.unit, v.start, v.description) for v in description.variables if v.role == "initial"}
+    assert starts == {
         "x0": ("m", 0.0, "displacement at the start"),
         "v0": ("m/s", 0.0, "velocity at the start"),
         "actuator-backlash.displacement0": (
@@ -52,9 +52,9 @@ def structure(with_law, tmp_path) -> Callable[..., tuple[dict[str, list[str]], d
 
     def read(*effects, quantity="displacement"):
         path = export_fmu(with_law(*effects, quantity=quantity), Path(tmp_path) / "rig.fmu")
-        found = read_model_description(str(path))
-        later = {u.variable.name: [v.name for v in u.dependencies] for u in found.outputs}
-        return later, {u.variable.name: [v.name for v in u.dependencies] for u in found.initialUnknowns}
+        description = read_model_description(str(path))
+        later = {u.variable.name: [v.name for v in u.dependencies] for u in description.outputs}
+        return later, {u.variable.name: [v.name for v in u.dependencies] for u in description.initialUnknowns}
 
     return read
 
@@ -96,12 +96,12 @@ def test_a_kept_state_holds_the_memory(with_law, tmp_path, backend):
         )
 
         def on(steps):
-            found = []
+            samples = []
             for k in steps:
                 fmu.setReal(force, [float(np.sin(80 * k * DT))])
                 fmu.doStep(k * DT, DT)
-                found += fmu.getReal(x)
-            return found
+                samples += fmu.getReal(x)
+            return samples
 
         fmu.setupExperiment(startTime=0.0)
         fmu.enterInitializationMode()

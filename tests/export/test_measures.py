@@ -35,13 +35,13 @@ def test_what_is_put_in_is_stored_or_dissipated(law_fmu, callers, effect):
     for seed in range(6):
         random = np.random.default_rng(seed)
         size = caller.initialise().nominals()
-        caller.it.reset()
+        caller.fmu.reset()
         state = random.uniform(0.1, 0.8, len(size)) * random.choice([-1, 1], len(size)) * size
         caller.start(F=float(random.uniform(-1, 1)), **dict(zip(caller.known.starts, state.tolist(), strict=True)))
         force, speed, power = caller.get("F", "velocity", "dissipated_power")
         (rate,) = caller.derivative(["energy"], ["time", *caller.known.states], [1.0, *caller.rates()])
         assert rate == pytest.approx(force * speed - power, rel=1e-10, abs=1e-12)
-        caller.it.reset()
+        caller.fmu.reset()
 
 
 def balance(caller: Any, dt: float) -> tuple[float, float]:
@@ -119,8 +119,8 @@ def test_amplitude_of_a_steady_motion(law_fmu, callers, with_law, version):
     caller = callers(law_fmu(version), CO_SIMULATION).start(**LINEAR, viscous=20.0)
     m, w0 = (with_law().values()[name] for name in ("mass", "omega0"))
     w, strength = 70.0, 0.8
-    found = run(caller, 6000, 2e-4, lambda t: strength * float(np.sin(w * t)), "amplitude")[-1, 0]
-    assert found == pytest.approx(strength / m / np.hypot(w0**2 - w**2, 20.0 * w), rel=1e-4)
+    amplitude = run(caller, 6000, 2e-4, lambda t: strength * float(np.sin(w * t)), "amplitude")[-1, 0]
+    assert amplitude == pytest.approx(strength / m / np.hypot(w0**2 - w**2, 20.0 * w), rel=1e-4)
 
 
 @pytest.mark.parametrize("version", VERSIONS)
@@ -131,8 +131,8 @@ def test_amplitude_of_a_decay_is_half_the_way_between_turning_points(law_fmu, ca
     t = np.arange(1, 801) * 1e-3
     turns = 4e-3 * (-1.0) ** np.arange(40) * np.exp(-h / 2 * np.pi / damped * np.arange(40))
     swings = np.append(0.0, np.abs(np.diff(turns)) / 2)
-    found = run(caller, 800, 1e-3, lambda t: 0.0, "amplitude")[:, 0]
-    assert np.allclose(found, swings[(t * damped / np.pi).astype(int)], rtol=1e-6, atol=0)
+    amplitude = run(caller, 800, 1e-3, lambda t: 0.0, "amplitude")[:, 0]
+    assert np.allclose(amplitude, swings[(t * damped / np.pi).astype(int)], rtol=1e-6, atol=0)
 
 
 @pytest.mark.parametrize("interface", [CO_SIMULATION, "ModelExchange"])
@@ -142,13 +142,13 @@ def test_a_motion_under_way_has_no_amplitude_before_it_turned_twice(law_fmu, cal
     caller = callers(law_fmu(version), interface).start(x0=1e-4, v0=0.3)
     assert caller.get("amplitude") == [0.0]
     if caller.exchange:
-        found = [0.0, *(turn(caller, x) for x in (4e-3, -3.8e-3, 3.6e-3))]
-        assert found == pytest.approx([0.0, 0.0, 3.9e-3, 3.7e-3])
+        amplitudes = [0.0, *(turn(caller, x) for x in (4e-3, -3.8e-3, 3.6e-3))]
+        assert amplitudes == pytest.approx([0.0, 0.0, 3.9e-3, 3.7e-3])
         return
-    found = run(caller, 150, 1e-3, lambda t: 0.0, "amplitude", "x")
-    turned = np.flatnonzero(np.diff(found[:, 0]))
+    rows = run(caller, 150, 1e-3, lambda t: 0.0, "amplitude", "x")
+    turned = np.flatnonzero(np.diff(rows[:, 0]))
     assert turned.size >= 2
-    assert 0.5 * np.ptp(found[:, 1]) == pytest.approx(found[turned[0] + 1, 0], rel=1e-2)
+    assert 0.5 * np.ptp(rows[:, 1]) == pytest.approx(rows[turned[0] + 1, 0], rel=1e-2)
 
 
 def turn(caller: Any, x: float) -> float:
@@ -197,13 +197,13 @@ def test_outside_the_range_is_told_once_a_run_and_side(ranged, callers, version)
         assert all("that the model was identified in" in text for text in caller.texts)
         assert any("0.001 to 0.003" in text for text in caller.texts)
         caller.messages.clear()
-        caller.it.reset()
+        caller.fmu.reset()
 
 
 @pytest.mark.parametrize("version", VERSIONS)
 def test_a_long_step_that_leaves_the_range_and_comes_back_is_told(ranged, callers, version):
     caller = callers(ranged(version), CO_SIMULATION).start(x0=4.5e-3, viscous=20.0)
-    caller.it.doStep(0.0, 0.1)
+    caller.fmu.doStep(0.0, 0.1)
     assert caller.get("outside_range") == [0.0]
     assert told(caller) == [(WARNING, "above")]
 
@@ -211,7 +211,7 @@ def test_a_long_step_that_leaves_the_range_and_comes_back_is_told(ranged, caller
 @pytest.mark.parametrize("version", VERSIONS)
 def test_an_importer_that_wants_to_hear_little_is_told_of_too_large_a_motion_alone(ranged, callers, version):
     caller = callers(ranged(version), CO_SIMULATION).start()
-    caller.it.setDebugLogging(False, ["logStatusWarning"])
+    caller.fmu.setDebugLogging(False, ["logStatusWarning"])
     run(caller, 1000, 1e-3, swell, "amplitude")
     assert told(caller) == [(WARNING, "above")]
 
@@ -230,7 +230,7 @@ def test_model_exchange_tells_of_it_at_events(ranged, callers, version):
 @pytest.mark.parametrize("version", VERSIONS)
 def test_without_a_range_nothing_is_outside(law_fmu, callers, version):
     caller = callers(law_fmu(version), CO_SIMULATION).start()
-    found = run(caller, 500, 1e-3, lambda t: 20 * swell(t), "amplitude", "outside_range")
-    assert found[:, 0].max() > 5e-3
-    assert not found[:, 1].any()
+    rows = run(caller, 500, 1e-3, lambda t: 20 * swell(t), "amplitude", "outside_range")
+    assert rows[:, 0].max() > 5e-3
+    assert not rows[:, 1].any()
     assert caller.messages == []

@@ -38,11 +38,11 @@ def force() -> np.ndarray:
 def stepped(caller: Any, force: np.ndarray, hold: str, **start: float) -> np.ndarray:
     """(n, 2) response and velocity of co-simulation."""
     caller.start(**START | start, F=float(force[0]))
-    found = [caller.get("x", "velocity")]
+    rows = [caller.get("x", "velocity")]
     for k in range(force.size - 1):
         caller.step(k * DT, DT, float(force[k]), float(force[k + 1]) if hold == "first" else None)
-        found.append(caller.get("x", "velocity"))
-    return np.array(found)
+        rows.append(caller.get("x", "velocity"))
+    return np.array(rows)
 
 
 def exchanged(caller: Any, force: np.ndarray, hold: str, **start: float) -> np.ndarray:
@@ -50,7 +50,7 @@ def exchanged(caller: Any, force: np.ndarray, hold: str, **start: float) -> np.n
     from integrating import integrate
 
     if caller.second:
-        caller.it.setupExperiment(startTime=0.0)
+        caller.fmu.setupExperiment(startTime=0.0)
     steps = math.ceil(DT / caller.known.values["max_step"]) + 1
     return integrate(caller.model(), caller.known, force, DT, START | start, hold, "F", "x", steps)
 
@@ -68,14 +68,14 @@ def compare(callers: Any, fmu: Any, force: np.ndarray, hold: str, effect: str) -
 
 @pytest.mark.parametrize("effect", EFFECTS, ids=lambda effect: effect or "base")
 def test_every_law(law_fmu, callers, force, effect):
-    found = compare(callers, law_fmu(3, *laws(effect)), force, "first", effect)
-    stuck = np.flatnonzero(found[:, 1] == 0.0)
+    rows = compare(callers, law_fmu(3, *laws(effect)), force, "first", effect)
+    stuck = np.flatnonzero(rows[:, 1] == 0.0)
     if effect != "actuator-backlash":  # whose own mass keeps it moving
         assert stuck.size >= 5
         assert stuck[-1] - stuck[0] >= stuck.size  # it moves in between
     part = WEAKER.get(effect, 1.0)
     plain = stepped(callers(law_fmu(3), CO_SIMULATION), part * force, "first", dry=part * START["dry"])
-    assert (np.max(np.abs(found - plain)[:, 0]) > 1e-3 * np.max(np.abs(plain[:, 0]))) == bool(effect)
+    assert (np.max(np.abs(rows - plain)[:, 0]) > 1e-3 * np.max(np.abs(plain[:, 0]))) == bool(effect)
 
 
 @pytest.mark.parametrize("version", [2, 3])

@@ -46,9 +46,9 @@ NASTY = [
 
 
 def compiler() -> str:
-    found = find_compiler()
-    assert found is not None
-    return found
+    path = find_compiler()
+    assert path is not None
+    return path
 
 
 def build(folder: Path, *more: str) -> None:
@@ -87,11 +87,11 @@ class Plain:
 
     def record(self, force: np.ndarray) -> np.ndarray:
         """(n,) responses."""
-        found = [self.outputs(force[0])[0]]
+        responses = [self.outputs(force[0])[0]]
         for now, then in itertools.pairwise(force):
             assert self.step(now, then) == 0
-            found.append(self.outputs(then)[0])
-        return np.array(found)
+            responses.append(self.outputs(then)[0])
+        return np.array(responses)
 
 
 def core_response(model: Oscillator, initial, force: np.ndarray) -> np.ndarray:
@@ -134,9 +134,9 @@ def test_every_law_repeats_the_core(program, kinds, offsets, whole):
         inner = offsets(model)
         for initial, force in (([0.0, 0.0, *inner], CHIRP), ([6e-3, 0.1, *inner], 0.0 * CHIRP)):
             expected = core_response(model, initial, force)
-            found = plain(name).start(initial, START).record(force)
+            response = plain(name).start(initial, START).record(force)
             assert np.max(np.abs(expected)) > 0, name
-            assert np.max(np.abs(found - expected)) <= 2e-15 * np.max(np.abs(expected)), name
+            assert np.max(np.abs(response - expected)) <= 2e-15 * np.max(np.abs(expected)), name
 
 
 def test_null_stands_for_the_identified_values_and_a_start_at_rest(made):

@@ -43,9 +43,9 @@ def column(files: dict[str, bytes], name: str) -> np.ndarray:
     return np.genfromtxt(io.BytesIO(files[f"{FOLDER}/{name}"]), delimiter=",", names=True)
 
 
-def distance(found, expected, names=("x", "displacement", "velocity", "acceleration")) -> float:
+def distance(result, expected, names=("x", "displacement", "velocity", "acceleration")) -> float:
     """Largest difference of the columns, each over its peak."""
-    return max(float(np.max(np.abs(found[n] - expected[n])) / np.max(np.abs(expected[n]))) for n in names)
+    return max(float(np.max(np.abs(result[n] - expected[n])) / np.max(np.abs(expected[n]))) for n in names)
 
 
 def within(folder, path) -> dict[str, bytes]:
@@ -60,14 +60,14 @@ def within(folder, path) -> dict[str, bytes]:
 def test_the_fmu_under_fmpy_meets_it_with_the_force_held(fmus, tmp_path, kind):
     files = within(tmp_path, fmus(kind, "native"))
     expected = column(files, "output_held.csv")
-    found = simulate_fmu(
+    result = simulate_fmu(
         str(fmus(kind, "native")),
         input=read_csv(tmp_path / "input.csv"),
         output_interval=expected["time"][1],
         stop_time=expected["time"][-1],
     )
-    assert found.size == expected.size
-    assert distance(found, expected) < 1e-6
+    assert result.size == expected.size
+    assert distance(result, expected) < 1e-6
 
 
 @pytest.mark.parametrize("backend", ["native", "python"])
@@ -77,8 +77,8 @@ def test_the_fmu_meets_it_with_the_force_in_straight_lines(fmus, instances, tmp_
     expected, force = column(files, "output_straight.csv"), column(files, "input.csv")["F"]
     names = expected.dtype.names[1:]
     rows = instances(kind, backend).start(F=force[0]).record(force, expected["time"][1], *names)
-    found = {name: np.array(rows)[:, i] for i, name in enumerate(names)}
-    assert distance(found, expected) < 1e-6
+    result = {name: np.array(rows)[:, i] for i, name in enumerate(names)}
+    assert distance(result, expected) < 1e-6
 
 
 @pytest.mark.parametrize("effect", LAWS)
@@ -109,12 +109,12 @@ def test_the_command_in_its_readme_repeats_it(fmus, tmp_path):
 
 def test_it_stays_within_validity_and_says_what_it_is(models):
     model = replace(models["base"](), amplitude=Range(2e-4, 4e-3, "m"), frequency=Range(10.0, 14.0, "Hz"))
-    found = reference(Facts(model))
-    assert isinstance(found, Reference)
-    assert (found.start, found.end) == (10.0, 14.0)
-    assert 0.45 * 4e-3 <= np.max(np.abs(found.straight[:, 1])) <= 0.9 * 4e-3
-    assert np.max(np.abs(found.force)) == pytest.approx(found.level, rel=1e-2)
-    assert np.max(np.abs(found.held - found.straight)) > 0
+    result = reference(Facts(model))
+    assert isinstance(result, Reference)
+    assert (result.start, result.end) == (10.0, 14.0)
+    assert 0.45 * 4e-3 <= np.max(np.abs(result.straight[:, 1])) <= 0.9 * 4e-3
+    assert np.max(np.abs(result.force)) == pytest.approx(result.level, rel=1e-2)
+    assert np.max(np.abs(result.held - result.straight)) > 0
     files = result_of(model)
     words = files[f"{FOLDER}/README.txt"].decode()
     assert "from 10 to 14 Hz" in words
@@ -138,12 +138,12 @@ def test_it_is_small_and_the_same_every_time(models):
 def test_without_a_compiler_it_is_the_same(models, monkeypatch):
     expected = reference(Facts(models["acceleration"]()))
     monkeypatch.setattr(module, "find_compiler", lambda: None)
-    found = reference(Facts(models["acceleration"]()))
-    assert isinstance(found, Reference)
+    result = reference(Facts(models["acceleration"]()))
+    assert isinstance(result, Reference)
     assert isinstance(expected, Reference)
-    assert found.level == expected.level
-    for one, other in ((found.straight, expected.straight), (found.held, expected.held)):
-        assert np.max(np.abs(one - other) / np.max(np.abs(other), axis=0)) < 1e-6
+    assert result.level == expected.level
+    for rows, expected_rows in ((result.straight, expected.straight), (result.held, expected.held)):
+        assert np.max(np.abs(rows - expected_rows) / np.max(np.abs(expected_rows), axis=0)) < 1e-6
 
 
 def test_where_there_is_none_it_is_said(models, with_law):

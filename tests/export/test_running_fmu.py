@@ -77,18 +77,18 @@ def test_communication_step_does_not_matter(instances):
         "coarse": np.array([0.0, 0.01]),
         "uneven": np.array([0.0, 1.3e-4, 1.4e-4, 4.7e-3, 9.999e-3, 0.01]),
     }
-    found = {}
+    runs = {}
     for name, grid in grids.items():
         fmu = instances().start()
-        found[name] = []
+        runs[name] = []
         for k in range(len(corners) - 1):
             slope = (corners[k + 1] - corners[k]) / 0.01
             for a, b in pairwise(grid):
                 fmu.step(k * 0.01 + a, b - a, corners[k] + slope * a, corners[k] + slope * b)
-            found[name].append(fmu.get("x", "velocity"))
-    fine = np.array(found["fine"])
+            runs[name].append(fmu.get("x", "velocity"))
+    fine = np.array(runs["fine"])
     for name in ("coarse", "uneven"):
-        error = np.abs(np.array(found[name]) - fine).max(axis=0) / np.abs(fine).max(axis=0)
+        error = np.abs(np.array(runs[name]) - fine).max(axis=0) / np.abs(fine).max(axis=0)
         assert error.max() <= 1e-6, name
 
 
@@ -105,13 +105,13 @@ def test_a_slope_lasts_as_documented(instances, backend):
 def test_a_force_with_higher_derivatives_runs_as_a_cubic(instances):
     """One step along the cubic equals a thousand along its chords."""
     cubic = np.polynomial.Polynomial([0.1, 30.0, -4e3, 2e5])
-    one, many = instances().start(F=0.1), instances().start(F=0.1)
-    one.fmu.setRealInputDerivatives([0, 0, 0], [1, 2, 3], [float(cubic.deriv(n)(0.0)) for n in (1, 2, 3)])
-    one.fmu.doStep(0.0, 0.02)
+    coarse, fine = instances().start(F=0.1), instances().start(F=0.1)
+    coarse.fmu.setRealInputDerivatives([0, 0, 0], [1, 2, 3], [float(cubic.deriv(n)(0.0)) for n in (1, 2, 3)])
+    coarse.fmu.doStep(0.0, 0.02)
     for k in range(1000):
-        many.step(k * 2e-5, 2e-5, cubic(k * 2e-5), cubic((k + 1) * 2e-5))
-    assert one.get("F")[0] == pytest.approx(cubic(0.02), rel=1e-12)
-    assert one.get("x", "velocity") == pytest.approx(many.get("x", "velocity"), rel=1e-6)
+        fine.step(k * 2e-5, 2e-5, cubic(k * 2e-5), cubic((k + 1) * 2e-5))
+    assert coarse.get("F")[0] == pytest.approx(cubic(0.02), rel=1e-12)
+    assert coarse.get("x", "velocity") == pytest.approx(fine.get("x", "velocity"), rel=1e-6)
 
 
 def test_without_slopes_the_input_is_held(instances):

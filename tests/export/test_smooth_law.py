@@ -23,11 +23,11 @@ def force() -> np.ndarray:
 
 def exact(caller: Any, force: np.ndarray) -> np.ndarray:
     caller.start(**START, F=float(force[0]))
-    found = [*caller.get("x")]
+    response = [*caller.get("x")]
     for k in range(N - 1):
         caller.step(k * DT, DT, float(force[k]), float(force[k + 1]))
-        found += caller.get("x")
-    return np.array(found)
+        response += caller.get("x")
+    return np.array(response)
 
 
 def without_events(caller: Any, force: np.ndarray, smoothing: float) -> np.ndarray:
@@ -38,17 +38,17 @@ def without_events(caller: Any, force: np.ndarray, smoothing: float) -> np.ndarr
     times = np.arange(N) * DT
 
     def rates(t: float, z: np.ndarray) -> list[float]:
-        caller.it.setTime(t)
+        caller.fmu.setTime(t)
         caller.set(F=float(np.interp(t, times, force)))
         caller.set_states(z.tolist())
         return caller.rates()
 
     done = solve_ivp(rates, (0.0, times[-1]), caller.states(), "LSODA", times, rtol=1e-7, atol=1e-10, max_step=DT)
-    found = []
+    response = []
     for t, z in zip(times, done.y.T, strict=True):
         rates(t, z)
-        found += caller.get("x")
-    return np.array(found)
+        response += caller.get("x")
+    return np.array(response)
 
 
 @pytest.mark.parametrize(

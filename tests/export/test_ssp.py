@@ -69,10 +69,12 @@ def test_every_file_is_valid_by_its_schema(models, tmp_path, kind):
                 (inline,) = tree.iter(f"{SSV}ParameterSet")
                 beside = "nominal" if name == "SystemStructure.ssd" else name.removesuffix(".ssd")
                 other = etree.fromstring(opened.read(f"resources/parameters/{beside}.ssv"))
-                assert [dict(one.attrib) for one in inline.iter()] == [dict(one.attrib) for one in other.iter()]
+                assert [dict(element.attrib) for element in inline.iter()] == [
+                    dict(element.attrib) for element in other.iter()
+                ]
             elif name.endswith(".ssv"):
                 validate_tree(tree, "SystemStructureParameterValues.xsd")
-                sets = [one.get("name") for one in tree.iter(f"{SSV}Parameter")]
+                sets = [element.get("name") for element in tree.iter(f"{SSV}Parameter")]
                 assert sets == [f"rig.{parameter}" for parameter in models[kind]().parameters()]
 
 
@@ -81,18 +83,18 @@ def test_a_run_of_the_system_is_a_run_of_the_fmu_with_these_parameters(archive, 
     values, given = models["base"]().values(), None
     if chosen is not None:
         given = read_ssv(str(archive), f"resources/parameters/{chosen}.ssv")
-        values = {one.name.removeprefix("rig."): float(one.value) for one in given.parameters}
+        values = {parameter.name.removeprefix("rig."): float(parameter.value) for parameter in given.parameters}
         assert (values == models["base"]().values()) == (chosen == "nominal")
-    found = simulate_ssp(str(archive), stop_time=STOP, step_size=DT, parameter_set=given, input={"F": force})
+    simulated = simulate_ssp(str(archive), stop_time=STOP, step_size=DT, parameter_set=given, input={"F": force})
     alone = instances().start(**values)
     expected = []
-    for k in range(found.size):
+    for k in range(simulated.size):
         # FMPy hands an input on after the step: it arrives one step late
         alone.step(k * DT, DT, force((k - 1) * DT) if k else 0.0)
         expected.append(alone.get("x", "velocity"))
-    assert np.max(np.abs(found["x"])) > 1e-4
-    found = np.column_stack([found["rig.x"], found["rig.velocity"]])
-    assert np.max(np.abs(found - expected) / np.max(np.abs(expected), axis=0)) < 1e-12
+    assert np.max(np.abs(simulated["x"])) > 1e-4
+    simulated = np.column_stack([simulated["rig.x"], simulated["rig.velocity"]])
+    assert np.max(np.abs(simulated - expected) / np.max(np.abs(expected), axis=0)) < 1e-12
 
 
 def test_draws_differ_in_their_response(archive):

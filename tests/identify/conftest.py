@@ -64,13 +64,13 @@ def simulate(rig: Rig, force: Force | None, fs: float, n: int, x0: float = 0.0, 
     sx, sv, stuck = modes(t, x, v, sx, sv)
     xs[0], vs[0] = x, v
     for i in range(1, n * substeps - substeps + 1):
-        t_end, left, events = i * h_full, h_full, 0
-        while left > 1e-15:
+        t_end, remaining, events = i * h_full, h_full, 0
+        while remaining > 1e-15:
             if stuck:
                 t = t_end
                 sx, sv, stuck = modes(t, x, 0.0, sx, sv)
                 break
-            xn, vn = rk4(t, x, v, left, sx, sv)
+            xn, vn = rk4(t, x, v, remaining, sx, sv)
             if xn * sx >= 0 and vn * sv >= 0:
                 x, v, t = xn, vn, t_end
                 break
@@ -78,7 +78,7 @@ def simulate(rig: Rig, force: Force | None, fs: float, n: int, x0: float = 0.0, 
             if events > 20:  # chatter at the origin: it has come to rest
                 x, v, stuck, t = 0.0, 0.0, True, t_end
                 break
-            low, high = 0.0, left
+            low, high = 0.0, remaining
             for _ in range(60):
                 mid = 0.5 * (low + high)
                 xm, vm = rk4(t, x, v, mid, sx, sv)
@@ -94,7 +94,7 @@ def simulate(rig: Rig, force: Force | None, fs: float, n: int, x0: float = 0.0, 
             if vm * sv < 0:
                 vm = 0.0
             x, v, t = xm, vm, t + high
-            left = t_end - t
+            remaining = t_end - t
             sx, sv, stuck = modes(t, x, v, sx, sv)
         if i % substeps == 0:
             xs[i // substeps], vs[i // substeps] = x, v

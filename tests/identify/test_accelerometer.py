@@ -32,17 +32,17 @@ def identified(recorded):
     return make
 
 
-def used(found, index):
-    return sum(s.segment.n for s in found.fit.segments if s.segment.recording == index)
+def used(identification, index):
+    return sum(s.segment.n for s in identification.fit.segments if s.segment.recording == index)
 
 
-def scores(found, values=TRUTH):
-    return np.array([(p.value - values[name]) / p.std for name, p in found.oscillator.parameters().items()])
+def scores(identification, values=TRUTH):
+    return np.array([(p.value - values[name]) / p.std for name, p in identification.oscillator.parameters().items()])
 
 
-def left_out(found, name):
+def left_out(identification, name):
     """Seconds left out and of how many, as the note on a recording says."""
-    for note in found.notes:
+    for note in identification.notes:
         if note.startswith(f"{name}: ") and "hair decides" in note:
             out, of = note.removeprefix(f"{name}: ").split(" s were")[0].split(" of ")
             return float(out), float(of)
@@ -52,14 +52,14 @@ def left_out(found, name):
 @pytest.mark.parametrize("fs", [500.0, pytest.param(5000.0, marks=pytest.mark.long)])
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
 def test_a_decay_and_a_sweep(identified, quantity, fs):
-    recordings, found = identified(quantity, fs)
-    assert np.all(np.abs(scores(found)) < 4)
-    assert used(found, 1) >= 0.95 * recordings[1].n
+    recordings, identification = identified(quantity, fs)
+    assert np.all(np.abs(scores(identification)) < 4)
+    assert used(identification, 1) >= 0.95 * recordings[1].n
     if quantity == "acceleration":
-        out, of = left_out(found, "decay")
+        out, of = left_out(identification, "decay")
         assert out <= 0.05 * of  # where friction brings it to rest
-    assert left_out(found, "sweep")[0] == 0.0
-    assert all(s.over_noise < 1.1 for s in found.fit.segments)
+    assert left_out(identification, "sweep")[0] == 0.0
+    assert all(s.over_noise < 1.1 for s in identification.fit.segments)
 
 
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
@@ -73,28 +73,28 @@ def test_they_say_as_much_as_the_displacement(identified, quantity):
 def test_an_accelerometer_without_friction_loses_nothing(recorded):
     values = TRUTH | {"dry": 0.0, "preload": 0.0}
     recordings = rig(recorded, "acceleration", 500.0, values)
-    found = identify(recordings)
-    assert np.all(np.abs(scores(found, values)) < 4)
-    assert used(found, 1) == recordings[1].n
-    assert not any("hair decides" in note for note in found.notes)
+    identification = identify(recordings)
+    assert np.all(np.abs(scores(identification, values)) < 4)
+    assert used(identification, 1) == recordings[1].n
+    assert not any("hair decides" in note for note in identification.notes)
 
 
 def test_an_accelerometer_over_a_rig_of_much_friction(recorded):
     """Its jumps are a twentieth of the motion's acceleration, ten times those of the reference rig."""
     values = TRUTH | {"dry": 0.3}
     recordings = rig(recorded, "acceleration", 500.0, values)
-    found = identify(recordings)
-    assert np.all(np.abs(scores(found, values)) < 4)
-    assert used(found, 1) >= 0.95 * recordings[1].n
+    identification = identify(recordings)
+    assert np.all(np.abs(scores(identification, values)) < 4)
+    assert used(identification, 1) >= 0.95 * recordings[1].n
 
 
 def test_the_first_sample_of_a_decay_from_rest_is_no_rest(recorded):
     """x0 = -a / omega0²: a search that began at zero would find a mass that friction holds."""
-    found = identify(rig(recorded, "acceleration", 500.0)[:1])
-    (fit,) = found.fit.segments
+    identification = identify(rig(recorded, "acceleration", 500.0)[:1])
+    (fit,) = identification.fit.segments
     assert fit.initial[0] == pytest.approx(8e-3, rel=1e-3)
     assert fit.initial[1] == pytest.approx(0.0, abs=1e-3 * 8e-3 * TRUTH["omega0"])
     assert fit.nrmse < 0.01
-    names = [name for name in found.oscillator.parameters() if name != "mass"]
+    names = [name for name in identification.oscillator.parameters() if name != "mass"]
     assert len(names) == 5
-    assert np.all(np.abs(scores(found)) < 4)
+    assert np.all(np.abs(scores(identification)) < 4)

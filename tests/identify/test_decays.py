@@ -30,9 +30,9 @@ def burst(rigs):
 @pytest.mark.parametrize("offset", [0.0, 0.05])
 def test_switch_off_is_found_in_the_force(burst, noise, offset):
     case = burst.noisy(noise * 1e-6, noise * 1e-3, 3)
-    found = find_decays(Recording("burst", 1000.0, case.x, case.force + (offset if not noise else 0)))
-    assert [d.start // 1000 for d in found] == [1, 5, 9]
-    for d in found:
+    decays = find_decays(Recording("burst", 1000.0, case.x, case.force + (offset if not noise else 0)))
+    assert [d.start // 1000 for d in decays] == [1, 5, 9]
+    for d in decays:
         assert d.start % 1000 <= 2
         # down to the noise, and not into the next burst
         assert 1400 < d.stop - d.start < 2300
@@ -41,31 +41,31 @@ def test_switch_off_is_found_in_the_force(burst, noise, offset):
 @pytest.mark.parametrize("noise", [0.0, 1.0, 10.0])
 def test_the_corner_is_found_without_the_force(burst, noise):
     case = burst.noisy(noise * 1e-6, 0, 3)
-    found = find_decays(Recording("burst", 1000.0, case.x))
-    assert [d.start // 1000 for d in found] == [1, 5, 9]
-    for d in found:
+    decays = find_decays(Recording("burst", 1000.0, case.x))
+    assert [d.start // 1000 for d in decays] == [1, 5, 9]
+    for d in decays:
         assert 0 <= d.start % 1000 < 160  # after the switch-off, within two cycles of it
 
 
 def test_driven_steady_state_is_left_out(rigs):
     case = rigs.case(rigs.reference, rigs.bursts(0.5, 11.0, 6.0, 4.0), 1000.0, 9.9)
-    (found,) = find_decays(Recording("steady", 1000.0, case.noisy(1e-6, 0, 1).x))
-    assert 6000 <= found.start < 6200
+    (decay,) = find_decays(Recording("steady", 1000.0, case.noisy(1e-6, 0, 1).x))
+    assert 6000 <= decay.start < 6200
 
 
 def test_a_zero_or_merely_noisy_force_column_is_a_free_decay(reference_decay):
     x = reference_decay.noisy(1e-6, 0, 1).x
     noise = 1e-3 * np.random.default_rng(5).standard_normal(x.size)
     for force in (None, np.zeros_like(x), np.full_like(x, 0.2), noise):
-        (found,) = find_decays(Recording("ringdown", 1000.0, x, force))
-        assert found.start == 0
-        assert 1700 < found.stop < 2300
+        (decay,) = find_decays(Recording("ringdown", 1000.0, x, force))
+        assert decay.start == 0
+        assert 1700 < decay.stop < 2300
 
 
 def test_rest_before_a_release_is_left_out(reference_decay):
     x = np.concatenate([np.zeros(2000), reference_decay.x])
-    (found,) = find_decays(Recording("rest", 1000.0, x + 1e-6 * np.random.default_rng(1).standard_normal(x.size)))
-    assert 2000 <= found.start < 2200
+    (decay,) = find_decays(Recording("rest", 1000.0, x + 1e-6 * np.random.default_rng(1).standard_normal(x.size)))
+    assert 2000 <= decay.start < 2200
 
 
 def test_sweeps_and_multisines_hold_no_decay(rigs, reference_sweeps):
@@ -82,15 +82,15 @@ def test_nothing_to_find_is_no_error(x):
 
 def test_ship_roll():
     r = real("kvlcc2_roll_21338.csv.gz")
-    (found,) = find_decays(r)
+    (decay,) = find_decays(r)
     largest = int(np.argmax(np.abs(r.response)))
-    assert largest - 100 < found.start < largest + 600
-    assert found.stop > 0.95 * r.n
+    assert largest - 100 < decay.start < largest + 600
+    assert decay.stop > 0.95 * r.n
 
 
 def test_beam_between_magnets_after_its_shaker():
     r = real("frid_magmech_decay.csv.gz")
-    (found,) = find_decays(r)
+    (decay,) = find_decays(r)
     driven = np.max(np.abs(r.response[:10000]))
-    before, after = (np.max(np.abs(r.response[i : i + 50])) for i in (found.start - 100, found.start + 50))
+    before, after = (np.max(np.abs(r.response[i : i + 50])) for i in (decay.start - 100, decay.start + 50))
     assert before > 0.9 * driven > after

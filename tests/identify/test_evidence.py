@@ -43,13 +43,13 @@ def test_evidence_is_the_likelihood_averaged_over_the_prior():
 
 def test_a_parameter_that_tells_nothing_pays_for_its_range():
     design, measured = line(200, seed=2, columns=2)
-    one = best(design[:, :1], measured)
-    two = best(design, measured)
-    plain = evidence(told_by(design[:, :1], measured, one), one, wide(1))
-    needless = evidence(told_by(design, measured, two), two, wide(2))
+    single = best(design[:, :1], measured)
+    double = best(design, measured)
+    plain = evidence(told_by(design[:, :1], measured, single), single, wide(1))
+    needless = evidence(told_by(design, measured, double), double, wide(2))
     assert needless < plain - 3.0
     # ten times the range costs a factor of ten in odds
-    dearer = evidence(told_by(design, measured, two), two, np.array([[0.0, 0.0], [10.0, 100.0]]))
+    dearer = evidence(told_by(design, measured, double), double, np.array([[0.0, 0.0], [10.0, 100.0]]))
     assert needless - dearer == pytest.approx(np.log(10.0), abs=0.05)
 
 
@@ -57,9 +57,9 @@ def test_a_parameter_that_the_recordings_ask_for_gains():
     random = np.random.default_rng(3)
     design = random.standard_normal((200, 2))
     measured = design @ [2.0, 0.1] + NOISE * random.standard_normal(200)
-    one, two = best(design[:, :1], measured), best(design, measured)
-    assert evidence(told_by(design, measured, two), two, wide(2)) > (
-        evidence(told_by(design[:, :1], measured, one), one, wide(1)) + 50.0
+    single, double = best(design[:, :1], measured), best(design, measured)
+    assert evidence(told_by(design, measured, double), double, wide(2)) > (
+        evidence(told_by(design[:, :1], measured, single), single, wide(1)) + 50.0
     )
 
 
@@ -106,17 +106,17 @@ def test_initial_states_need_not_be_at_their_best():
     """Averaged over, it does not matter where they were taken, as long as the prior is wide."""
     design, measured = line(80, seed=6, columns=2)
     at = best(design, measured) + np.array([0.02, 0.0])
-    found = []
+    points = []
     for shift in (0.0, 0.03):
         here = at + np.array([0.0, shift])
         residual = measured - design @ here
         block = (design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
         log_likelihood = -0.5 * float(residual @ residual) / NOISE**2
-        found.append(told(log_likelihood, [block], [(np.array([0]), here[1:], wide(1, 1e4))], 1))
-    assert found[0].log_likelihood == pytest.approx(found[1].log_likelihood, abs=1e-3)
-    assert found[0].gradient == pytest.approx(found[1].gradient, rel=1e-6)
+        points.append(told(log_likelihood, [block], [(np.array([0]), here[1:], wide(1, 1e4))], 1))
+    assert points[0].log_likelihood == pytest.approx(points[1].log_likelihood, abs=1e-3)
+    assert points[0].gradient == pytest.approx(points[1].gradient, rel=1e-6)
     # the best of the shared one is below the point that was taken
-    assert found[0].gradient[0] < 0
+    assert points[0].gradient[0] < 0
 
 
 def test_what_training_did_not_see_the_prior_bounds():
@@ -131,7 +131,7 @@ def test_cross_validation_is_what_each_part_is_worth_beside_the_others():
     design, measured = line(30, seed=7)
     at, prior = best(design, measured), wide(1)
     thirds = [slice(0, 10), slice(10, 20), slice(20, 30)]
-    found = cross_validated([told_by(design[part], measured[part], at) for part in thirds], prior)
+    score = cross_validated([told_by(design[part], measured[part], at) for part in thirds], prior)
     grid = np.linspace(at[0] - 0.6, at[0] + 0.6, 20_001)
     # the prior is flat here, but for the information that it adds
     logs = -0.5 * (measured[:, None] - design * grid[None, :]) ** 2 / NOISE**2
@@ -143,7 +143,7 @@ def test_cross_validation_is_what_each_part_is_worth_beside_the_others():
 
     every = np.arange(30)
     expected = sum(integral(every) - integral(np.setdiff1d(every, every[part])) for part in thirds)
-    assert found == pytest.approx(expected, abs=1e-6)
+    assert score == pytest.approx(expected, abs=1e-6)
 
 
 def test_cross_validation_sees_what_fits_but_does_not_foretell():

@@ -66,9 +66,9 @@ def test_a_blow_wherever_it_falls_in_its_record(start):
     # of the pulse alone, on a fine grid of frequencies
     power = np.abs(np.fft.rfft(blow, 2**20)) ** 2
     high = np.searchsorted(np.cumsum(power) / np.sum(power), 0.995) * FS / 2**20
-    low, found = excited_band(force, FS)
+    low, edge = excited_band(force, FS)
     assert low < 0.5
-    assert found == pytest.approx(high, rel=0.02)
+    assert edge == pytest.approx(high, rel=0.02)
 
 
 @pytest.mark.parametrize("part", [0.02, 0.1, 0.3])

@@ -229,11 +229,11 @@ def test_a_decay_of_few_cycles_gives_a_frequency_and_a_damping_with_their_errors
     noisy = speed + offset + 7e-3 * np.random.default_rng(3).standard_normal(t.size)
     wheel = Recording("wheel", fs, noisy, quantity="velocity", unit="rad/s")
     assert not [problem for problem in check(wheel) if problem.severity == "error"]
-    found = identify([wheel])
-    (only,) = found.fit.segments
+    identification = identify([wheel])
+    (only,) = identification.fit.segments
     assert only.segment.n == t.size
     assert only.nrmse < 0.02
-    model = found.oscillator
+    model = identification.oscillator
     spread = 4 * np.hypot(model.omega0.std, 1e-6)
     assert abs(model.omega0.value - omega) < spread
     assert abs(model.viscous.value - viscous) < 4 * model.viscous.std

@@ -81,12 +81,12 @@ def scores(oscillator, truth):
 
 @pytest.mark.parametrize("fixed", [{}, NOTHING_ELSE])
 def test_drag_is_found_beside_eq_17(fixed):
-    found = (dragging_alone() if fixed else dragging()).oscillator
-    assert len(scores(found, DRAG)) == len(DRAG)
-    assert np.all(np.abs(list(scores(found, DRAG).values())) < 4)
-    assert found.parameters()["quadratic-drag.coefficient"].std < 0.01
+    oscillator = (dragging_alone() if fixed else dragging()).oscillator
+    assert len(scores(oscillator, DRAG)) == len(DRAG)
+    assert np.all(np.abs(list(scores(oscillator, DRAG).values())) < 4)
+    assert oscillator.parameters()["quadratic-drag.coefficient"].std < 0.01
     for name in NOTHING_ELSE:
-        parameter = found.parameters()[name]
+        parameter = oscillator.parameters()[name]
         assert (parameter.value, parameter.std) == (0.0, None) if fixed else abs(parameter.value) < 4 * parameter.std
 
 
@@ -110,9 +110,9 @@ def test_a_pendulums_radian(angle, viscous, seconds):
     """Gravity alone: the width of the sine is one radian, and where it may be free no linear spring is left."""
     recording = pendulum(angle, viscous, seconds)
     truth = {f"{SINE}.width": 1.0, f"{SINE}.stiffness": GRAVITY, "viscous": viscous}
-    found = identify([recording], effects=[SINE], fixed=NOTHING_ELSE | {"omega0": 0.0})
-    assert found.fit.segments[0].over_noise < 1.1
-    assert np.all(np.abs(list(scores(found.oscillator, truth).values())) < 4)
+    identification = identify([recording], effects=[SINE], fixed=NOTHING_ELSE | {"omega0": 0.0})
+    assert identification.fit.segments[0].over_noise < 1.1
+    assert np.all(np.abs(list(scores(identification.oscillator, truth).values())) < 4)
     free = identify([recording], effects=[SINE], fixed=NOTHING_ELSE).oscillator
     # omega0 enters by its square: at zero its own error is none, and the spring together is what was measured
     assert free.omega0.value**2 < 0.01 * GRAVITY
@@ -136,10 +136,10 @@ def test_a_rate_gyro_on_a_pendulum_tells_its_angle():
     gyro = Recording(
         "gyro", 100.0, v + 1e-4 * np.random.default_rng(0).standard_normal(t.size), quantity="velocity", unit="rad/s"
     )
-    found = identify([gyro], effects=[SINE], fixed=NOTHING_ELSE).oscillator
-    assert found.parameters()[f"{SINE}.width"].value == pytest.approx(1.0, abs=4e-3)
+    oscillator = identify([gyro], effects=[SINE], fixed=NOTHING_ELSE).oscillator
+    assert oscillator.parameters()[f"{SINE}.width"].value == pytest.approx(1.0, abs=4e-3)
     # of the speed's peak over the small motion's pace
-    assert found.amplitude.max == pytest.approx(np.max(np.abs(v)) / math.sqrt(GRAVITY), rel=0.1)
+    assert oscillator.amplitude.max == pytest.approx(np.max(np.abs(v)) / math.sqrt(GRAVITY), rel=0.1)
 
 
 def test_a_mass_that_is_known_comes_with_the_decay():
@@ -193,6 +193,6 @@ def test_a_law_is_put_where_the_recordings_like_it():
     """From a model without it, and with a law that is there already: neither moves the other away."""
     model = Oscillator.from_values({"mass": 0.8, "omega0": W, "viscous": 1.0} | NOTHING_ELSE)
     data = data_of(drag(), model)
-    found = with_laws(model, ["quadratic-drag"], data).parameters()
-    assert found["quadratic-drag.coefficient"].value == pytest.approx(6.0, rel=0.2)
+    parameters = with_laws(model, ["quadratic-drag"], data).parameters()
+    assert parameters["quadratic-drag.coefficient"].value == pytest.approx(6.0, rel=0.2)
     assert with_laws(model, [], data) is model

@@ -32,7 +32,7 @@ def rig(hold, per_cycle=40, kind="sweep", seed=0, lag=0.0, band=(5.0, 20.0), noi
     random = np.random.default_rng(seed)
     fs = float(round(per_cycle * FREQUENCY))
     n = int(200 * per_cycle)
-    found = []
+    recordings = []
     for level in (0.3, 1.0):
         t = np.arange(n) / fs
         low, high = band
@@ -46,8 +46,8 @@ def rig(hold, per_cycle=40, kind="sweep", seed=0, lag=0.0, band=(5.0, 20.0), noi
         x = integrate_pieces(TRUTH, driven(made[1], hold)[:-1], 1 / fs)[0]
         y = x + noise * random.standard_normal(n)
         force = made[0][:, 0] + 1e-3 * level * random.standard_normal(n)
-        found.append(Recording(name=f"{kind} {level}", fs=fs, response=y, force=force))
-    return tuple(found)
+        recordings.append(Recording(name=f"{kind} {level}", fs=fs, response=y, force=force))
+    return tuple(recordings)
 
 
 def scores(oscillator):
@@ -63,26 +63,26 @@ def scores(oscillator):
     ],
 )
 def test_a_hold_is_found_told_and_kept(hold, per_cycle, kind):
-    found = identify(rig(hold, per_cycle, kind))
-    assert found.oscillator.hold == hold
-    assert any("between samples" in note or "sample to sample" in note for note in found.notes)
-    assert np.all(np.abs(scores(found.oscillator)) < 3.5)
-    assert hold_of_recordings(found.recordings) == hold
-    assert loads(dumps(found.oscillator)).hold == hold
+    identification = identify(rig(hold, per_cycle, kind))
+    assert identification.oscillator.hold == hold
+    assert any("between samples" in note or "sample to sample" in note for note in identification.notes)
+    assert np.all(np.abs(scores(identification.oscillator)) < 3.5)
+    assert hold_of_recordings(identification.recordings) == hold
+    assert loads(dumps(identification.oscillator)).hold == hold
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.long) for seed in (1, 2))])
 def test_a_smooth_force_stays_smooth(seed):
-    found = identify(rig("smooth", 40, "random", seed))
-    assert found.oscillator.hold == "smooth"
-    assert not any("fitted so" in note for note in found.notes)
-    assert np.all(np.abs(scores(found.oscillator)) < 3.5)
+    identification = identify(rig("smooth", 40, "random", seed))
+    assert identification.oscillator.hold == "smooth"
+    assert not any("fitted so" in note for note in identification.notes)
+    assert np.all(np.abs(scores(identification.oscillator)) < 3.5)
 
 
 def test_what_is_said_is_not_questioned():
-    found = identify(held_as(rig("zero", 25, "random"), "smooth"))
-    assert found.oscillator.hold == "smooth"
-    assert np.max(np.abs(scores(found.oscillator))) > 5  # half a sample of lag has to go somewhere
+    identification = identify(held_as(rig("zero", 25, "random"), "smooth"))
+    assert identification.oscillator.hold == "smooth"
+    assert np.max(np.abs(scores(identification.oscillator))) > 5  # half a sample of lag has to go somewhere
 
 
 @pytest.mark.long
@@ -93,13 +93,13 @@ def test_a_lag_that_is_not_half_a_sample_is_no_hold():
 def test_where_the_hold_cannot_be_known_it_is_in_the_errors():
     """Near the resonance alone a loss that grows with frequency looks like mass."""
     recordings = rig("linear", 40, band=(11.5, 14.5), noise=2e-5)
-    found = identify(recordings).oscillator
+    oscillator = identify(recordings).oscillator
     said = identify(held_as(recordings, "smooth")).oscillator
-    assert found.hold == "smooth"
+    assert oscillator.hold == "smooth"
     assert abs(scores(said)[0]) > 3
-    assert abs(scores(found)[0]) < 2
-    assert found.mass.std > 3 * said.mass.std
-    assert np.sqrt(found.identified.covariance[0][0]) == pytest.approx(found.mass.std)
+    assert abs(scores(oscillator)[0]) < 2
+    assert oscillator.mass.std > 3 * said.mass.std
+    assert np.sqrt(oscillator.identified.covariance[0][0]) == pytest.approx(oscillator.mass.std)
 
 
 def test_a_hold_is_believed_up_to_a_tenth_of_it():

@@ -19,44 +19,44 @@ WITHIN = {"mass": 0.5, "omega0": 0.5, "viscous": 0.5, "cubic": 3.0, "preload": 5
 
 
 @pytest.fixture(scope="module")
-def found():
+def identification():
     files = recordings()
     return identify([read(files[kind]) for kind in ("bursts", "sweep_low", "sweep_high")], name="paper-stand")
 
 
 @pytest.mark.parametrize("name", WITHIN)
-def test_each_parameter_is_found_and_its_error_is_honest(found, name):
-    parameter = found.oscillator.parameters()[name]
+def test_each_parameter_is_found_and_its_error_is_honest(identification, name):
+    parameter = identification.oscillator.parameters()[name]
     assert abs(parameter.value / TRUTH[name] - 1) < WITHIN[name] / 100
     assert abs(parameter.value - TRUTH[name]) < 3 * parameter.std
 
 
-def test_what_is_left_over_is_the_noise(found):
-    for fit in found.fit.segments:
+def test_what_is_left_over_is_the_noise(identification):
+    for fit in identification.fit.segments:
         rms = fit.nrmse * np.std(fit.segment.response)
         assert 0.9e-6 < rms < 1.25e-6  # 1 µm of the sensor, and the force's noise through the resonance
 
 
-def test_the_four_decays_are_found_by_themselves(found):
-    starts = [decay.start for decay in found.hilbert.decays[0]]
+def test_the_four_decays_are_found_by_themselves(identification):
+    starts = [decay.start for decay in identification.hilbert.decays[0]]
     assert len(starts) == 4
     assert starts == pytest.approx([1500, 6500, 11500, 16500], abs=3)
 
 
-def test_nothing_is_remarked_where_the_model_is_complete(found):
-    assert found.notes == ()
+def test_nothing_is_remarked_where_the_model_is_complete(identification):
+    assert identification.notes == ()
 
 
-def test_every_method_has_left_its_curve(found):
-    methods = [(curve.recording, curve.method) for curve in found.hilbert.curves]
+def test_every_method_has_left_its_curve(identification):
+    methods = [(curve.recording, curve.method) for curve in identification.hilbert.curves]
     assert methods.count(("bursts.csv.gz", "freevib")) == 4
     assert ("sweep_low.csv.gz", "forcevib") in methods
     assert ("sweep_high.csv.gz", "forcevib") in methods
 
 
-def test_the_model_file_holds_the_result(found):
-    again = loads(dumps(found.oscillator))
-    assert again.values() == found.oscillator.values()
+def test_the_model_file_holds_the_result(identification):
+    again = loads(dumps(identification.oscillator))
+    assert again.values() == identification.oscillator.values()
     assert [r["kind"] for r in again.identified.recordings] == ["bursts", "sweep", "sweep"]
     errors = np.sqrt(np.diag(np.array(again.identified.covariance)))
     assert errors == pytest.approx([p.std for p in again.parameters().values()], rel=1e-3)
@@ -141,9 +141,9 @@ def test_rigs_of_other_sizes_and_frequencies(scale):
         "dry": 0.3,
     }
     recordings = [record("sweep", values=values, fs=3000.0), record("decay", values=values, fs=3000.0, seconds=2.0)]
-    found = identify(recordings).oscillator.parameters()
+    parameters = identify(recordings).oscillator.parameters()
     for name in ("mass", "omega0", "viscous"):
-        assert found[name].value == pytest.approx(values[name], rel=5e-3), name
+        assert parameters[name].value == pytest.approx(values[name], rel=5e-3), name
 
 
 @pytest.mark.long
@@ -169,10 +169,10 @@ def test_recordings_of_different_quantities_are_refused():
 
 
 def test_a_recording_in_another_unit_is_noticed():
-    one = record("sweep")
-    other = Recording(name="millimetres", fs=one.fs, response=one.response * 1e3, force=one.force)
+    sweep = record("sweep")
+    other = Recording(name="millimetres", fs=sweep.fs, response=sweep.response * 1e3, force=sweep.force)
     with pytest.raises(BadInput, match="millimetres moves 1000 times"):
-        identify([one, other])
+        identify([sweep, other])
 
 
 def test_nothing_given_is_said():
@@ -205,17 +205,17 @@ def test_a_mass_that_friction_hardly_lets_go_does_not_make_the_errors_small():
         response=x + 2e-6 * random.standard_normal(t.size),
         force=force + 2e-3 * low * random.standard_normal(t.size),
     )
-    found = identify([sweep, record("decay", values=values, seconds=4.0)])
-    for name, parameter in found.oscillator.parameters().items():
+    identification = identify([sweep, record("decay", values=values, seconds=4.0)])
+    for name, parameter in identification.oscillator.parameters().items():
         assert abs(parameter.value - values[name]) < 4 * parameter.std, name
-    assert any("a hair decides" in note for note in found.notes)
+    assert any("a hair decides" in note for note in identification.notes)
 
 
 def test_what_the_family_cannot_do_is_remarked():
     decay = record("decay", seconds=4.0)
     bent = decay.response * (1 - 15.0 * decay.response)  # a sensor that is not straight
-    found = identify([Recording(name="bent", fs=decay.fs, response=bent)])
-    assert any("times the noise" in note for note in found.notes)
+    identification = identify([Recording(name="bent", fs=decay.fs, response=bent)])
+    assert any("times the noise" in note for note in identification.notes)
 
 
 @pytest.mark.long
@@ -227,8 +227,8 @@ def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
     honest = identification.hilbert_start
 
     def astray(recordings):
-        found = honest(recordings)
-        return replace(found, omega0=0.6 * found.omega0, cubic=1e10, mass=1.5 * found.mass)
+        estimate = honest(recordings)
+        return replace(estimate, omega0=0.6 * estimate.omega0, cubic=1e10, mass=1.5 * estimate.mass)
 
     monkeypatch.setattr(identification, "hilbert_start", astray)
     both = [record("sweep"), record("decay", seconds=4.0)]

@@ -67,7 +67,7 @@ def test_every_start_reaches_the_same_optimum(recorded, starts):
     """A fifth of the frequency, five times the damping, a cubic of any sign: all end where the first did."""
     recordings, random = exact(recorded), np.random.default_rng(0)
     size = TRUTH["omega0"] ** 2 / 8e-3**2
-    found = []
+    rows = []
     for _ in range(starts):
         start = linear_start(
             mass=TRUTH["mass"] * 2 ** random.uniform(-1, 1),
@@ -77,8 +77,8 @@ def test_every_start_reaches_the_same_optimum(recorded, starts):
         )
         fit = maximum_likelihood(start, recordings)
         assert fit.memory == FREE
-        found.append([p.value for p in fit.oscillator.parameters().values()])
-    table = np.array(found)
+        rows.append([p.value for p in fit.oscillator.parameters().values()])
+    table = np.array(rows)
     assert np.max(np.abs(table / np.median(table, axis=0) - 1)) < 1e-4
 
 
@@ -105,14 +105,14 @@ def plain_fit(recording):
     """What the best of all damped sines leaves of a motion: least squares in amplitudes, frequency and decay rate."""
     y, t = np.asarray(recording.response), np.arange(recording.n) / recording.fs
 
-    def left(p):
+    def residual(p):
         envelope = np.exp(-p[1] * t)
         columns = np.column_stack([envelope * np.cos(p[0] * t), envelope * np.sin(p[0] * t)])
         return columns @ np.linalg.lstsq(columns, y)[0] - y
 
     starts = W * np.linspace(0.95, 1.2, 26)
-    best = min((least_squares(left, (w, 0.2), x_scale=(1.0, 0.1)) for w in starts), key=lambda fit: fit.cost)
-    return float(np.std(left(best.x)) / np.std(y))
+    best = min((least_squares(residual, (w, 0.2), x_scale=(1.0, 0.1)) for w in starts), key=lambda fit: fit.cost)
+    return float(np.std(residual(best.x)) / np.std(y))
 
 
 def off(part):

@@ -56,9 +56,9 @@ def rig(hertz, seconds, start, *, cubic=0.0, noise=2e-6, force=None, fs=FS):
     return Recording("chain.csv", fs, measured, pushed), alone, shapes[0, 0] ** -2
 
 
-def within(found, truth, errors=3.0):
+def within(identification, truth, errors=3.0):
     for name, value in truth.items():
-        parameter = getattr(found.oscillator, name)
+        parameter = getattr(identification.oscillator, name)
         assert abs(parameter.value - value) < errors * parameter.std, (name, parameter, value)
 
 
@@ -80,12 +80,12 @@ def test_the_first_of_several_modes(hertz, start):
     assert "isolated below" in note
     # what the band leaves is that mode, to the noise that was there before and to its own third harmonic
     inside = slice(only.n // 4, -only.n // 8)
-    left = np.asarray(only.response) - alone[round(only.start * FS) :][: only.n]
-    assert float(np.std(left[inside])) < 1.5 * 2e-6
-    found = identify([only], band=band)
+    residual = np.asarray(only.response) - alone[round(only.start * FS) :][: only.n]
+    assert float(np.std(residual[inside])) < 1.5 * 2e-6
+    identification = identify([only], band=band)
     omega = 2 * np.pi * hertz[0]
-    within(found, {"omega0": omega, "viscous": 2 * DAMPING[0] * omega, "cubic": 2.0e7})
-    assert found.oscillator.identified.band == band
+    within(identification, {"omega0": omega, "viscous": 2 * DAMPING[0] * omega, "cubic": 2.0e7})
+    assert identification.oscillator.identified.band == band
 
 
 def test_a_mode_that_is_asked_for():
@@ -173,6 +173,6 @@ def test_a_blow_of_a_hammer_goes_through_the_same_band():
     (only,), band, _ = isolated([recording])
     assert band is not None
     assert only.struck
-    found = identify([only], band=band)
-    assert found.oscillator.mass is not None
-    within(found, {"mass": mass, "omega0": 2 * np.pi * 12.0, "viscous": 2 * DAMPING[0] * 2 * np.pi * 12.0})
+    identification = identify([only], band=band)
+    assert identification.oscillator.mass is not None
+    within(identification, {"mass": mass, "omega0": 2 * np.pi * 12.0, "viscous": 2 * DAMPING[0] * 2 * np.pi * 12.0})

@@ -57,10 +57,10 @@ def test_units_of_the_unknowns_do_not_matter():
 def test_shared_information_is_the_dense_schur_complement(seed):
     blocks, dense, _ = system(seed)
     covariance = np.linalg.inv(dense.T @ dense)[:SHARED, :SHARED]
-    found = shared_information(blocks, SHARED)
-    assert np.linalg.inv(found) == pytest.approx(covariance, rel=1e-9)
+    information = shared_information(blocks, SHARED)
+    assert np.linalg.inv(information) == pytest.approx(covariance, rel=1e-9)
     plain = sum(normal[:SHARED, :SHARED] for normal, _ in blocks)
-    assert np.all(np.linalg.eigvalsh(plain - found) > 0)  # initial states that are free cost information
+    assert np.all(np.linalg.eigvalsh(plain - information) > 0)  # initial states that are free cost information
 
 
 def test_a_state_that_a_segment_does_not_have_takes_no_part():

@@ -44,25 +44,26 @@ def good(identification, names=TRUTH):
 
 @pytest.mark.parametrize("offset", [OFFSET, -OFFSET])
 def test_an_offset_five_times_the_decay(recorded, offset):
-    found = identify([recorded(begin=(5e-3, 0.0), seconds=3.0, offset=offset)])
-    (shown,) = found.fit.offsets
+    identification = identify([recorded(begin=(5e-3, 0.0), seconds=3.0, offset=offset)])
+    (shown,) = identification.fit.offsets
     assert (shown.recording, shown.channel) == (0, "response")
     assert abs(shown.value - offset) < 4 * shown.std < 1e-3 * abs(offset)
-    assert len(good(found)) == 5
-    assert all(good(found))
-    assert found.oscillator.amplitude.max == pytest.approx(5e-3, rel=0.01)  # of the motion
+    assert len(good(identification)) == 5
+    assert all(good(identification))
+    assert identification.oscillator.amplitude.max == pytest.approx(5e-3, rel=0.01)  # of the motion
 
 
 @pytest.mark.parametrize("offset", [OFFSET, -OFFSET])
 def test_the_same_on_a_sweep_beside_a_decay_without_one(recorded, offset):
     sweep = recorded(sweep=(1.0, 5.0, 20.0), seconds=10.0, offset=offset, name="sweep")
-    found = identify([recorded(begin=(5e-3, 0.0), seconds=3.0, name="decay"), sweep])
-    (shown,) = found.fit.offsets
+    identification = identify([recorded(begin=(5e-3, 0.0), seconds=3.0, name="decay"), sweep])
+    (shown,) = identification.fit.offsets
     assert shown.recording == 1
     assert abs(shown.value - offset) < 4 * shown.std < 1e-3 * abs(offset)
-    assert len(good(found)) == 6
-    assert all(good(found))
-    assert found.fit.segments[1].simulated == pytest.approx(np.asarray(sweep.response), abs=2e-5)  # it is in there
+    assert len(good(identification)) == 6
+    assert all(good(identification))
+    # it is in there
+    assert identification.fit.segments[1].simulated == pytest.approx(np.asarray(sweep.response), abs=2e-5)
 
 
 def test_no_offset_is_kept_where_there_is_none():
@@ -78,16 +79,16 @@ def test_an_offset_of_two_of_its_errors_is_not_kept_and_one_of_eight_is():
 
 
 def test_its_standard_error_is_that_of_a_mean():
-    found = [offsets_of(decay(200 + seed, OFFSET))[0] for seed in range(25)]
-    assert np.sqrt(np.mean([o.std**2 for o in found])) == pytest.approx(ERROR, rel=0.2)
-    scores = np.array([(o.value - OFFSET) / o.std for o in found])
+    offsets = [offsets_of(decay(200 + seed, OFFSET))[0] for seed in range(25)]
+    assert np.sqrt(np.mean([o.std**2 for o in offsets])) == pytest.approx(ERROR, rel=0.2)
+    scores = np.array([(o.value - OFFSET) / o.std for o in offsets])
     assert np.sqrt(np.mean(scores**2)) == pytest.approx(1.0, abs=0.45)  # of 25: 3 times sqrt(1 / 50)
 
 
 def test_each_recording_has_its_own():
-    found = offsets_of(decay(0), decay(1, OFFSET), decay(2), decay(3, -OFFSET))
-    assert [o.recording for o in found] == [1, 3]
-    assert [o.value for o in found] == pytest.approx([OFFSET, -OFFSET], abs=5 * ERROR)
+    offsets = offsets_of(decay(0), decay(1, OFFSET), decay(2), decay(3, -OFFSET))
+    assert [o.recording for o in offsets] == [1, 3]
+    assert [o.value for o in offsets] == pytest.approx([OFFSET, -OFFSET], abs=5 * ERROR)
 
 
 @pytest.mark.parametrize("effect", ["sensor-offset", "constant-force"])

@@ -13,8 +13,8 @@ from dashpot.recording import Recording
 FORCE, OFFSET = 1.5, 25e-3
 
 
-def good(found, names=TRUTH):
-    known = found.oscillator.parameters()
+def good(identification, names=TRUTH):
+    known = identification.oscillator.parameters()
     return {n: (known[n].value - TRUTH[n]) / known[n].std for n in names if n in known and known[n].std is not None}
 
 
@@ -23,21 +23,21 @@ def sweep(recorded):
     return recorded(sweep=(1.0, 5.0, 20.0), seconds=10.0, name="sweep")
 
 
-def channels(found):
-    return {offset.channel: offset for offset in found.fit.offsets}
+def channels(identification):
+    return {offset.channel: offset for offset in identification.fit.offsets}
 
 
 def test_a_load_cell_and_a_sensor_that_sit_elsewhere(sweep):
     moved = replace(sweep, response=np.asarray(sweep.response) + OFFSET, force=np.asarray(sweep.force) + FORCE)
-    found = identify([moved])
-    shown = channels(found)
+    identification = identify([moved])
+    shown = channels(identification)
     assert set(shown) == {"force", "response"}
     assert abs(shown["force"].value - FORCE) < 3 * shown["force"].std < 0.1 * FORCE
     assert abs(shown["response"].value - OFFSET) < 3 * shown["response"].std < 0.1 * OFFSET
-    scores = good(found)
+    scores = good(identification)
     assert len(scores) == 6
     assert max(abs(score) for score in scores.values()) < 3
-    assert sum("the force sensor shows" in note for note in found.notes) == 1
+    assert sum("the force sensor shows" in note for note in identification.notes) == 1
 
 
 def test_neither_is_found_where_there_is_none(sweep):
@@ -48,11 +48,11 @@ def test_neither_is_found_where_there_is_none(sweep):
 def test_a_drift_of_a_decay(recorded, drift):
     decay = recorded(begin=(5e-3, 0.0), seconds=3.0, name="decay")
     line = drift * (np.asarray(decay.time) - 1.0)
-    found = identify([replace(decay, response=np.asarray(decay.response) + line)])
-    shown = channels(found)
+    identification = identify([replace(decay, response=np.asarray(decay.response) + line)])
+    shown = channels(identification)
     assert abs(shown["drift"].value - drift) < 3.5 * shown["drift"].std < 0.3 * abs(drift)
-    assert max(abs(score) for score in good(found).values()) < 4
-    assert sum("drifts by" in note for note in found.notes) == 1
+    assert max(abs(score) for score in good(identification).values()) < 4
+    assert sum("drifts by" in note for note in identification.notes) == 1
 
 
 def test_no_drift_is_found_in_decays_without():

@@ -16,8 +16,8 @@ HYSTERESIS = {"stiffness": 900.0, "limit": 2e-4, "exponent": 10.0, "loading": 0.
 
 def test_only_limited_states_move_and_the_best_place_wins():
     initial, reaches = np.array([1.0, 2.0, 0.1, 5.0]), np.array([0.0, 0.0, 1.0, 0.0])
-    found = nearest_reach(initial, reaches, (0, 1, 2, 3), lambda z: abs(z[2] + 1.0))
-    assert found == pytest.approx([1.0, 2.0, -0.98, 5.0])
+    moved = nearest_reach(initial, reaches, (0, 1, 2, 3), lambda z: abs(z[2] + 1.0))
+    assert moved == pytest.approx([1.0, 2.0, -0.98, 5.0])
     kept = nearest_reach(initial, reaches, (0, 1, 2, 3), lambda z: abs(z[2] - 0.1))
     assert np.array_equal(kept, initial)
     assert np.array_equal(nearest_reach(initial, reaches, (0, 1), lambda z: abs(z[2])), initial)
@@ -32,5 +32,5 @@ def test_a_decay_that_begins_sliding_is_replayed():
     n, fs = 3000, 1000.0
     clean = core.record(values, start, None, n, 1 / fs, internal_step(model, model.values(), 4e-3))
     noise = 1e-6 * np.random.default_rng(2).standard_normal(n)
-    found, _, _ = replayed(model, Recording(name="decay", fs=fs, response=clean + noise))
-    assert np.sqrt(np.mean((found - clean) ** 2)) < 3e-6
+    simulated, _, _ = replayed(model, Recording(name="decay", fs=fs, response=clean + noise))
+    assert np.sqrt(np.mean((simulated - clean) ** 2)) < 3e-6

@@ -35,43 +35,43 @@ def silverbox():
 
 @needs_data
 def test_silverbox_free_run(silverbox):
-    found = identify([silverbox["train"]])
-    values = found.oscillator.values()
+    identification = identify([silverbox["train"]])
+    values = identification.oscillator.values()
     assert values["omega0"] / 2 / np.pi == pytest.approx(68.4, rel=0.01)
     assert values["cubic"] > 0  # a hardening spring
-    assert found.oscillator.mass.unit == "s2"
+    assert identification.oscillator.mass.unit == "s2"
     errors = {}
     for name, last in (("multisine", None), ("arrow", 32_000)):
         recording = silverbox[name]
-        left = (replay(found.oscillator, recording) - recording.response)[50:last]
-        errors[name] = (1e3 * np.sqrt(np.mean(left**2)), 1e3 * np.std(left))
+        residual = (replay(identification.oscillator, recording) - recording.response)[50:last]
+        errors[name] = (1e3 * np.sqrt(np.mean(residual**2)), 1e3 * np.std(residual))
     # The family has no offset, and the circuit has one of 5 mV; without it the error is a tenth of a linear model's.
     assert errors["multisine"][0] < 5.5
     assert errors["arrow"][0] < 5.7
     assert errors["multisine"][1] < 0.7
     assert errors["arrow"][1] < 0.7
-    assert any("sign that the Eq. 17 family lacks something" in note for note in found.notes)
+    assert any("sign that the Eq. 17 family lacks something" in note for note in identification.notes)
 
 
 @needs_data
 def test_ship_roll_decay_has_no_mass():
     recording = read(FOLDER / "kvlcc2_roll_21338.csv.gz")
-    found = identify([recording])
-    assert found.oscillator.mass is None
-    assert found.oscillator.omega0.value / 2 / np.pi == pytest.approx(0.3915, rel=0.01)
-    assert found.oscillator.dry.unit == "rad/s2"
-    assert found.fit.segments[0].nrmse < 0.06
+    identification = identify([recording])
+    assert identification.oscillator.mass is None
+    assert identification.oscillator.omega0.value / 2 / np.pi == pytest.approx(0.3915, rel=0.01)
+    assert identification.oscillator.dry.unit == "rad/s2"
+    assert identification.fit.segments[0].nrmse < 0.06
     # The damping of rolling is quadratic, which the family lacks: dry friction finds nothing to stand for.
-    dry = found.oscillator.dry
+    dry = identification.oscillator.dry
     assert dry.std is not None
     assert abs(dry.value) < 3 * dry.std
-    assert any("holds something that the Eq. 17 family does not" in note for note in found.notes)
+    assert any("holds something that the Eq. 17 family does not" in note for note in identification.notes)
 
 
 @needs_data
 def test_magnet_beam_decay_is_found_behind_its_drive():
     recording = read(FOLDER / "frid_magmech_decay.csv.gz")
-    found = identify([recording])
-    (decay,) = found.hilbert.decays[0]
+    identification = identify([recording])
+    (decay,) = identification.hilbert.decays[0]
     assert decay.start / recording.fs == pytest.approx(12.15, abs=0.2)
-    assert found.oscillator.mass is None
+    assert identification.oscillator.mass is None

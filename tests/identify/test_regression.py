@@ -12,9 +12,9 @@ from dashpot.identify.weakform import windows
 NAMES = ("omega0", "cubic", "preload", "viscous", "dry")
 
 
-def check(found, rig, rel):
+def check(estimate, rig, rel):
     for name, tolerance in rel.items():
-        assert getattr(found, name) == pytest.approx(getattr(rig, name), rel=tolerance), name
+        assert getattr(estimate, name) == pytest.approx(getattr(rig, name), rel=tolerance), name
 
 
 def test_windows_differentiate_exactly():
@@ -43,11 +43,11 @@ def test_reference_sweeps_with_noise_jointly(rigs, reference_sweeps):
     for i, case in enumerate(reference_sweeps):
         noisy = case.noisy(1e-6, 1e-3, i)
         segments.append(Segment(Signal(noisy.x, noisy.fs), Signal(noisy.force, noisy.fs)))
-    found = regress(segments)
+    estimate = regress(segments)
     tolerances = {"omega0": 1e-4, "mass": 1e-4, "cubic": 0.01, "preload": 2e-3, "viscous": 1e-3, "dry": 0.01}
-    check(found, rigs.reference, tolerances)
+    check(estimate, rigs.reference, tolerances)
     for name in ("mass", *NAMES):
-        assert abs(getattr(found, name) - getattr(rigs.reference, name)) < 5 * getattr(found, f"{name}_std"), name
+        assert abs(getattr(estimate, name) - getattr(rigs.reference, name)) < 5 * getattr(estimate, f"{name}_std"), name
 
 
 def test_multisine_at_nine_samples_a_cycle(rigs):
@@ -55,8 +55,8 @@ def test_multisine_at_nine_samples_a_cycle(rigs):
     rig = rigs.Rig(mass=5e-6, omega0=w0, cubic=0.3 * w0**2, preload=0.0, viscous=0.1 * w0, dry=0.0)
     case = rigs.case(rig, rigs.multisine(0.1 * w0**2 * 5e-6, 5, 150, 0.4, 3), 610.0, 6.0, substeps=8)
     noisy = case.noisy(1e-4, 1e-3, 0)
-    found = linear_regression_start(Signal(noisy.x, 610.0), Signal(noisy.force, 610.0))
-    check(found, rig, {"mass": 2e-3, "omega0": 1e-3, "cubic": 0.02, "viscous": 0.01})
+    estimate = linear_regression_start(Signal(noisy.x, 610.0), Signal(noisy.force, 610.0))
+    check(estimate, rig, {"mass": 2e-3, "omega0": 1e-3, "cubic": 0.02, "viscous": 0.01})
 
 
 def test_a_constant_is_refused():

@@ -50,23 +50,23 @@ def dense(problem, state, level=NOISE):
         own = np.zeros((len(derivatives), used.size, rows.shape[1]))
         own[i] = rows[shared:][used]
         columns.append((rows[:shared], own))
-    left = np.hstack([rows for rows, _ in columns])
+    upper = np.hstack([rows for rows, _ in columns])
     border = [
         np.hstack([np.zeros((own.shape[1], r.shape[1])) if j != i else own[i] for j, (r, _) in enumerate(columns)])
         for i, (_, own) in enumerate(columns)
     ]
-    everything = np.vstack([left, *border])
-    scale = np.linalg.norm(everything, axis=1)
-    everything = everything / scale[:, None]
-    covariance = np.linalg.inv(everything @ everything.T / level**2)
+    jacobian = np.vstack([upper, *border])
+    scale = np.linalg.norm(jacobian, axis=1)
+    jacobian = jacobian / scale[:, None]
+    covariance = np.linalg.inv(jacobian @ jacobian.T / level**2)
     return np.linalg.inv(covariance[: len(problem.free), : len(problem.free)]) * np.outer(
         scale[: len(problem.free)], scale[: len(problem.free)]
     )
 
 
-def same(found, expected, rel):
+def same(scattered, expected, rel):
     size = np.sqrt(np.diag(expected))
-    assert found / np.outer(size, size) == pytest.approx(expected / np.outer(size, size), abs=rel)
+    assert scattered / np.outer(size, size) == pytest.approx(expected / np.outer(size, size), abs=rel)
 
 
 def test_of_white_noise_it_is_the_information():
@@ -82,9 +82,9 @@ def test_with_offsets_it_is_that_of_the_parameters_alone():
     recordings = [recorded(LINEAR, sweep(4000), 4000), recorded(LINEAR, None, 1500, (8e-3, 0.0), "decay")]
     offsets = (Offset(0, "response", 1e-5), Offset(1, "response", 1e-5))
     problem, state = problem_of(LINEAR, recordings, offsets)
-    found = scatter(problem, state, flat(problem), [0.0, 0.0], 10)
-    assert found.shape == (3, 3)
-    same(found, dense(problem, state), 1e-6)
+    scattered = scatter(problem, state, flat(problem), [0.0, 0.0], 10)
+    assert scattered.shape == (3, 3)
+    same(scattered, dense(problem, state), 1e-6)
 
 
 def test_noise_that_is_larger_than_it_was_weighed_scatters_as_much_more():
@@ -111,5 +111,5 @@ def test_force_noise_goes_through_the_rig_as_its_impulse_response_says():
     folded = np.array([[row[k:] @ shape[1 : n - k + 1] for k in range(1, n)] for row in rows])
     expected = level**2 * folded @ folded.T
     quiet = scatter(problem, state, flat(problem), [0.0], 1)
-    found = scatter(problem, state, flat(problem), [level], 600, seed=4) - quiet
-    same(found, expected, 0.2)  # of 600 draws a variance is good to 6 %
+    scattered = scatter(problem, state, flat(problem), [level], 600, seed=4) - quiet
+    same(scattered, expected, 0.2)  # of 600 draws a variance is good to 6 %

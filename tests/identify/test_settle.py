@@ -42,10 +42,10 @@ def errors(state, begin=BEGIN):
 def test_the_beginning_of_a_decay_is_found(quantity):
     exact = structure(quantity)
     start = exact.state(None)
-    found = settled(exact.problem, start)
+    begun = settled(exact.problem, start)
     assert np.all(errors(start) < 0.3)  # what the signal alone says
-    assert np.all(errors(found) < 1e-3)
-    assert np.array_equal(found.values, start.values)
+    assert np.all(errors(begun) < 1e-3)
+    assert np.array_equal(begun.values, start.values)
 
 
 @pytest.mark.parametrize("quantity", UNITS)
@@ -60,11 +60,11 @@ def test_from_a_beginning_that_is_far_off(quantity):
 def test_with_wrong_parameters_the_first_cycles_are_met_no_worse():
     wrong = structure(omega0=0.95 * TRUTH["omega0"], viscous=2 * TRUTH["viscous"])
     start = wrong.state(None)
-    found = settled(wrong.problem, start)
+    begun = settled(wrong.problem, start)
     few = round(2 * 2 * np.pi / TRUTH["omega0"] * FS)
-    before, after = (float(np.std(wrong.problem.residuals(s)[0][:few])) for s in (start, found))
+    before, after = (float(np.std(wrong.problem.residuals(s)[0][:few])) for s in (start, begun))
     assert after <= before
-    assert np.all(errors(found) < 0.5)  # a larger beginning makes up for some of the damping
+    assert np.all(errors(begun) < 0.5)  # a larger beginning makes up for some of the damping
 
 
 def test_a_mass_that_begins_at_rest_is_left_there():
@@ -72,8 +72,8 @@ def test_a_mass_that_begins_at_rest_is_left_there():
     still = structure(begin=(0.0, 0.0), force=np.sin(2 * np.pi * (8 * t + 2 * t**2)))
     (segment,) = still.segments
     assert segment.rests
-    found = settled(still.problem, still.state(None))
-    assert np.all(found.initial == 0.0)
+    begun = settled(still.problem, still.state(None))
+    assert np.all(begun.initial == 0.0)
 
 
 def test_a_stretch_that_begins_in_motion_under_a_force():

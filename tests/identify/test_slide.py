@@ -61,16 +61,16 @@ def test_a_short_recording_driven_near_the_resonance_is_no_slide():
 
 
 def test_mass_and_friction_of_a_slide(steady):
-    found = identify([steady]).oscillator
+    oscillator = identify([steady]).oscillator
     for name, true in TRUTH.items():
-        assert found.values()[name] == pytest.approx(true, rel=0.01), name
-    assert found.omega0.value < 0.1
+        assert oscillator.values()[name] == pytest.approx(true, rel=0.01), name
+    assert oscillator.omega0.value < 0.1
 
 
 def test_of_a_slide_nothing_is_missing_or_what_is_is_said(steady):
     model = identify([steady]).oscillator
     assert diagnose(model, [steady]).verdict == "consistent"
     dragged = slide(drag=1.0)
-    found = diagnose(identify([dragged]).oscillator, [dragged])
-    assert found.verdict != "consistent"
-    assert all(np.isfinite(one.nrmse_after) for one in found.records)
+    diagnosis = diagnose(identify([dragged]).oscillator, [dragged])
+    assert diagnosis.verdict != "consistent"
+    assert all(np.isfinite(record.nrmse_after) for record in diagnosis.records)

@@ -31,25 +31,25 @@ def burst(rigs):
 def test_reference_rig(rigs, burst, reference_sweeps):
     rig = rigs.reference
     records = [record(c, f"r{i}", 1.0, i) for i, c in enumerate((burst, *reference_sweeps))]
-    found = hilbert_start(records)
+    estimate = hilbert_start(records)
     tolerances = {"mass": 1e-4, "omega0": 1e-4, "viscous": 1e-3, "cubic": 0.01, "preload": 3e-3, "dry": 0.01}
     for name, rel in tolerances.items():
-        assert getattr(found, name) == pytest.approx(getattr(rig, name), rel=rel), name
-    assert found.notes == ()
-    assert [c.method for c in found.curves] == ["freevib", "freevib", "forcevib", "forcevib"]
+        assert getattr(estimate, name) == pytest.approx(getattr(rig, name), rel=rel), name
+    assert estimate.notes == ()
+    assert [c.method for c in estimate.curves] == ["freevib", "freevib", "forcevib", "forcevib"]
     # the curve fits say the same without the regression
-    assert found.backbone.omega0 == pytest.approx(rig.omega0, rel=1e-4)
-    assert found.backbone.cubic == pytest.approx(rig.cubic, rel=0.02)
-    assert found.backbone.preload == pytest.approx(rig.preload, rel=0.01)
-    assert found.damping.viscous == pytest.approx(rig.viscous, rel=2e-3)
-    assert found.damping.dry == pytest.approx(rig.dry, rel=0.02)
+    assert estimate.backbone.omega0 == pytest.approx(rig.omega0, rel=1e-4)
+    assert estimate.backbone.cubic == pytest.approx(rig.cubic, rel=0.02)
+    assert estimate.backbone.preload == pytest.approx(rig.preload, rel=0.01)
+    assert estimate.damping.viscous == pytest.approx(rig.viscous, rel=2e-3)
+    assert estimate.damping.dry == pytest.approx(rig.dry, rel=0.02)
 
 
 def test_without_any_force_the_mass_is_none(rigs, burst):
-    found = hilbert_start([Recording("b", 1000.0, burst.noisy(1e-6, 0, 2).x)])
-    assert found.mass is None
-    assert found.omega0 == pytest.approx(rigs.reference.omega0, rel=1e-3)
-    assert found.viscous == pytest.approx(rigs.reference.viscous, rel=0.01)
+    estimate = hilbert_start([Recording("b", 1000.0, burst.noisy(1e-6, 0, 2).x)])
+    assert estimate.mass is None
+    assert estimate.omega0 == pytest.approx(rigs.reference.omega0, rel=1e-3)
+    assert estimate.viscous == pytest.approx(rigs.reference.viscous, rel=0.01)
 
 
 @pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
@@ -64,11 +64,11 @@ def test_other_response_quantities(rigs, reference_sweeps, reference_decay, quan
         records.append(Recording(quantity, case.fs, y + 0.02 * np.std(y), case.force, quantity))
     inner = slice(2000, -2000)
     assert np.max(np.abs(displacement(records[0]).samples - reference_sweeps[1].x)[inner]) < 2e-3 * 9e-3
-    found = hilbert_start(records)
-    assert found.mass == pytest.approx(rig.mass, rel=0.005)
-    assert found.omega0 == pytest.approx(rig.omega0, rel=0.002)
-    assert found.viscous == pytest.approx(rig.viscous, rel=0.02)
-    assert found.cubic == pytest.approx(rig.cubic, rel=0.1)
+    estimate = hilbert_start(records)
+    assert estimate.mass == pytest.approx(rig.mass, rel=0.005)
+    assert estimate.omega0 == pytest.approx(rig.omega0, rel=0.002)
+    assert estimate.viscous == pytest.approx(rig.viscous, rel=0.02)
+    assert estimate.cubic == pytest.approx(rig.cubic, rel=0.1)
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -92,18 +92,18 @@ def test_other_rigs_from_one_hertz_to_two_hundred(rigs, seed):
     kind = "sweep" if seed % 2 else "multisine"
     case = rigs.case(rig, kinds[kind], fs, 150 / f0, substeps=int(np.ceil(100 / per_cycle)))
     case = case.noisy(0.003 * np.std(case.x), 1e-3, seed)
-    found = hilbert_start([Recording(kind, fs, case.x, case.force)])
-    assert found.omega0 == pytest.approx(w0, rel=0.005)
-    assert found.mass == pytest.approx(mass, rel=0.01)
-    assert found.viscous + found.dry / (w0 * size) == pytest.approx(rig.viscous + rig.dry / (w0 * size), rel=0.05)
+    estimate = hilbert_start([Recording(kind, fs, case.x, case.force)])
+    assert estimate.omega0 == pytest.approx(w0, rel=0.005)
+    assert estimate.mass == pytest.approx(mass, rel=0.01)
+    assert estimate.viscous + estimate.dry / (w0 * size) == pytest.approx(rig.viscous + rig.dry / (w0 * size), rel=0.05)
 
 
 def test_low_amplitude_leaves_the_cubic_at_zero(rigs):
     case = rigs.case(rigs.reference, None, 1000.0, 2.0, x0=1e-3).noisy(1e-6, 0, 1)
-    found = hilbert_start([Recording("small", 1000.0, case.x)])
-    assert found.cubic == 0.0
-    assert found.cubic_std > 4.6e5
-    assert found.omega0 == pytest.approx(rigs.reference.omega0, rel=1e-3)
+    estimate = hilbert_start([Recording("small", 1000.0, case.x)])
+    assert estimate.cubic == 0.0
+    assert estimate.cubic_std > 4.6e5
+    assert estimate.omega0 == pytest.approx(rigs.reference.omega0, rel=1e-3)
 
 
 t = np.arange(3000) / 1000.0
@@ -130,12 +130,12 @@ def test_odd_records_give_numbers_or_one_sentence(name, quantity, force):
         with pytest.raises(BadInput, match="oscillat"):
             hilbert_start(records)
         return
-    found = hilbert_start(records)
-    assert np.all(np.isfinite([found.omega0, found.cubic, found.preload, found.viscous, found.dry]))
-    assert found.omega0 > 0 < found.viscous
-    assert found.mass is None or found.mass > 0
+    estimate = hilbert_start(records)
+    assert np.all(np.isfinite([estimate.omega0, estimate.cubic, estimate.preload, estimate.viscous, estimate.dry]))
+    assert estimate.omega0 > 0 < estimate.viscous
+    assert estimate.mass is None or estimate.mass > 0
     if force in (None, "zero", "constant"):
-        assert found.mass is None
+        assert estimate.mass is None
 
 
 def test_no_recording_is_refused():
@@ -170,8 +170,8 @@ def test_curves_of_an_exact_accelerometer_decay_do_not_contradict_its_regression
 @pytest.mark.parametrize(("part", "told"), [(1.04, False), (1.06, True), (0.94, True)])
 def test_a_backbone_elsewhere_over_most_amplitudes_is_told(recorded, monkeypatch, part, told):
     def elsewhere(signal):
-        found = freevib(signal)
-        return replace(found, omega0=part * found.omega0)
+        curve = freevib(signal)
+        return replace(curve, omega0=part * curve.omega0)
 
     monkeypatch.setattr("dashpot.identify.start.freevib", elsewhere)
     estimate = hilbert_start([recorded(TRUTH, begin=(8e-3, 0.0), seconds=3.0)])

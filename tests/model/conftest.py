@@ -74,8 +74,8 @@ class AtRandom:
         eq = self.eq
         plain = casadi.densify(casadi.substitute(signed(eq, expression), eq.p, self.p))
         point = [own if given is None else given for own, given in ((self.z, z), (self.t, t), (self.u, u))]
-        found = np.array(casadi.Function("f", [eq.z, eq.t, eq.u], [plain])(point[0], point[1][None], point[2][None]))
-        return found[0] if expression.is_scalar() else found
+        values = np.array(casadi.Function("f", [eq.z, eq.t, eq.u], [plain])(point[0], point[1][None], point[2][None]))
+        return values[0] if expression.is_scalar() else values
 
 
 @pytest.fixture

@@ -15,9 +15,9 @@ def test_the_preload_is_equation_1(rig):
     o = rig(cubic=0.0)
     ratio = o.omega0.value**2 / o.preload.value
     printed = np.pi * o.omega0.value / (2 * np.arccos(1 / (1 + A * ratio)))
-    found = preload_backbone(o.omega0.value, o.preload.value, A)
-    np.testing.assert_allclose(found, printed, rtol=1e-8)  # arccos loses digits as its argument nears 1
-    np.testing.assert_allclose(exact_backbone(o, A), found, rtol=1e-12)
+    backbone = preload_backbone(o.omega0.value, o.preload.value, A)
+    np.testing.assert_allclose(backbone, printed, rtol=1e-8)  # arccos loses digits as its argument nears 1
+    np.testing.assert_allclose(exact_backbone(o, A), backbone, rtol=1e-12)
 
 
 def test_the_frequency_doubles_at_0_414_of_the_preload_deflection():
@@ -89,8 +89,8 @@ def test_a_contact_is_met_where_it_begins(rig, contact):
 
 def test_the_hilbert_average_is_the_describing_function(rig):
     o = rig(preload=0.0, effects=("quintic-stiffness",), **{"quintic-stiffness.coefficient": 1e9})
-    found = polynomial_backbone(o.omega0.value, o.cubic.value, A, quintic=1e9)
-    np.testing.assert_allclose(found**2, equivalent_stiffness(o, A, 80.0), rtol=1e-12)
+    backbone = polynomial_backbone(o.omega0.value, o.cubic.value, A, quintic=1e9)
+    np.testing.assert_allclose(backbone**2, equivalent_stiffness(o, A, 80.0), rtol=1e-12)
     # near the linear limit both backbones meet; the cubic alone stays 2.2 % apart
     np.testing.assert_allclose(
         exact_backbone(o, 1e-3), polynomial_backbone(o.omega0.value, 4.6e5, 1e-3, 1e9), rtol=1e-5
@@ -100,8 +100,8 @@ def test_the_hilbert_average_is_the_describing_function(rig):
 def test_the_damping_curve_is_half_the_equivalent_damping(rig):
     o = rig()
     omega = np.linspace(70.0, 100.0, A.size)
-    found = damping_curve(o.viscous.value, o.dry.value, A, omega)
-    np.testing.assert_allclose(2 * found, equivalent_damping(o, A, omega), rtol=1e-12)
+    damping = damping_curve(o.viscous.value, o.dry.value, A, omega)
+    np.testing.assert_allclose(2 * damping, equivalent_damping(o, A, omega), rtol=1e-12)
     assert damping_curve(5.0, 0.0, 1.0, 80.0)[0] == 2.5  # the paper's h
 
 

@@ -43,8 +43,8 @@ def test_a_kink_inside_the_cycle_is_met_exactly(rig, contact):
     angle = np.arccos(np.minimum(gap / amplitude, 1.0))  # half of the contact, in phase
     # one side of the clearance nonlinearity: Gelb and Vander Velde 1968, appendix B
     expected = k / np.pi * (angle - np.sin(angle) * np.cos(angle))
-    found = equivalent_stiffness(o, amplitude, 80.0) - o.omega0.value**2
-    np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
+    stiffness = equivalent_stiffness(o, amplitude, 80.0) - o.omega0.value**2
+    np.testing.assert_allclose(stiffness, expected, rtol=1e-6, atol=1e-9)
     np.testing.assert_allclose(equivalent_damping(o, amplitude, 80.0), 0.0, atol=1e-9)
 
 

@@ -107,6 +107,6 @@ def test_what_feeds_the_motion_without_being_recorded_is_negative_dissipation(wi
     for effect, power in expected.items():
         model = with_law(effect)
         p = {name.rpartition(".")[2]: value for name, value in model.values().items()}
-        _, found, size = share(model)
-        assert np.max(np.abs(found)) > 1e-6 * size
-        assert found == pytest.approx(p["mass"] * power(p, at_random(model)), rel=1e-9, abs=1e-13 * size)
+        _, dissipated, size = share(model)
+        assert np.max(np.abs(dissipated)) > 1e-6 * size
+        assert dissipated == pytest.approx(p["mass"] * power(p, at_random(model)), rel=1e-9, abs=1e-13 * size)

@@ -94,8 +94,8 @@ def test_a_stop_takes_in_its_damper_and_what_is_left_in_a_spring_that_is_not_fol
     for v in (0.5, -0.05, -2.0):
         pushes = 3e4 * depth + 90.0 * v > 0.0
         expected = np.where(depth > 0.0, np.where(pushes, 90.0 * v**2, -3e4 * depth * v), 0.0)
-        _, found = energy_of(values, X, v, ("one-sided-stop",))
-        assert found == pytest.approx(0.27 * expected, rel=1e-12, abs=1e-14)
+        _, dissipated = energy_of(values, X, v, ("one-sided-stop",))
+        assert dissipated == pytest.approx(0.27 * expected, rel=1e-12, abs=1e-14)
     assert not np.any(pushes & (depth > 0.0))  # the last velocity was one that the contact cannot follow
 
 
@@ -214,8 +214,8 @@ def test_a_law_finds_its_own_states_among_others_of_the_same_name(monkeypatch):
     eq = equations(model := Oscillator.from_values(values, effects=("second", "spring")))
     assert eq.state_names[2:] == ("second.q", "spring.q")
     energy = casadi.substitute(signed(eq, eq.energy), eq.p, list(model.values().values()))
-    found = casadi.Function("f", [eq.z], [energy])([0.0, 0.0, 3.0, 5.0])
-    assert float(found) == pytest.approx(1000.0 * 3.0**2 + 10.0 * 5.0**2)
+    value = casadi.Function("f", [eq.z], [energy])([0.0, 0.0, 3.0, 5.0])
+    assert float(value) == pytest.approx(1000.0 * 3.0**2 + 10.0 * 5.0**2)
 
 
 def test_only_a_force_stores():

@@ -77,7 +77,7 @@ def random_oscillator(random: np.random.Generator) -> Oscillator:
     stds = {n: replace(p, std=float(f"{random.exponential():.3e}")) for n, p in o.parameters().items()}
     kept = {n: p for n, p in stds.items() if random.random() < 0.8}
     spread = random.normal(size=(len(kept), len(kept) + 2))
-    found = Provenance(
+    provenance = Provenance(
         recordings=({"file": name, "kind": "decay"}, {"file": "b", "sha256": "0e1" * 21 + "f"}),
         method=str(random.choice(["", "no", "1e3", "null", "2024-01-01"])),
         parameters=tuple(kept),
@@ -85,7 +85,7 @@ def random_oscillator(random: np.random.Generator) -> Oscillator:
         log_likelihood=float(random.normal() * 1e5),
     )
     amplitude = Range(0.0, float(random.exponential()), response.displacement_unit)
-    return replace(o.with_parameters(kept), identified=found, amplitude=amplitude)
+    return replace(o.with_parameters(kept), identified=provenance, amplitude=amplitude)
 
 
 @pytest.mark.parametrize("seed", range(40))

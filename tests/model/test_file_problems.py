@@ -188,9 +188,9 @@ def test_the_good_file_is_good():
 )
 def test_one_problem_is_one_sentence_with_its_line_and_path(old, new, said):
     assert GOOD.count(old) >= 1
-    found = problems(GOOD.replace(old, new, 1))
-    assert any(line.startswith(f"m.yaml: {said}") for line in found), found
-    others = [line for line in found if not line.startswith(f"m.yaml: {said}")]
+    lines = problems(GOOD.replace(old, new, 1))
+    assert any(line.startswith(f"m.yaml: {said}") for line in lines), lines
+    others = [line for line in lines if not line.startswith(f"m.yaml: {said}")]
     related = ("is missing", "unknown key", "the model has no parameter", "covariance: must be")  # of a wrong name
     assert all(any(word in line for word in related) for line in others), others
 
@@ -199,8 +199,8 @@ def test_every_problem_is_reported_at_once_in_the_order_of_the_lines():
     text = GOOD
     for old, new in (("kg", "g"), ("4.6e5", "x"), ("drag,", "darg,"), ("dry:", "dri:"), ("file:", "fiel:")):
         text = text.replace(old, new, 1)
-    found = problems(text)
-    assert [line.split(": ")[2] for line in found] == [
+    lines = problems(text)
+    assert [line.split(": ")[2] for line in lines] == [
         "$.dry",
         "$.mass.unit",
         "$.cubic.value",
@@ -213,17 +213,17 @@ def test_every_problem_is_reported_at_once_in_the_order_of_the_lines():
 
 def test_the_units_follow_the_response():
     text = GOOD.replace("quantity: displacement, unit: m", "quantity: velocity, unit: V")
-    found = {line.split(": ")[2]: line for line in problems(text)}
-    assert "must be N.s/V for a velocity in V, not 'kg'" in found["$.mass.unit"]
-    assert "must be V/s for a velocity in V" in found["$.dry.unit"]
-    assert "must be V.s or V for a velocity in V" in found["$.valid.amplitude.unit"]
-    assert "$.omega0.unit" not in found
+    lines = {line.split(": ")[2]: line for line in problems(text)}
+    assert "must be N.s/V for a velocity in V, not 'kg'" in lines["$.mass.unit"]
+    assert "must be V/s for a velocity in V" in lines["$.dry.unit"]
+    assert "must be V.s or V for a velocity in V" in lines["$.valid.amplitude.unit"]
+    assert "$.omega0.unit" not in lines
 
 
 def test_many_problems_are_cut_short():
-    found = problems(GOOD + "".join(f"key{i}: 1\n" for i in range(200)))
-    assert len(found) == 51
-    assert found[-1] == "m.yaml: and 150 more problems"
+    lines = problems(GOOD + "".join(f"key{i}: 1\n" for i in range(200)))
+    assert len(lines) == 51
+    assert lines[-1] == "m.yaml: and 150 more problems"
 
 
 LAUGHS = "a: &a [x, x]\n" + "".join(

@@ -19,8 +19,8 @@ def test_the_linear_oscillator_has_the_textbook_s_response():
     flat = np.full(40, omega0)
     response = branches(amplitude[order], flat, np.full(40, h), f)
     peak = np.sqrt(omega0**2 - 2 * h**2)
-    found = np.where(omega[order] < peak, response.lower, response.upper)
-    np.testing.assert_allclose(found, omega[order], rtol=1e-10)
+    branch = np.where(omega[order] < peak, response.lower, response.upper)
+    np.testing.assert_allclose(branch, omega[order], rtol=1e-10)
 
 
 def test_equation_14_is_the_inverse_of_the_corrected_equation_13():
@@ -68,9 +68,9 @@ def test_a_simulated_steady_state_lies_on_the_branch(rig, side, share):
     late = t > t[-1] - 20 * 2 * np.pi / omega
     basis = np.exp(-1j * omega * t[late])
     design = np.column_stack([basis.real, basis.imag, np.cos(3 * omega * t[late]), np.sin(3 * omega * t[late])])
-    found = np.hypot(*np.linalg.lstsq(design, x[late], rcond=None)[0][:2])
+    amplitude = np.hypot(*np.linalg.lstsq(design, x[late], rcond=None)[0][:2])
     # one harmonic is balanced and h is taken at omega0: a fraction of a percent
-    np.testing.assert_allclose(found, share * peak, rtol=5e-3)
+    np.testing.assert_allclose(amplitude, share * peak, rtol=5e-3)
 
 
 def test_without_a_mass_the_force_is_per_unit_mass(rig):

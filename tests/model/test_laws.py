@@ -57,7 +57,7 @@ def test_the_laws_of_equation_17_have_names_of_their_own():
 
 def test_the_table_of_the_document_is_that_of_the_library():
     document = (ROOT / "docs/laws.md").read_text(encoding="utf-8")
-    _, found = document.split("<!-- made by dashpot.model.law_table.law_table -->\n\n")
-    assert found == law_table(), (
+    _, table = document.split("<!-- made by dashpot.model.law_table.law_table -->\n\n")
+    assert table == law_table(), (
         "put what dashpot.model.law_table.law_table() returns behind the marker of docs/laws.md"
     )

@@ -16,7 +16,7 @@ def measured(rig):
     o = rig(effects=("quadratic-drag",), **{"quadratic-drag.coefficient": 0.2})
     stds = {"mass": 3e-4, "omega0": 2e-3, "cubic": 5e3, "preload": 8e-4, "viscous": 2e-3, "dry": 5e-4}
     o = o.with_parameters({name: replace(p, std=stds.get(name, 0.01)) for name, p in o.parameters().items()})
-    found = Provenance(
+    provenance = Provenance(
         recordings=({"file": "sweep.csv", "sha256": "ab" * 32, "kind": "sweep"},),
         method="maximum-likelihood",
         software="dashpot 0.1.0",
@@ -25,7 +25,7 @@ def measured(rig):
         log_likelihood=-12.5,
     )
     return replace(
-        o, name="stand", identified=found, amplitude=Range(2e-4, 9e-3, "m"), frequency=Range(5.0, 20.0, "Hz")
+        o, name="stand", identified=provenance, amplitude=Range(2e-4, 9e-3, "m"), frequency=Range(5.0, 20.0, "Hz")
     )
 
 

@@ -33,10 +33,10 @@ def errors(recording: Recording) -> list[str]:
 
 
 def the_error(recording: Recording) -> str:
-    found = errors(recording)
-    assert len(found) == 1, found
-    assert "\n" not in found[0]
-    return found[0]
+    sentences = errors(recording)
+    assert len(sentences) == 1, sentences
+    assert "\n" not in sentences[0]
+    return sentences[0]
 
 
 def test_sound_recordings_have_no_problem():
@@ -297,8 +297,8 @@ def unrelated() -> dict[str, np.ndarray]:
 )
 def test_force_that_does_not_reach(name, force):
     cause = {"sweep": SWEEP + 3e-4 * RNG.standard_normal(N), "random": RNG.standard_normal(N) * (TIME > 1)}[force]
-    found = errors(replace(FORCED, force=cause, response=unrelated()[name] * 0.1))
-    assert any("does not reach the response" in sentence for sentence in found), found
+    sentences = errors(replace(FORCED, force=cause, response=unrelated()[name] * 0.1))
+    assert any("does not reach the response" in sentence for sentence in sentences), sentences
 
 
 @pytest.mark.parametrize("shift", [N // 4, N // 2])

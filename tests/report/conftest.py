@@ -97,16 +97,16 @@ def identifications() -> dict[str, Callable[[], Identification]]:
 def verified() -> Callable[..., Verification]:
     """What a verification of an identification looks like: the fit's own simulation in the FMU's place."""
 
-    def make(found: Identification, *, passed: bool = True, held_out: str | None = None) -> Verification:
+    def make(identification: Identification, *, passed: bool = True, held_out: str | None = None) -> Verification:
         checks = []
-        for i, r in enumerate(found.recordings):
+        for i, r in enumerate(identification.recordings):
             simulated = np.zeros(r.n)
-            for one in found.fit.segments:
-                if one.segment.recording == i:
-                    simulated[one.segment.start : one.segment.stop] = one.simulated
+            for fitted in identification.fit.segments:
+                if fitted.segment.recording == i:
+                    simulated[fitted.segment.start : fitted.segment.stop] = fitted.simulated
             pairs = tuple(
                 (Backbone(c.method.upper(), c.amplitude, c.omega0 / 6.3),) * 2
-                for c in found.hilbert.curves
+                for c in identification.hilbert.curves
                 if c.recording == r.name
             )
             floor = 0.01 if passed else 0.001
@@ -147,11 +147,11 @@ def mended(before: Oscillator, law: str) -> Oscillator:
     numbers = {p.name: min(max(0.5 if p.unit != "X" else 2e-3, p.lower), p.upper) for p in LIBRARY[law].parameters}
     values = {k: v for k, v in before.values().items() if "." not in k} | {f"{law}.{k}": v for k, v in numbers.items()}
     values["viscous"] *= 0.9
-    found = Oscillator.from_values(
+    oscillator = Oscillator.from_values(
         values, name=before.name, response=before.response, force_unit=before.force_unit, effects=(law,)
     )
     return replace(
-        sure(found),
+        sure(oscillator),
         amplitude=before.amplitude,
         frequency=before.frequency,
         identified=Provenance(({"file": "sweep.csv", "kind": "sweep", "sha256": "ab" * 32},), "ml", "dashpot 0.1.0"),
@@ -166,12 +166,12 @@ def given(quantity: str = "displacement", unit: str = "m", *, mass: bool = True)
     return replace(sure(model), amplitude=Range(2e-4, 6e-3, inner), frequency=Range(8, 16, "Hz"))
 
 
-def latent(one: RecordFit) -> LatentForce:
+def latent(fit: RecordFit) -> LatentForce:
     """A force of the speed, with some scatter."""
-    v = np.gradient(one.measured, one.time)
+    v = np.gradient(fit.measured, fit.time)
     force = 2 * v * np.abs(v)
     off = 0.02 * np.sin(np.arange(v.size))
-    return LatentForce(one.file, one.time, one.measured, v, force + off, np.full(v.size, 0.02), force)
+    return LatentForce(fit.file, fit.time, fit.measured, v, force + off, np.full(v.size, 0.02), force)
 
 
 def missing(law: str = "quadratic-drag", before: Oscillator | None = None) -> Diagnosis:
@@ -238,15 +238,15 @@ def missing(law: str = "quadratic-drag", before: Oscillator | None = None) -> Di
 
 def consistent() -> Diagnosis:
     """Nothing is missing: no effect, no place, no force, no plan."""
-    found = missing()
-    records = tuple(replace(r, before=r.after, nrmse_before=r.nrmse_after) for r in found.records)
+    diagnosis = missing()
+    records = tuple(replace(r, before=r.after, nrmse_before=r.nrmse_after) for r in diagnosis.records)
     return replace(
-        found,
+        diagnosis,
         verdict="consistent",
         sentence="The model explains the recordings to their noise",
         effects=(),
         location=None,
-        model=found.before,
+        model=diagnosis.before,
         records=records,
         experiment=None,
         latent=(),
@@ -256,51 +256,53 @@ def consistent() -> Diagnosis:
 
 def unexplained() -> Diagnosis:
     """Something is missing, and no law of the library is it."""
-    found = missing()
-    records = tuple(replace(r, after=r.before, nrmse_after=r.nrmse_before) for r in found.records)
+    diagnosis = missing()
+    records = tuple(replace(r, after=r.before, nrmse_after=r.nrmse_before) for r in diagnosis.records)
     return replace(
-        found,
+        diagnosis,
         verdict="unexplained",
         sentence="No law of the library explains what is left",
         effects=(),
-        model=found.before,
+        model=diagnosis.before,
         records=records,
         remainder="Ten times the noise is left in multisine.csv",
-        latent=(replace(found.latent[0], named=None),),
+        latent=(replace(diagnosis.latent[0], named=None),),
     )
 
 
 def nothing_known() -> Diagnosis:
     """Numbers that are not there wherever one can be missing."""
-    found = missing()
-    lost = found.records[0].before.copy()
+    diagnosis = missing()
+    lost = diagnosis.records[0].before.copy()
     lost[500:] = np.nan
-    gone = replace(found.records[0], before=lost, nrmse_before=math.nan, noise_floor=math.nan)
-    wild = replace(found.records[1], before=found.records[1].before * 1e200, nrmse_before=math.inf, noise_floor=0.0)
-    empty = replace(found.records[2], before=np.full(lost.size, np.nan), after=np.full(lost.size, np.nan))
+    gone = replace(diagnosis.records[0], before=lost, nrmse_before=math.nan, noise_floor=math.nan)
+    wild = replace(
+        diagnosis.records[1], before=diagnosis.records[1].before * 1e200, nrmse_before=math.inf, noise_floor=0.0
+    )
+    empty = replace(diagnosis.records[2], before=np.full(lost.size, np.nan), after=np.full(lost.size, np.nan))
     none = (math.nan, math.nan)
     place = Location("odd", "", none, none, (0.0, 0.0), none, none, (), {})
     poor = {
         name: Parameter(p.value, None if name == "dry" else math.nan, p.unit)
-        for name, p in found.model.parameters().items()
+        for name, p in diagnosis.model.parameters().items()
     }
     poor["cubic"] = Parameter(math.nan, 1.0, poor["cubic"].unit)
     poor["preload"] = Parameter(0.0, 0.0, poor["preload"].unit)
     unknown = {"strength": Parameter(math.nan, None, "1"), "other": Parameter(1.0, math.inf, "1")}
-    effect = replace(found.effects[0], law="my-own-law", effect="my-own-law", parameters=unknown)
-    force = replace(found.latent[0], std=np.full(lost.size, np.nan), named=np.full(lost.size, np.nan))
-    silent = replace(found.latent[0], force=np.full(lost.size, np.nan))
+    effect = replace(diagnosis.effects[0], law="my-own-law", effect="my-own-law", parameters=unknown)
+    force = replace(diagnosis.latent[0], std=np.full(lost.size, np.nan), named=np.full(lost.size, np.nan))
+    silent = replace(diagnosis.latent[0], force=np.full(lost.size, np.nan))
     plan = Experiment("", "multisine", math.nan, none, math.nan, (("a", "b", math.nan),), np.zeros(100), math.nan)
     return replace(
-        found,
+        diagnosis,
         effects=(effect,),
         location=place,
         model=replace(
-            found.before.with_parameters({k: v for k, v in poor.items() if "." not in k}),
+            diagnosis.before.with_parameters({k: v for k, v in poor.items() if "." not in k}),
             amplitude=None,
             frequency=None,
         ),
-        before=replace(found.before, amplitude=None),
+        before=replace(diagnosis.before, amplitude=None),
         records=(gone, wild, empty),
         latent=(force, silent),
         experiment=plan,

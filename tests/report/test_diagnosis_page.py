@@ -143,33 +143,33 @@ def test_the_page_says_what_is_missing_and_what_it_cannot_be_told_from(whole_tex
 
 def test_what_was_recorded_is_said_of_all_recordings(hand_made) -> None:
     """The missing force is shown of one recording; the largest motion may be in another, or held out."""
-    found = hand_made.missing()
-    quiet = replace(found.latent[0], displacement=1e-6 * np.ones(3), velocity=1e-5 * np.ones(3))
+    diagnosis = hand_made.missing()
+    quiet = replace(diagnosis.latent[0], displacement=1e-6 * np.ones(3), velocity=1e-5 * np.ones(3))
     loud = hand_made.record("loud.csv", holdout=True, size=9e-3)
-    text = stands_alone(page("Where", [location_section(replace(found, latent=(quiet,)))])).text
+    text = stands_alone(page("Where", [location_section(replace(diagnosis, latent=(quiet,)))])).text
     assert re.search(r"Velocity −0\.3\d* 0\.3\d* −0\.4\d* 0\.4\d* m/s", text)  # 5 mm at 12 Hz
-    text = stands_alone(page("Where", [location_section(replace(found, records=(*found.records, loud)))])).text
+    text = stands_alone(page("Where", [location_section(replace(diagnosis, records=(*diagnosis.records, loud)))])).text
     assert re.search(r"Velocity −0\.3\d* 0\.3\d* −0\.7\d* 0\.7\d* m/s", text)  # 9 mm
     assert re.search(r"Displacement −5\S* 5\S* −9\.\d* 9\.\d* mm", text)
 
 
 def test_the_same_diagnosis_gives_the_same_page(hand_made) -> None:
-    found = replace(hand_made.missing(), records=hand_made.missing().records[1:2])
-    assert diagnosis_page(found) == diagnosis_page(found)
+    diagnosis = replace(hand_made.missing(), records=hand_made.missing().records[1:2])
+    assert diagnosis_page(diagnosis) == diagnosis_page(diagnosis)
 
 
 def test_considered_laws_are_sorted_and_those_without_numbers_last(hand_made, whole_text) -> None:
-    found = hand_made.missing()
-    assert [one.effect for one in by_rank(found)] == ["cubic-damping", "hysteresis", "stribeck", "viscoelastic"]
+    diagnosis = hand_made.missing()
+    assert [law.effect for law in by_rank(diagnosis)] == ["cubic-damping", "hysteresis", "stribeck", "viscoelastic"]
     text = whole_text
     assert text.index("as good, but not better") < text.index("leaves nine times the noise") < text.index("not run")
 
 
 def test_bent_parameters_are_counted_in_standard_errors(hand_made, whole_text) -> None:
-    one = {s.name: s for s in shifts(hand_made.missing())}["viscous"]
-    assert one.errors == pytest.approx((5.0 - 4.5) / 4.5e-3)
-    assert one.percent == pytest.approx(100 * 0.5 / 4.5)
-    assert one.bent
+    shift = {s.name: s for s in shifts(hand_made.missing())}["viscous"]
+    assert shift.errors == pytest.approx((5.0 - 4.5) / 4.5e-3)
+    assert shift.percent == pytest.approx(100 * 0.5 / 4.5)
+    assert shift.bent
     assert not any(s.bent for s in shifts(hand_made.missing()) if s.name != "viscous")
     text = whole_text
     assert "viscous had been bent most, by 111 standard errors" in text
@@ -179,21 +179,21 @@ def test_bent_parameters_are_counted_in_standard_errors(hand_made, whole_text) -
 
 def test_laws_that_were_not_run_for_one_reason_stand_together(hand_made) -> None:
     many = tuple(Considered(name, None, 0.0, "nothing asks for it") for name in ("one", "two", "three", "four"))
-    found = replace(hand_made.missing(), considered=(*many, Considered("five", 0.2, -3.0, "nothing asks for it")))
-    text = stands_alone(page("Considered", [considered_section(found)])).text
+    diagnosis = replace(hand_made.missing(), considered=(*many, Considered("five", 0.2, -3.0, "nothing asks for it")))
+    text = stands_alone(page("Considered", [considered_section(diagnosis)])).text
     assert "Not run, as nothing asks for it: one, two, three, four." in text
     assert "five 0.2 −3.0 nothing asks for it" in text
 
 
 def test_a_force_within_its_uncertainty_has_no_picture(hand_made) -> None:
-    found = hand_made.missing()
-    loud = found.latent[0]
+    diagnosis = hand_made.missing()
+    loud = diagnosis.latent[0]
     quiet = replace(loud, file="quiet.csv", std=np.full(loud.force.size, 1e3))
-    text = stands_alone(page("Force", [force_section(replace(found, latent=(quiet, loud)))])).text
+    text = stands_alone(page("Force", [force_section(replace(diagnosis, latent=(quiet, loud)))])).text
     assert "In quiet.csv it does not rise above its uncertainty." in text
     assert "sweep.csv: missing force per unit mass" in text
     assert "quiet.csv: missing force" not in text
-    alone = stands_alone(page("Force", [force_section(replace(found, latent=(quiet,)))])).text
+    alone = stands_alone(page("Force", [force_section(replace(diagnosis, latent=(quiet,)))])).text
     assert "quiet.csv: missing force per unit mass" in alone
 
 
@@ -207,17 +207,17 @@ def test_every_law_of_the_library_has_its_card(law, hand_made) -> None:
 
 
 def test_free_decays_only_and_other_units(hand_made) -> None:
-    found = hand_made.missing(before=hand_made.given("displacement", "rad", mass=False))
-    found = replace(found, experiment=replace(found.experiment, kind="decay", level=0.2, signal=None))
-    text = stands_alone(diagnosis_page(found)).text
+    diagnosis = hand_made.missing(before=hand_made.given("displacement", "rad", mass=False))
+    diagnosis = replace(diagnosis, experiment=replace(diagnosis.experiment, kind="decay", level=0.2, signal=None))
+    text = stands_alone(diagnosis_page(diagnosis)).text
     assert "force: none recorded" in text
     assert "[deg]" in text
     assert "Release from 11.5 deg" in text
     assert "= f(t)" in text
     for quantity, unit, shown in (("acceleration", "m/s2", "[mm/s²]"), ("displacement", "V", "[mV]")):
-        found = hand_made.missing("softening-stiffness/sine", hand_made.given(quantity, unit))
-        found = replace(found, records=found.records[2:])
-        text = stands_alone(diagnosis_page(found)).text
+        diagnosis = hand_made.missing("softening-stiffness/sine", hand_made.given(quantity, unit))
+        diagnosis = replace(diagnosis, records=diagnosis.records[2:])
+        text = stands_alone(diagnosis_page(diagnosis)).text
         assert f"{quantity.capitalize()} {shown}" in text
 
 
@@ -232,14 +232,14 @@ def test_numbers_that_are_not_known_are_said_to_be(hand_made) -> None:
 
 
 def test_no_experiment_and_no_remainder_claim_nothing_that_is_open(hand_made) -> None:
-    found = hand_made.verdicts["unexplained"]()
+    diagnosis = hand_made.verdicts["unexplained"]()
     some = {"latent": (), "experiment": None, "remainder": None}
-    text = stands_alone(diagnosis_page(replace(found, records=found.records[1:2], **some))).text
+    text = stands_alone(diagnosis_page(replace(diagnosis, records=diagnosis.records[1:2], **some))).text
     assert "None was worked out." in text
     assert "stays unexplained" in text
     assert "Nothing stays beyond the noise" not in text
-    found = hand_made.missing()
-    text = stands_alone(diagnosis_page(replace(found, records=found.records[1:2], **some))).text
+    diagnosis = hand_made.missing()
+    text = stands_alone(diagnosis_page(replace(diagnosis, records=diagnosis.records[1:2], **some))).text
     assert "record what would tell before you rely on the name." in text
     assert "None was worked out." in text
     assert "decay.csv: the old model leaves 21 % of the motion, the new one 2.1 %" in text
@@ -255,50 +255,50 @@ def test_a_diagnosis_of_nothing_comes_out(hand_made) -> None:
 
 
 def test_long_and_many_recordings_keep_the_page_small(hand_made) -> None:
-    found = hand_made.missing()
+    diagnosis = hand_made.missing()
     long = [hand_made.record(f"long-{i}.csv", seconds=1000.0, holdout=i == 0) for i in range(2)]
     short = [hand_made.record(f"short-{i}.csv", holdout=i < 6) for i in range(10)]
-    found = replace(found, records=(*long, *short), latent=(hand_made.latent(long[0]),) * 4)
-    whole = diagnosis_page(found)
+    diagnosis = replace(diagnosis, records=(*long, *short), latent=(hand_made.latent(long[0]),) * 4)
+    whole = diagnosis_page(diagnosis)
     assert len(whole) < 1_500_000
     text = stands_alone(whole).text
     assert "Without a picture, in the table only:" in text
-    assert all(r.file in text for r in found.records)
+    assert all(r.file in text for r in diagnosis.records)
 
 
 def test_whatever_is_said_is_escaped(hand_made) -> None:
-    found = hand_made.missing()
-    effect = replace(found.effects[0], indistinguishable_from=(NASTY,), separated_by=NASTY, path=NASTY)
-    place = replace(found.location, statement=NASTY, path=NASTY, recordings=(NASTY,))
+    diagnosis = hand_made.missing()
+    effect = replace(diagnosis.effects[0], indistinguishable_from=(NASTY,), separated_by=NASTY, path=NASTY)
+    place = replace(diagnosis.location, statement=NASTY, path=NASTY, recordings=(NASTY,))
     provenance = Provenance(({"file": NASTY, "kind": NASTY, "sha256": None},), NASTY, NASTY)
-    found = replace(
-        found,
+    diagnosis = replace(
+        diagnosis,
         sentence=NASTY,
         effects=(effect,),
         location=place,
-        before=replace(found.before, name=NASTY),
-        model=replace(found.model, name=NASTY, identified=provenance),
-        records=tuple(replace(r, file=f"{i}{NASTY}") for i, r in enumerate(found.records)),
+        before=replace(diagnosis.before, name=NASTY),
+        model=replace(diagnosis.model, name=NASTY, identified=provenance),
+        records=tuple(replace(r, file=f"{i}{NASTY}") for i, r in enumerate(diagnosis.records)),
         considered=(Considered(NASTY, 0.1, 1.0, NASTY),),
-        experiment=replace(found.experiment, sentence=NASTY, separates=((NASTY, NASTY, 3.0),)),
+        experiment=replace(diagnosis.experiment, sentence=NASTY, separates=((NASTY, NASTY, 3.0),)),
         remainder=NASTY,
-        latent=(replace(found.latent[0], file=NASTY),),
+        latent=(replace(diagnosis.latent[0], file=NASTY),),
         notes=(NASTY,),
     )
-    whole = diagnosis_page(found, files=(NASTY + ".yaml",))
+    whole = diagnosis_page(diagnosis, files=(NASTY + ".yaml",))
     assert whole.encode("utf-8")
     assert "\x00" not in whole
     reader = stands_alone(whole)
     assert "<script>alert(1)</script>" in reader.text
     assert "{{ 7*7 }}" in reader.text
-    assert "\x1b" not in describe(found)
-    assert "\x00" not in describe(found)
+    assert "\x1b" not in describe(diagnosis)
+    assert "\x00" not in describe(diagnosis)
 
 
 def test_a_term_of_a_variant_is_drawn_with_its_backbone(hand_made) -> None:
-    found = hand_made.missing("softening-stiffness/sine")
-    assert isinstance(found.model.terms[0], Term)
-    text = stands_alone(page("Curves", [curves_section(found)])).text
+    diagnosis = hand_made.missing("softening-stiffness/sine")
+    assert isinstance(diagnosis.model.terms[0], Term)
+    text = stands_alone(page("Curves", [curves_section(diagnosis)])).text
     assert "Natural frequency in Hz and damping in 1/s" in text
     assert "nothing shows here" not in text
     for law in ("sensor-lag", "stiffness-drift/settling"):

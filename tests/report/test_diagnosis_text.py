@@ -13,12 +13,12 @@ SAID = {"missing-physics": "◆ Missing physics.", "consistent": "✓ Consistent
 
 @pytest.mark.parametrize("verdict", SAID)
 def test_the_text_holds_what_it_must(verdict, hand_made) -> None:
-    found = hand_made.verdicts[verdict]()
-    text = describe(found)
+    diagnosis = hand_made.verdicts[verdict]()
+    text = describe(diagnosis)
     assert len(text.splitlines()) <= 40
     assert max(len(line) for line in text.splitlines()) <= 100
     assert text.startswith(SAID[verdict])
-    for r in found.records:
+    for r in diagnosis.records:
         assert re.search(rf"{r.file} .*0\.021.*0\.0204", text) or verdict == "unexplained"
     assert re.search(r"multisine\.csv .* held out", text)
     if verdict == "missing-physics":
@@ -37,20 +37,20 @@ def test_the_text_holds_what_it_must(verdict, hand_made) -> None:
 
 def test_what_would_tell_is_not_said_twice(hand_made) -> None:
     """The next experiment has its place below; what it leaves open stays with the effect."""
-    found = hand_made.missing()
+    diagnosis = hand_made.missing()
     sentence = "Play a sweep from 8 to 16 Hz at 2.5 N."
-    effect = replace(found.effects[0], separated_by=f"{sentence} It does not tell it from stribeck.")
-    found = replace(found, effects=(effect,), experiment=replace(found.experiment, sentence=sentence))
-    text = " ".join(describe(found).split())
+    effect = replace(diagnosis.effects[0], separated_by=f"{sentence} It does not tell it from stribeck.")
+    diagnosis = replace(diagnosis, effects=(effect,), experiment=replace(diagnosis.experiment, sentence=sentence))
+    text = " ".join(describe(diagnosis).split())
     assert text.count(sentence) == 1
     assert "What would tell: the next experiment, below. It does not tell it from stribeck." in text
 
 
 def test_each_effect_is_said_in_words_and_doubted_by_itself(hand_made) -> None:
-    found = hand_made.missing()
-    stop = replace(found.effects[0], effect="one-sided-stop", law="one-sided-stop", path="restoring")
+    diagnosis = hand_made.missing()
+    stop = replace(diagnosis.effects[0], effect="one-sided-stop", law="one-sided-stop", path="restoring")
     stop = replace(stop, indistinguishable_from=("clearance", "two-sided-stop"))
-    text = " ".join(describe(replace(found, effects=(found.effects[0], stop))).split())
+    text = " ".join(describe(replace(diagnosis, effects=(diagnosis.effects[0], stop))).split())
     both = "drag that grows with the square of the speed (quadratic-drag) and a stop on one side (one-sided-stop)."
     assert f"look for {both}" in text
     doubt = (
@@ -61,20 +61,20 @@ def test_each_effect_is_said_in_words_and_doubted_by_itself(hand_made) -> None:
 
 
 def test_the_text_stays_short_however_much_there_is_to_say(hand_made) -> None:
-    found = hand_made.missing()
+    diagnosis = hand_made.missing()
     words = "something of great length that goes on and on " * 20
-    effect = replace(found.effects[0], separated_by=words)
-    records = tuple(replace(found.records[i % 3], file=f"{i}-{'x' * 80}.csv") for i in range(30))
-    found = replace(
-        found,
+    effect = replace(diagnosis.effects[0], separated_by=words)
+    records = tuple(replace(diagnosis.records[i % 3], file=f"{i}-{'x' * 80}.csv") for i in range(30))
+    diagnosis = replace(
+        diagnosis,
         sentence=words,
         effects=(effect,) * 6,
-        location=replace(found.location, statement=words),
+        location=replace(diagnosis.location, statement=words),
         records=records,
-        experiment=replace(found.experiment, sentence=words),
+        experiment=replace(diagnosis.experiment, sentence=words),
         remainder=words,
         notes=tuple(f"{i} {words}" for i in range(9)),
     )
-    lines = describe(found).splitlines()
+    lines = describe(diagnosis).splitlines()
     assert len(lines) <= 62
     assert max(len(line) for line in lines) <= 100

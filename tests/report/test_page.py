@@ -66,9 +66,11 @@ def pages(identifications, verified) -> Callable[[str, bool], str]:
 
     @cache
     def write(kind: str, proven: bool) -> str:
-        found = identifications[kind]()
+        identification = identifications[kind]()
         truth = TRUTH if kind == "stand" and proven else None
-        return identification_page(found, verified(found) if proven else None, truth, files=("model.yaml",))
+        return identification_page(
+            identification, verified(identification) if proven else None, truth, files=("model.yaml",)
+        )
 
     return write
 
@@ -94,10 +96,10 @@ def test_the_page_is_well_formed_and_stands_alone(kind, proven, pages) -> None:
 
 
 def test_every_parameter_is_shown_with_error_unit_and_truth(identifications, pages) -> None:
-    found = identifications["stand"]()
+    identification = identifications["stand"]()
     text = Reader(pages("stand", True)).text
     assert "True value" in text
-    off = (found.oscillator.mass.value - 0.27) / found.oscillator.mass.std
+    off = (identification.oscillator.mass.value - 0.27) / identification.oscillator.mass.std
     assert f"{off:+.1f}".replace("-", "−") in text
     for unit in ("kg", "rad/s", "1/(m²·s²)", "m/s²", "1/s"):
         assert unit in text
@@ -105,29 +107,31 @@ def test_every_parameter_is_shown_with_error_unit_and_truth(identifications, pag
 
 
 def test_the_verdict_follows_the_verification(identifications, verified, pages) -> None:
-    found = identifications["stand"]()
+    identification = identifications["stand"]()
 
     def said(proof: Verification) -> str:
-        return verdict(found, comparisons(found, proof)).text
+        return verdict(identification, comparisons(identification, proof)).text
 
     assert "The model reproduces all 2 recordings: its FMU" in Reader(pages("stand", True)).text
-    assert "reproduces all 2 recordings, among them multisine.csv" in said(verified(found, held_out="multisine.csv"))
-    bad = said(verified(found, passed=False))
+    assert "reproduces all 2 recordings, among them multisine.csv" in said(
+        verified(identification, held_out="multisine.csv")
+    )
+    bad = said(verified(identification, passed=False))
     assert "does not reproduce any of the 2 recordings" in bad
     assert "10 times what noise explains" in bad
     assert "not verified as an FMU" in Reader(pages("stand", False)).text
 
 
 def test_a_diverging_simulation_is_told_and_drawn_as_far_as_it_goes(identifications, verified) -> None:
-    found = identifications["stand"]()
-    proof = verified(found, passed=False)
+    identification = identifications["stand"]()
+    proof = verified(identification, passed=False)
     first = proof.recordings[0]
     lost = first.simulated.copy()
     lost[300:] = float("nan")
     proof = replace(proof, recordings=(replace(first, nrmse=float("nan"), simulated=lost), proof.recordings[1]))
-    shown = comparisons(found, proof)
-    assert f"simulation of {first.file} diverges" in verdict(found, shown).text
-    kinds = [block.kind for block in agreement_section(found, shown, "FMU").blocks]
+    shown = comparisons(identification, proof)
+    assert f"simulation of {first.file} diverges" in verdict(identification, shown).text
+    kinds = [block.kind for block in agreement_section(identification, shown, "FMU").blocks]
     assert kinds == ["table", "figure", "figure", "figure"]  # no spectrum of the one that diverges
 
 
@@ -139,14 +143,18 @@ def test_without_a_force_the_mass_is_unknown(pages) -> None:
 
 
 def test_a_nasty_name_is_harmless(identifications) -> None:
-    found = identifications["stand"]()
-    first = replace(found.recordings[0], name=NASTY, notes=(NASTY,))
-    kinds = ({"file": NASTY, "kind": NASTY, "sha256": None}, *found.oscillator.identified.recordings[1:])
+    identification = identifications["stand"]()
+    first = replace(identification.recordings[0], name=NASTY, notes=(NASTY,))
+    kinds = ({"file": NASTY, "kind": NASTY, "sha256": None}, *identification.oscillator.identified.recordings[1:])
     model = replace(
-        found.oscillator, name=NASTY, identified=replace(found.oscillator.identified, recordings=kinds, software=NASTY)
+        identification.oscillator,
+        name=NASTY,
+        identified=replace(identification.oscillator.identified, recordings=kinds, software=NASTY),
     )
-    found = replace(found, oscillator=model, recordings=(first, found.recordings[1]), notes=(NASTY,))
-    text = identification_page(found, files=(NASTY + ".yaml",))
+    identification = replace(
+        identification, oscillator=model, recordings=(first, identification.recordings[1]), notes=(NASTY,)
+    )
+    text = identification_page(identification, files=(NASTY + ".yaml",))
     assert text.encode("utf-8")
     reader = Reader(text)
     assert "script" not in reader.tags
@@ -156,8 +164,8 @@ def test_a_nasty_name_is_harmless(identifications) -> None:
 
 
 def test_the_same_results_give_the_same_page(identifications, verified, pages) -> None:
-    found = identifications["volts"]()
-    assert identification_page(found, verified(found), None, ("model.yaml",)) == pages("volts", True)
+    identification = identifications["volts"]()
+    assert identification_page(identification, verified(identification), None, ("model.yaml",)) == pages("volts", True)
 
 
 def test_the_files_that_were_made_are_named_in_the_code(identifications) -> None:
@@ -186,9 +194,11 @@ def test_an_empty_section_is_left_out() -> None:
 
 @pytest.mark.parametrize("effect", ["hysteresis", "attached-resonator", "actuator-backlash", "sensor-nonlinearity"])
 def test_a_model_with_laws_of_any_kind_has_its_page(effect, identifications, with_law) -> None:
-    found = identifications["stand"]()
-    model = replace(with_law(effect), identified=found.oscillator.identified, amplitude=found.oscillator.amplitude)
-    text = Reader(identification_page(replace(found, oscillator=model))).text
+    identification = identifications["stand"]()
+    model = replace(
+        with_law(effect), identified=identification.oscillator.identified, amplitude=identification.oscillator.amplitude
+    )
+    text = Reader(identification_page(replace(identification, oscillator=model))).text
     assert "No picture here" not in text
     kind = "mean" if effect in ("hysteresis", "attached-resonator") else "exact"
     assert f"thin: the model's {kind} backbone" in text
@@ -211,7 +221,9 @@ def test_the_equation_of_every_law_is_shown_with_its_numbers(effect, with_law) -
 
 
 def test_a_memory_that_cannot_be_followed_is_said_in_the_place_of_the_picture(identifications, with_law) -> None:
-    found = identifications["stand"]()
-    model = replace(with_law("viscoelastic", **{"viscoelastic.rate": 1e9}), amplitude=found.oscillator.amplitude)
-    text = Reader(identification_page(replace(found, oscillator=model))).text
+    identification = identifications["stand"]()
+    model = replace(
+        with_law("viscoelastic", **{"viscoelastic.rate": 1e9}), amplitude=identification.oscillator.amplitude
+    )
+    text = Reader(identification_page(replace(identification, oscillator=model))).text
     assert "No picture here" in text

@@ -28,17 +28,17 @@ LABEL = re.compile(
 TITLES = {"Friction force", "Restoring force", "Damping curve"}
 
 
-def pictures(found: Identification, verified: Callable[..., object] | None = None) -> Iterator[str]:
-    proof = verified(found) if verified else None
-    yield backbone_figure(found, proof)  # pyright: ignore[reportArgumentType]
-    yield distance_figure(found, proof)  # pyright: ignore[reportArgumentType]
-    yield stiffness_figure(found)
-    yield friction_figure(found)
-    for r, decays in zip(found.recordings, found.hilbert.decays, strict=True):
+def pictures(identification: Identification, verified: Callable[..., object] | None = None) -> Iterator[str]:
+    proof = verified(identification) if verified else None
+    yield backbone_figure(identification, proof)  # pyright: ignore[reportArgumentType]
+    yield distance_figure(identification, proof)  # pyright: ignore[reportArgumentType]
+    yield stiffness_figure(identification)
+    yield friction_figure(identification)
+    for r, decays in zip(identification.recordings, identification.hilbert.decays, strict=True):
         yield recording_figure(r, decays)
-    for c in comparisons(found, proof):  # pyright: ignore[reportArgumentType]
-        yield agreement_figure(c, "displacement", found.oscillator.response.unit)
-        yield spectrum_figure(c, 12.0, found.oscillator.response.unit)
+    for c in comparisons(identification, proof):  # pyright: ignore[reportArgumentType]
+        yield agreement_figure(c, "displacement", identification.oscillator.response.unit)
+        yield spectrum_figure(c, 12.0, identification.oscillator.response.unit)
 
 
 @pytest.mark.parametrize("kind", ["stand", "roll", "volts"])
@@ -62,10 +62,10 @@ def test_every_picture_is_sound_small_and_labelled_with_units(kind, identificati
 
 
 def test_pictures_are_the_same_every_time_whatever_the_user_has_set(identifications) -> None:
-    found = identifications["volts"]()
-    first = list(islice(pictures(found), 1, 5))
+    identification = identifications["volts"]()
+    first = list(islice(pictures(identification), 1, 5))
     with matplotlib.rc_context({"font.size": 30, "svg.fonttype": "path", "axes.grid": False}):
-        second = list(islice(pictures(found), 1, 5))
+        second = list(islice(pictures(identification), 1, 5))
         assert matplotlib.rcParams["font.size"] == 30
     assert first == second
 
@@ -118,9 +118,11 @@ def test_envelope_passes_over_what_is_not_there() -> None:
 )
 def test_the_describing_function_is_inverted(force, fundamental) -> None:
     a = np.geomspace(0.02, 2.0, 4000)
-    found = static_force(a, fundamental(a))
-    assert found.at.size >= 30
-    assert np.max(np.abs(found.force - force(found.at))) < 0.01 * np.max(np.abs(force(found.at)))
+    characteristic = static_force(a, fundamental(a))
+    assert characteristic.at.size >= 30
+    assert np.max(np.abs(characteristic.force - force(characteristic.at))) < 0.01 * np.max(
+        np.abs(force(characteristic.at))
+    )
 
 
 def test_static_force_of_too_little_is_empty() -> None:

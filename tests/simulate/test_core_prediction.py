@@ -76,9 +76,9 @@ def test_a_wrong_beginning_is_forgotten_at_the_rate_of_the_memory(quantity):
     if measured is None:
         measured = -1e-3 * TRUTH["omega0"] * np.sin(TRUTH["omega0"] * T)
     gain = np.array(prediction_gain(memory, TRUTH["omega0"], DT, quantity))
-    left = np.abs(run((2e-3, 0.0), None, measured=measured, gain=gain) - measured)
+    errors = np.abs(run((2e-3, 0.0), None, measured=measured, gain=gain) - measured)
     count = round(memory * cycle / DT)
-    sizes = [np.max(left[k * count : (k + 1) * count]) for k in range(6)]
+    sizes = [np.max(errors[k * count : (k + 1) * count]) for k in range(6)]
     assert np.array(sizes[1:]) / np.array(sizes[:-1]) == pytest.approx(np.exp(-1.0), rel=0.08)
     free = np.abs(run((2e-3, 0.0), None) - measured)
     assert np.max(free[-count:]) == pytest.approx(np.max(free[:count]), rel=0.01)  # which simulation never does

@@ -24,9 +24,9 @@ def test_a_sine_is_restored_between_its_samples(per_cycle, limit):
     dt, n = 1e-3, 3000
     frequency = 1 / (per_cycle * dt)
     force = smooth_force(np.sin(2 * np.pi * frequency * np.arange(n) * dt), dt, frequency)
-    found, spacing = values(force, dt)
-    inner = slice(found.size // 4, -found.size // 4)
-    error = found - np.sin(2 * np.pi * frequency * np.arange(found.size) * spacing)
+    restored, spacing = values(force, dt)
+    inner = slice(restored.size // 4, -restored.size // 4)
+    error = restored - np.sin(2 * np.pi * frequency * np.arange(restored.size) * spacing)
     assert np.max(np.abs(error[inner])) < limit
 
 

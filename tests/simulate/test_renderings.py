@@ -48,8 +48,8 @@ def start(kind, model, offsets):
     return np.array([0.0, 0.0, *inner] if kind == "driven" else [6e-3, 0.1, *inner])
 
 
-def error(found, expected):
-    return np.max(np.abs(found - expected)) / np.max(np.abs(expected))
+def error(response, expected):
+    return np.max(np.abs(response - expected)) / np.max(np.abs(expected))
 
 
 def independent(model, force, begin):
@@ -140,8 +140,8 @@ def test_the_python_fmu_agrees_with_the_engine(effect, with_law, offsets, tmp_pa
     model = with_law(effect)
     initial = start("released", model, offsets)
     with FmuRun(export_fmu(model, tmp_path / "rig.fmu", backend="python")) as run:
-        found = run.record(straight_lines(CHIRP[:200], DT), 200, DT, initial, START)
-    assert error(found, simulated(model, CHIRP, initial)[:200]) < 1e-4
+        response = run.record(straight_lines(CHIRP[:200], DT), 200, DT, initial, START)
+    assert error(response, simulated(model, CHIRP, initial)[:200]) < 1e-4
 
 
 def test_a_sensor_that_follows_the_acceleration_sees_none_at_rest(with_law, tmp_path):

@@ -37,22 +37,22 @@ class Program:
 @pytest.fixture(scope="session")
 def compiler(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., None]:
     """Compiles one file; skips where there is no compiler, or it lacks the sanitizer."""
-    found = find_compiler()
+    path = find_compiler()
     probe = tmp_path_factory.mktemp("probe")
     (probe / "probe.c").write_text("int main(void) { return 0; }\n")
     works: dict[str, bool] = {}
 
     def make(source: Path, out: Path, sanitizer: str, *flags: str) -> None:
-        if found is None:
+        if path is None:
             pytest.skip("there is no C compiler")
         extra = SANITIZED[sanitizer]
         if sanitizer not in works:
-            command = [found, *extra, "-pthread", "-o", str(probe / sanitizer), str(probe / "probe.c")]
+            command = [path, *extra, "-pthread", "-o", str(probe / sanitizer), str(probe / "probe.c")]
             built = subprocess.run(command, capture_output=True, check=False).returncode == 0
             works[sanitizer] = built and subprocess.run([probe / sanitizer], capture_output=True).returncode == 0
         if not works[sanitizer]:
             pytest.skip(f"the compiler has no sanitizer of {sanitizer} that runs here")
-        command = [found, *FLAGS, *extra, *flags, "-pthread", "-o", str(out), str(source), "-lm"]
+        command = [path, *FLAGS, *extra, *flags, "-pthread", "-o", str(out), str(source), "-lm"]
         built = subprocess.run(command, capture_output=True, text=True, check=False)
         assert built.returncode == 0, built.stderr
         assert not [line for line in built.stderr.splitlines() if "warning:" in line and "/glue/" in line]
@@ -92,15 +92,15 @@ def program(
                 path.write_text(path.read_text().replace(old, new))
         flags = (f"-DFMI_VERSION={version}", f"-I{folder / 'sources'}")
         compiler(HERE / f"{name}.c", folder / name, sanitizer, *flags)
-        found = read_model_description(str(fmu))
-        reference = {v.name: v.valueReference for v in found.modelVariables}
+        description = read_model_description(str(fmu))
+        reference = {v.name: v.valueReference for v in description.modelVariables}
         about = (
-            found.guid if version == 2 else found.instantiationToken,
+            description.guid if version == 2 else description.instantiationToken,
             len({*reference.values()}),
             reference["F"],
             reference["x"],
-            found.numberOfContinuousStates,
-            found.numberOfEventIndicators,
+            description.numberOfContinuousStates,
+            description.numberOfEventIndicators,
         )
         built[key] = Program(folder / name, tuple(str(value) for value in about))
         return built[key]

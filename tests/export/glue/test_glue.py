@@ -53,11 +53,11 @@ def test_no_call_does_damage(program, version, interface, seed):
     done = program("fuzz", version, interface=interface).run(int(interface == "ModelExchange"), seed, CALLS)
     assert done.returncode == 0, done.stderr[-3000:]
     assert done.stderr == ""
-    found = counts(done.stdout)
-    assert all(sum(numbers) > 0 for numbers in found.values())
+    tallies = counts(done.stdout)
+    assert all(sum(numbers) > 0 for numbers in tallies.values())
     for name in (*BOTH[version][interface], *STATES[version]):
-        assert found[name][0] > 0, f"{name} was never carried out"
-        assert found[name][2] > 0, f"{name} was never refused"
+        assert tallies[name][0] > 0, f"{name} was never carried out"
+        assert tallies[name][2] > 0, f"{name} was never refused"
 
 
 def test_no_call_does_damage_to_a_model_with_memory(program, with_law, tmp_path):

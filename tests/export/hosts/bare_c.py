@@ -62,12 +62,12 @@ def prepared(
     With ``repeat`` it gives the processor time of one step (set, step, get) in nanoseconds instead, the whole force
     run that often.
     """
-    known, it = describe(fmu), MACHINES[machine]
+    known, target = describe(fmu), MACHINES[machine]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        command = it.command(folder / "host.exe")  # first: compiling for what cannot be run is time lost
-        it.program(Path(__file__).with_name("host.c"), folder / "host.exe")
-        library = _library(fmu, known, it, folder)
+        command = target.command(folder / "host.exe")  # first: compiling for what cannot be run is time lost
+        target.program(Path(__file__).with_name("host.c"), folder / "host.exe")
+        library = _library(fmu, known, target, folder)
         starts = "".join(f"set {known.references[n]} {float(v)!r}\n" for n, v in parameters.items())
         (folder / "plan.txt").write_text(
             f"library ./{library.relative_to(folder).as_posix()}\n"
@@ -83,7 +83,7 @@ def prepared(
             played = subprocess.run(
                 [*command, "plan.txt"],
                 cwd=folder,
-                env={**it.environment(folder), **(environment or {})},
+                env={**target.environment(folder), **(environment or {})},
                 capture_output=True,
                 text=True,
                 check=False,

@@ -20,16 +20,16 @@ class Caller:
 
         self.known, self.exchange, self.second = known, interface == MODEL_EXCHANGE, known.version == 2
         self.messages: list[tuple[int, str]] = []
-        self.it: Any = made(known, folder, interface)
+        self.fmu: Any = made(known, folder, interface)
         if self.second:
             calls = fmi2.fmi2CallbackFunctions()
             calls.logger = fmi2.fmi2CallbackLoggerTYPE(self._log)
             calls.allocateMemory = type(calls.allocateMemory)(lambda n, size: 0)
             calls.freeMemory = type(calls.freeMemory)(lambda pointer: None)
             self._callbacks = calls
-            self.it.instantiate(callbacks=calls, loggingOn=True)
+            self.fmu.instantiate(callbacks=calls, loggingOn=True)
         else:
-            self.it.instantiate(loggingOn=True, logMessage=lambda *said: self._log(said[0], b"", *said[1:]))
+            self.fmu.instantiate(loggingOn=True, logMessage=lambda *said: self._log(said[0], b"", *said[1:]))
 
     def _log(self, environment: object, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self.messages.append((int(status), message.decode()))
@@ -42,26 +42,26 @@ class Caller:
 
     def initialise(self, at: float = 0.0, stop: float | None = None, **values: float) -> Caller:
         if self.second:
-            self.it.setupExperiment(startTime=at, stopTime=stop)
-            self.it.enterInitializationMode()
+            self.fmu.setupExperiment(startTime=at, stopTime=stop)
+            self.fmu.enterInitializationMode()
         else:
-            self.it.enterInitializationMode(startTime=at, stopTime=stop)
+            self.fmu.enterInitializationMode(startTime=at, stopTime=stop)
         self.set(**values)
         return self
 
     def start(self, at: float = 0.0, stop: float | None = None, **values: float) -> Caller:
         """Initialised, and in model exchange settled and in continuous-time mode."""
         self.initialise(at, stop, **values)
-        self.it.exitInitializationMode()
+        self.fmu.exitInitializationMode()
         if self.exchange:
             self.settle()
-            self.it.enterContinuousTimeMode()
+            self.fmu.enterContinuousTimeMode()
         return self
 
     def settle(self) -> bool:
         """Updates the discrete states until they rest: whether states have changed."""
         changed = False
-        update = self.it.newDiscreteStates if self.second else self.it.updateDiscreteStates
+        update = self.fmu.newDiscreteStates if self.second else self.fmu.updateDiscreteStates
         for _ in range(20):
             told = update()
             changed |= bool(told[3])
@@ -70,9 +70,9 @@ class Caller:
         raise RuntimeError("event mode does not come to an end")
 
     def event(self) -> bool:
-        self.it.enterEventMode()
+        self.fmu.enterEventMode()
         changed = self.settle()
-        self.it.enterContinuousTimeMode()
+        self.fmu.enterContinuousTimeMode()
         return changed
 
     # values
@@ -81,10 +81,10 @@ class Caller:
         return [self.known.references[name] for name in names]
 
     def put(self, references: Sequence[int], values: Sequence[float]) -> None:
-        (self.it.setReal if self.second else self.it.setFloat64)(references, values)
+        (self.fmu.setReal if self.second else self.fmu.setFloat64)(references, values)
 
     def take(self, references: Sequence[int]) -> list[float]:
-        return (self.it.getReal if self.second else self.it.getFloat64)(references)
+        return (self.fmu.getReal if self.second else self.fmu.getFloat64)(references)
 
     def set(self, **values: float) -> None:
         if values:
@@ -94,10 +94,10 @@ class Caller:
         return self.take(self.references(names))
 
     def derivative(self, unknown: Sequence[str], known: Sequence[str], seed: Sequence[float]) -> list[float]:
-        return self.it.getDirectionalDerivative(self.references(unknown), self.references(known), list(seed))
+        return self.fmu.getDirectionalDerivative(self.references(unknown), self.references(known), list(seed))
 
     def adjoint(self, unknown: Sequence[str], known: Sequence[str], seed: Sequence[float]) -> list[float]:
-        return self.it.getAdjointDerivative(self.references(unknown), self.references(known), list(seed), len(known))
+        return self.fmu.getAdjointDerivative(self.references(unknown), self.references(known), list(seed), len(known))
 
     # co-simulation
 
@@ -107,10 +107,10 @@ class Caller:
             self.set(F=force)
             rate = 0.0 if end is None else (end - force) / dt
             if self.second:
-                self.it.setRealInputDerivatives(self.references(["F"]), [1], [rate])
+                self.fmu.setRealInputDerivatives(self.references(["F"]), [1], [rate])
             else:
                 self.set(F_rate=rate)
-        self.it.doStep(t, dt)
+        self.fmu.doStep(t, dt)
 
     # model exchange
 
@@ -121,52 +121,52 @@ class Caller:
 
     def set_states(self, states: Sequence[float]) -> None:
         size = len(self.known.states)
-        self.it.setContinuousStates((ctypes.c_double * size)(*states), size)
+        self.fmu.setContinuousStates((ctypes.c_double * size)(*states), size)
 
     def states(self) -> list[float]:
-        return self._taken(self.it.getContinuousStates, len(self.known.states))
+        return self._taken(self.fmu.getContinuousStates, len(self.known.states))
 
     def nominals(self) -> list[float]:
-        return self._taken(self.it.getNominalsOfContinuousStates, len(self.known.states))
+        return self._taken(self.fmu.getNominalsOfContinuousStates, len(self.known.states))
 
     def rates(self) -> list[float]:
-        call = self.it.getDerivatives if self.second else self.it.getContinuousStateDerivatives
+        call = self.fmu.getDerivatives if self.second else self.fmu.getContinuousStateDerivatives
         return self._taken(call, len(self.known.states))
 
     def indicators(self) -> list[float]:
-        return self._taken(self.it.getEventIndicators, self.known.indicators)
+        return self._taken(self.fmu.getEventIndicators, self.known.indicators)
 
     def model(self) -> Model:
         """The calls that an integrator makes."""
         return Model(
-            self.it.enterInitializationMode,
-            self.it.exitInitializationMode,
+            self.fmu.enterInitializationMode,
+            self.fmu.exitInitializationMode,
             self.put,
             self.take,
-            self.it.setTime,
+            self.fmu.setTime,
             self.set_states,
             self.states,
             self.rates,
             self.indicators,
-            self.it.enterEventMode,
+            self.fmu.enterEventMode,
             self.settle,
-            self.it.enterContinuousTimeMode,
-            lambda: self.it.completedIntegratorStep()[0],
+            self.fmu.enterContinuousTimeMode,
+            lambda: self.fmu.completedIntegratorStep()[0],
         )
 
     # stored states
 
     def keep(self) -> ctypes.c_void_p:
-        return self.it.getFMUstate() if self.second else self.it.getFMUState()
+        return self.fmu.getFMUstate() if self.second else self.fmu.getFMUState()
 
     def back(self, kept: ctypes.c_void_p) -> None:
-        (self.it.setFMUstate if self.second else self.it.setFMUState)(kept)
+        (self.fmu.setFMUstate if self.second else self.fmu.setFMUState)(kept)
 
     def forget(self, kept: ctypes.c_void_p) -> None:
-        (self.it.freeFMUstate if self.second else self.it.freeFMUState)(kept)
+        (self.fmu.freeFMUstate if self.second else self.fmu.freeFMUState)(kept)
 
     def bytes_of(self, kept: ctypes.c_void_p) -> bytes:
-        return bytes((self.it.serializeFMUstate if self.second else self.it.serializeFMUState)(kept))
+        return bytes((self.fmu.serializeFMUstate if self.second else self.fmu.serializeFMUState)(kept))
 
     def free(self) -> None:
-        (self.it.fmi2FreeInstance if self.second else self.it.fmi3FreeInstance)(self.it.component)
+        (self.fmu.fmi2FreeInstance if self.second else self.fmu.fmi3FreeInstance)(self.fmu.component)

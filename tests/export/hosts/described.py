@@ -60,8 +60,8 @@ def describe(fmu: Path) -> Described:
         indicators = int(root.get("numberOfEventIndicators", "0"))
     else:
         by_reference = {reference: i for i, reference in enumerate(references.values())}
-        found = structure.findall("ContinuousStateDerivative")
-        unknowns = [by_reference[int(u.attrib["valueReference"])] for u in found]
+        elements = structure.findall("ContinuousStateDerivative")
+        unknowns = [by_reference[int(u.attrib["valueReference"])] for u in elements]
         states = tuple(names[by_reference[int(variables[i].attrib["derivative"])]] for i in unknowns)
         indicators = len(structure.findall("EventIndicator"))
     interfaces = {name: root.find(name) for name in (CO_SIMULATION, MODEL_EXCHANGE)}

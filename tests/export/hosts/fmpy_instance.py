@@ -36,12 +36,12 @@ def opened(fmu: Path, interface: str) -> Iterator[tuple[Described, Any]]:
 
     known, folder = describe(fmu), extract(str(fmu))
     try:
-        it = made(known, folder, interface)
-        it.instantiate()
+        instance = made(known, folder, interface)
+        instance.instantiate()
         if known.version == 2:
-            it.setupExperiment(startTime=0.0)
-        yield known, it
-        it.terminate()
-        it.freeInstance()
+            instance.setupExperiment(startTime=0.0)
+        yield known, instance
+        instance.terminate()
+        instance.freeInstance()
     finally:
         shutil.rmtree(folder, ignore_errors=True)

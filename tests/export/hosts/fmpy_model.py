@@ -29,9 +29,9 @@ def run(
     output: str = "x",
 ) -> np.ndarray:
     """(n,) output at the samples of the force."""
-    with opened(fmu, INTERFACE) as (known, it):
+    with opened(fmu, INTERFACE) as (known, instance):
         count, second = len(known.states), known.version == 2
-        update = it.newDiscreteStates if second else it.updateDiscreteStates
+        update = instance.newDiscreteStates if second else instance.updateDiscreteStates
 
         def settle() -> None:
             while update()[0]:
@@ -43,18 +43,18 @@ def run(
             return list(buffer)
 
         model = Model(
-            it.enterInitializationMode,
-            it.exitInitializationMode,
-            it.setReal if second else it.setFloat64,
-            it.getReal if second else it.getFloat64,
-            it.setTime,
-            lambda x: it.setContinuousStates((ctypes.c_double * count)(*x), count),
-            lambda: taken(it.getContinuousStates, count),
-            lambda: taken(it.getDerivatives if second else it.getContinuousStateDerivatives, count),
-            lambda: taken(it.getEventIndicators, known.indicators),
-            it.enterEventMode,
+            instance.enterInitializationMode,
+            instance.exitInitializationMode,
+            instance.setReal if second else instance.setFloat64,
+            instance.getReal if second else instance.getFloat64,
+            instance.setTime,
+            lambda x: instance.setContinuousStates((ctypes.c_double * count)(*x), count),
+            lambda: taken(instance.getContinuousStates, count),
+            lambda: taken(instance.getDerivatives if second else instance.getContinuousStateDerivatives, count),
+            lambda: taken(instance.getEventIndicators, known.indicators),
+            instance.enterEventMode,
             settle,
-            it.enterContinuousTimeMode,
-            lambda: it.completedIntegratorStep()[0],
+            instance.enterContinuousTimeMode,
+            lambda: instance.completedIntegratorStep()[0],
         )
         return integrate(model, known, force, dt, parameters, hold, source, output)

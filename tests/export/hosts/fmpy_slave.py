@@ -30,13 +30,13 @@ def run(
     output: str = "x",
 ) -> np.ndarray:
     """(n,) output at the samples of the force."""
-    with opened(fmu, INTERFACE) as (known, it):
+    with opened(fmu, INTERFACE) as (known, instance):
         slave = Slave(
-            it.enterInitializationMode,
-            it.exitInitializationMode,
-            it.setReal if known.version == 2 else it.setFloat64,
-            it.getReal if known.version == 2 else it.getFloat64,
-            (lambda vr, rate: it.setRealInputDerivatives(vr, [1], rate)) if known.interpolates else None,
-            it.doStep,
+            instance.enterInitializationMode,
+            instance.exitInitializationMode,
+            instance.setReal if known.version == 2 else instance.setFloat64,
+            instance.getReal if known.version == 2 else instance.getFloat64,
+            (lambda vr, rate: instance.setRealInputDerivatives(vr, [1], rate)) if known.interpolates else None,
+            instance.doStep,
         )
         return march(slave, known, force, dt, parameters, hold, source, output)

@@ -33,39 +33,39 @@ def run(
 ) -> np.ndarray:
     """(n,) output at the samples of the force."""
     known = describe(fmu)
-    it, slave = _second(fmu, known) if known.version == 2 else _third(fmu, known)
+    instance, slave = _second(fmu, known) if known.version == 2 else _third(fmu, known)
     x = march(slave, known, force, dt, parameters, hold, source, output)
-    it.terminate()
-    it.free_instance()
+    instance.terminate()
+    instance.free_instance()
     return x
 
 
 def _second(fmu: Path, known: Described):
     from fmuloader.fmi2 import Fmi2Slave, Fmi2Type
 
-    it = Fmi2Slave(fmu, model_identifier=known.identifiers[INTERFACE])
-    it.instantiate("rig", Fmi2Type.CO_SIMULATION, guid=known.token)
-    it.setup_experiment(start_time=0.0)
-    incline = (lambda vr, rate: it.set_real_input_derivatives(vr, [1], rate)) if known.interpolates else None
+    instance = Fmi2Slave(fmu, model_identifier=known.identifiers[INTERFACE])
+    instance.instantiate("rig", Fmi2Type.CO_SIMULATION, guid=known.token)
+    instance.setup_experiment(start_time=0.0)
+    incline = (lambda vr, rate: instance.set_real_input_derivatives(vr, [1], rate)) if known.interpolates else None
 
     def step(t: float, dt: float) -> None:
-        if it.do_step(t, dt) != 0:
+        if instance.do_step(t, dt) != 0:
             raise RuntimeError(f"the step from {t} s was not done")
 
-    enter, leave = it.enter_initialization_mode, it.exit_initialization_mode
-    return it, Slave(enter, leave, it.set_real, it.get_real, incline, step)
+    enter, leave = instance.enter_initialization_mode, instance.exit_initialization_mode
+    return instance, Slave(enter, leave, instance.set_real, instance.get_real, incline, step)
 
 
 def _third(fmu: Path, known: Described):
     from fmuloader.fmi3 import Fmi3Slave
 
-    it = Fmi3Slave(fmu, model_identifier=known.identifiers[INTERFACE])
-    it.instantiate_co_simulation("rig", instantiation_token=known.token)
+    instance = Fmi3Slave(fmu, model_identifier=known.identifiers[INTERFACE])
+    instance.instantiate_co_simulation("rig", instantiation_token=known.token)
 
     def step(t: float, dt: float) -> None:
-        done = it.do_step(t, dt)
+        done = instance.do_step(t, dt)
         if done.status != 0 or done.terminate_simulation or done.early_return:
             raise RuntimeError(f"the step from {t} s was not done, or not to its end")
 
-    enter, leave = it.enter_initialization_mode, it.exit_initialization_mode
-    return it, Slave(enter, leave, it.set_float64, it.get_float64, None, step)
+    enter, leave = instance.enter_initialization_mode, instance.exit_initialization_mode
+    return instance, Slave(enter, leave, instance.set_float64, instance.get_float64, None, step)

@@ -97,8 +97,8 @@ def integrate(
     model.settle()
     model.enter_continuous_time_mode()
     flow, state = _Flow(model, inputs), np.array(model.states())
-    found = np.empty(force.size)
-    found[0] = model.take(outputs)[0]
+    responses = np.empty(force.size)
+    responses[0] = model.take(outputs)[0]
     for k in range(force.size - 1):
         flow.begin, flow.value = k * dt, float(force[k])
         flow.rate = float(force[k + 1] - force[k]) / dt if hold == "first" else 0.0
@@ -107,8 +107,8 @@ def integrate(
             state = _event(model)
         for part in range(steps):
             state = _interval(flow, k * dt + part * dt / steps, state, dt / steps)
-        found[k + 1] = model.take(outputs)[0]
-    return found
+        responses[k + 1] = model.take(outputs)[0]
+    return responses
 
 
 def _interval(flow: _Flow, t: float, x: np.ndarray, h: float) -> np.ndarray:
@@ -117,13 +117,13 @@ def _interval(flow: _Flow, t: float, x: np.ndarray, h: float) -> np.ndarray:
     for _ in range(_MOST_EVENTS):
         flow.at(t, x)
         before = np.array(model.indicators())
-        left = end - t
-        new = flow.step(t, x, left)
+        remaining = end - t
+        new = flow.step(t, x, remaining)
         if not _crossed(before, np.array(model.indicators())):
             if model.completed():
                 return _event(model)
             return new
-        low, high = 0.0, left
+        low, high = 0.0, remaining
         while high - low > _SHARP * h:
             middle = 0.5 * (low + high)
             flow.step(t, x, middle)

@@ -121,16 +121,16 @@ MACHINES = {
 
 def _wine() -> str:
     places = (shutil.which("wine64"), shutil.which("wine"), "/usr/lib/wine/wine64")
-    found = next((place for place in places if place and Path(place).exists()), None)
-    if found is None or sysconfig.get_platform() != "linux-x86_64":
+    path = next((place for place in places if place and Path(place).exists()), None)
+    if path is None or sysconfig.get_platform() != "linux-x86_64":
         raise NotHereError("wine is not installed (wine64)")
-    return found
+    return path
 
 
 def _qemu() -> str:
-    found = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
-    if found is None:
+    path = shutil.which("qemu-aarch64-static") or shutil.which("qemu-aarch64")
+    if path is None:
         raise NotHereError("qemu-user is not installed (qemu-user-static)")
     if not Path("/usr/aarch64-linux-gnu/lib/ld-linux-aarch64.so.1").exists():
         raise NotHereError("the C library of 64-bit ARM is not installed (libc6-arm64-cross)")
-    return found
+    return path
