@@ -128,7 +128,8 @@ def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification 
     if model.identified.recordings:  # the hold was asked for when it was identified
         recordings = held_as(recordings, model.hold)
     try:
-        return identify(recordings, name=model.name, start=model, doubted=False)
+        near = _identified_from(model, recordings)
+        return identify(recordings, name=model.name, start=model, doubted=False, near=near)
     except BadInput:  # it does not simulate from there
         return None
 

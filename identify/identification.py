@@ -78,6 +78,7 @@ def identify(
     start: Oscillator | None = None,
     band: Band | None = None,
     doubted: bool = True,
+    near: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
@@ -90,6 +91,7 @@ def identify(
         start: model to start from, with its laws, instead of estimates from the recordings.
         band: in which one of several modes was isolated in them, for the model file; see ``modes``.
         doubted: whether what predictions say otherwise goes into the standard errors; see ``maximum_likelihood``.
+        near: whether ``start`` was found from these very recordings; see there.
         progress: called with one line per step.
 
     Raises:
@@ -122,7 +124,7 @@ def identify(
 
         model = begun(base)
         progress("maximum likelihood, from prediction to simulation")
-        fit = _with_shapes(model, recordings, data, tuple(fixed), others)
+        fit = _with_shapes(model, recordings, data, tuple(fixed), others, near=near)
         if not doubted or fit.memory != FREE or max(s.over_noise for s in fit.segments) <= _ABOVE_NOISE:
             return fit
         kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)
@@ -198,10 +200,12 @@ def _with_shapes(
     data: Data,
     fixed: Sequence[str],
     others: Callable[[], Iterable[Oscillator]],
+    *,
+    near: bool,
 ) -> Fit:
     """The fit; the shapes of laws, such as the sharpness of a bend, are freed where more than noise is left."""
     shapes = tuple(shape for shape in shapes_of(model) if shape not in fixed)
-    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, doubted=False, others=others)
+    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, doubted=False, near=near, others=others)
     if not shapes or max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
         return fit
     freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data, doubted=False)

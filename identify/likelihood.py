@@ -107,6 +107,7 @@ def maximum_likelihood(
     data: Data | None = None,
     *,
     doubted: bool = True,
+    near: bool = False,
     others: Callable[[], Iterable[Oscillator]] = tuple,
 ) -> Fit:
     """Find the parameters of ``start``'s structure that make the recordings most likely.
@@ -118,6 +119,8 @@ def maximum_likelihood(
         data: the recordings as they are fitted, where they have been cut before.
         doubted: whether a simulation that keeps step is held against predictions, for the standard errors; fits that
             are only compared need none.
+        near: whether ``start`` was found from these very recordings: then nothing has to lead to it, and where it keeps
+            step no linear rig is asked for.
         others: more models of the same structure to start from, asked for where the first explains little.
 
     Raises:
@@ -126,7 +129,9 @@ def maximum_likelihood(
     data = data or data_of(recordings, start, coarse=False)
     structure = Structure(start, data, fixed, zeros_of(data, recordings, start))
     problem = structure.problem
-    climb = _best_climb(problem, structure.state(None), others)
+    climb = _from_near(problem, structure.state(None)) if near else None
+    near = climb is not None and keeps_step(problem.segments, problem.residuals(climb.state))
+    climb = climb or _best_climb(problem, structure.state(None), others)
     told, free, rungs, iterations = climb.problem, climb.state, climb.rungs, climb.iterations
     notes = [] if climb.whole else [_beyond(told.segments, problem.segments, recordings)]
     problem, free = kept_offsets(told, free, start)
@@ -136,7 +141,9 @@ def maximum_likelihood(
             iterations += steps
         except BadInput:  # with that taken off nothing simulates: it was the model's lack and no drift
             problem, free = _without_drift(problem, free)
-    free, plain, steps = _beside_linear(problem, free, start, recordings)
+    plain, steps = np.inf, 0
+    if not near:
+        free, plain, steps = _beside_linear(problem, free, start, recordings)
     iterations += steps
     smooth, begun = smooth_stretches(problem, free)
     jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
@@ -217,6 +224,15 @@ def _best_climb(problem: OutputError, start: State, others: Callable[[], Iterabl
     if not climbs:
         raise problems[0]
     return min(climbs, key=lambda climb: (not climb.whole, climb.log_nrmse))
+
+
+def _from_near(problem: OutputError, state: State) -> _Climb | None:
+    """The maximum next to a start; None where that does not simulate."""
+    state = settled(problem, state)
+    if not simulates(problem, state):
+        return None
+    outcome = problem.search(state, tolerance=1.0)
+    return _Climb(problem, outcome.state, {}, outcome.iterations, True, 0.0, False)
 
 
 def _climbed(problem: OutputError, state: State) -> _Climb:

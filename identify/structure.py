@@ -106,7 +106,10 @@ def parameter_sizes(model: Oscillator, scales: Scales) -> np.ndarray:
 
 
 def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
-    """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes."""
+    """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes.
+
+    What is looked for at zero, the middle between two stops, lies within the motion: beyond it the law is another one.
+    """
     mass = 1.0 if model.mass is None else model.mass.value
     known = {"mass": (mass / _MASS_SPAN, mass * _MASS_SPAN), "omega0": (SLACK / scales.duration, np.inf)}
     for term in model.terms:
@@ -118,6 +121,8 @@ def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
                 inner = min(abs(r) for r in reach) / _FENCE
                 low = max(low, inner if min(reach) > 0 else min(reach) * _FENCE)
                 high = min(high, max(reach) * _FENCE)
+            elif p.probes == (0.0,):
+                low, high = max(low, -p.natural(scales)), min(high, p.natural(scales))
             known[f"{term.effect}.{p.name}"] = (low, high)
     return np.array([known.get(name, (-np.inf, np.inf)) for name in model.parameters()]).T
 

@@ -33,12 +33,12 @@ from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weigh
 
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
-#: Of what the best law gains on the measured motion one with side valleys must gain this part there.
+#: Of what the best law gains on the measured motion others must gain this part there to be simulated.
 _HALF = 0.5
 #: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
 _VALLEYS = 3
-#: A law is exchanged for so many others: those that act most like it ...
-_NEAREST = 4
+#: A law is exchanged for the two that act most like it, and for more where they act nearly as much like it ...
+_ALIKE, _MOST_ALIKE = 2, 4
 #: ... with the steps that quadratic convergence takes, before what they promise counts against them.
 _CONVERGES = 10
 #: More laws than these missing at once are not told apart by any recording that we know of.
@@ -84,9 +84,16 @@ class Search:
         led: dict[tuple[str, ...], float] = {}
         while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
             led[leader.laws] = leader.value
-            arrived = self._arrived(leader)
-            leader = self._simulated(self._best(self.candidates[leader.laws], arrived))
+            best = self._led_by_others(leader, self._as_long_or_shorter(leader))
+            if best.laws == leader.laws:  # what is added is asked of a structure that nothing as long can replace
+                best = self._led_by_others(best, self._longer(best))
+            leader = self._simulated(best)
         return leader
+
+    def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
+        """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
+        arrived = self._arrived(leader, starts)
+        return self._best(self.candidates[leader.laws], arrived)
 
     def _best(self, leader: Candidate, arrived: Sequence[Candidate]) -> Candidate:
         """What leads from here on: a shorter structure that comes as near, else the most probable that is accepted."""
@@ -103,25 +110,48 @@ class Search:
         """Training recordings, and those held out where there are any."""
         return (self.data,) if self.holdout is None else (self.data, self.holdout)
 
-    def _arrived(self, leader: Candidate) -> list[Candidate]:
-        """Neighbours of the leader that came within reach, weighed; the others are kept with the reason they left."""
+    def _as_long_or_shorter(self, leader: Candidate) -> list[Start]:
+        """The leader less one of its laws, and with one exchanged, raced."""
         assert leader.fit is not None
-        laws = self._addable(leader)
-        self.progress("score of every law", 0.0)
+        self.progress("what the best could do without", 0.0)
         starts = [*self._dropped(leader), *self._exchanged(leader)]
         self._race(starts, leader.fit)
-        starts += self._added(leader, by_score(leader.fit, self.data, laws) if laws else [])
-        self._race(starts, leader.fit)
+        return starts
+
+    def _longer(self, leader: Candidate) -> list[Start]:
+        """The leader with one law more, raced."""
+        fit = leader.fit
+        assert fit is not None
+        laws, starts = self._addable(leader), list[Start]()
+
+        def enter(proposals: Sequence[Proposal]) -> None:
+            starts.extend(self._added(leader, proposals))
+            self._race(starts, fit)
+
+        def from_motion(some: Sequence[Law], least: float = 0.0) -> float:
+            self.progress("regression on the measured motion", 0.0)
+            proposals = by_motion(fit, self.data, some)
+            best = max((proposal.gain for proposal in proposals), default=0.0)
+            enter([proposal for proposal in proposals if proposal.gain > _HALF * max(best, least)])
+            return best
+
+        # a leader that is far from the motion has bent itself around what is missing; the measured motion has not
+        far = not self._at_noise(leader, starts)
+        gained = from_motion([law for law in laws if not law.rugged]) if far else 0.0
+        if not far or not self._at_noise(leader, starts):
+            self.progress("score of every law", 0.0)
+            enter(by_score(fit, self.data, laws) if laws else [])
         # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
         # and the measured motion, which knows no side valleys, does not speak against it; beside the given family only
-        spoken = 0.0
-        for some in ([law for law in laws if not law.rugged], [law for law in laws if law.rugged]):
-            if some and (not some[0].rugged or not leader.laws) and not self._at_noise(leader, starts):
-                self.progress("regression on the measured motion", 0.5)
-                proposals = by_motion(leader.fit, self.data, some)
-                starts += self._added(leader, [p for p in proposals if p.gain > _HALF * spoken])
-                spoken = max((p.gain for p in proposals), default=0.0)
-                self._race(starts, leader.fit)
+        rugged = [law for law in laws if law.rugged]
+        if rugged and not leader.laws and not self._at_noise(leader, starts):
+            from_motion(rugged, gained)
+        return starts
+
+    def _arrived(self, leader: Candidate, starts: Sequence[Start]) -> list[Candidate]:
+        """Neighbours of the leader that came within reach, weighed; the others are kept with the reason they left."""
+        assert leader.fit is not None
+        starts = list(starts)
         front = self._front(leader, starts)
         self._race(freed := self._with_shapes(starts, front), front)
         starts += freed
@@ -290,7 +320,9 @@ class Search:
                 continue
             self._asked[place] = leader.fit
             proposals = alike(leader.fit, self.data, name, [law for law in self._beside(leader) if not law.rugged])
-            for proposal in proposals[:_NEAREST]:
+            for rank, proposal in enumerate(proposals[:_MOST_ALIKE]):
+                if rank >= _ALIKE and proposal.gain < _HALF * proposals[0].gain:
+                    break
                 laws = key([law for law in leader.laws if law != name] + [proposal.law])
                 if laws in self.candidates and self.candidates[laws].stage == "judged":
                     continue
