@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 from ..model.effect_words import effect_in_words
 from .result import Effect, RecordFit, Verdict
-from .search.residual_test import Leftover
+from .search.residual_test import ABOVE_NOISE, Leftover
 from .wording import effects_in_words, figure, spoken
 
 #: A recording whose free simulation is so many times its noise off is not reproduced, whatever the colour of the noise.
@@ -42,7 +42,7 @@ def sentence_of(
         before, after: what the family and the mended model leave in each stretch.
     """
     if verdict == "consistent":
-        return "Nothing is missing: the model reproduces every recording to within its noise."
+        return _consistent(records)
     if not effects:
         return f"Something is missing that no effect of the library explains: {remainder or _worst(records)}."
     parts = []
@@ -55,6 +55,19 @@ def sentence_of(
         parts.append(remainder)
     figures = "; ".join(parts)
     return f"Missing: {_named(effects)}." + (f" {figures[0].upper()}{figures[1:]}." if figures else "")
+
+
+def _consistent(records: Sequence[RecordFit]) -> str:
+    """That nothing is missing; with the recording that leaves most where that is more than its noise."""
+    worst = max(records, key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300), default=None)
+    if worst is None or worst.nrmse_before <= ABOVE_NOISE * worst.noise_floor:
+        return "Nothing is missing: the model reproduces every recording to within its noise."
+    ratio = worst.nrmse_before / max(worst.noise_floor, 1e-300)
+    return (
+        f"Nothing that moves with the rig is missing: what is left in {worst.file}, {figure(ratio, 2)} times the noise "
+        f"of its highest frequencies and {figure(100 * worst.nrmse_before, 2)} % of the motion, is not seen to follow "
+        "it."
+    )
 
 
 def _named(effects: Sequence[Effect]) -> str:

@@ -85,6 +85,16 @@ def test_consistent_says_that_nothing_is_missing():
     assert said == "Nothing is missing: the model reproduces every recording to within its noise."
 
 
+@pytest.mark.parametrize(("times", "within"), [(1.09, True), (1.11, False), (8.0, False)])
+def test_it_is_bound_to_its_own_table(times, within):
+    """Noise of a colour leaves more than the highest frequencies show: that is said with its figures."""
+    rows = [row(), row(0.01 * times, file="worst")]
+    said = sentence_of("consistent", (), None, rows, left(1.0), left(1.0))
+    assert ("to within its noise" in said) is within
+    if times == 8.0:
+        assert "left in worst, 8 times the noise of its highest frequencies and 8 % of the motion" in said
+
+
 def test_unexplained_says_what_is_left():
     said = sentence_of("unexplained", (), "3 % of the motion remains in a.csv", [row()], left(9.0), left(9.0))
     assert "no effect of the library explains" in said

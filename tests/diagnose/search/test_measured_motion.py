@@ -39,3 +39,15 @@ def test_play_in_the_papers_stand_is_seen_in_the_measured_motion():
     assert guess.values["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.2)
     assert guess.values["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.25)
     assert guess.values["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.05)
+
+
+def test_a_contact_is_found_where_it_is_and_as_stiff_as_it_is(rig):
+    """Its place moves between the probes, the contact without damping there as at all of them."""
+    case = rig("single", "one-sided-stop")
+    regression = Regression(data_of(case.training, case.model), case.model)
+    guess = regression.best(find("one-sided-stop"))
+    assert guess is not None
+    side = "up" if guess.values["one-sided-stop.position"] > 0 else "down"
+    truth = case.truth["parameters"]
+    assert abs(guess.values["one-sided-stop.position"]) == pytest.approx(truth[f"{side}_at"], rel=0.03)
+    assert guess.values["one-sided-stop.stiffness"] == pytest.approx(truth[f"{side}_stiffness"], rel=0.15)

@@ -49,3 +49,13 @@ def test_a_search_may_begin_at_every_probe_of_a_law(rig, law):
         own = [name.startswith(f"{law}.") for name in model.values()]
         assert np.all((low <= values)[own])
         assert np.all((values <= high)[own])
+
+
+def test_the_middle_between_stops_lies_within_the_motion(rig):
+    """A stop far outside, hardly stiff, would be a constant force under a wrong name."""
+    case = rig("none")
+    data = data_of(case.training, case.model)
+    model = with_term(case.model, "two-sided-stop", {"stiffness": 1.0, "position": 1e-3, "damping": 0.0, "offset": 0.0})
+    place = list(model.parameters()).index("two-sided-stop.offset")
+    low, high = parameter_bounds(model, data.scales)[:, place]
+    assert (low, high) == (-data.scales.length, data.scales.length)
