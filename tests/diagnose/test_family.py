@@ -15,6 +15,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
+from dashpot.identify import likelihood
 from dashpot.identify.signals import response_of
 from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
@@ -177,6 +178,19 @@ def test_of_a_single_recording_it_is_taken_off():
 
 def _all(family):
     return (*family.recordings, *family.holdout)
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_a_model_identified_from_these_recordings_is_gone_on_with(monkeypatch, known):
+    """Nothing has to lead to where it is: the way from prediction to simulation is not gone again."""
+    given = [replace(recording, sha256=f"{i}") for i, recording in enumerate(training())]
+    provenance = Provenance(recordings=({"file": "a", "sha256": "0"}, {"file": "b", "sha256": "1"}))
+    model = replace(MODEL, identified=provenance if known else Provenance())
+    gone, real = [], likelihood.from_prediction
+    monkeypatch.setattr(likelihood, "from_prediction", lambda *given: gone.append(1) or real(*given))
+    family = family_of(model, given, [])
+    assert bool(gone) is not known
+    assert is_the_rig(family.model)
 
 
 # --- held out, of another rig

@@ -109,3 +109,17 @@ def test_the_centre_of_a_motion(cycles):
         assert centre(x + 3.0, 1000.0, W) == pytest.approx(np.mean(x) + 3.0)
     else:
         assert centre(x + 3.0, 1000.0, W) == pytest.approx(3.0, abs=0.01)
+
+
+@pytest.mark.parametrize(("shift", "drift"), [(2e-4, 0.0), (0.0, 5e-5)])
+def test_what_follows_the_motions_size_is_no_drift(shift, drift):
+    """A spring that is stiffer on one side moves the middle with the square of the amplitude, a sensor with time."""
+    n = 4 * N
+    t, damped = np.arange(n) / FS, np.sqrt(W**2 - H**2)
+    swing = np.exp(-H * t)
+    x = 5e-3 * swing * np.cos(damped * t) + shift * swing**2 + drift * t
+    noise = NOISE * np.random.default_rng(3).standard_normal(n)
+    drifts = [o for o in offsets_of(Recording("decay", FS, x + noise, free=True)) if o.channel == "drift"]
+    assert len(drifts) == (drift > 0)
+    for offset in drifts:
+        assert offset.value == pytest.approx(drift, rel=0.05)
