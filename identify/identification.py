@@ -18,11 +18,12 @@ from ..model.oscillator import QUANTITIES, Band
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
+from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
 from .excitation import band_of, kind_of
 from .further_laws import with_laws
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
-from .likelihood import POOR_NRMSE, QUIET, Fit, maximum_likelihood
+from .likelihood import Fit, maximum_likelihood
 from .offset import FoundOffset
 from .prediction import FREE
 from .signals import response_of

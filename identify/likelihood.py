@@ -21,8 +21,9 @@ import numpy as np
 from ..errors import BadInput
 from ..model import Oscillator
 from ..recording.recording import Recording
+from .climb import best_climb, from_near, nrmse_of
 from .data import Data, data_of
-from .from_prediction import EARLY_STEPS, from_prediction, growing, keeps_step, memories, simulates
+from .from_prediction import EARLY_STEPS, from_prediction, keeps_step, memories, simulates
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
@@ -38,12 +39,6 @@ from .signals import noise_levels
 from .structure import Structure
 from .weighed import ABOVE_NOISE, Answer, over_noise, weighed, whitened
 
-#: A model that leaves more than this part of the motion has not understood the recording ...
-POOR_NRMSE = 0.5
-#: ... but for stretches that move this little beside the loudest.
-QUIET = 0.01
-#: What runs away has told nothing, however far it ran.
-_NOTHING_TOLD = 1e3
 #: Simulation is given up for prediction where that is a thousand times as likely.
 _DECISIVE = float(np.log(1000.0))
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
@@ -129,9 +124,9 @@ def maximum_likelihood(
     data = data or data_of(recordings, start, coarse=False)
     structure = Structure(start, data, fixed, zeros_of(data, recordings, start))
     problem = structure.problem
-    climb = _from_near(problem, structure.state(None)) if near else None
+    climb = from_near(problem, structure.state(None)) if near else None
     near = climb is not None and keeps_step(problem.segments, problem.residuals(climb.state))
-    climb = climb or _best_climb(problem, structure.state(None), others)
+    climb = climb or best_climb(problem, structure.state(None), others)
     told, free, rungs, iterations = climb.problem, climb.state, climb.rungs, climb.iterations
     notes = [] if climb.whole else [_beyond(told.segments, problem.segments, recordings)]
     problem, free = kept_offsets(told, free, start)
@@ -183,80 +178,6 @@ def maximum_likelihood(
         if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
     ]
     return _result(start, structure.free, problem, answer, doubt, recordings, iterations, notes)
-
-
-@dataclass(frozen=True, eq=False)
-class _Climb:
-    """Where a search came to from prediction and the beginnings of decays.
-
-    ``problem`` is over what it tells, ``whole`` whether that is all, ``lost`` whether some stretch is hardly explained;
-    ``log_nrmse`` is the mean logarithm of what it leaves of each segment's motion, weighed by length.
-    """
-
-    problem: OutputError
-    state: State
-    rungs: Mapping[float, State]
-    iterations: int
-    whole: bool
-    log_nrmse: float
-    lost: bool
-
-
-def _best_climb(problem: OutputError, start: State, others: Callable[[], Iterable[Oscillator]]) -> _Climb:
-    """The climb from the first start; where that explains little, the best of all of them.
-
-    Where a further effect bends the estimates, their cubic and preload lead astray first. Raises BadInput where none
-    simulates.
-    """
-    climbs: list[_Climb] = []
-    problems: list[BadInput] = []
-
-    def tried(state: State) -> None:
-        try:
-            climbs.append(_climbed(problem, state))
-        except BadInput as why:
-            problems.append(why)
-
-    tried(start)
-    if not climbs or climbs[0].lost or not climbs[0].whole:
-        for other in others():
-            tried(replace(start, values=np.array(list(other.values().values()))))
-    if not climbs:
-        raise problems[0]
-    return min(climbs, key=lambda climb: (not climb.whole, climb.log_nrmse))
-
-
-def _from_near(problem: OutputError, state: State) -> _Climb | None:
-    """The maximum next to a start; None where that does not simulate."""
-    state = settled(problem, state)
-    if not simulates(problem, state):
-        return None
-    outcome = problem.search(state, tolerance=1.0)
-    return _Climb(problem, outcome.state, {}, outcome.iterations, True, 0.0, False)
-
-
-def _climbed(problem: OutputError, state: State) -> _Climb:
-    first, *later = growing(problem.segments)
-    told, whole = problem.over(first), True
-    state, rungs, iterations = from_prediction(told, state)
-    for stage in later:
-        try:
-            state, rungs, steps = from_prediction(problem.over(stage), state)
-        except BadInput:  # what remains is at rest, say, where these values push the mass away
-            whole = False
-            break
-        told, iterations = problem.over(stage), iterations + steps
-    ratios = np.array(
-        [
-            _nrmse(residual, segment.response)
-            for residual, segment in zip(told.residuals(state), told.segments, strict=True)
-        ]
-    )
-    loud = [float(np.std(segment.response)) for segment in told.segments]
-    size = [segment.n for segment in told.segments]
-    log_nrmse = float(np.average(np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD)), weights=size))
-    lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
-    return _Climb(told, state, rungs, iterations, whole, log_nrmse, lost)
 
 
 def _without_drift(problem: OutputError, state: State) -> tuple[OutputError, State]:
@@ -345,7 +266,7 @@ def _result(
     )
     free_run = outcome.residuals if problem.memory == FREE else _simulated(problem, outcome.state)
     fits = tuple(
-        SegmentFit(segment, initial, segment.response - residual, _nrmse(residual, segment.response), ratio)
+        SegmentFit(segment, initial, segment.response - residual, nrmse_of(residual, segment.response), ratio)
         for segment, initial, residual, ratio in zip(
             problem.segments,
             outcome.state.initial,
@@ -377,12 +298,6 @@ def _result(
 
 def _std(name: str, names: Sequence[str], lost: Sequence[int], errors: dict[str, float]) -> float | None:
     return None if name not in names or names.index(name) in lost or not errors[name] > 0 else float(errors[name])
-
-
-def _nrmse(residual: np.ndarray, response: np.ndarray) -> float:
-    spread = float(np.std(response))
-    size = float(np.sqrt(np.mean(residual**2)))
-    return size / spread if spread > 0 and np.isfinite(size) else np.inf
 
 
 def _at_bounds(problem: OutputError, values: np.ndarray, names: Sequence[str]) -> list[str]:

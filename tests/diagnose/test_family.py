@@ -15,7 +15,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify import likelihood
+from dashpot.identify import climb
 from dashpot.identify.signals import response_of
 from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
@@ -186,8 +186,8 @@ def test_a_model_identified_from_these_recordings_is_gone_on_with(monkeypatch, k
     given = [replace(recording, sha256=f"{i}") for i, recording in enumerate(training())]
     provenance = Provenance(recordings=({"file": "a", "sha256": "0"}, {"file": "b", "sha256": "1"}))
     model = replace(MODEL, identified=provenance if known else Provenance())
-    gone, real = [], likelihood.from_prediction
-    monkeypatch.setattr(likelihood, "from_prediction", lambda *given: gone.append(1) or real(*given))
+    gone, real = [], climb.from_prediction
+    monkeypatch.setattr(climb, "from_prediction", lambda *given: gone.append(1) or real(*given))
     family = family_of(model, given, [])
     assert bool(gone) is not known
     assert is_the_rig(family.model)
