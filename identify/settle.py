@@ -10,6 +10,9 @@ from ..simulate.core import STEPS_PER_PERIOD
 from .output_error import OutputError, State
 from .reach import nearest_reach
 
+#: The sizes of the motion, in those of the finite differences (a hundredth of it).
+_SIZES = 100.0
+
 
 def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
     """Better initial states from the first few cycles of each segment, the parameters as they are."""
@@ -41,9 +44,13 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
             residual = segment.response[:n] - base
             if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
                 break
-            scale = problem.state_scale[list(own)]
+            # a step by the size of the motion costs as much as what is left, or the far side of a curved valley would
+            # be reached at once; the nearer the motion is, the less it costs
+            size = _SIZES * problem.state_scale[list(own)]
+            ridge = float(np.linalg.norm(residual)) * np.eye(len(own))
+            stacked = np.vstack([jacobian * size, ridge]), np.append(residual, np.zeros(len(own)))
             trial = initial[i].copy()
-            trial[list(own)] += np.linalg.lstsq(jacobian * scale, residual)[0] * scale
+            trial[list(own)] += np.linalg.lstsq(*stacked)[0] * size
             after = segment.response[:n] - response(trial)
             if not np.sum(after**2) < np.sum(residual**2):
                 break

@@ -73,6 +73,23 @@ def matters(candidate: Candidate, leader: Candidate) -> bool:
     return any(np.mean(old**2) > (1.0 + MATTERS) * np.mean(new**2) for old, new in pairs)
 
 
+def leading(leader: Candidate, arrived: Sequence[Candidate], parts: Sequence[Data]) -> Candidate:
+    """What leads from here on: a shorter structure that comes as near, else the most probable that is accepted.
+
+    Args:
+        leader: so far.
+        arrived: its neighbours, weighed by the same measure.
+        parts: training recordings, and those held out where there are any.
+    """
+    shorter = [c for c in arrived if set(c.laws) < set(leader.laws) and c.value > leader.value - DECISIVE]
+    if shorter:
+        return max(shorter, key=lambda c: c.value)
+    # one as long has nothing to prove beyond being more probable
+    as_long = [c for c in arrived if len(c.laws) == len(leader.laws) and log_odds(c, leader, parts) > 0]
+    further = [c for c in arrived if accepted(c, leader, parts)]
+    return max([leader, *as_long, *further], key=lambda c: c.value)
+
+
 def why_not(candidate: Candidate, without: Candidate, best: Candidate, parts: Sequence[Data]) -> str:
     """Why a weighed structure was not taken, beside the one without its law and the best."""
     gained, told = candidate.evidence - without.evidence, candidate.foretold - without.foretold

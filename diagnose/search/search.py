@@ -24,7 +24,7 @@ from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from .candidate import DECISIVE, Candidate, key
-from .judgement import accepted, log_odds, only_a_name
+from .judgement import leading, only_a_name
 from .likeness import alike
 from .measure import Measure, measure_by
 from .race import PATIENCE, Start, race, started
@@ -63,6 +63,7 @@ class Search:
     progress: Callable[[str, float], None] = lambda _what, _part: None
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], str], Fitted] = field(default_factory=dict, init=False)
+    _less: list[Proposal] = field(default_factory=list, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
@@ -84,26 +85,28 @@ class Search:
         led: dict[tuple[str, ...], float] = {}
         while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
             led[leader.laws] = leader.value
-            best = self._led_by_others(leader, self._as_long_or_shorter(leader))
-            if best.laws == leader.laws:  # what is added is asked of a structure that nothing as long can replace
-                best = self._led_by_others(best, self._longer(best))
+            best = leader
+            for way in self._ways(leader):
+                best = self._led_by_others(best, way(best))
+                if best.laws != leader.laws:
+                    break
             leader = self._simulated(best)
         return leader
+
+    def _ways(self, leader: Candidate) -> list[Callable[[Candidate], list[Start]]]:
+        """From where a leader is asked, one after another, until another leads.
+
+        Near the noise a law is added to what nothing as long can replace. Far from it the leader has bent itself around
+        what is missing, and the measured motion has not; of what is scored there the best half goes first.
+        """
+        if self._at_noise(leader, ()):
+            return [self._as_long_or_shorter, self._scored]
+        return [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
         arrived = self._arrived(leader, starts)
-        return self._best(self.candidates[leader.laws], arrived)
-
-    def _best(self, leader: Candidate, arrived: Sequence[Candidate]) -> Candidate:
-        """What leads from here on: a shorter structure that comes as near, else the most probable that is accepted."""
-        shorter = [c for c in arrived if set(c.laws) < set(leader.laws) and c.value > leader.value - DECISIVE]
-        if shorter:
-            return max(shorter, key=lambda c: c.value)
-        # one as long has nothing to prove beyond being more probable
-        as_long = [c for c in arrived if len(c.laws) == len(leader.laws) and log_odds(c, leader, self.parts) > 0]
-        further = [c for c in arrived if accepted(c, leader, self.parts)]
-        return max([leader, *as_long, *further], key=lambda c: c.value)
+        return leading(self.candidates[leader.laws], arrived, self.parts)
 
     @property
     def parts(self) -> tuple[Data, ...]:
@@ -118,34 +121,45 @@ class Search:
         self._race(starts, leader.fit)
         return starts
 
-    def _longer(self, leader: Candidate) -> list[Start]:
-        """The leader with one law more, raced."""
-        fit = leader.fit
-        assert fit is not None
-        laws, starts = self._addable(leader), list[Start]()
+    def _moved(self, leader: Candidate) -> list[Start]:
+        """The leader with one law more, where the measured motion puts it, raced."""
+        return self._from_motion(leader, [law for law in self._addable(leader) if not law.rugged])
 
-        def enter(proposals: Sequence[Proposal]) -> None:
-            starts.extend(self._added(leader, proposals))
-            self._race(starts, fit)
+    def _scored(self, leader: Candidate) -> list[Start]:
+        """The leader with one law more, where its score puts it, raced; far from the noise those of the best half."""
+        assert leader.fit is not None
+        laws = self._addable(leader)
+        if not laws:
+            return []
+        self.progress("score of every law", 0.0)
+        proposals = by_score(leader.fit, self.data, laws)
+        least = 0.0 if self._at_noise(leader, ()) else _HALF * max((p.gain for p in proposals), default=0.0)
+        self._less = [proposal for proposal in proposals if proposal.gain < least]
+        starts = self._added(leader, [proposal for proposal in proposals if proposal.gain >= least])
+        self._race(starts, leader.fit)
+        return starts
 
-        def from_motion(some: Sequence[Law], least: float = 0.0) -> float:
-            self.progress("regression on the measured motion", 0.0)
-            proposals = by_motion(fit, self.data, some)
-            best = max((proposal.gain for proposal in proposals), default=0.0)
-            enter([proposal for proposal in proposals if proposal.gain > _HALF * max(best, least)])
-            return best
-
-        # a leader that is far from the motion has bent itself around what is missing; the measured motion has not
-        far = not self._at_noise(leader, starts)
-        gained = from_motion([law for law in laws if not law.rugged]) if far else 0.0
-        if not far or not self._at_noise(leader, starts):
-            self.progress("score of every law", 0.0)
-            enter(by_score(fit, self.data, laws) if laws else [])
+    def _less_scored(self, leader: Candidate) -> list[Start]:
+        """The others, raced."""
+        assert leader.fit is not None
+        starts = self._added(leader, self._less)
+        self._race(starts, leader.fit)
         # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
         # and the measured motion, which knows no side valleys, does not speak against it; beside the given family only
-        rugged = [law for law in laws if law.rugged]
-        if rugged and not leader.laws and not self._at_noise(leader, starts):
-            from_motion(rugged, gained)
+        if not leader.laws and not self._at_noise(leader, starts):
+            laws = self._addable(leader)
+            starts += self._from_motion(leader, laws, [law for law in laws if law.rugged])
+        return starts
+
+    def _from_motion(self, leader: Candidate, laws: Sequence[Law], entered: Sequence[Law] | None = None) -> list[Start]:
+        """Of laws that the measured motion speaks for, those that gain half as much there as the best of them."""
+        assert leader.fit is not None
+        self.progress("regression on the measured motion", 0.0)
+        proposals = by_motion(leader.fit, self.data, laws)
+        best = max((proposal.gain for proposal in proposals), default=0.0)
+        names = {law.name for law in (laws if entered is None else entered)}
+        starts = self._added(leader, [p for p in proposals if p.gain > _HALF * best and p.law in names])
+        self._race(starts, leader.fit)
         return starts
 
     def _arrived(self, leader: Candidate, starts: Sequence[Start]) -> list[Candidate]:
