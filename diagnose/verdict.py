@@ -7,11 +7,9 @@ from collections.abc import Sequence
 
 from ..model.effect_words import effect_in_words
 from .result import Effect, RecordFit, Verdict
-from .search.residual_test import ABOVE_NOISE, Leftover
+from .search.residual_test import ABOVE_NOISE, FAR_ABOVE_NOISE, Leftover
 from .wording import effects_in_words, figure, spoken
 
-#: A recording whose free simulation is so many times its noise off is not reproduced, whatever the colour of the noise.
-_FAR = 10.0
 #: So many effects and rivals can be put into words in one sentence.
 _IN_WORDS = 5
 
@@ -20,7 +18,8 @@ def verdict_of(effects: Sequence[Effect], remainder: str | None, records: Sequen
     """``consistent`` only where nothing is left and every recording's free simulation says so too."""
     if effects:
         return "missing-physics"
-    near = all(record.nrmse_before <= _FAR * record.noise_floor for record in records)
+    # whatever the colour of the noise
+    near = all(record.nrmse_before <= FAR_ABOVE_NOISE * record.noise_floor for record in records)
     return "consistent" if remainder is None and near else "unexplained"
 
 

@@ -12,16 +12,12 @@ from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from ...model.oscillator import Term
 from .candidate import DECISIVE, Candidate
-from .residual_test import ABOVE_NOISE, times_the_noise
+from .residual_test import ABOVE_NOISE, CYCLES, HARMONICS, times_the_noise
 
 #: A law matters where it takes away this part of the power of what is left: a tenth of its size.
 MATTERS = 0.01
 #: What cannot be told apart is the smallest set that holds this share of the odds.
 GROUP = 0.95
-#: Where what is left is no noise, a stretch of so many cycles tells no more than the amplitude and phase ...
-_CYCLES = 6.0
-#: ... of so many harmonics of the motion: it repeats from cycle to cycle, and says the same again.
-_HARMONICS = 5
 
 
 def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> float:
@@ -29,14 +25,14 @@ def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> f
 
     That counts every sample as a witness of its own, which is right where what is left is noise. Where the better one
     leaves a mismatch, its samples repeat each other (the likelihood of a wrong model is too sure of itself: White
-    1982), and a stretch of some cycles counts for its harmonics alone.
+    1982): a stretch of some cycles tells no more than the amplitude and phase of the motion's harmonics.
     """
     total = candidate.value - other.value
     better = candidate if total >= 0 else other
     if not leaves_mismatch(better, parts):
         return total
     gained = [
-        _HARMONICS * float(np.log(np.mean(before**2) / max(np.mean(after**2), np.finfo(float).tiny)))
+        HARMONICS * float(np.log(np.mean(before**2) / max(np.mean(after**2), np.finfo(float).tiny)))
         for before, after in zip(_stretches(other, parts), _stretches(candidate, parts), strict=True)
     ]
     return float(np.sign(total)) * min(abs(total), max(float(np.sign(total)) * sum(gained), 0.0))
@@ -55,7 +51,7 @@ def _stretches(candidate: Candidate, parts: Sequence[Data]) -> list[np.ndarray]:
     found = []
     for fit, data in zip(fits, parts, strict=True):
         for segment, residual in zip(data.segments, fit.residuals, strict=True):
-            count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _CYCLES)))
+            count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * CYCLES)))
             found += np.array_split(residual, count)
     return found
 

@@ -22,16 +22,16 @@ from ..wording import figure
 #: What is left may exceed the noise by this factor: the noise itself is estimated.
 ABOVE_NOISE = 1.1
 #: Where a segment is too short to see how it moves with the rig: coloured noise of a sensor stays below this.
-_FAR_ABOVE_NOISE = 10.0
+FAR_ABOVE_NOISE = 10.0
 #: Windows of this many cycles are compared ...
-_CYCLES = 6.0
+CYCLES = 6.0
 #: ... at this level of significance (one record in two thousand).
 _CHANCE = 5e-4
 #: A window with this many times the median power is a burst: no noise of a few degrees of freedom gets there.
 _BURST = 30.0
 _FEWEST = 6
 #: Harmonics of the motion that what keeps step with it is looked for in ...
-_HARMONICS = 5
+HARMONICS = 5
 #: ... its least share of the power ...
 _IN_STEP = 0.05
 #: ... and how many standard deviations it lies above what noise of the same spectrum has by chance.
@@ -62,7 +62,7 @@ class Leftover:
     def is_mismatch(self) -> bool:
         """Whether it is more than noise."""
         if self.short:
-            return not self.ratio <= _FAR_ABOVE_NOISE
+            return not self.ratio <= FAR_ABOVE_NOISE
         return self.ratio > ABOVE_NOISE and (self.with_motion > 0 or self.in_step > 0 or self.burst_s is not None)
 
 
@@ -74,7 +74,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
     for i, (segment, residual) in enumerate(zip(data.segments, fitted.residuals, strict=True)):
         name = data.recordings[segment.recording].name
         ratio = float(np.sqrt(np.mean(residual**2))) / expected(fitted, data, i)
-        size = max(4, round(_CYCLES * 2 * np.pi / segment.pace / segment.dt))
+        size = max(4, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
         count = segment.n // size
         if count < _FEWEST:
             size = max(4, size // 3)
@@ -121,7 +121,7 @@ def share_in_step(motion: np.ndarray, residual: np.ndarray) -> float:
     analytic = np.asarray(hilbert(motion - np.mean(motion)))
     amplitude = np.abs(analytic)
     turn = analytic / np.maximum(amplitude, 1e-300)
-    waves = [part for k in range(1, _HARMONICS + 1) for part in ((turn**k).real, (turn**k).imag)]
+    waves = [part for k in range(1, HARMONICS + 1) for part in ((turn**k).real, (turn**k).imag)]
     columns = np.stack([np.ones_like(motion), *waves])
     basis, _ = np.linalg.qr(np.vstack([columns, columns * (amplitude / np.max(amplitude))]).T)
     power = float(residual @ residual)
