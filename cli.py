@@ -184,6 +184,7 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     import numpy as np
 
     from .identify.hold import held_as
+    from .identify.identification import of_one_motion
     from .identify.modes import in_the_same_band
     from .identify.replay import replay
     from .model.file import load
@@ -193,10 +194,12 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     if not output.name.endswith((".csv", ".csv.gz")):
         raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
     _outputs([output], [model, recording])
+    if len(options["response"]) > 1:
+        raise BadInput("simulate writes one response; name one column with --response")
     (measured,) = in_the_same_band(
         held_as(read_all((recording,), options, _say), oscillator.hold), oscillator.identified.band
     )
-    if (measured.quantity, measured.unit) != (oscillator.response.quantity, oscillator.response.unit):
+    if not of_one_motion(measured, oscillator.response):
         raise BadInput(
             f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "
             f"{oscillator.response.quantity} in {oscillator.response.unit}; "

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
+from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+
+from .errors import BadInput
 
 if TYPE_CHECKING:
     from .recording import Recording
@@ -17,7 +21,12 @@ FILE = click.Path(path_type=Path)
 _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--time", metavar="COLUMN", help="Column of the time, by name or number."),
     click.option("--force", metavar="COLUMN", help="Column of the force; none: leave it out."),
-    click.option("--response", metavar="COLUMN", help="Column of the response, by name or number."),
+    click.option(
+        "--response",
+        metavar="COLUMN",
+        multiple=True,
+        help="Column of the response, by name or number; several times for several sensors.",
+    ),
     click.option(
         "--quantity",
         type=click.Choice(["displacement", "velocity", "acceleration"]),
@@ -91,8 +100,14 @@ def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Callable[[st
     from .recording import read
     from .recording.part import parse_part
 
+    columns = options["response"] or (None,)
+    if len(columns) > 1 and (stated := next((name for name in ("quantity", "unit") if options[name]), None)):
+        raise BadInput(f"--{stated} cannot be that of {len(columns)} responses; state the units in the columns' names")
     options = {**options, "part": parse_part(options["part"]) if options["part"] else None}
-    recordings = [read(file, **options) for file in files]
+    recordings = []
+    for file, column in product(files, columns):
+        recording = read(file, **(options | {"response": column}))
+        recordings.append(replace(recording, name=f"{recording.name} ({column})") if len(columns) > 1 else recording)
     for recording in recordings:
         for note in recording.notes:
             say(f"note: {note}")

@@ -22,7 +22,6 @@ from ..identify.scatter import scatter
 from ..identify.structure import Fitted, Structure, renamed
 from ..model import Oscillator, Provenance, Range
 from ..model.laws import LIBRARY, find
-from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
@@ -185,8 +184,7 @@ def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) ->
     model = fitted.model.with_parameters(
         {name: replace(p, std=float(errors[name]) if errors.get(name) else None) for name, p in known.items()}
     )
-    order = QUANTITIES.index(model.response.quantity)
-    peak = max(float(np.max(np.abs(segment.response))) for segment in data.segments) / data.scales.omega**order
+    peak = max(float(np.max(np.abs(segment.response))) / segment.pace**segment.order for segment in data.segments)
     bands = [edge for recording in recordings if (band := band_of(recording)) for edge in band]
     bands = bands or [model.omega0.value / (2 * math.pi)]
     return replace(

@@ -11,7 +11,7 @@ from ..errors import DashpotError
 from ..export.fmu import export_fmu
 from ..export.platforms import own_platform
 from ..identify.replay import force_of, replay, replayed
-from ..model import Oscillator
+from ..model import Oscillator, Response
 from ..recording.recording import Recording
 from ..verify.fmu_run import FmuRun
 from ..verify.noise_floor import floor_of_model, pieces
@@ -63,7 +63,8 @@ def _fit(
             model = after
             second, initial, shown = replayed(after, piece)
             if run is not None:
-                second = run.record(force_of(piece), piece.n, piece.dt, initial, piece.start) + shown
+                output = run.output_for(recording)
+                second = run.record(force_of(piece), piece.n, piece.dt, initial, piece.start, output) + shown
         times.append(piece.time)
         measured.append(np.asarray(piece.response, float))
         forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))
@@ -90,4 +91,5 @@ def _fit(
         first,
         second,
         force if np.any(force) else None,
+        Response(recording.quantity, recording.unit),
     )

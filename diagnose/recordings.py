@@ -1,4 +1,4 @@
-"""What goes into a diagnosis: recordings of one quantity, long and loud enough, some of them held out."""
+"""What goes into a diagnosis: recordings of one motion, long and loud enough, some of them held out."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import BadInput
 from ..identify.decays import find_free_motion, force_is_silent
 from ..identify.envelope import SHORTEST_CYCLES
+from ..identify.identification import of_one_motion
 from ..identify.segments import cut, pace_of
 from ..identify.signals import response_of
 from ..model import Oscillator
@@ -32,9 +33,9 @@ _QUIET = 3.0
 
 
 def same_quantity(model: Oscillator, recordings: Sequence[Recording]) -> None:
-    """Raise BadInput where a recording is not of the quantity that the model's sensor gives."""
+    """Raise BadInput where a recording does not show the motion in units of the model's response."""
     for recording in recordings:
-        if (recording.quantity, recording.unit) != (model.response.quantity, model.response.unit):
+        if not of_one_motion(recording, model.response):
             raise BadInput(
                 f"{recording.name}: records {recording.quantity} in {recording.unit}, the model is of "
                 f"{model.response.quantity} in {model.response.unit}; say what the column is with --quantity and --unit"

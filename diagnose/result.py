@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ..model import Oscillator, Parameter
+from ..model import Oscillator, Parameter, Response
 
 #: Odds beyond this say no more than that nothing else is left: the noise itself is known no better.
 SURE = 1e6
@@ -28,6 +28,7 @@ class RecordFit:
         noise_floor: the same of a perfect model.
         time, measured, before, after: (n,) signals; ``after`` is ``before`` where nothing was mended.
         force: (n,) as recorded, None in free decay.
+        response: what was measured, and in which unit.
     """
 
     file: str
@@ -40,6 +41,7 @@ class RecordFit:
     before: np.ndarray
     after: np.ndarray
     force: np.ndarray | None
+    response: Response
 
 
 @dataclass(frozen=True)

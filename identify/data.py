@@ -86,8 +86,7 @@ def _natural(recordings: Sequence[Recording], model: Oscillator) -> float:
     pace = pace_of(recordings, omega0)
     if not (model.terms and pace > omega0):
         return omega0
-    spread = max(float(np.std(recording.response)) for recording in recordings)
-    peak = np.sqrt(2) * spread / pace ** QUANTITIES.index(model.response.quantity)
+    peak = np.sqrt(2) * max(float(np.std(r.response)) / pace ** QUANTITIES.index(r.quantity) for r in recordings)
     stiffness, _ = equivalent(model.values(), max(peak, np.finfo(float).tiny ** 0.25), pace)
     return max(omega0, float(np.sqrt(max(stiffness, 0.0))))
 
@@ -102,13 +101,16 @@ def measured(
 ) -> Data:
     """Segments of recordings with their noise and the sizes of the motion."""
     noise = [noise_levels(recording) for recording in recordings]
-    order = QUANTITIES.index(model.response.quantity)
-    peak = max(float(np.max(np.abs(segment.response))) for segment in segments)
+    length, pace = displacement_amplitude(segments), segments[0].pace
+    shown = [s for s in segments if s.order and s.quantity == model.response.quantity]
     scales = Scales(
-        length=displacement_amplitude(segments, model),
-        omega=segments[0].pace,
+        length=length,
+        omega=pace,
         force=max((float(np.max(np.abs(r.force))) for r in recordings if r.force is not None), default=0.0),
-        response=peak if order else displacement_amplitude(segments, model),
+        response=max(
+            (float(np.max(np.abs(segment.response))) for segment in shown),
+            default=length * pace ** QUANTITIES.index(model.response.quantity),
+        ),
         duration=max(r.n * r.dt for r in recordings),
         mass=None if model.mass is None else model.mass.value,
         lines=tuple(lines),
@@ -123,20 +125,18 @@ def measured(
     )
 
 
-def displacement_amplitude(segments: Sequence[Segment], oscillator: Oscillator) -> float:
-    """Largest displacement in the segments, as far as the recorded quantity tells."""
-    power = QUANTITIES.index(oscillator.response.quantity)
-    peak = max(float(np.max(np.abs(segment.response - np.median(segment.response)))) for segment in segments)
-    return peak / segments[0].pace ** power
+def displacement_amplitude(segments: Sequence[Segment]) -> float:
+    """Largest displacement in the segments, as far as the recorded quantities tell."""
+    return max(float(np.max(np.abs(s.response - np.median(s.response)))) / s.pace**s.order for s in segments)
 
 
-def equivalent_resonance(segment: Segment, value: Mapping[str, float], quantity: str) -> np.ndarray:
+def equivalent_resonance(segment: Segment, value: Mapping[str, float]) -> np.ndarray:
     """(n // 2 + 1,) squared response to a force per unit mass of the equivalent linear rig at the segment's amplitude.
 
     With the laws among the values, by name: see ``equivalent``.
     """
     omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
-    order = QUANTITIES.index(quantity)
+    order = segment.order
     tiny = np.finfo(float).tiny ** 0.25  # a search may have run to where nothing moves
     pace = segment.pace
     peak = max(np.sqrt(2) * float(np.std(segment.response)) / pace**order, tiny)
@@ -148,7 +148,6 @@ def noise_of(
     segments: Sequence[Segment],
     residuals: Sequence[np.ndarray],
     values: Mapping[str, float],
-    quantity: str,
     memory: float = FREE,
 ) -> list[NoiseSpectrum]:
     """Spectrum of what is left over in each segment.
@@ -159,27 +158,26 @@ def noise_of(
     spectra = []
     for segment, residual in zip(segments, residuals, strict=True):
         passed = segment.force is not None and memory == FREE
-        spectra.append(estimate(residual, equivalent_resonance(segment, values, quantity) if passed else None))
+        spectra.append(estimate(residual, equivalent_resonance(segment, values) if passed else None))
     return spectra
 
 
 def noise_spectra(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[NoiseSpectrum]:
     """Spectrum of what a model leaves over in each segment of some data."""
-    return noise_of(data.segments, residuals, model.values(), model.response.quantity, data.memory)
+    return noise_of(data.segments, residuals, model.values(), data.memory)
 
 
-def expected_noise(segment: Segment, values: Mapping[str, float], quantity: str, sensor: float, force: float) -> float:
+def expected_noise(segment: Segment, values: Mapping[str, float], sensor: float, force: float) -> float:
     """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment.
 
     Args:
         segment: of a recording.
         values: the model's parameters.
-        quantity: what is recorded.
         sensor, force: standard deviations of the noise of response and force.
     """
     variance = sensor**2
     if segment.force is not None and force > 0:
-        resonance = equivalent_resonance(segment, values, quantity)
+        resonance = equivalent_resonance(segment, values)
         variance += (force / values["mass"]) ** 2 * float(np.mean(resonance))
     return max(float(np.sqrt(variance)), 1e-9 * float(np.std(segment.response)), np.finfo(float).tiny)
 

@@ -183,7 +183,7 @@ def _under(problem: OutputError, hold: str, recordings: Sequence[Recording]) -> 
 
 
 def _noise(problem: OutputError, residuals: Sequence[np.ndarray], oscillator: Oscillator) -> list[NoiseSpectrum]:
-    return noise_of(problem.segments, residuals, oscillator.values(), oscillator.response.quantity, problem.memory)
+    return noise_of(problem.segments, residuals, oscillator.values(), problem.memory)
 
 
 def _driven(segment: Segment, recording: Recording, hold: str, delay: float = 0.0, loss: float = 0.0) -> Segment:

@@ -14,7 +14,7 @@ import numpy as np
 from .. import __version__
 from ..errors import BadInput
 from ..model import Oscillator, Provenance, Range, Response
-from ..model.oscillator import QUANTITIES, Band
+from ..model.oscillator import Band
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
@@ -229,7 +229,7 @@ def _left(fit: Fit) -> float:
 
 
 def belong_together(recordings: Sequence[Recording]) -> None:
-    """Raises BadInput where recordings cannot be of one rig, quantity and unit of force, or one is there twice."""
+    """Raises BadInput where recordings cannot be of one rig, its units of length and force, or one is there twice."""
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
     first = recordings[0]
@@ -244,24 +244,30 @@ def belong_together(recordings: Sequence[Recording]) -> None:
             for problem in reversed_force(recording, oscillation_of(recording)):
                 raise BadInput(problem.sentence)
     for other in recordings[1:]:
-        if (other.quantity, other.unit) != (first.quantity, first.unit):
+        if not of_one_motion(other, Response(first.quantity, first.unit)):
             raise BadInput(
-                f"{other.name} records {other.quantity} in {other.unit}, "
-                f"{first.name} {first.quantity} in {first.unit}; identify from recordings of one quantity at a time"
+                f"{other.name} records {other.quantity} in {other.unit}, {first.name} {first.quantity} in "
+                f"{first.unit}, which has no factor to it; give both in units of length, or one of them at a time"
             )
     forced = [r for r in recordings if r.force is not None and np.any(r.force)]
     units = {r.force_unit for r in forced}
     if len(units) > 1:
         raise BadInput(f"the forces are in different units ({', '.join(sorted(units))}); give them in one unit")
     moved = [r for r in forced if np.std(r.response) > _MOVES * response_of(r).noise]
-    gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in moved if r.force is not None}
-    if gains:
+    for quantity in {r.quantity for r in moved}:
+        alike = [r for r in moved if r.quantity == quantity]
+        gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in alike if r.force is not None}
         low, high = min(gains, key=lambda k: gains[k]), max(gains, key=lambda k: gains[k])
         if gains[high] > _GAIN_RATIO * gains[low]:
             raise BadInput(
                 f"{high} moves {gains[high] / gains[low]:.0f} times as far per unit of force as {low}; "
                 "one of them has another unit or is another rig: check the columns' units"
             )
+
+
+def of_one_motion(recording: Recording, response: Response) -> bool:
+    """Whether a recording shows the displacement of a model, or a derivative of it, in the units of its response."""
+    return Response(recording.quantity, recording.unit).displacement_unit == response.displacement_unit
 
 
 def _same_signals(recording: Recording, other: Recording) -> bool:
@@ -279,11 +285,10 @@ def _with_provenance(
     unit = model.response.displacement_unit
     amplitudes = [curve.amplitude for curve in hilbert.curves if curve.amplitude.size]
     floor = min((float(a.min()) for a in amplitudes), default=0.0)
-    order = QUANTITIES.index(model.response.quantity)
     # by the pace of the motion, which omega0 is not where a law is the spring; less what the sensor shows at zero
     shown = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
     peak = max(
-        float(np.max(np.abs(s.simulated - shown.get(s.segment.recording, 0.0)))) / s.segment.pace**order
+        float(np.max(np.abs(s.simulated - shown.get(s.segment.recording, 0.0)))) / s.segment.pace**s.segment.order
         for s in fit.segments
     )
     bands = [band_of(r) for r in recordings]

@@ -10,7 +10,7 @@ from ..model.oscillator import QUANTITIES
 from .segments import Segment, first_motion
 
 
-def initial_states(segments: Sequence[Segment], quantity: str, offsets: Sequence[float] | None = None) -> np.ndarray:
+def initial_states(segments: Sequence[Segment], offsets: Sequence[float] | None = None) -> np.ndarray:
     """(segments, 2) displacement and velocity at each segment's first sample; zero where it begins at rest.
 
     Of a displacement by a parabola through its beginning; of a velocity or an acceleration by the line at the motion's
@@ -19,7 +19,6 @@ def initial_states(segments: Sequence[Segment], quantity: str, offsets: Sequence
 
     Args:
         segments: stretches of recordings.
-        quantity: what they show.
         offsets: (segments,) what the sensor shows at zero.
     """
     states = np.zeros((len(segments), 2))
@@ -27,10 +26,10 @@ def initial_states(segments: Sequence[Segment], quantity: str, offsets: Sequence
         if segment.rests:
             continue
         response = segment.response - (0.0 if offsets is None else offsets[i])
-        if quantity == "displacement":
+        if segment.quantity == "displacement":
             states[i] = first_motion(response, segment.dt, segment.pace)[0]
         else:
-            states[i] = from_first_cycle(response, segment.dt, segment.pace, quantity)
+            states[i] = from_first_cycle(response, segment.dt, segment.pace, segment.quantity)
     return states
 
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..model.oscillator import QUANTITIES
 from .segments import Segment
 
 #: A sine is told by so many samples a cycle.
@@ -53,14 +52,13 @@ class LinearFit:
     nrmse: np.ndarray
 
 
-def linear_fit(segments: Sequence[Segment], quantity: str) -> LinearFit | None:
-    """Fit a linear rig to segments of a quantity; None where a motion has no frequency of its own, as on a slide."""
+def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
+    """Fit a linear rig to segments; None where a motion has no frequency of its own, as on a slide."""
     from scipy.optimize import least_squares
 
     if not segments or any(segment.slide for segment in segments):
         return None
-    order = QUANTITIES.index(quantity)
-    signals = [_Signal(segment, order) for segment in segments]
+    signals = [_Signal(segment) for segment in segments]
 
     def remainder(theta: np.ndarray) -> np.ndarray:
         return np.concatenate(_solve(signals, *np.exp(theta)).rests)
@@ -82,8 +80,8 @@ def linear_fit(segments: Sequence[Segment], quantity: str) -> LinearFit | None:
     solved = _solve(signals, omega, rate)
     pole = complex(-rate, omega)
     initial = []
-    for own in solved.own:
-        phasor = complex(own[0], -own[1]) / pole**order
+    for own, segment in zip(solved.own, segments, strict=True):
+        phasor = complex(own[0], -own[1]) / pole**segment.order
         initial.append((phasor.real, (pole * phasor).real))
     return LinearFit(
         float(np.hypot(omega, rate)),
@@ -98,8 +96,8 @@ def linear_fit(segments: Sequence[Segment], quantity: str) -> LinearFit | None:
 class _Signal:
     """One segment: its response in units of its standard deviation, as finely as a sine needs, and its force."""
 
-    def __init__(self, segment: Segment, order: int) -> None:
-        self.order, self.dt, self.n = order, segment.dt, segment.n
+    def __init__(self, segment: Segment) -> None:
+        self.order, self.dt, self.n = segment.order, segment.dt, segment.n
         self.stride = max(1, int(2 * np.pi / (segment.pace * segment.dt * _SAMPLES_A_CYCLE)))
         self.scale = float(np.std(segment.response)) or 1.0
         shown = segment.response[:: self.stride] / self.scale

@@ -209,7 +209,7 @@ def _noise(
     problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
 ) -> list[NoiseSpectrum]:
     values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    return noise_of(problem.segments, residuals, values, start.response.quantity, problem.memory)
+    return noise_of(problem.segments, residuals, values, problem.memory)
 
 
 def found_offsets(

@@ -119,7 +119,6 @@ class OutputError:
         self.memory = memory
         #: Free parameters and offsets: what segments share.
         self.shared = len(self.free) + len(self.offsets)
-        self._jumps = core.quantity == "acceleration" and bool(core.equations.kinds)
         self._pool = _pool()
 
     def predicting(self, memory: float) -> OutputError:
@@ -186,7 +185,7 @@ class OutputError:
             force = force.shifted(-pushes)
         measured = gain = None
         if self.memory != FREE:
-            own = prediction_gain(self.memory, segment.pace, segment.dt, self.core.quantity)
+            own = prediction_gain(self.memory, segment.pace, segment.dt, segment.quantity)
             gain = np.zeros(self.core.states)
             gain[:2] = own
             measured = segment.response - shown
@@ -202,6 +201,7 @@ class OutputError:
             gain=gain,
             signs=signs,
             keep=keep,
+            quantity=segment.quantity,
         )
         return made + (shown[: made.size] if shown.ndim else float(shown)) if np.any(shown) else made
 
@@ -238,8 +238,9 @@ class OutputError:
         """
         jobs: list[Callable[[], np.ndarray]] = []
         signs: list[np.ndarray | None] = [None] * len(self.segments)
-        if self._jumps:
-            signs = list(self.parallel([lambda i=i: self._signs(i, state) for i in range(len(self.segments))]))
+        jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
+        for i, taken in zip(jumping, self.parallel([lambda i=i: self._signs(i, state) for i in jumping]), strict=True):
+            signs[i] = taken
 
         def slope(i: int, k: int, base: np.ndarray) -> np.ndarray:
             """Difference quotient; to the other side where the model does not simulate beyond; else zero."""
@@ -286,6 +287,10 @@ class OutputError:
         sizes = np.array([self._size(i, k, state) for k in range(len(self.free))])
         beyond = np.any(np.abs(rows[: len(self.free)]) * sizes[:, None] > limit, axis=0)
         return np.where(beyond, 0.0, rows) if np.any(beyond) else rows
+
+    def _jumps(self, i: int) -> bool:
+        """Whether a segment's response jumps where a surface is crossed."""
+        return self.segments[i].quantity == "acceleration" and bool(self.core.equations.kinds)
 
     def _signs(self, i: int, state: State) -> np.ndarray:
         """Signs of a segment's surfaces at each sample."""

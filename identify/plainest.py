@@ -46,7 +46,7 @@ def linear_state(problem: OutputError, state: State, start: Oscillator) -> State
             if place not in problem.free and values[place] != 0.0:
                 return None
             values[place] = 0.0
-    fit = linear_fit(problem.segments, start.response.quantity)
+    fit = linear_fit(problem.segments)
     if fit is None:
         return None
     for name in _LINEAR:

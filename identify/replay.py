@@ -178,7 +178,9 @@ def replayed(oscillator: Oscillator, recording: Recording) -> tuple[np.ndarray, 
     force = force_of(recording)
 
     def simulator(initial: np.ndarray, n: int) -> np.ndarray:
-        return core.record(values, initial, force, n, recording.dt, step, start=recording.start)
+        return core.record(
+            values, initial, force, n, recording.dt, step, start=recording.start, quantity=recording.quantity
+        )
 
     size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
     initial, shown = initial_state(simulator, recording, core.equations.inner, size, core.reaches(values))

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..recording.recording import Recording
+from ..recording.recording import QUANTITIES, Recording
 from ..simulate.force import Force, force_between
 from .blows import ContactForce, contact_force, through
 from .decays import find_free_motion, force_is_silent
@@ -47,6 +47,7 @@ class Segment:
         slide: whether that is the force's and not the rig's own.
         rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
             state has no derivative to find it by).
+        quantity: what the response shows of the motion.
     """
 
     recording: int
@@ -59,6 +60,12 @@ class Segment:
     pace: float
     rests: bool = False
     slide: bool = False
+    quantity: str = "displacement"
+
+    @property
+    def order(self) -> int:
+        """How often the response is the displacement's derivative."""
+        return QUANTITIES.index(self.quantity)
 
     @property
     def n(self) -> int:
@@ -142,6 +149,7 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
                 pace=pace,
                 rests=forced and starts_at_rest(response, recording.dt, pace, noise),
                 slide=slide,
+                quantity=recording.quantity,
             )
             segments += _pieces(whole) if slide else [whole]
     return tuple(segments)

@@ -193,7 +193,7 @@ class Structure:
         if initial is None:
             shown = {o.recording: o.guess for o in self.problem.offsets if o.channel == "response"}
             shifts = [shown.get(segment.recording, 0.0) for segment in self.segments]
-            initial = initial_states(self.segments, self.model.response.quantity, shifts)
+            initial = initial_states(self.segments, shifts)
         own[:, : initial.shape[1]] = initial[:, :states]
         for segment, begin in zip(self.segments, own, strict=True):
             if segment.rests:

@@ -97,7 +97,7 @@ def over_noise(
     ratios = []
     for segment, residual in zip(problem.segments, residuals, strict=True):
         sensor, force = noise_levels(recordings[segment.recording])
-        level = expected_noise(segment, values, start.response.quantity, sensor, force)
+        level = expected_noise(segment, values, sensor, force)
         ratio = float(np.sqrt(np.mean(residual**2))) / level
         ratios.append(ratio if np.isfinite(ratio) else np.inf)
     return ratios
@@ -117,7 +117,7 @@ def _remainders(
         density = np.full(shown.density.size, noise_levels(recordings[segment.recording])[0] ** 2)
         if segment.force is not None and problem.memory == FREE:
             force = noise_levels(recordings[segment.recording])[1] / values["mass"]
-            density = density + force**2 * equivalent_resonance(segment, values, start.response.quantity)
+            density = density + force**2 * equivalent_resonance(segment, values)
         spectra.append(replace(shown, density=np.maximum(shown.density, density)))
     return spectra
 
@@ -126,4 +126,4 @@ def _noise(
     problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
 ) -> list[NoiseSpectrum]:
     values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    return noise_of(problem.segments, residuals, values, start.response.quantity, problem.memory)
+    return noise_of(problem.segments, residuals, values, problem.memory)

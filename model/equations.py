@@ -56,6 +56,7 @@ class Equations:
         parameter_names, state_names, output_names: in order.
         inner: the inner states, in the order of ``z`` behind the first two.
         reaches: how far each of them goes, as an expression of p.
+        recorded: which quantity the response is.
     """
 
     z: Expression
@@ -77,12 +78,17 @@ class Equations:
     output_names: tuple[str, ...] = ("x", "displacement", "velocity", "acceleration")
     inner: tuple[InnerState, ...] = ()
     reaches: Expression = None
+    recorded: str = "displacement"
 
     @property
     def follows(self) -> tuple[int | None, ...]:
         """For each state the index of the one it is counted from at the start, or None."""
         places = {"displacement": 0, "velocity": 1}
         return (None, None, *(places.get(state.follows or "") for state in self.inner))
+
+    def output(self, quantity: str) -> int:
+        """Index in ``y`` of what a recording of a quantity shows; a sensor's laws are of the response alone."""
+        return 0 if quantity == self.recorded else self.output_names.index(quantity)
 
     @property
     def free(self) -> tuple[bool, ...]:
@@ -191,6 +197,7 @@ def equations_of(structure: Structure) -> Equations:
         state_names=("displacement", "velocity", *(f"{motion.owners[i]}.{motion.states[i].name}" for i in order)),
         inner=tuple(inner_states),
         reaches=ca.vertcat(ca.SX(0, 1), *(motion.reaches[i] for i in order)),
+        recorded=structure.recorded,
     )
 
 

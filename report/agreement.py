@@ -68,7 +68,6 @@ def agreement_section(identification: Identification, shown: Sequence[Comparison
     """Table and pictures; ``source`` is what simulated: ``model`` or ``FMU``."""
     if not shown:
         return Section("Measured and simulated", ())
-    response = identification.oscillator.response
     natural = identification.oscillator.omega0.value / (2 * math.pi)
     blocks: list[Block] = [_table(shown)]
     spectral = _spectral(shown)
@@ -77,7 +76,7 @@ def agreement_section(identification: Identification, shown: Sequence[Comparison
         name = plain_text(c.name)
         blocks.append(
             Figure(
-                agreement_figure(c, response.quantity, response.unit, key, source),
+                agreement_figure(c, c.response.quantity, c.response.unit, key, source),
                 f"{name}: measured (dots) and simulated by the {source} (line) where the motion is largest, and what "
                 "is left throughout, its rms against the noise.",
             )
@@ -85,7 +84,7 @@ def agreement_section(identification: Identification, shown: Sequence[Comparison
         if c in spectral:
             blocks.append(
                 Figure(
-                    spectrum_figure(c, natural, response.unit, f"spectrum-{i + 1}", source),
+                    spectrum_figure(c, natural, c.response.unit, f"spectrum-{i + 1}", source),
                     f"{name}: spectra of the response and of what is left. Noise on the force shows at the resonance; "
                     "a peak elsewhere, or one far above the noise, is physics that the model lacks.",
                 )

@@ -126,14 +126,14 @@ def response_figure(record: RecordFit, model: Oscillator, mended: bool, key: str
 
     Args:
         record: with the signals measured, before and after.
-        model: whose response quantity, unit and natural frequency are used.
+        model: whose natural frequency is used.
         mended: whether ``after`` is another model than ``before``.
         key: name of the picture within its page.
     """
     measured = np.asarray(record.measured, float)
     sides = _sides(record, mended)
     name = plain_text(record.file)
-    response = model.response
+    response = record.response
     scale = scale_of(response.unit, measured)
     peak = int(np.nanargmax(np.abs(measured - np.median(measured)))) if measured.size else 0
     cycle = max(samples_a_cycle(measured, peak), 1.0)
@@ -255,8 +255,9 @@ def _residuals(axes: Any, record: RecordFit, sides: Any, cycle: float, unit: str
 
 
 def _spectra(axes: Any, record: RecordFit, sides: Any, unit: str, natural: float) -> None:
+    measured = np.asarray(record.measured, float)
     old = Comparison(
-        record.file, record.time, np.asarray(record.measured, float), sides[0][0], math.nan, record.noise_floor, True
+        record.file, record.time, measured, sides[0][0], math.nan, record.noise_floor, True, record.response
     )
     f, response = spectral_density(old.measured, old.fs, natural)
     scale = scale_of(unit, response)

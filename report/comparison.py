@@ -9,6 +9,7 @@ import numpy as np
 
 from ..identify.hilbert import noise_level
 from ..identify.signals import response_of
+from ..model import Response
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -24,6 +25,7 @@ class Comparison:
         time, measured, simulated: (n,) s and the response's unit; ``simulated`` is NaN where nothing was simulated.
         nrmse: rms(simulated - measured) / std(measured), over what was simulated.
         noise_floor: the same of a perfect model; ``full_floor`` tells whether the noise on the force counts in it.
+        response: what was measured, and in which unit.
         held_out: whether the identification has not seen it.
         backbone_error: largest distance of the backbones, Hz; None where not known.
         passed: None where no verdict was asked for.
@@ -36,6 +38,7 @@ class Comparison:
     nrmse: float
     noise_floor: float
     full_floor: bool
+    response: Response
     held_out: bool = False
     backbone_error: float | None = None
     passed: bool | None = None
@@ -80,6 +83,7 @@ def comparisons(identification: Identification, verification: Verification | Non
             c.nrmse,
             c.noise_floor,
             True,
+            c.response,
             c.file not in known,
             c.backbone_max_error_hz,
             c.passed,
@@ -101,4 +105,5 @@ def _of_fit(identification: Identification, index: int) -> Comparison | None:
     measured = np.asarray(recording.response, float)
     nrmse = float(np.sqrt(np.mean((simulated - measured)[there] ** 2))) / float(np.std(measured[there]))
     floor = response_of(recording).noise / spread
-    return Comparison(recording.name, recording.time, measured, simulated, nrmse, floor, full_floor=False)
+    shown = Response(recording.quantity, recording.unit)
+    return Comparison(recording.name, recording.time, measured, simulated, nrmse, floor, False, shown)

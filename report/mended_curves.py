@@ -55,8 +55,7 @@ def _reach(diagnosis: Diagnosis) -> tuple[float, float] | None:
             low = valid.min if 0 < valid.min < valid.max else valid.max / _DECADES
             return low, valid.max
     moved = [force.displacement for force in diagnosis.latent]
-    if model.response.quantity == "displacement":
-        moved += [r.measured for r in diagnosis.records]
+    moved += [r.measured for r in diagnosis.records if r.response.quantity == "displacement"]
     top = max((float(np.nanmax(np.abs(x), initial=0.0)) for x in moved), default=0.0)
     return (top / _DECADES, top) if top > 0 else None
 

@@ -59,6 +59,7 @@ class Core:
             _DOUBLES,
             _BYTES,
             _BYTES,
+            ctypes.c_int,
         ]
 
     def begin(self, initial: np.ndarray) -> np.ndarray:
@@ -101,6 +102,7 @@ class Core:
         gain: np.ndarray | None = None,
         signs: np.ndarray | None = None,
         keep: np.ndarray | None = None,
+        quantity: str | None = None,
     ) -> np.ndarray:
         """Response over a recording, or its prediction from one sample to the next.
 
@@ -121,6 +123,8 @@ class Core:
             signs: (n, surfaces + 1) int8, as ``keep`` took them from another run: the response is what the states give
                 under these, so that its change with a parameter has no jumps.
             keep: (n, surfaces + 1) int8, filled with the signs at each sample.
+            quantity: what the recording shows; None is what the model's response is. Another one is the motion itself:
+                the model's laws of a sensor are of its own response.
 
         Returns:
             (n,) response as recorded, or (n, states); NaN from where the simulation failed (the motion grew beyond
@@ -152,6 +156,7 @@ class Core:
             _pointer(gain if measured is not None else None),
             None if signs is None else signs.ctypes.data_as(_BYTES),
             None if keep is None else keep.ctypes.data_as(_BYTES),
+            self.equations.output(quantity or self.quantity),
         )
         return y if z is None else z
 

@@ -21,6 +21,7 @@ from ..export.platforms import library_for_here
 from ..model.law import InnerState
 from ..model.oscillator import HOLDS
 from ..model.yaml_loader import read_yaml
+from ..recording.recording import Recording
 from ..simulate.force import Force
 from .slave import FACTORIAL, SLAVES, Slave
 
@@ -106,8 +107,8 @@ class FmuRun:
         self.starts = _starts(description.modelVariables)
         #: What the start values of the inner states are.
         self.inner = tuple(_inner(self.variables, name) for name in self.starts[2:])
-        #: Unit of the first output; None where the FMU states none.
-        self.unit: str | None = _unit(next(v for v in description.modelVariables if v.causality == "output"))
+        #: Units of the outputs in their order, by name; None where the FMU states none.
+        self.outputs = {v.name: _unit(v) for v in description.modelVariables if v.causality == "output"}
         #: How the force ran between the samples that the model inside was identified from; None where it holds none.
         self.hold = _hold(Path(self._folder) / "resources" / "model.yaml")
 
@@ -153,6 +154,21 @@ class FmuRun:
         self._slave.close()
         shutil.rmtree(self._folder, ignore_errors=True)
 
+    def output_for(self, recording: Recording) -> str:
+        """Name of the output that shows what a recording does: the first of its unit.
+
+        Raises:
+            BadInput: where there is none.
+        """
+        for name, unit in self.outputs.items():
+            if unit in (None, recording.unit):
+                return name
+        listed = ", ".join(f"{name} in {unit}" for name, unit in self.outputs.items())
+        raise BadInput(
+            f"{recording.name}: records {recording.quantity} in {recording.unit}; {self.path} gives {listed}; "
+            "name a recording of one of them, or say what the column is with --response and --unit"
+        )
+
     def heard(self) -> list[str]:
         """What the FMU has said since the last time; of messages that differ by their numbers alone, the first."""
         kinds = {re.sub(r"[-+.\d]+(e[-+]?\d+)?", "#", text): text for text in reversed(self._slave.said)}
@@ -160,9 +176,15 @@ class FmuRun:
         return list(reversed(kinds.values()))
 
     def record(
-        self, force: Force | None, n: int, dt: float, initial: np.ndarray | None = None, start: float = 0.0
+        self,
+        force: Force | None,
+        n: int,
+        dt: float,
+        initial: np.ndarray | None = None,
+        start: float = 0.0,
+        output: str | None = None,
     ) -> np.ndarray:
-        """(n,) first output at samples ``dt`` apart, the first of them at ``start``.
+        """(n,) an output, the first where none is named, at samples ``dt`` apart, the first of them at ``start``.
 
         ``initial`` holds displacement and velocity at the start, (2,), or behind them also the start values of the
         inner states, in the order of the FMU's variables, (states,); None: at rest.
@@ -180,6 +202,7 @@ class FmuRun:
                 )
             given = dict(zip(self.starts, (float(value) for value in initial), strict=False))
         given["F"] = float(force.pieces[0, 0]) if force is not None else 0.0
+        self._slave.show(output or next(iter(self.outputs)))
         self._slave.start(start, given)
         out = np.empty(n)
         out[0] = self._slave.read()

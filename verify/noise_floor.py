@@ -41,5 +41,5 @@ def floor_of_fmu(
     if force is None or level == 0.0:
         return sensor
     disturbed = force.disturbed(level, np.random.default_rng(0), recording.dt)
-    other = run.record(disturbed, recording.n, recording.dt, initial, recording.start)
+    other = run.record(disturbed, recording.n, recording.dt, initial, recording.start, run.output_for(recording))
     return float(np.hypot(sensor, float(np.sqrt(np.mean((other - simulated) ** 2)))))

@@ -47,7 +47,8 @@ class Slave(ABC):
         except Exception as problem:
             raise BadInput(self.said[-1] if self.said else str(problem)) from problem
         output = next(v for v in description.modelVariables if v.causality == "output")
-        self._here, self._there = ((ctypes.c_uint * 1)(r) for r in (self._variables["F"], output.valueReference))
+        self._here = (ctypes.c_uint * 1)(self._variables["F"])
+        self.show(output.name)
         self._value = (ctypes.c_double * 1)()
         self._fresh = True
 
@@ -78,7 +79,11 @@ class Slave(ABC):
 
     @abstractmethod
     def read(self) -> float:
-        """The output now."""
+        """The output now: see ``show``."""
+
+    def show(self, output: str) -> None:
+        """Read this output from now on; before that it is the first one."""
+        self._there = (ctypes.c_uint * 1)(self._variables[output])
 
     def start(self, time: float, values: Mapping[str, float]) -> None:
         """Start afresh at ``time`` with values by the variables' names."""
@@ -145,7 +150,7 @@ class Slave2(Slave):
         self.fmu.fmi2DoStep(self.fmu.component, time, length, 1)
 
     def read(self) -> float:
-        """The first output."""
+        """The output that is shown."""
         self.fmu.fmi2GetReal(self.fmu.component, self._there, 1, self._value)
         return self._value[0]
 
@@ -177,7 +182,7 @@ class Slave3(Slave):
         self.fmu.doStep(time, length)
 
     def read(self) -> float:
-        """The first output."""
+        """The output that is shown."""
         self.fmu.fmi3GetFloat64(self.fmu.component, self._there, 1, self._value, 1)
         return self._value[0]
 

@@ -23,6 +23,7 @@ from ..identify.freevib import freevib
 from ..identify.hold import held_as
 from ..identify.replay import force_of, initial_state, natural_frequency
 from ..identify.signals import Signal, drive_of
+from ..model import Response
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .fmu_run import FmuRun
@@ -58,6 +59,7 @@ class RecordingCheck:
         passed: whether both are within their limits.
         time, measured, simulated: (n,) signals, for pictures.
         backbones: pairs (recording's, FMU's).
+        response: what was measured, and in which unit.
     """
 
     file: str
@@ -69,6 +71,7 @@ class RecordingCheck:
     measured: np.ndarray
     simulated: np.ndarray
     backbones: tuple[tuple[Backbone, Backbone], ...]
+    response: Response
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,22 +125,18 @@ def verify(
     """Run the FMU with the force of each recording and compare response and backbone.
 
     Args:
-        fmu: a co-simulation FMU of FMI 2.0 or 3.0 with an input ``F`` and a first output ``x``.
+        fmu: a co-simulation FMU of FMI 2.0 or 3.0 with an input ``F``; each recording is held against
+            the first output of its own unit.
         recordings: what it should reproduce.
         noise_ratio: largest NRMSE over noise floor that passes.
         progress: called with one line per recording.
 
     Raises:
-        BadInput: where the file is no such FMU, or it cannot simulate, or its response has another unit.
+        BadInput: where the file is no such FMU, or it cannot simulate, or none of its outputs has a recording's unit.
     """
     checks = []
     with FmuRun(Path(fmu)) as run:
         for recording in held_as(recordings, run.hold):
-            if run.unit not in (None, recording.unit):
-                raise BadInput(
-                    f"{recording.name}: records {recording.quantity} in {recording.unit}, {fmu} gives its response in "
-                    f"{run.unit}; name a recording of the same, or say what the column is with --response and --unit"
-                )
             check = _check(run, recording, noise_ratio)
             progress(
                 f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}"
@@ -167,7 +166,10 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     frequency = natural_frequency(recording) / (2 * np.pi)
     passed = nrmse <= noise_ratio * floor and (error is None or error <= BACKBONE_PART * frequency)
     time = np.concatenate([piece.time for piece in pieces])
-    return RecordingCheck(recording.name, nrmse, floor, error, bool(passed), time, measured, simulated, backbones)
+    shown = Response(recording.quantity, recording.unit)
+    return RecordingCheck(
+        recording.name, nrmse, floor, error, bool(passed), time, measured, simulated, backbones, shown
+    )
 
 
 def _pieces(recording: Recording) -> list[Recording]:
@@ -185,8 +187,9 @@ def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
     force = force_of(recording)
 
     def simulate(state: np.ndarray, n: int) -> np.ndarray:
-        return run.record(force, n, recording.dt, state, recording.start)
+        return run.record(force, n, recording.dt, state, recording.start, output)
 
+    output = run.output_for(recording)
     size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
     initial, shown = initial_state(simulate, recording, run.inner, size)
     simulated = simulate(initial, recording.n)

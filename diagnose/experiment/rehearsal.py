@@ -13,7 +13,6 @@ from ...identify.output_error import OutputError, State
 from ...identify.segments import FORCE_BAND, Segment
 from ...identify.structure import parameter_bounds, parameter_sizes
 from ...model import Oscillator
-from ...model.oscillator import QUANTITIES
 from ...simulate.core import core_of, internal_step
 from ...simulate.force import smooth_force
 from .excitations import BEYOND, Excitation
@@ -64,7 +63,10 @@ def rehearse(
         natural = model.omega0.value / (2 * np.pi)
         force = None if plan.kind == "decay" else smooth_force(samples, 1 / rate, FORCE_BAND * natural)
         zero = np.zeros(samples.size)
-        segments.append(Segment(0, 0, samples.size, zero, force, 1 / rate, 0.0, scales.omega, rests=force is not None))
+        rests, quantity = force is not None, model.response.quantity
+        segments.append(
+            Segment(0, 0, samples.size, zero, force, 1 / rate, 0.0, scales.omega, rests=rests, quantity=quantity)
+        )
         if force is None:
             initial[i, 0] = plan.level
     inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]
@@ -85,8 +87,7 @@ def rehearse(
         noises.append(noise)
         responses.append(None if noise is None else noise.whiten(-residuals[i]))
         slopes.append(None if noise is None else noise.whiten(derivatives[i]))
-        order = QUANTITIES.index(model.response.quantity)
-        peaks.append(float(np.max(np.abs(residuals[i]))) / scales.omega**order if fine else np.inf)
+        peaks.append(float(np.max(np.abs(residuals[i]))) / scales.omega**segment.order if fine else np.inf)
     raw = tuple(-residual for residual in residuals)
     return Played(problem, state, raw, tuple(noises), tuple(responses), tuple(slopes), tuple(peaks))
 
@@ -100,9 +101,7 @@ def _noise(segment: Segment, response: np.ndarray, model: Oscillator, data: Data
     if segment.force is not None and model.mass is not None and np.any(response):
         force = max(data.force) ** 2 * thinned
         heard = replace(segment, response=response)
-        density = density + force / model.mass.value**2 * equivalent_resonance(
-            heard, model.values(), model.response.quantity
-        )
+        density = density + force / model.mass.value**2 * equivalent_resonance(heard, model.values())
     return NoiseSpectrum(density, segment.n)
 
 

@@ -48,9 +48,9 @@ def recorded_ranges(records: Sequence[RecordFit], model: Oscillator) -> Recorded
 
     Args:
         records: as a diagnosis has them; a record may consist of several pieces, with other times between them.
-        model: whose response was recorded, and whose frequency says how long a cycle is.
+        model: whose frequency says how long a cycle is.
     """
-    pieces = [piece for record in records for piece in _pieces(record, model)]
+    pieces = [piece for record in records for piece in _pieces(record)]
     cycle = 2 * np.pi / model.omega0.value
     motions = [(piece, x) for piece in pieces if (x := _displacement(piece, cycle)) is not None]
     envelopes = [(piece, _envelope(x, piece.fs)) for piece, x in motions]
@@ -63,7 +63,7 @@ def recorded_ranges(records: Sequence[RecordFit], model: Oscillator) -> Recorded
     )
 
 
-def _pieces(record: RecordFit, model: Oscillator) -> list[Recording]:
+def _pieces(record: RecordFit) -> list[Recording]:
     """The evenly sampled stretches of a record; those that hold no numbers are left out."""
     time, measured = np.asarray(record.time, float), np.asarray(record.measured, float)
     force = None if record.force is None else np.asarray(record.force, float)
@@ -79,7 +79,7 @@ def _pieces(record: RecordFit, model: Oscillator) -> list[Recording]:
         if stop - start < 2 or not np.all(np.isfinite(measured[start:stop])):
             continue
         part = None if force is None else force[start:stop]
-        pieces.append(Recording(record.file, 1.0 / dt, measured[start:stop], part, quantity=model.response.quantity))
+        pieces.append(Recording(record.file, 1.0 / dt, measured[start:stop], part, quantity=record.response.quantity))
     return pieces
 
 

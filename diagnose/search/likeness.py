@@ -34,7 +34,7 @@ def alike(fitted: Fitted, data: Data, law: str, others: Sequence[Law]) -> list[P
     initial = without_states(fitted, law)
     if initial.shape != fitted.initial.shape:  # its own states made part of the motion's beginning
         shown = [float(np.mean(zeros_along(data.offsets, fitted.offsets, s)[0])) for s in data.segments]
-        initial[:, :2] = initial_states(data.segments, fitted.model.response.quantity, shown)
+        initial[:, :2] = initial_states(data.segments, shown)
     smaller = replace(fitted, model=without_term(fitted.model, law), initial=initial)
     found = by_motion(smaller, _as_simulated(fitted, data), others)
     return sorted(found, key=lambda proposal: -proposal.gain)

@@ -134,15 +134,14 @@ def share_in_step(motion: np.ndarray, residual: np.ndarray) -> float:
 
 def expected(fitted: Fitted, data: Data, index: int) -> float:
     """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment."""
-    values, quantity = fitted.model.values(), fitted.model.response.quantity
-    return expected_noise(data.segments[index], values, quantity, data.sensor[index], data.force[index])
+    return expected_noise(data.segments[index], fitted.model.values(), data.sensor[index], data.force[index])
 
 
 def times_the_noise(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[float]:
     """Rms of what is left in each segment over that of the noise."""
-    values, quantity = model.values(), model.response.quantity
+    values = model.values()
     return [
-        float(np.sqrt(np.mean(residual**2))) / expected_noise(segment, values, quantity, data.sensor[i], data.force[i])
+        float(np.sqrt(np.mean(residual**2))) / expected_noise(segment, values, data.sensor[i], data.force[i])
         for i, (segment, residual) in enumerate(zip(data.segments, residuals, strict=True))
     ]
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
 from dashpot.errors import BadInput
+from dashpot.model import Response
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
 
@@ -146,6 +147,6 @@ def test_an_error_that_rises_is_not_said_to_fall(after, words):
     from dashpot.diagnose.verdict import sentence_of
 
     nothing = np.zeros(1)
-    record = RecordFit("end", True, 0.5, after, 0.05, nothing, nothing, nothing, nothing, None)
+    record = RecordFit("end", True, 0.5, after, 0.05, nothing, nothing, nothing, nothing, None, Response())
     stop = Effect("one-sided-stop", "one-sided-stop", "spring", {})
     assert words in sentence_of("missing-physics", [stop], "there remains more", [record], [], [])

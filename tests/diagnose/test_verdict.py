@@ -9,6 +9,7 @@ import pytest
 from dashpot.diagnose.result import Effect, RecordFit
 from dashpot.diagnose.search.residual_test import Leftover
 from dashpot.diagnose.verdict import explained_share, sentence_of, verdict_of
+from dashpot.model import Response
 
 NOTHING = np.zeros(2)
 DRAG = Effect("quadratic-drag", "quadratic-drag", "dissipation", {})
@@ -17,7 +18,7 @@ STOP = Effect("one-sided-stop", "one-sided-stop", "restoring", {}, ("quintic-sti
 
 
 def row(before=0.01, after=0.01, floor=0.01, file="run", holdout=False):
-    return RecordFit(file, holdout, before, after, floor, NOTHING, NOTHING, NOTHING, NOTHING, None)
+    return RecordFit(file, holdout, before, after, floor, NOTHING, NOTHING, NOTHING, NOTHING, None, Response())
 
 
 def left(*ratios):

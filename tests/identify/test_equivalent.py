@@ -65,7 +65,7 @@ def test_the_noise_floor_of_a_driven_pendulum_knows_what_its_spring_is():
     data = data_of([recording], model)
     assert not data.segments[0].slide
     (segment,) = data.segments
-    level = expected_noise(segment, model.values(), "displacement", 0.0, noise)
+    level = expected_noise(segment, model.values(), 0.0, noise)
     assert level == pytest.approx(made, rel=0.25)
     plain = {name: value for name, value in model.values().items() if "." not in name}
-    assert expected_noise(segment, plain, "displacement", 0.0, noise) > 5 * made  # without its spring
+    assert expected_noise(segment, plain, 0.0, noise) > 5 * made  # without its spring

@@ -13,8 +13,8 @@ W, DT = 80.0, 1e-3
 QUANTITIES = ("displacement", "velocity", "acceleration")
 
 
-def segment(response, rests=False):
-    return Segment(0, 0, response.size, response, None, DT, 0.0, W, rests)
+def segment(response, quantity, rests=False):
+    return Segment(0, 0, response.size, response, None, DT, 0.0, W, rests, quantity=quantity)
 
 
 def harmonic(quantity, phase, n=400):
@@ -28,7 +28,7 @@ def harmonic(quantity, phase, n=400):
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_a_harmonic_motion_in_closed_form(quantity, phase):
     response, begin = harmonic(quantity, phase)
-    ((x, v),) = initial_states([segment(response)], quantity)
+    ((x, v),) = initial_states([segment(response, quantity)])
     off = 0.06 if quantity == "displacement" else 1e-9  # a parabola through a seventh of a cycle
     assert x == pytest.approx(begin[0], abs=off * 5e-3)
     assert v == pytest.approx(begin[1], abs=off * 5e-3 * W)
@@ -38,7 +38,7 @@ def test_a_harmonic_motion_in_closed_form(quantity, phase):
 def test_the_sensors_zero_is_no_motion(quantity):
     response, begin = harmonic(quantity, 0.7)
     size = float(np.max(np.abs(response)))
-    ((x, v),) = initial_states([segment(response + 5 * size)], quantity, [5 * size])
+    ((x, v),) = initial_states([segment(response + 5 * size, quantity)], [5 * size])
     assert (x, v) == pytest.approx(begin, rel=0.1)
     if quantity != "displacement":  # its line has a constant of its own
         assert from_first_cycle(response + 0.5 * size, DT, W, quantity) == pytest.approx((x, v), rel=0.03)
@@ -47,7 +47,7 @@ def test_the_sensors_zero_is_no_motion(quantity):
 @pytest.mark.parametrize("quantity", QUANTITIES)
 def test_a_stretch_that_rests_begins_at_zero(quantity):
     response, _ = harmonic(quantity, 0.7)
-    states = initial_states([segment(response), segment(response, rests=True)], quantity)
+    states = initial_states([segment(response, quantity), segment(response, quantity, rests=True)])
     assert np.all(states[1] == 0.0)
     assert np.all(states[0] != 0.0)
 
@@ -59,7 +59,7 @@ def test_a_decay_with_friction_begins_far_from_where_friction_would_hold_it(quan
     c, dry, w, c3, pre = (TRUTH[k] for k in ("viscous", "dry", "omega0", "cubic", "preload"))
     a = -c * v - dry * np.sign(v) - w**2 * x - c3 * x**3 - pre * np.sign(x)
     response = {"displacement": x, "velocity": v, "acceleration": a}[quantity]
-    ((x0, v0),) = initial_states([segment(response)], quantity)
+    ((x0, v0),) = initial_states([segment(response, quantity)])
     assert np.hypot(x0 - 7e-3, (v0 - 0.3) / W) < 0.15 * np.hypot(7e-3, 0.3 / W)
 
 

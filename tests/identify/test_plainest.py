@@ -24,7 +24,7 @@ def test_a_linear_rig_is_found_from_no_start(recorded, quantity):
     decay = recorded(LINEAR, begin=(8e-3, 0.1), seconds=2.0, quantity=quantity, offset=offset)
     sweep = recorded(LINEAR, sweep=(1.0, 5.0, 20.0), seconds=8.0, quantity=quantity, offset=offset)
     segments = cut([decay, sweep], 70.0)
-    fit = linear_fit(segments, quantity)
+    fit = linear_fit(segments)
     assert fit is not None
     assert fit.omega0 == pytest.approx(80.0, rel=1e-5)
     assert fit.viscous == pytest.approx(5.0, rel=1e-3)
@@ -42,7 +42,7 @@ def test_nothing_swings_on_a_slide():
     force = np.sin(2 * np.pi * 0.5 * t)
     segments = cut([Recording("slide", 100.0, np.cumsum(np.cumsum(force)) * 1e-4, force)], 1e-3)
     assert segments[0].slide
-    assert linear_fit(segments, "displacement") is None
+    assert linear_fit(segments) is None
 
 
 def jolted(seed, level):
@@ -63,7 +63,7 @@ def test_a_drive_of_one_frequency_is_not_given_up_for_what_shakes_the_table(seed
     start = {"mass": 10.0, "omega0": 5.3, "cubic": 0.0, "preload": 0.0, "viscous": 0.2, "dry": 0.0}
     fit = maximum_likelihood(Oscillator.from_values(start), [recording], fixed)
     (only,) = fit.segments
-    plain = linear_fit([only.segment], "displacement")
+    plain = linear_fit([only.segment])
     assert plain is not None
     assert only.over_noise > 10  # what shook it is in no model of the rig
     assert only.nrmse < 1.002 * plain.nrmse[0]
@@ -92,7 +92,7 @@ def test_far_from_the_family_a_fit_tells_more_than_a_damped_sine(part, quintic):
     recording = swinging(10.0, quintic)
     start = {"omega0": part * 2 * np.pi * 5.0, "viscous": 0.3, "cubic": 0.0, "preload": 0.0, "dry": 0.0, "mass": None}
     fit = maximum_likelihood(Oscillator.from_values(start), [recording])
-    plain = linear_fit([s.segment for s in fit.segments], "displacement")
+    plain = linear_fit([s.segment for s in fit.segments])
     assert plain is not None
     assert plain.nrmse[0] > 0.2
     (only,) = fit.segments

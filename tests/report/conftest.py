@@ -110,8 +110,8 @@ def verified() -> Callable[..., Verification]:
                 if c.recording == r.name
             )
             floor = 0.01 if passed else 0.001
-            response = np.asarray(r.response)
-            checks.append(RecordingCheck(r.name, 0.01, floor, 0.001, passed, r.time, response, simulated, pairs))
+            response, shown = np.asarray(r.response), Response(r.quantity, r.unit)
+            checks.append(RecordingCheck(r.name, 0.01, floor, 0.001, passed, r.time, response, simulated, pairs, shown))
         if held_out is not None:
             checks[-1] = replace(checks[-1], file=held_out)
         return Verification("rig.fmu", tuple(checks))
@@ -133,7 +133,9 @@ def record(file: str, *, holdout: bool = False, seconds: float = 20.0, forced: b
     true = size * swell * np.cos(BENCH_OMEGA * t)
     noise = 0.01 * size * np.random.default_rng(3).standard_normal(t.size)
     force = np.cos(BENCH_OMEGA * t) if forced else None
-    return RecordFit(file, holdout, 0.21, 0.021, 0.0204, t, true + noise, true * (1 + 0.2 * swell), true, force)
+    return RecordFit(
+        file, holdout, 0.21, 0.021, 0.0204, t, true + noise, true * (1 + 0.2 * swell), true, force, Response()
+    )
 
 
 def sure(model: Oscillator, share: float = 1e-3) -> Oscillator:

@@ -24,7 +24,8 @@ def record(size, *, holdout=False, seconds=10.0, forced=True, quantity="displace
     measured = size * OMEGA**order * np.cos(OMEGA * t + order * np.pi / 2)
     measured = measured + noise * np.random.default_rng(1).standard_normal(t.size)
     force = np.cos(OMEGA * t) if forced else None
-    return RecordFit("a", holdout, 0.1, 0.1, 0.01, t, measured, measured, measured, force)
+    shown = Response(quantity, UNITS[quantity])
+    return RecordFit("a", holdout, 0.1, 0.1, 0.01, t, measured, measured, measured, force, shown)
 
 
 @pytest.mark.parametrize("quantity", UNITS)
@@ -48,7 +49,7 @@ def test_frequencies_are_those_of_the_forces_and_of_free_motion():
     t = np.arange(5000) / FS
     sweep = np.sin(2 * np.pi * (12 * t + 0.4 * t**2))  # 12 to 20 Hz
     x = record(1e-3)
-    forced = RecordFit("s", True, 0.1, 0.1, 0.01, t, x.measured, x.before, x.after, sweep)
+    forced = RecordFit("s", True, 0.1, 0.1, 0.01, t, x.measured, x.before, x.after, sweep, x.response)
     free = record(1e-3, forced=False)
     assert recorded_ranges([forced], model()).frequency_hz == pytest.approx((12.0, 20.0), rel=0.05)
     assert recorded_ranges([forced, free], model()).frequency_hz == pytest.approx((8.0, 20.0), rel=0.05)
@@ -58,7 +59,7 @@ def test_time_is_that_of_all_and_gaps_between_pieces_are_no_motion():
     early, late = record(1e-3), record(1e-3, start=100.0, holdout=True)
     assert recorded_ranges([early, late], model()).time_s == pytest.approx((0.0, 109.998))
     time, y = np.concatenate([early.time, late.time]), np.concatenate([early.measured, -late.measured])
-    joined = RecordFit("j", False, 0.1, 0.1, 0.01, time, y, y, y, None)
+    joined = RecordFit("j", False, 0.1, 0.1, 0.01, time, y, y, y, None, early.response)
     ranges = recorded_ranges([joined], model())
     assert ranges.velocity == pytest.approx((-1e-3 * OMEGA, 1e-3 * OMEGA), rel=0.02)
 
