@@ -97,9 +97,9 @@ def diagnose(
     search = Search(data, judged, laws, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     family = first_fit(search, best.model)
     memory = search.data.memory
-    found = search.from_family(family)
+    selected = search.from_family(family)
     family = search.candidates[()].fit or family
-    fitted = found.fit or family
+    fitted = selected.fit or family
     # what is left is said of simulations: a prediction leaves less
     data = replace(search.data, memory=FREE)
     held = None if search.holdout is None else replace(search.holdout, memory=FREE)
@@ -119,8 +119,8 @@ def diagnose(
         notes.append(other_rig)
     progress("standard errors", 0.86)
     before = _with_errors(family, replace(data, memory=memory), recordings)
-    named = _named(fitted, found.laws)
-    after = _with_errors(named, search.data, recordings) if found.laws and not other_rig else None
+    named = _named(fitted, selected.laws)
+    after = _with_errors(named, search.data, recordings) if selected.laws and not other_rig else None
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     with TemporaryDirectory() as folder:
         artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
@@ -129,12 +129,12 @@ def diagnose(
     remainder = remainder_sentence(left)
     effects: tuple[Effect, ...] = ()
     if after is not None:
-        effects = _effects(found, search, after)
+        effects = _effects(selected, search, after)
     verdict = verdict_of(effects, remainder, records)
     progress("where, and what to record next", 0.95)
     location = None if verdict == "consistent" else locate(family_free, data)
     latent = () if verdict == "consistent" else latent_forces(family_free, data, after)
-    experiment = next_experiment(_survivors(found, search, after or before), data)
+    experiment = next_experiment(_survivors(selected, search, after or before), data)
     effects = tuple(
         replace(e, separated_by=separated_by(e.effect, e.indistinguishable_from, experiment)) for e in effects
     )
@@ -147,7 +147,7 @@ def diagnose(
         before=before,
         model=after or before,
         records=tuple(records),
-        considered=tuple(_considered(found, search)),
+        considered=tuple(_considered(selected, search)),
         experiment=experiment,
         remainder=remainder,
         latent=latent,
@@ -155,14 +155,14 @@ def diagnose(
     )
 
 
-def _survivors(found: Candidate, search: Search, best: Oscillator) -> dict[str, Oscillator]:
+def _survivors(selected: Candidate, search: Search, best: Oscillator) -> dict[str, Oscillator]:
     """The model and its closest rivals, by name."""
     models = {(best.terms[-1].effect if best.terms else "Eq. 17"): best}
     # one that has all of the best's laws and more says nothing else of the rig
     others = [c for c in search.candidates.values() if c.stage == "judged" and c.laws]
-    others = [c for c in others if not set(c.laws) >= set(found.laws) or not found.laws]
+    others = [c for c in others if not set(c.laws) >= set(selected.laws) or not selected.laws]
     for candidate in sorted(others, key=lambda c: -c.value)[:3]:
-        name = next((law for law in candidate.laws if law not in found.laws), "less")
+        name = next((law for law in candidate.laws if law not in selected.laws), "less")
         if candidate.fit is not None:
             models.setdefault(name, candidate.fit.model)
     return models
@@ -213,16 +213,16 @@ def _named(fitted: Fitted, laws: Sequence[str]) -> Fitted:
     return fitted
 
 
-def _effects(found: Candidate, search: Search, model: Oscillator) -> tuple[Effect, ...]:
+def _effects(selected: Candidate, search: Search, model: Oscillator) -> tuple[Effect, ...]:
     """What is named, the most probable first."""
     effects = []
-    assert found.fit is not None
-    values = found.fit.model.values()
-    for name in found.laws:
-        (fitted,) = [term for term in found.fit.model.terms if term.effect == name]
+    assert selected.fit is not None
+    values = selected.fit.model.values()
+    for name in selected.laws:
+        (fitted,) = [term for term in selected.fit.model.terms if term.effect == name]
         names = names_of(fitted, values)
         (term,) = [term for term in model.terms if term.effect == names[0]]
-        stands = standing(name, found, list(search.candidates.values()), search.parts)
+        stands = standing(name, selected, list(search.candidates.values()), search.parts)
         law = find(names[0])
         rivals = dict.fromkeys(find(other).effect for other in (*names[1:], *stands.rivals))
         rivals.pop(law.effect, None)
@@ -230,12 +230,12 @@ def _effects(found: Candidate, search: Search, model: Oscillator) -> tuple[Effec
     return tuple(sorted(effects, key=lambda effect: -effect.odds))
 
 
-def _considered(found: Candidate, search: Search) -> list[Considered]:
+def _considered(selected: Candidate, search: Search) -> list[Considered]:
     """Every law of the library that was not taken, how far it came beside the best structure, and why no further."""
     considered = []
-    base = [laws for laws in (found.laws, ()) if laws in search.candidates]
+    base = [laws for laws in (selected.laws, ()) if laws in search.candidates]
     for law in search.laws:
-        if law.name in found.laws:
+        if law.name in selected.laws:
             continue
         tried = [
             search.candidates[key((*laws, law.name))] for laws in base if key((*laws, law.name)) in search.candidates
@@ -251,7 +251,7 @@ def _considered(found: Candidate, search: Search) -> list[Considered]:
         without = search.candidates[key([name for name in best.laws if name != law.name])]
         delta = None if best.stage != "judged" else -2.0 * (best.evidence - without.evidence)
         held = None if search.holdout is None else nrmse(best.held_out, search.holdout)
-        considered.append(Considered(law.name, held, delta, best.why or why_not(best, without, found, search.parts)))
+        considered.append(Considered(law.name, held, delta, best.why or why_not(best, without, selected, search.parts)))
     return sorted(considered, key=lambda law: (law.delta_bic is None, law.delta_bic or 0.0))
 
 

@@ -76,32 +76,36 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         BadInput: where the recordings are not of the model's rig.
     """
     notes: list[str] = []
-    found = _from(model, recordings)
-    in_step = found is not None and keeps_step([s.segment for s in found.fit.segments], _free_residuals(found))
-    if found is None or not (in_step or _identified_from(model, recordings)):
+    identification = _from(model, recordings)
+    in_step = identification is not None and keeps_step(
+        [s.segment for s in identification.fit.segments], _free_residuals(identification)
+    )
+    if identification is None or not (in_step or _identified_from(model, recordings)):
         effects = [term.effect for term in model.terms]
         again = identify(recordings, name=model.name, effects=effects, doubted=False)
-        if found is None or _left(again) < _left(found) - math.log(2.0):
-            found = again
+        if identification is None or _left(again) < _left(identification) - math.log(2.0):
+            identification = again
             notes.append(
                 "the values in the model file lead nowhere near these recordings: all were found anew from them"
             )
-    assert found is not None
-    best = replace(found.oscillator, amplitude=model.amplitude, frequency=model.frequency)
-    if any(mine.hold != given.hold for mine, given in zip(found.recordings, recordings, strict=True)):
+    assert identification is not None
+    best = replace(identification.oscillator, amplitude=model.amplitude, frequency=model.frequency)
+    if any(mine.hold != given.hold for mine, given in zip(identification.recordings, recordings, strict=True)):
         if best.hold != model.hold:
             notes.append(hold_note(best.hold))
-        recordings, holdout = found.recordings, held_as(holdout, best.hold)
-    notes += _same_rig(model, best, slide=found.fit.segments[0].segment.slide)
+        recordings, holdout = identification.recordings, held_as(holdout, best.hold)
+    notes += _same_rig(model, best, slide=identification.fit.segments[0].segment.slide)
     # what is missing adds up over time: the longer the memory, the more of it shows
-    memory = FREE if found.fit.memory == FREE else max(memories([s.segment for s in found.fit.segments]))
-    recordings = _without_drift_and_force(recordings, found.fit.offsets)
-    drifts = _drifts(recordings, found.fit.offsets)
-    shown = {o.recording: o.value for o in found.fit.offsets if o.channel == "response"}
+    memory = (
+        FREE if identification.fit.memory == FREE else max(memories([s.segment for s in identification.fit.segments]))
+    )
+    recordings = _without_drift_and_force(recordings, identification.fit.offsets)
+    drifts = _drifts(recordings, identification.fit.offsets)
+    shown = {o.recording: o.value for o in identification.fit.offsets if o.channel == "response"}
     # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
     # a law is the shorter answer
     single = len(recordings) == 1
-    if not single and (not shown or _one_cause(found)):
+    if not single and (not shown or _one_cause(identification)):
         return Family(best, memory, tuple(recordings), tuple(holdout), True, False, drifts, tuple(notes))
     elsewhere = _offsets(best, holdout)
     return Family(
@@ -134,18 +138,18 @@ def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification 
         return None
 
 
-def _free_residuals(found: Identification) -> list[np.ndarray]:
-    return [s.segment.response - s.simulated for s in found.fit.segments]
+def _free_residuals(identification: Identification) -> list[np.ndarray]:
+    return [s.segment.response - s.simulated for s in identification.fit.segments]
 
 
-def _left(found: Identification) -> float:
-    return float(np.mean([np.log(max(s.nrmse, 1e-300)) for s in found.fit.segments]))
+def _left(identification: Identification) -> float:
+    return float(np.mean([np.log(max(s.nrmse, 1e-300)) for s in identification.fit.segments]))
 
 
-def _one_cause(found: Identification) -> bool:
+def _one_cause(identification: Identification) -> bool:
     """Whether every recording shows the same at zero: a load or a sensor that sits elsewhere, and no matter of each."""
-    used = {s.segment.recording for s in found.fit.segments}
-    return len(used) > 1 and _agree([o for o in found.fit.offsets if o.channel == "response"], len(used))
+    used = {s.segment.recording for s in identification.fit.segments}
+    return len(used) > 1 and _agree([o for o in identification.fit.offsets if o.channel == "response"], len(used))
 
 
 def _agree(offsets: Sequence[FoundOffset], count: int) -> bool:
@@ -174,15 +178,15 @@ def _without_drift_and_force(recordings: Sequence[Recording], offsets: Sequence[
     forces = [offset for offset in offsets if offset.channel == "force"]
     driven = sum(r.force is not None and bool(np.any(r.force)) for r in recordings)
     loaded = driven > 1 and _agree(forces, driven)
-    found = list(recordings)
+    corrected = list(recordings)
     for offset in offsets:
-        r = found[offset.recording]
+        r = corrected[offset.recording]
         if offset.channel == "drift":
             line = offset.value * (np.asarray(r.time, float) - offset.middle)
-            found[offset.recording] = replace(r, response=np.asarray(r.response, float) - line)
+            corrected[offset.recording] = replace(r, response=np.asarray(r.response, float) - line)
         elif offset.channel == "force" and not loaded and r.force is not None:
-            found[offset.recording] = replace(r, force=np.asarray(r.force, float) - offset.value)
-    return found
+            corrected[offset.recording] = replace(r, force=np.asarray(r.force, float) - offset.value)
+    return corrected
 
 
 def _less(recording: Recording, shown: float) -> Recording:
@@ -191,16 +195,16 @@ def _less(recording: Recording, shown: float) -> Recording:
 
 def _drifts(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> tuple[Offset, ...]:
     """The offsets that a fit needs where drifts were taken off; their zero goes with them."""
-    found = []
+    drifts = []
     for offset in offsets:
         if offset.channel == "drift":
             recording = recordings[offset.recording]
             size = _FEELER * float(np.std(recording.response))
-            found.append(Offset(offset.recording, "response", size))
-            found.append(
+            drifts.append(Offset(offset.recording, "response", size))
+            drifts.append(
                 Offset(offset.recording, "drift", size / recording.duration, middle=offset.middle, taken=offset.value)
             )
-    return tuple(found)
+    return tuple(drifts)
 
 
 def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator, *, judged: bool = False) -> Data:
@@ -230,14 +234,14 @@ def less_offsets(
         data: what they were cut to, with their offsets.
         values: of these, as fitted.
     """
-    found, zeros = list(recordings), dict(shown)
+    corrected, zeros = list(recordings), dict(shown)
     for offset, value in zip(data.offsets, values, strict=True):
         if offset.channel == "response":
             zeros[offset.recording] = zeros.get(offset.recording, 0.0) + float(value)
-        recording = found[offset.recording]
+        recording = corrected[offset.recording]
         line = np.ones(recording.n) if offset.channel == "response" else np.asarray(recording.time) - offset.middle
-        found[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - value * line)
-    return found, zeros_said(recordings, zeros)
+        corrected[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - value * line)
+    return corrected, zeros_said(recordings, zeros)
 
 
 def zeros_said(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[str]:
@@ -268,7 +272,7 @@ def first_fit(search: Search, model: Oscillator) -> Fitted:
     raise BadInput("no model of this family simulates along these recordings; check the units of force and response")
 
 
-def _same_rig(given: Oscillator, found: Oscillator, *, slide: bool) -> list[str]:
+def _same_rig(given: Oscillator, identified: Oscillator, *, slide: bool) -> list[str]:
     """Notes where a model that does not claim to know its rig is far from what the recordings show.
 
     A slide, moved as its force moves it, has no natural frequency to compare.
@@ -277,16 +281,20 @@ def _same_rig(given: Oscillator, found: Oscillator, *, slide: bool) -> list[str]
         BadInput: where one that does know it is: the recordings are of another.
     """
     apart = []
-    if not slide and _differ(found.omega0.value, given.omega0.value, _OTHER_FREQUENCY):
+    if not slide and _differ(identified.omega0.value, given.omega0.value, _OTHER_FREQUENCY):
         apart.append("omega0")
-    if given.mass is not None and found.mass is not None and _differ(found.mass.value, given.mass.value, _OTHER_MASS):
+    if (
+        given.mass is not None
+        and identified.mass is not None
+        and _differ(identified.mass.value, given.mass.value, _OTHER_MASS)
+    ):
         apart.append("mass")
     if not apart:
         return []
-    mass = "" if found.mass is None else f" and {found.mass.value:.4g} {found.mass.unit}"
+    mass = "" if identified.mass is None else f" and {identified.mass.value:.4g} {identified.mass.unit}"
     given_mass = "" if given.mass is None else f" and {given.mass.value:.4g} {given.mass.unit}"
     figures = (
-        f"they show {found.omega0.value / (2 * math.pi):.4g} Hz{mass}, "
+        f"they show {identified.omega0.value / (2 * math.pi):.4g} Hz{mass}, "
         f"the model has {given.omega0.value / (2 * math.pi):.4g} Hz{given_mass}"
     )
     if any(_is_known(given, name) for name in apart):
@@ -312,18 +320,18 @@ def _is_known(model: Oscillator, name: str) -> bool:
 
 def stranger(final: Fitted, search: Search, left: Sequence[Leftover], training: int) -> str | None:
     """A sentence where the held-out recordings are told well by a model of their own, but not by this one."""
-    ratios = [one.ratio for one in left]
+    ratios = [leftover.ratio for leftover in left]
     if search.holdout is None:
         return None
     if max(ratios[:training]) > _STRANGE or max(ratios[training:]) < _STRANGE**2:
         return None
     worst: dict[str, float] = {}
-    for one in left[training:]:
-        worst[one.file] = max(one.ratio, worst.get(one.file, 0.0))
+    for leftover in left[training:]:
+        worst[leftover.file] = max(leftover.ratio, worst.get(leftover.file, 0.0))
     if min(worst.values()) < _STRANGE:  # another rig shows in each; one alone may jump where a hair decides
         return None
     own = Structure(final.model, search.holdout).fit(settle=True)
-    again = [one.ratio for one in leftovers(own, search.holdout)]
+    again = [leftover.ratio for leftover in leftovers(own, search.holdout)]
     if not own.finite or max(again) > 0.5 * max(ratios[training:]):
         return None
     here, there = final.model, own.model

@@ -80,21 +80,21 @@ def limits_of(data: Data) -> Limits:
 
 def candidates(limits: Limits, natural: float) -> list[Excitation]:
     """What may be played within the limits and moderately beyond; ``natural`` in Hz."""
-    found = []
+    excitations = []
     seconds = CYCLES / natural
     low, high = max(limits.band_hz[0], 0.3 * natural), min(limits.band_hz[1], 3.0 * natural)
     if limits.force > 0:
         for relative in _LEVELS:
             level = relative * limits.force
-            found.append(Excitation("sweep", level, relative, (low, high), seconds))
-            found.append(Excitation("sweep", level, relative, (high, low), seconds))
+            excitations.append(Excitation("sweep", level, relative, (low, high), seconds))
+            excitations.append(Excitation("sweep", level, relative, (high, low), seconds))
             if relative > _LEVELS[0]:
-                found.append(Excitation("multisine", level, relative, (low, high), seconds))
-                found.append(Excitation("sine", level, relative, (natural, natural), seconds))
+                excitations.append(Excitation("multisine", level, relative, (low, high), seconds))
+                excitations.append(Excitation("sine", level, relative, (natural, natural), seconds))
         wide = low / BEYOND, high * BEYOND
-        found.append(Excitation("sweep", limits.force, 1.0, wide, seconds))
-        found.append(Excitation("sine", BEYOND * limits.force, BEYOND, (natural / 3, natural / 3), seconds))
+        excitations.append(Excitation("sweep", limits.force, 1.0, wide, seconds))
+        excitations.append(Excitation("sine", BEYOND * limits.force, BEYOND, (natural / 3, natural / 3), seconds))
     for relative in _RELEASES:
         release = relative * limits.displacement
-        found.append(Excitation("decay", release, relative, (natural, natural), seconds))
-    return found
+        excitations.append(Excitation("decay", release, relative, (natural, natural), seconds))
+    return excitations

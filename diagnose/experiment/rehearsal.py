@@ -105,16 +105,16 @@ def _noise(segment: Segment, response: np.ndarray, model: Oscillator, data: Data
     return NoiseSpectrum(density, segment.n)
 
 
-def apart(one: Played, other: Played, i: int) -> float:
+def apart(played: Played, other: Played, i: int) -> float:
     """By how many times the noise two models differ, the more easily imitated direction counting."""
-    a, b = one.responses[i], other.responses[i]
+    a, b = played.responses[i], other.responses[i]
     if a is None or b is None:
         return 0.0
-    found = []
-    for rival in (one, other):
+    distances = []
+    for rival in (played, other):
         slopes = rival.derivatives[i]
-        found.append(float(np.linalg.norm(off(a - b, slopes))))
-    return min(found)
+        distances.append(float(np.linalg.norm(off(a - b, slopes))))
+    return min(distances)
 
 
 def off(difference: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:

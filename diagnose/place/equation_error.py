@@ -77,13 +77,13 @@ def equation_error(model: Oscillator, data: Data) -> tuple[list[Stretch], float]
         evidence += smoother.evidence(strength, memory, *loudest)
         samples += loudest[1] - loudest[0]
     prior = max(priors)
-    found = []
+    stretches = []
     for segment, smoother in zip(data.segments, smoothers, strict=True):
         smoothed = smoother.smooth(prior=prior)
         stretch = _stretch(data.recordings[segment.recording].name, segment.force is not None, smoothed, smoother)
         if stretch is not None:
-            found.append(stretch)
-    return found, evidence / max(samples, 1)
+            stretches.append(stretch)
+    return stretches, evidence / max(samples, 1)
 
 
 def _stretch(name: str, driven: bool, smoothed: Smoothed, smoother: Smoother) -> Stretch | None:

@@ -95,10 +95,10 @@ def hats(values: np.ndarray, nodes: np.ndarray) -> np.ndarray:
     """(n, nodes) piecewise linear functions, one at each node, that sum to one."""
     place = np.clip(np.searchsorted(nodes, values) - 1, 0, nodes.size - 2)
     part = np.clip((values - nodes[place]) / (nodes[place + 1] - nodes[place]), 0.0, 1.0)
-    found = np.zeros((values.size, nodes.size))
-    found[np.arange(values.size), place] = 1.0 - part
-    found[np.arange(values.size), place + 1] = part
-    return found
+    basis = np.zeros((values.size, nodes.size))
+    basis[np.arange(values.size), place] = 1.0 - part
+    basis[np.arange(values.size), place + 1] = part
+    return basis
 
 
 def nodes_of(values: np.ndarray, pieces: int = _PIECES) -> np.ndarray:
@@ -194,12 +194,12 @@ def _memory(rows: Rows) -> np.ndarray:
 
 def _slider(x: np.ndarray, reach: float) -> np.ndarray:
     """(n,) stretch of a spring whose far end slides when it is stretched beyond ``reach``."""
-    found = np.empty_like(x)
+    extension = np.empty_like(x)
     stretch, last = 0.0, float(x[0])
     for i, here in enumerate(x.tolist()):
         stretch = min(max(stretch + here - last, -reach), reach)
-        found[i], last = stretch, here
-    return found
+        extension[i], last = stretch, here
+    return extension
 
 
 @_kind("sensor")
@@ -240,14 +240,14 @@ def shares(rows: Rows) -> dict[str, float]:
     """
     total = float(rows.left @ rows.left)
     excess = max(total - float(rows.silent @ rows.silent), 1e-300)
-    found = {}
+    fractions = {}
     for name, make in KINDS.items():
         columns = make(rows) * rows.weight[:, None]
         if not columns.shape[1]:
             continue
         gain = explained(rows, columns)
-        found[name] = min((gain - idle(rows, columns.shape[1])) / excess, 1.0)
-    return found
+        fractions[name] = min((gain - idle(rows, columns.shape[1])) / excess, 1.0)
+    return fractions
 
 
 def explained(rows: Rows, columns: np.ndarray) -> float:

@@ -39,10 +39,10 @@ def locate(fitted: Fitted, data: Data) -> Location:
     off = how_far_off(fitted, data)
     if evidence < _EVIDENCE:
         return _everywhere(data, f"no missing force stands out of the noise in any recording{off}")
-    found = symptoms(stretches)
-    if not found.here:
+    signature = symptoms(stretches)
+    if not signature.here:
         return _everywhere(data, f"too little stands out of the noise in any one recording to tell where{off}")
-    return _location(found, data, fitted)
+    return _location(signature, data, fitted)
 
 
 def _everywhere(data: Data, statement: str) -> Location:
@@ -62,8 +62,8 @@ def _everywhere(data: Data, statement: str) -> Location:
     )
 
 
-def _location(found: Symptoms, data: Data, fitted: Fitted) -> Location:
-    rows, model = found.rows, fitted.model
+def _location(signature: Symptoms, data: Data, fitted: Fitted) -> Location:
+    rows, model = signature.rows, fitted.model
     wide = _everywhere(data, "")
     x, v = rows.joined(lambda s: s.x), rows.joined(lambda s: s.v)
     ranges = {
@@ -73,17 +73,17 @@ def _location(found: Symptoms, data: Data, fitted: Fitted) -> Location:
         "frequency_hz": excess_range(rows, rows.joined(lambda s: s.frequency_hz)) or wide.frequency_hz,
         "time_s": excess_range(rows, rows.joined(lambda s: s.time)) or wide.time_s,
     }
-    what, narrower = what_it_follows(found, model, ranges)
+    what, narrower = what_it_follows(signature, model, ranges)
     ranges |= narrower
     names = [r.name for r in data.recordings]
     return Location(
-        path=found.path,
-        statement=f"{what}; {in_which_recordings(found, names)}{how_far_off(fitted, data)}",
+        path=signature.path,
+        statement=f"{what}; {in_which_recordings(signature, names)}{how_far_off(fitted, data)}",
         displacement=ranges["displacement"],
         velocity=ranges["velocity"],
         amplitude=ranges["amplitude"],
         frequency_hz=ranges["frequency_hz"],
         time_s=ranges["time_s"],
-        recordings=found.here or tuple(names),
-        harmonics=found.orders,
+        recordings=signature.here or tuple(names),
+        harmonics=signature.orders,
     )

@@ -66,11 +66,11 @@ def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) 
 
 def where_it_is(rows: Rows) -> list[bool]:
     """For each stretch whether its missing force is beyond the noise, block by block."""
-    found = []
+    beyond = []
     for i in range(len(rows.stretches)):
         left, silent = rows.part(rows.left, i), rows.part(rows.silent, i)
-        found.append(_beyond(left**2, silent**2, rows.part(rows.block, i))[0])
-    return found
+        beyond.append(_beyond(left**2, silent**2, rows.part(rows.block, i))[0])
+    return beyond
 
 
 def _beyond(left: np.ndarray, silent: np.ndarray, block: np.ndarray) -> tuple[bool, float]:
@@ -102,10 +102,10 @@ def orders(rows: Rows) -> tuple[dict[int, float], tuple[float, float]]:
             here = blocks == block
             if np.count_nonzero(here) < 4 * ORDERS:
                 continue
-            found = np.linalg.lstsq(columns[here], signals[here], rcond=1e-6)[0]
+            coefficients = np.linalg.lstsq(columns[here], signals[here], rcond=1e-6)[0]
             count = np.count_nonzero(here)
-            cosine, sine = found[1:ORDERS] ** 2 / 2, found[ORDERS:] ** 2 / 2
-            power += count * np.vstack([found[0] ** 2, cosine + sine]).T
+            cosine, sine = coefficients[1:ORDERS] ** 2 / 2, coefficients[ORDERS:] ** 2 / 2
+            power += count * np.vstack([coefficients[0] ** 2, cosine + sine]).T
             first += count * np.vstack([cosine[0], sine[0]])
     excess = np.maximum(power[0] - power[1], 0.0)
     total = max(float(rows.left @ rows.left - rows.silent @ rows.silent), float(np.sum(excess)), 1e-300)
@@ -118,7 +118,7 @@ def line_in(rows: Rows) -> Line | None:
     spectra = [_spectrum(rows, i) for i, s in enumerate(rows.stretches) if _long(s)]
     if not spectra:
         return None
-    frequency, standing, _ = max(spectra, key=lambda one: float(np.max(one[1])))
+    frequency, standing, _ = max(spectra, key=lambda spectrum: float(np.max(spectrum[1])))
     best = int(np.argmax(standing))
     if standing[best] < _LINE:
         return None

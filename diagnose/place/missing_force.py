@@ -51,7 +51,7 @@ def latent_forces(before: Fitted, data: Data, named: Oscillator | None) -> tuple
         float(np.sum(np.square(residual))) / max(sensor, 1e-300) ** 2
         for residual, sensor in zip(before.residuals, data.sensor, strict=True)
     ]
-    found: list[tuple[float, int, LatentForce]] = []
+    candidates: list[tuple[float, int, LatentForce]] = []
     for i in sorted(range(len(power)), key=lambda i: -power[i] if np.isfinite(power[i]) else -np.inf)[:_LOOKED_AT]:
         try:
             smoother = Smoother(family, data, i)
@@ -62,9 +62,9 @@ def latent_forces(before: Fitted, data: Data, named: Oscillator | None) -> tuple
         law = _named(effects, family, smoother, smoothed, first, last)
         name = data.recordings[data.segments[i].recording].name
         clear = float(np.mean(smoothed.force**2) / max(float(np.mean(smoothed.std**2)), 1e-300))
-        found.append((clear, data.segments[i].recording, _shown(name, smoothed, law)))
+        candidates.append((clear, data.segments[i].recording, _shown(name, smoothed, law)))
     chosen: dict[int, LatentForce] = {}
-    for _, recording, force in sorted(found, key=lambda one: -one[0]):
+    for _, recording, force in sorted(candidates, key=lambda candidate: -candidate[0]):
         if recording not in chosen and len(chosen) < _RECORDINGS:
             chosen[recording] = force
     return tuple(chosen[recording] for recording in sorted(chosen))
@@ -117,10 +117,10 @@ def _free(term: Term, family: Oscillator) -> bool:
     return any(state.free for state in equations(replace(family, terms=(term,))).inner)
 
 
-def _in_phase(force: np.ndarray, found: np.ndarray) -> np.ndarray:
+def _in_phase(force: np.ndarray, smoothed: np.ndarray) -> np.ndarray:
     """A periodic force with the phase that suits what the smoother found; its size is the law's."""
     from scipy.signal import hilbert
 
     analytic = np.asarray(hilbert(force))
-    turn = complex(np.vdot(analytic, found))
+    turn = complex(np.vdot(analytic, smoothed))
     return np.real(analytic * turn / abs(turn)) if abs(turn) > 0 else force

@@ -54,8 +54,8 @@ class OwnForce:
         given = ca.DM([0.0, 0.0, 0.0, *(values[name] for name in eq.parameter_names)])
         force = -eq.zdot[1]  # at u = 0 the acceleration is minus the inner force
         slopes = ca.jacobian(force, eq.z)
-        found = ca.substitute([signed(eq, force), signed(eq, ca.densify(slopes))], [known], [given])
-        self._function = ca.Function("own_force", [eq.z], found)
+        expressions = ca.substitute([signed(eq, force), signed(eq, ca.densify(slopes))], [known], [given])
+        self._function = ca.Function("own_force", [eq.z], expressions)
 
     def __call__(self, motion: np.ndarray, dt: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Force per unit mass (n,) and its slopes in displacement (n,), 1/s², and velocity (n,), 1/s.

@@ -256,10 +256,10 @@ class Smoother:
 
         start = np.array([np.log(0.01), np.log(self.period / 6)])
         simplex = start + np.array([[0.0, 0.0], [1.5, 0.0], [0.0, 1.0]])
-        found = minimize(
+        optimum = minimize(
             cost, start, method="Nelder-Mead", options={"maxfev": _TRIALS, "initial_simplex": simplex, "fatol": 0.1}
         )
-        s, m = (float(np.exp(np.clip(p, *b))) for p, b in zip(found.x, bounds, strict=True))
+        s, m = (float(np.exp(np.clip(p, *b))) for p, b in zip(optimum.x, bounds, strict=True))
         return self.scale * s, m
 
     def evidence(self, strength: float, memory: float, first: int, last: int) -> float:

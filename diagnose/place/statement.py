@@ -23,11 +23,11 @@ _SPEEDS = np.array([0.02, 0.04, 0.08, 0.15])
 Ranges = dict[str, tuple[float, float]]
 
 
-def what_it_follows(found: Symptoms, model: Oscillator, ranges: Ranges) -> tuple[str, Ranges]:
+def what_it_follows(signature: Symptoms, model: Oscillator, ranges: Ranges) -> tuple[str, Ranges]:
     """The first half of the sentence, and the ranges that it narrows."""
-    rows, unit = found.rows, model.response.displacement_unit
-    if found.kind in ("tone", "ringing") and found.line is not None:
-        line = found.line
+    rows, unit = signature.rows, model.response.displacement_unit
+    if signature.kind in ("tone", "ringing") and signature.line is not None:
+        line = signature.line
         pull = quantity(line.amplitude, compose("X/s2", unit))
         what = f"at {line.frequency_hz:.4g} Hz, "
         if line.steady:
@@ -35,12 +35,12 @@ def what_it_follows(found: Symptoms, model: Oscillator, ranges: Ranges) -> tuple
         else:
             what += f"more where the rig moves more, about {pull} per unit mass: a second body that rings"
         return what, {"frequency_hz": (line.frequency_hz, line.frequency_hz)}
-    if found.kind == "displacement":
+    if signature.kind == "displacement":
         what, acts = _over_displacement(rows, unit, ranges["displacement"])
         return what, {"displacement": acts}
-    if found.kind in ("velocity", "damping by position"):
-        return _over_velocity(rows, found, unit), {}
-    return _in_words(found, rows, model, ranges), {}
+    if signature.kind in ("velocity", "damping by position"):
+        return _over_velocity(rows, signature, unit), {}
+    return _in_words(signature, rows, model, ranges), {}
 
 
 def _over_displacement(rows: Rows, unit: str, full: tuple[float, float]) -> tuple[str, tuple[float, float]]:
@@ -76,10 +76,10 @@ def _over_displacement(rows: Rows, unit: str, full: tuple[float, float]) -> tupl
     return f"{where}, alike on both sides: a spring that {bend} otherwise than its cubic term", full
 
 
-def _over_velocity(rows: Rows, found: Symptoms, unit: str) -> str:
+def _over_velocity(rows: Rows, signature: Symptoms, unit: str) -> str:
     """The same for one that follows the velocity."""
     x, v = rows.joined(lambda s: s.x), rows.joined(lambda s: s.v)
-    if found.kind == "damping by position":
+    if signature.kind == "damping by position":
         more = "more" if _slope(rows, x**2 * v) > 0 else "less"
         even = _gain(rows, x**2 * v) > _gain(rows, x * v)
         side = (
@@ -112,17 +112,17 @@ def _over_velocity(rows: Rows, found: Symptoms, unit: str) -> str:
     return "at every displacement, a resistance that grows less with speed than dry and viscous friction"
 
 
-def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) -> str:
+def _in_words(signature: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) -> str:
     """The sentence of the other kinds."""
     unit = model.response.displacement_unit
-    if found.kind == "constant":
+    if signature.kind == "constant":
         pull = _slope(rows, np.ones(rows.target.size))
         shift = -pull / model.omega0.value**2
         return (
             f"always, whatever the motion: a constant pull of {quantity(-pull, compose('X/s2', unit))} per unit mass, "
             f"or a zero of the sensor that is {quantity(shift, unit)} off"
         )
-    if found.kind == "delay":
+    if signature.kind == "delay":
         late = _slope(rows, rows.joined(lambda s: s.drive_rate))
         order = "after" if late > 0 else "before"
         return (
@@ -130,29 +130,29 @@ def _in_words(found: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges) ->
             f"{figure(1e3 * abs(late))} ms {order} what the recorded force says (a delay or lag of actuator, "
             "sensor or clock)"
         )
-    if found.kind == "time":
+    if signature.kind == "time":
         longest = max(float(np.ptp(s.time)) for s in rows.stretches)
         x, t = rows.joined(lambda s: s.x), rows.joined(lambda s: s.time)
         change = _slope(rows, x * t) * longest / model.omega0.value**2
         word = "grows" if change > 0 else "falls"
         part = figure(100 * abs(change), 2)
         return f"as time passes: the stiffness {word} by about {part} % in {figure(longest)} s of a recording"
-    if found.kind == "force":
+    if signature.kind == "force":
         return f"where a force acts, and following it rather than the motion: {_over_force(rows)}"
-    if found.kind == "sensor":
+    if signature.kind == "sensor":
         return (
             "at large displacements, as a sensor that is not straight would show it: in the record, not in the motion"
         )
-    if found.kind == "memory":
+    if signature.kind == "memory":
         return (
-            f"in step with the motion (order 1: {100 * found.first[0]:.0f} % with displacement, "
-            f"{100 * found.first[1]:.0f} % with velocity) and no function of either: a force that remembers, or a "
+            f"in step with the motion (order 1: {100 * signature.first[0]:.0f} % with displacement, "
+            f"{100 * signature.first[1]:.0f} % with velocity) and no function of either: a force that remembers, or a "
             "second body"
         )
-    locked = sum(found.orders.values())
+    locked = sum(signature.orders.values())
     if locked < LOCKED and np.ptp(ranges["amplitude"]) > 0.8 * np.max(ranges["amplitude"]):
         return "at all times and amplitudes, and in step with nothing: noise that is not white, or a force from outside"
-    strongest = max(found.orders, key=lambda k: found.orders[k])
+    strongest = max(signature.orders, key=lambda k: signature.orders[k])
     low, high = ranges["amplitude"]
     return (
         f"at amplitudes from {quantity(low, unit)} to {quantity(high, unit)}, most in order {strongest} of the motion, "
@@ -171,23 +171,23 @@ def _over_force(rows: Rows) -> str:
     return f"of large forces {word} arrives than in proportion"
 
 
-def in_which_recordings(found: Symptoms, names: list[str]) -> str:
+def in_which_recordings(signature: Symptoms, names: list[str]) -> str:
     """In which recordings it is, in which it should be and is not, and which cannot tell."""
-    rows = found.rows
+    rows = signature.rows
     used = list(dict.fromkeys(s.name for s in rows.stretches))
-    here = [name for name in names if name in found.here]
+    here = [name for name in names if name in signature.here]
     driven = {s.name for s in rows.stretches if s.driven}
     free = [name for name in used if name not in driven]
-    if found.kind in ("force", "delay"):
-        rest = with_kind(found)
+    if signature.kind in ("force", "delay"):
+        rest = with_kind(signature)
         still = [s.name for s, beyond in zip(rows.stretches, where_it_is(rest), strict=True) if beyond and not s.driven]
         told = f"free decay ({spoken(free)}) agrees without it" if free and not still else "free decay cannot tell"
         return f"in the forced recordings ({spoken([name for name in here if name in driven])}); {told}"
     if len(here) == len(used):
         return "in every recording" if len(used) > 1 else f"in {here[0]}"
     absent = [name for name in used if name not in here]
-    if found.kind in KINDS:
-        rest = with_kind(found)
+    if signature.kind in KINDS:
+        rest = with_kind(signature)
         quiet = set()
         for i, s in enumerate(rows.stretches):
             made = rows.part(rows.left, i) - rest.part(rest.left, i)

@@ -97,14 +97,14 @@ def _kind(explains: dict[str, float]) -> str:
         if explains.get(name, 0.0) > max(_TELLING, _PLAINER * best):
             return name
     if best < _TELLING:
-        leader = max(explains, key=lambda one: explains[one])
-        strangers = [share for one, share in explains.items() if one not in (leader, *_RELATED.get(leader, ()))]
+        leader = max(explains, key=lambda kind: explains[kind])
+        strangers = [share for kind, share in explains.items() if kind not in (leader, *_RELATED.get(leader, ()))]
         if best < _FAINT or best < _AHEAD * max(strangers, default=0.0):
             return "unknown"
     part = dict.fromkeys(_ORDER, _PLAINER) | _GENERAL
-    name = next(one for one in part if explains.get(one, -1.0) >= part[one] * best)
+    name = next(kind for kind in part if explains.get(kind, -1.0) >= part[kind] * best)
     if name == "displacement and velocity":
-        return max(("displacement", "velocity", "damping by position"), key=lambda one: explains[one])
+        return max(("displacement", "velocity", "damping by position"), key=lambda kind: explains[kind])
     return name
 
 
@@ -119,8 +119,8 @@ def _line_share(rows: Rows, frequency: float) -> float:
     return min(gain / max(float(rows.left @ rows.left - rows.silent @ rows.silent), 1e-300), 1.0)
 
 
-def with_kind(found: Symptoms) -> Rows:
+def with_kind(signature: Symptoms) -> Rows:
     """The rows less what the kind's own free-form terms explain as well."""
-    rows = found.rows
-    whole = np.hstack([rows.base, KINDS[found.kind](rows) * rows.weight[:, None]])
+    rows = signature.rows
+    whole = np.hstack([rows.base, KINDS[signature.kind](rows) * rows.weight[:, None]])
     return replace(rows, left=rows.target - whole @ solve(whole, rows.target))

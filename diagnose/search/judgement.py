@@ -48,12 +48,12 @@ def leaves_mismatch(candidate: Candidate, parts: Sequence[Data]) -> bool:
 def _stretches(candidate: Candidate, parts: Sequence[Data]) -> list[np.ndarray]:
     """What a structure leaves in each stretch of some cycles."""
     fits = [fit for fit in (candidate.fit, candidate.held_out) if fit is not None]
-    found = []
+    stretches = []
     for fit, data in zip(fits, parts, strict=True):
         for segment, residual in zip(data.segments, fit.residuals, strict=True):
             count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * CYCLES)))
-            found += np.array_split(residual, count)
-    return found
+            stretches += np.array_split(residual, count)
+    return stretches
 
 
 def accepted(candidate: Candidate, leader: Candidate, parts: Sequence[Data]) -> bool:

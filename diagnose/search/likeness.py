@@ -36,8 +36,8 @@ def alike(fitted: Fitted, data: Data, law: str, others: Sequence[Law]) -> list[P
         shown = [float(np.mean(zeros_along(data.offsets, fitted.offsets, s)[0])) for s in data.segments]
         initial[:, :2] = initial_states(data.segments, shown)
     smaller = replace(fitted, model=without_term(fitted.model, law), initial=initial)
-    found = by_motion(smaller, _as_simulated(fitted, data), others)
-    return sorted(found, key=lambda proposal: -proposal.gain)
+    proposals = by_motion(smaller, _as_simulated(fitted, data), others)
+    return sorted(proposals, key=lambda proposal: -proposal.gain)
 
 
 def _as_simulated(fitted: Fitted, data: Data) -> Data:

@@ -70,7 +70,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
     """What a fitted model leaves in each segment."""
     from scipy.stats import spearmanr
 
-    found = []
+    left = []
     for i, (segment, residual) in enumerate(zip(data.segments, fitted.residuals, strict=True)):
         name = data.recordings[segment.recording].name
         ratio = float(np.sqrt(np.mean(residual**2))) / expected(fitted, data, i)
@@ -80,7 +80,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
             size = max(4, size // 3)
             count = segment.n // size
         if count < _FEWEST or not np.isfinite(ratio):
-            found.append(Leftover(name, ratio, float(not np.isfinite(ratio)), 0.0, None, short=count < _FEWEST))
+            left.append(Leftover(name, ratio, float(not np.isfinite(ratio)), 0.0, None, short=count < _FEWEST))
             continue
         power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
         motion = segment.response[: count * size] - residual[: count * size]
@@ -92,7 +92,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
         significant = correlation > 0 and chance < _CHANCE
         loudest = int(np.argmax(power))
         burst = power[loudest] > _BURST * float(np.median(power))
-        found.append(
+        left.append(
             Leftover(
                 name,
                 ratio,
@@ -101,7 +101,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
                 segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
             )
         )
-    return tuple(found)
+    return tuple(left)
 
 
 def share_in_step(motion: np.ndarray, residual: np.ndarray) -> float:
@@ -149,22 +149,24 @@ def times_the_noise(residuals: Sequence[np.ndarray], model: Oscillator, data: Da
 def sentence(left: Sequence[Leftover]) -> str | None:
     """What stays beyond the noise, in words; None where nothing does."""
     worst: dict[str, Leftover] = {}
-    for one in sorted((one for one in left if one.is_mismatch), key=lambda one: one.ratio):
-        worst[one.file] = one
-    bad = sorted(worst.values(), key=lambda one: -one.ratio)
+    for leftover in sorted(
+        (leftover for leftover in left if leftover.is_mismatch), key=lambda leftover: leftover.ratio
+    ):
+        worst[leftover.file] = leftover
+    bad = sorted(worst.values(), key=lambda leftover: -leftover.ratio)
     if not bad:
         return None
     parts = []
-    for one in bad[:3]:
-        parts.append(f"{figure(one.ratio)} times the noise in {one.file}{_how(one)}")
+    for leftover in bad[:3]:
+        parts.append(f"{figure(leftover.ratio)} times the noise in {leftover.file}{_how(leftover)}")
     more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recordings"
     return f"there remains {'; '.join(parts)}{more}"
 
 
-def _how(one: Leftover) -> str:
+def _how(leftover: Leftover) -> str:
     """What it keeps to, where the segment is long enough to tell."""
-    if one.with_motion > 0:
+    if leftover.with_motion > 0:
         return ", growing with the motion"
-    if one.in_step > 0:
+    if leftover.in_step > 0:
         return ", in step with the motion"
-    return "" if one.burst_s is None else f", in a burst at {one.burst_s:.4g} s"
+    return "" if leftover.burst_s is None else f", in a burst at {leftover.burst_s:.4g} s"

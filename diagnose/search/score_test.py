@@ -113,13 +113,13 @@ class Screen:
         def best(law: Law) -> Start | None:
             steps = [step for probe in probes(law, self.data.scales) if (step := self._promised(law, probe))]
             steps.sort(key=lambda step: -step.promise)
-            found = [start for step in steps[:_TRIED] if (start := self._kept(self._concentrated(step))) is not None]
+            tried = [start for step in steps[:_TRIED] if (start := self._kept(self._concentrated(step))) is not None]
             progress()
-            return max(found, key=lambda start: start.gain, default=None)
+            return max(tried, key=lambda start: start.gain, default=None)
 
         with ThreadPoolExecutor(max_workers=2) as pool:
-            found = [start for start in pool.map(best, wanted) if start is not None]
-        return sorted(found, key=lambda start: -start.gain)
+            starts = [start for start in pool.map(best, wanted) if start is not None]
+        return sorted(starts, key=lambda start: -start.gain)
 
     def _concentrated(self, step: _Step) -> _Step:
         """The same with the gain that it promises once the noise is what it leaves, not what was left before."""
@@ -156,10 +156,10 @@ class Screen:
         return [old - new for old, new in zip(self.fitted.residuals, residuals, strict=True)]
 
     def _weigh(self, change: list[np.ndarray]) -> list[np.ndarray]:
-        found = []
-        for spectrum, basis, one in zip(self.noise, self.weighed.own, change, strict=True):
-            found.append(_off(basis, spectrum.whiten(one[None]))[0])
-        return found
+        whitened = []
+        for spectrum, basis, difference in zip(self.noise, self.weighed.own, change, strict=True):
+            whitened.append(_off(basis, spectrum.whiten(difference[None]))[0])
+        return whitened
 
     def _step(
         self, law: Law, values: dict[str, float], names: list[str], directions: list[list[np.ndarray]]
@@ -170,7 +170,7 @@ class Screen:
         but one parameter the change may also be scaled, as if it were a strength.
         """
         weighed = [self._weigh(direction) for direction in directions]
-        if not all(np.all(np.isfinite(one)) for direction in weighed for one in direction):
+        if not all(np.all(np.isfinite(change)) for direction in weighed for change in direction):
             return None
         residuals, jacobians = self.weighed.residuals, self.weighed.jacobians
         columns = [np.stack([direction[i] for direction in weighed]) for i in range(len(residuals))]

@@ -247,9 +247,9 @@ class Search:
 
     def _weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
         """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
-        found, told = weighed(fitted, self.data, self._measures[0])
+        evidence, told = weighed(fitted, self.data, self._measures[0])
         # before anything was measured each law of the library was as likely as any other, and one of them in all
-        value = found - len(laws) * math.log(len(self.laws))
+        value = evidence - len(laws) * math.log(len(self.laws))
         if self.holdout is None:
             foreseen = foretold_by_the_others(fitted, self._apart, self._measures[1])
             return Candidate(laws, fitted, None, value, 0.0, foreseen, "judged")
@@ -294,10 +294,10 @@ class Search:
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
             patience = 0 if near else PATIENCE
             starts.append(self._started(laws, proposal.model, proposal.initial, fixed, hoped, patience))
-        found = self._of_each_law([start for start in starts if start is not None])
-        for start in found:
+        added = self._of_each_law([start for start in starts if start is not None])
+        for start in added:
             start.adds = True
-        return found
+        return added
 
     def _of_each_law(self, starts: Sequence[Start]) -> list[Start]:
         """Of a law that was put in at many places, with side valleys between them, the best few."""
@@ -365,13 +365,13 @@ class Search:
 
     def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
         """Starts with the shape of their laws free too, of those that came far."""
-        found = []
+        freed = []
         for start in starts:
             fixed = [name for name in shapes_of(start.model) if name not in start.structure.free]
             if fixed and self._paid(start) > self._paid_by(front) - DECISIVE:
                 kept = [n for n in start.model.parameters() if n not in start.structure.free and n not in fixed]
-                found.append(self._started(start.laws, start.model, start.fitted.initial, kept))
-        return [start for start in found if start is not None]
+                freed.append(self._started(start.laws, start.model, start.fitted.initial, kept))
+        return [start for start in freed if start is not None]
 
     def _simulated(self, leader: Candidate) -> Candidate:
         """The leader fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""

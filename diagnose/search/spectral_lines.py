@@ -18,7 +18,7 @@ def residual_lines(fitted: Fitted, data: Data) -> tuple[float, ...]:
     The periodogram over the smooth spectrum around it is exponentially distributed where there is only noise (Fisher
     1929). A line is placed between the bins by a parabola through its logarithms.
     """
-    found: list[tuple[float, float]] = []
+    peaks: list[tuple[float, float]] = []
     resolution = max(2 * np.pi / (segment.n * segment.dt) for segment in data.segments if segment.n > 64)
     for segment, residual, noise in zip(
         data.segments, fitted.residuals, noise_spectra(fitted.residuals, fitted.model, data), strict=True
@@ -32,9 +32,9 @@ def residual_lines(fitted: Fitted, data: Data) -> tuple[float, ...]:
             left, middle, right = np.log(power[place - 1 : place + 2] + 1e-300)
             bend = left - 2 * middle + right
             shift = 0.5 * (left - right) / bend if bend < 0 else 0.0
-            found.append((float(power[place]), 2 * np.pi * (place + shift) / (segment.n * segment.dt)))
+            peaks.append((float(power[place]), 2 * np.pi * (place + shift) / (segment.n * segment.dt)))
     lines: list[float] = []
-    for _, omega in sorted(found, reverse=True):
+    for _, omega in sorted(peaks, reverse=True):
         if all(abs(omega - known) > 2 * resolution for known in lines):
             lines.append(float(omega))
     return tuple(lines[:_MOST])

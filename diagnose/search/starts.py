@@ -53,15 +53,15 @@ def by_motion(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]
     data = replace(data, scales=replace(data.scales, lines=residual_lines(fitted, data)))
     regression = Regression(data, fitted.model)
     plain = regression.plain()
-    found = []
+    proposals = []
     for guess in regression.guesses(laws):
         gain = regression.gain(plain, guess)
         if gain > 0:
-            found += [
+            proposals += [
                 Proposal(guess.effect, moved.put_into(fitted.model), moved.begun(fitted.initial), gain)
                 for moved in _moved(guess, laws)
             ]
-    return found
+    return proposals
 
 
 def without(fitted: Fitted, data: Data, law: str) -> list[tuple[Oscillator, np.ndarray]]:

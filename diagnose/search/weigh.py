@@ -71,15 +71,15 @@ def foretold(fitted: Fitted, training: Told, data: Data, held_out: Fitted, holdo
 
 def stretches_of(data: Data) -> Data:
     """The same recordings, each segment cut in stretches that are simulated from initial states of their own."""
-    found, places = [], []
+    stretches, places = [], []
     for place, segment in enumerate(data.segments):
         cycles = segment.n * segment.dt * segment.pace / (2 * np.pi)
         count = _PARTS if cycles >= _PARTS * _FEWEST_CYCLES else 1
         edges = np.linspace(0, segment.n, count + 1).round().astype(int).tolist()
-        found += [segment.part(a, b) for a, b in pairwise(edges)]
+        stretches += [segment.part(a, b) for a, b in pairwise(edges)]
         places += [place] * count
     sensor, force = (tuple(levels[place] for place in places) for levels in (data.sensor, data.force))
-    return replace(data, segments=tuple(found), sensor=sensor, force=force)
+    return replace(data, segments=tuple(stretches), sensor=sensor, force=force)
 
 
 def foretold_by_the_others(fitted: Fitted, stretches: Data, measure: Measure) -> float:
@@ -114,7 +114,7 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
     blocks = problem.blocks(state, fitted.residuals, measure.spectra(fitted.residuals))
     k, whole = len(structure.free), initial_prior(fitted.model, data)
     shared = [free.index(name) for name in structure.free]  # free motion says nothing of the mass
-    found = []
+    by_segment = []
     for segment, begin, block, value in zip(
         problem.segments, state.initial, blocks, measure.values(fitted.residuals), strict=True
     ):
@@ -128,8 +128,8 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
         part = told(value, [block], [(where, values, np.array([middle, width]))], k)
         information, gradient = np.zeros((len(free), len(free))), np.zeros(len(free))
         information[np.ix_(shared, shared)], gradient[shared] = part.information, part.gradient
-        found.append(Told(part.log_likelihood, information, gradient))
-    return found
+        by_segment.append(Told(part.log_likelihood, information, gradient))
+    return by_segment
 
 
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:

@@ -35,7 +35,7 @@ def concealed(kind: str, *effects: str, variants: tuple[str, ...] = (), noise: s
     """A rig of about a hundred cycles a recording."""
     spec = Spec(kind, effects, variants or ("",) * len(effects), noise, 0)
     tables, truth = record(draw(spec, seed, cycles=(110.0, 130.0)))
-    found = {
+    recordings = {
         name: Recording(
             name=name,
             fs=truth["fs_hz"],
@@ -44,9 +44,9 @@ def concealed(kind: str, *effects: str, variants: tuple[str, ...] = (), noise: s
         )
         for name, table in tables.items()
     }
-    training = tuple(found[name] for name in TRAINING)
+    training = tuple(recordings[name] for name in TRAINING)
     model = identify(training, name="rig").oscillator
-    return Case(model, training, tuple(found[name] for name in HOLDOUT), truth)
+    return Case(model, training, tuple(recordings[name] for name in HOLDOUT), truth)
 
 
 @pytest.fixture(scope="session")

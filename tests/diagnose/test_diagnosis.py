@@ -29,32 +29,32 @@ def drag(rig, tmp_path_factory):
 @pytest.mark.parametrize("effect", [long("clearance"), "quadratic-drag", long("tonal-disturbance")])
 def test_a_concealed_effect_is_named_and_mended(rig, drag, effect, tmp_path):
     if effect == "quadratic-drag":
-        case, found, fmu = drag
+        case, diagnosis, fmu = drag
     else:
         case, fmu = rig("single", effect), tmp_path / "mended.fmu"
-        found = diagnose(case.model, case.training, case.holdout, fmu=fmu)
-    assert found.verdict == "missing-physics"
-    assert found.effects[0].effect == effect
+        diagnosis = diagnose(case.model, case.training, case.holdout, fmu=fmu)
+    assert diagnosis.verdict == "missing-physics"
+    assert diagnosis.effects[0].effect == effect
     assert fmu.stat().st_size > 0
-    for record in found.records:
+    for record in diagnosis.records:
         if record.holdout:
             floor = case.truth["recordings"][record.file]["noise_floor"]
             assert record.nrmse_after < 1.15 * floor
             assert record.nrmse_after < record.nrmse_before
-    assert loads(dumps(found.model)).values() == found.model.values()
+    assert loads(dumps(diagnosis.model)).values() == diagnosis.model.values()
 
 
 @pytest.mark.parametrize("noise", ["white", long("ar1"), long("quantised")])
 def test_noise_is_not_physics(rig, noise):
     case = rig("none", noise=noise)
-    found = diagnose(case.model, case.training, case.holdout)
-    assert found.effects == ()
-    assert found.verdict == "consistent"
+    diagnosis = diagnose(case.model, case.training, case.holdout)
+    assert diagnosis.effects == ()
+    assert diagnosis.verdict == "consistent"
 
 
 def test_the_file_of_a_diagnosis_has_the_agreed_form(drag):
-    case, found, _ = drag
-    document = json.loads(json.dumps(found.as_json(), allow_nan=False))
+    case, diagnosis, _ = drag
+    document = json.loads(json.dumps(diagnosis.as_json(), allow_nan=False))
     assert document["format"] == "dashpot-diagnosis/1"
     assert {"verdict", "effects", "location", "fit", "parameter_shift", "considered", "next_experiment"} <= set(
         document
@@ -84,17 +84,17 @@ def test_what_cannot_be_split_is_fitted_whole(rig):
     case = rig("none")
     decay = case.training[2]
     cycles = 8 * 2 * np.pi / case.model.omega0.value
-    found = diagnose(case.model, [replace(decay.slice(0, round(cycles * decay.fs)), name="short decay")])
-    assert any("nothing could be held out" in note for note in found.notes)
-    assert not any(record.holdout for record in found.records)
+    diagnosis = diagnose(case.model, [replace(decay.slice(0, round(cycles * decay.fs)), name="short decay")])
+    assert any("nothing could be held out" in note for note in diagnosis.notes)
+    assert not any(record.holdout for record in diagnosis.records)
 
 
 @pytest.mark.parametrize("kind", [("none",), pytest.param(("single", "quadratic-drag"), marks=pytest.mark.long)])
 def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind):
     case = rig(*kind)
-    found = diagnose(case.model, case.training)
-    assert any("no recording was held out" in note for note in found.notes)
-    assert any(record.holdout for record in found.records)
+    diagnosis = diagnose(case.model, case.training)
+    assert any("no recording was held out" in note for note in diagnosis.notes)
+    assert any(record.holdout for record in diagnosis.records)
 
 
 @pytest.mark.long
@@ -113,10 +113,10 @@ def test_another_quantity_is_refused(rig):
 
 def test_decays_alone_leave_the_mass_of_the_model_as_it_is(rig):
     case = rig("none")
-    found = diagnose(case.model, [case.training[2]])
-    assert found.before.values()["mass"] == case.model.values()["mass"]
-    assert found.before.omega0.value == pytest.approx(case.model.omega0.value, rel=0.01)
-    assert found.effects == ()
+    diagnosis = diagnose(case.model, [case.training[2]])
+    assert diagnosis.before.values()["mass"] == case.model.values()["mass"]
+    assert diagnosis.before.omega0.value == pytest.approx(case.model.omega0.value, rel=0.01)
+    assert diagnosis.effects == ()
 
 
 @pytest.mark.long
@@ -136,9 +136,9 @@ def test_one_held_out_recording_that_jumps_is_no_other_rig(rig):
     n = jumped.size
     part = slice(n // 2, n // 2 + n // 10)
     jumped[part] += 0.2 * np.std(jumped) * np.sin(2 * np.pi * 0.03 * np.arange(jumped[part].size))
-    found = diagnose(case.model, case.training, [multisine, replace(sweep, response=jumped)])
-    assert not any("another rig" in note for note in found.notes)
-    assert found.effects[0].effect == "quadratic-drag"
+    diagnosis = diagnose(case.model, case.training, [multisine, replace(sweep, response=jumped)])
+    assert not any("another rig" in note for note in diagnosis.notes)
+    assert diagnosis.effects[0].effect == "quadratic-drag"
 
 
 @pytest.mark.parametrize(("after", "words"), [(0.1, "falls from 50 to 10 %"), (0.6, "rises from 50 to 60 %")])

@@ -32,8 +32,8 @@ def recording(kind, level, hold, seed):
 def test_nothing_is_named_for_a_hold(hold):
     model = Oscillator.from_values(TRUTH | {"mass": 1.01 * TRUTH["mass"]})
     training = [recording("sweep", 1.0, hold, 1), recording("random", 0.5, hold, 2)]
-    found = diagnose(model, training, [recording("random", 1.0, hold, 3)])
-    assert found.effects == ()
-    assert found.verdict == "consistent"
-    assert found.model.hold == hold
-    assert any("fitted so" in note for note in found.notes)
+    diagnosis = diagnose(model, training, [recording("random", 1.0, hold, 3)])
+    assert diagnosis.effects == ()
+    assert diagnosis.verdict == "consistent"
+    assert diagnosis.model.hold == hold
+    assert any("fitted so" in note for note in diagnosis.notes)

@@ -49,10 +49,10 @@ def test_recordings_of_which_none_can_be_used_are_refused_one_by_one(rig):
 
 def test_one_that_cannot_be_used_among_others_is_left_out_and_named(rig):
     case = rig("none")
-    found = diagnose(case.model, [*case.training, noise(20000)], case.holdout)
-    assert any("noise: too quiet" in note and "left out" in note for note in found.notes)
-    assert "noise" not in {record.file for record in found.records}
-    assert found.effects == ()
+    diagnosis = diagnose(case.model, [*case.training, noise(20000)], case.holdout)
+    assert any("noise: too quiet" in note and "left out" in note for note in diagnosis.notes)
+    assert "noise" not in {record.file for record in diagnosis.records}
+    assert diagnosis.effects == ()
 
 
 def test_split_keeps_whole_what_cannot_spare_a_stretch(rig):

@@ -47,10 +47,10 @@ def test_a_fit_to_the_chosen_recording_differs_by_what_was_promised(rivals):
     plan = next_experiment(models, data)
     assert plan.kind in ("sweep", "multisine", "sine")
     assert plan.signal is not None
-    ((one, other, promised),) = plan.separates
-    assert (one, other) == ("quadratic-drag", "cubic-damping")
-    new = data_of([played(models[one], plan.signal, seed=5)], models[one])
-    right = Structure(models[one], new).fit(most=30, tolerance=0.1).residuals[0]
+    ((name, other, promised),) = plan.separates
+    assert (name, other) == ("quadratic-drag", "cubic-damping")
+    new = data_of([played(models[name], plan.signal, seed=5)], models[name])
+    right = Structure(models[name], new).fit(most=30, tolerance=0.1).residuals[0]
     wrong = Structure(models[other], new).fit(most=30, tolerance=0.1).residuals[0]
     really = np.sqrt(max(float(wrong @ wrong - right @ right), 0.0)) / NOISE
     assert promised > 5
@@ -114,4 +114,4 @@ def test_a_rival_that_ran_away_is_left_out(rivals):
     runaway = with_term(Oscillator.from_values(VALUES), "attached-resonator", fast)
     plan = next_experiment({**models, "attached-resonator": runaway}, data)
     assert plan.kind in ("sweep", "multisine", "sine")
-    assert {one for pair in plan.separates for one in pair[:2]} == set(models)
+    assert {name for pair in plan.separates for name in pair[:2]} == set(models)

@@ -59,8 +59,8 @@ def test_derivatives_are_differences_of_whitened_responses(rehearsed):
         ahead, behind = (rehearsed(**{name: LINEAR[name] + sign * step}) for sign in (1, -1))
         for i in range(2):
             slope = played.noise[i].whiten(ahead.raw[i] - behind.raw[i]) / (2 * step)
-            found = played.derivatives[i][names.index(name)]
-            assert found == pytest.approx(slope, abs=2e-3 * np.max(np.abs(slope)) + 1e-9), (name, i)
+            derivative = played.derivatives[i][names.index(name)]
+            assert derivative == pytest.approx(slope, abs=2e-3 * np.max(np.abs(slope)) + 1e-9), (name, i)
 
 
 def test_noise_is_the_sensors_and_fewer_samples_count_for_as_much(rehearsed, data):
@@ -109,29 +109,32 @@ def test_what_can_be_imitated_is_taken_off():
 
 
 def test_models_that_re_tune_into_one_another_are_not_apart(rehearsed):
-    one, other = rehearsed(), rehearsed(viscous=LINEAR["viscous"] * 1.001)
+    reference, other = rehearsed(), rehearsed(viscous=LINEAR["viscous"] * 1.001)
     for i in range(2):
-        difference = np.linalg.norm(one.responses[i] - other.responses[i])
+        difference = np.linalg.norm(reference.responses[i] - other.responses[i])
         assert difference > 0.1
-        assert apart(one, other, i) < 0.01 * difference
-        assert apart(one, one, i) == 0.0
+        assert apart(reference, other, i) < 0.01 * difference
+        assert apart(reference, reference, i) == 0.0
 
 
 def test_the_more_easily_imitated_direction_counts(rehearsed):
     """A drag can become nothing, nothing can become no drag: what tells them apart is what neither imitates."""
-    one, other = rehearsed(), rehearsed(effect="quadratic-drag", parameters={"coefficient": 5.0})
-    both = [float(np.linalg.norm(off(one.responses[1] - other.responses[1], m.derivatives[1]))) for m in (one, other)]
-    assert apart(one, other, 1) == pytest.approx(min(both))
-    assert apart(one, other, 1) == pytest.approx(apart(other, one, 1))
+    reference, other = rehearsed(), rehearsed(effect="quadratic-drag", parameters={"coefficient": 5.0})
+    both = [
+        float(np.linalg.norm(off(reference.responses[1] - other.responses[1], m.derivatives[1])))
+        for m in (reference, other)
+    ]
+    assert apart(reference, other, 1) == pytest.approx(min(both))
+    assert apart(reference, other, 1) == pytest.approx(apart(other, reference, 1))
 
 
 def test_a_fit_imitates_at_least_as_well_as_the_linearised(rehearsed):
-    one, other = rehearsed(), rehearsed(viscous=LINEAR["viscous"] * 1.2)
-    assert one.imitates(other, 1) < 0.05 * float(np.linalg.norm(one.responses[1] - other.responses[1]))
+    reference, other = rehearsed(), rehearsed(viscous=LINEAR["viscous"] * 1.2)
+    assert reference.imitates(other, 1) < 0.05 * float(np.linalg.norm(reference.responses[1] - other.responses[1]))
     drag = rehearsed(effect="quadratic-drag", parameters={"coefficient": 20.0})
-    stays = one.imitates(drag, 0)
+    stays = reference.imitates(drag, 0)
     assert stays > 5.0
-    assert drag.imitates(one, 0) < 0.1 * stays  # which can become nothing
+    assert drag.imitates(reference, 0) < 0.1 * stays  # which can become nothing
 
 
 def test_a_model_that_does_not_simulate_differs_from_nothing(rehearsed):

@@ -107,8 +107,8 @@ def test_blocks_of_the_next_stretch_are_others(stretch):
 
 @pytest.mark.parametrize("kind", FORCES)
 def test_a_force_is_explained_by_the_coordinate_that_it_follows(kind, stretch):
-    found = shares(rows_of([stretch(FORCES[kind]), stretch(FORCES[kind], name="decay", driven=False, seed=1)]))
-    assert found[kind] == pytest.approx(1.0, abs=0.12)
+    fractions = shares(rows_of([stretch(FORCES[kind]), stretch(FORCES[kind], name="decay", driven=False, seed=1)]))
+    assert fractions[kind] == pytest.approx(1.0, abs=0.12)
     strangers = {
         "constant": ("delay", "time", "damping by position"),
         "displacement": ("constant", "velocity", "delay", "time", "force"),
@@ -119,7 +119,7 @@ def test_a_force_is_explained_by_the_coordinate_that_it_follows(kind, stretch):
         "time": ("constant", "displacement", "velocity", "force"),
         "memory": ("constant", "delay", "time", "force"),
     }[kind]
-    assert all(found[name] < 0.6 for name in strangers), found
+    assert all(fractions[name] < 0.6 for name in strangers), fractions
 
 
 def test_a_sensor_that_bends_is_explained_as_one(stretch):
@@ -144,8 +144,8 @@ def test_a_damper_behind_a_spring_is_a_memory(stretch):
         return 3e3 * lfilter([1.0, -1.0], [1.0, -np.exp(-step * turn)], s.x - s.x[0])
 
     # nearly all of it is a spring and a damping that the family bends; what is left must be told
-    found = shares(rows_of([stretch(relaxing)]))
-    assert found["memory"] > 0.8
+    fractions = shares(rows_of([stretch(relaxing)]))
+    assert fractions["memory"] > 0.8
 
 
 def test_a_path_that_lags_or_holds_back_at_turns_follows_the_force(stretch):

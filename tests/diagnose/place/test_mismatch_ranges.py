@@ -45,16 +45,16 @@ def test_what_is_faint_beside_the_largest_is_not_in_the_range(stretch):
         assert (low < -2.5e-3) == reaches
 
 
-@pytest.mark.parametrize(("samples", "found"), [(59, False), (60, True)])
-def test_three_samples_a_bin_are_the_fewest(samples, found, stretch):
+@pytest.mark.parametrize(("samples", "enough"), [(59, False), (60, True)])
+def test_three_samples_a_bin_are_the_fewest(samples, enough, stretch):
     rows = rows_of([stretch(lambda s: np.full(s.n, 5.0))])
     rows = replace(rows, left=rows.target, silent=rows.noise)
     use = np.zeros(rows.target.size, bool)
     use[:samples] = True
     # a coordinate with so many samples in one bin that it may be judged
     values = np.where(np.arange(rows.target.size) % 2, 0.0, 1.0)
-    assert (excess_range(rows, values, use) is not None) == found
-    assert (excess_range(rows, np.where(use, values, np.nan)) is not None) == found
+    assert (excess_range(rows, values, use) is not None) == enough
+    assert (excess_range(rows, np.where(use, values, np.nan)) is not None) == enough
 
 
 def test_each_stretch_is_judged_by_its_own_noise(stretch):
@@ -92,19 +92,19 @@ def with_left(rows, left):
 def test_a_force_in_step_with_the_motion_has_its_order(order, stretch):
     rows = rows_of([stretch()])
     phase = rows.joined(lambda s: s.phase)
-    found, _ = orders(with_left(rows, np.cos(order * phase + 0.4)))
-    assert found[order] == pytest.approx(1.0, abs=1e-9)
-    assert sum(found.values()) == pytest.approx(1.0, abs=1e-9)
+    by_order, _ = orders(with_left(rows, np.cos(order * phase + 0.4)))
+    assert by_order[order] == pytest.approx(1.0, abs=1e-9)
+    assert sum(by_order.values()) == pytest.approx(1.0, abs=1e-9)
 
 
 def test_orders_share_the_power_and_what_keeps_no_step_has_none(stretch):
     rows = rows_of([stretch(), stretch(cycles=60, seed=1)])
     phase, time = rows.joined(lambda s: s.phase), rows.joined(lambda s: s.time)
     left = np.cos(phase) + 2 * np.sin(3 * phase) + np.sqrt(5) * np.cos(0.4333 * 62.8 * time)
-    found, first = orders(with_left(rows, left))
-    assert found[1] == pytest.approx(0.1, abs=0.02)
-    assert found[3] == pytest.approx(0.4, abs=0.02)
-    assert sum(found.values()) == pytest.approx(0.5, abs=0.05)
+    by_order, first = orders(with_left(rows, left))
+    assert by_order[1] == pytest.approx(0.1, abs=0.02)
+    assert by_order[3] == pytest.approx(0.4, abs=0.02)
+    assert sum(by_order.values()) == pytest.approx(0.5, abs=0.05)
     assert first == (pytest.approx(0.1, abs=0.02), pytest.approx(0.0, abs=0.01))
     _, first = orders(with_left(rows, np.sin(phase)))
     assert first == (pytest.approx(0.0, abs=1e-9), pytest.approx(1.0))
@@ -113,9 +113,9 @@ def test_orders_share_the_power_and_what_keeps_no_step_has_none(stretch):
 def test_the_noise_in_an_order_is_taken_off(stretch):
     rows = rows_of([stretch()])
     phase = rows.joined(lambda s: s.phase)
-    found, first = orders(replace(rows, left=np.cos(phase) + np.cos(2 * phase), silent=np.cos(2 * phase)))
-    assert found[1] == pytest.approx(1.0)
-    assert found[2] == pytest.approx(0.0, abs=1e-9)
+    by_order, first = orders(replace(rows, left=np.cos(phase) + np.cos(2 * phase), silent=np.cos(2 * phase)))
+    assert by_order[1] == pytest.approx(1.0)
+    assert by_order[2] == pytest.approx(0.0, abs=1e-9)
     assert first[0] == pytest.approx(1.0)
 
 
@@ -154,9 +154,9 @@ def test_noise_has_no_line(stretch):
         assert line_in(rows_of([stretch(seed=seed)])) is None
 
 
-@pytest.mark.parametrize(("cycles", "found"), [(79, False), (83, True)])
-def test_a_line_takes_eighty_cycles(cycles, found, stretch):
-    assert (line_in(rows_of([stretch(tone(0.3), cycles=cycles)])) is not None) == found
+@pytest.mark.parametrize(("cycles", "enough"), [(79, False), (83, True)])
+def test_a_line_takes_eighty_cycles(cycles, enough, stretch):
+    assert (line_in(rows_of([stretch(tone(0.3), cycles=cycles)])) is not None) == enough
 
 
 def test_a_passage_of_a_sweep_is_no_line(stretch):

@@ -26,9 +26,9 @@ def agreement(force) -> float:
 
 def test_the_smoother_finds_the_drag_that_the_law_names(rig):
     data, family, mended = fits(rig("single", "quadratic-drag"), "quadratic-drag")
-    found = latent_forces(family, data, mended.model)
-    assert {force.file for force in found} == {"sweep_high", "sweep_low", "ringdown"}
-    loudest = max(found, key=lambda force: np.std(force.force))
+    forces = latent_forces(family, data, mended.model)
+    assert {force.file for force in forces} == {"sweep_high", "sweep_low", "ringdown"}
+    loudest = max(forces, key=lambda force: np.std(force.force))
     assert agreement(loudest) == pytest.approx(1.0, abs=0.1)
     assert np.corrcoef(loudest.force, loudest.named)[0, 1] > 0.9
     drag = mended.model.values()["quadratic-drag.coefficient"]
@@ -53,9 +53,9 @@ def test_a_delay_is_the_difference_of_two_forces(rig):
     case = rig("single", "time-delay")
     (delay,) = (value for name, value in case.truth["parameters"].items() if name.endswith("_delay"))
     data, family, mended = fits(case, "time-delay", {"delay": delay})
-    found = {force.file: force for force in latent_forces(family, data, mended.model)}
-    assert np.corrcoef(found["sweep_high"].force, found["sweep_high"].named)[0, 1] > 0.8
-    assert not np.any(found["ringdown"].named)
+    by_file = {force.file: force for force in latent_forces(family, data, mended.model)}
+    assert np.corrcoef(by_file["sweep_high"].force, by_file["sweep_high"].named)[0, 1] > 0.8
+    assert not np.any(by_file["ringdown"].named)
 
 
 def test_nothing_is_named_where_the_sensor_is_to_blame_or_nobody(rig):

@@ -42,13 +42,13 @@ def smoother_of(family: Oscillator, recording: Recording) -> Smoother:
 def test_it_finds_the_drag_that_the_model_lacks(quantity):
     base = Oscillator.from_values(VALUES)
     smoother = smoother_of(base, recorded(with_term(base, "quadratic-drag", {"coefficient": 20.0}), quantity))
-    found = smoother.smooth()
-    inside = found.moving.copy()
+    smoothed = smoother.smooth()
+    inside = smoothed.moving.copy()
     inside[:100] = inside[-100:] = False
-    drag = 20.0 * found.velocity * np.abs(found.velocity)
-    assert np.corrcoef(found.force[inside], drag[inside])[0, 1] > 0.93
-    assert found.force[inside] @ drag[inside] / (drag[inside] @ drag[inside]) == pytest.approx(1.0, abs=0.06)
-    assert np.mean(np.abs(found.force - drag)[inside] < 2 * found.std[inside]) > 0.9
+    drag = 20.0 * smoothed.velocity * np.abs(smoothed.velocity)
+    assert np.corrcoef(smoothed.force[inside], drag[inside])[0, 1] > 0.93
+    assert smoothed.force[inside] @ drag[inside] / (drag[inside] @ drag[inside]) == pytest.approx(1.0, abs=0.06)
+    assert np.mean(np.abs(smoothed.force - drag)[inside] < 2 * smoothed.std[inside]) > 0.9
 
 
 def test_it_finds_nothing_where_nothing_is_missing():

@@ -20,9 +20,9 @@ TONE = 3.37
 
 
 def said(stretch, force, *, kind=None, ranges=None, **more):
-    found = symptoms([stretch(force, cycles=200, **more)])
-    assert kind is None or found.kind == kind, found.shares
-    return what_it_follows(found, MODEL, FULL | (ranges or {}))
+    signature = symptoms([stretch(force, cycles=200, **more)])
+    assert kind is None or signature.kind == kind, signature.shares
+    return what_it_follows(signature, MODEL, FULL | (ranges or {}))
 
 
 @pytest.mark.parametrize(
@@ -114,8 +114,8 @@ def test_what_rings_with_the_motion_is_told_as_a_second_body(stretch):
     def ringing(level):
         return lambda s: level * np.cos(2 * np.pi * TONE * s.time)
 
-    found = symptoms([stretch(ringing(0.5), name="loud"), stretch(ringing(0.2), name="quiet", seed=1)])
-    statement, _ = what_it_follows(found, MODEL, FULL)
+    signature = symptoms([stretch(ringing(0.5), name="loud"), stretch(ringing(0.2), name="quiet", seed=1)])
+    statement, _ = what_it_follows(signature, MODEL, FULL)
     assert "a second body that rings" in statement
 
 

@@ -82,35 +82,35 @@ def test_less_than_a_third_tells_only_where_no_stranger_tells_as_much():
     ],
 )
 def test_a_force_is_followed_to_its_path(name, path, force, stretch):
-    found = symptoms([stretch(force, name="sweep"), stretch(force, name="decay", driven=name != "delay", seed=1)])
-    assert found.kind == name, found.shares
-    assert found.path == path
-    assert "sweep" in found.here
+    signature = symptoms([stretch(force, name="sweep"), stretch(force, name="decay", driven=name != "delay", seed=1)])
+    assert signature.kind == name, signature.shares
+    assert signature.path == path
+    assert "sweep" in signature.here
 
 
 def test_a_tone_that_rings_with_the_motion_is_a_second_body(stretch):
     def ringing(level):
         return lambda s: level * np.cos(2 * np.pi * TONE * s.time)
 
-    found = symptoms([stretch(ringing(0.5), name="loud"), stretch(ringing(0.2), name="quiet", seed=1)])
-    assert found.kind == "ringing"
-    assert found.path == "inertia"
-    assert found.line is not None
-    assert not found.line.steady
+    signature = symptoms([stretch(ringing(0.5), name="loud"), stretch(ringing(0.2), name="quiet", seed=1)])
+    assert signature.kind == "ringing"
+    assert signature.path == "inertia"
+    assert signature.line is not None
+    assert not signature.line.steady
 
 
 def test_noise_follows_nothing_and_is_nowhere(stretch):
-    found = symptoms([stretch(), stretch(name="other", seed=1)])
-    assert found.here == ()
-    assert found.line is None
+    signature = symptoms([stretch(), stretch(name="other", seed=1)])
+    assert signature.here == ()
+    assert signature.line is None
 
 
 def test_each_recording_is_named_once_and_only_where_it_is(stretch):
     def even(s):  # no odd term of the family can bend itself to it
         return np.cos(2 * s.phase)
 
-    found = symptoms([stretch(even, name="a"), stretch(even, name="a", seed=1), stretch(name="b", seed=2)])
-    assert found.here == ("a",)
+    signature = symptoms([stretch(even, name="a"), stretch(even, name="a", seed=1), stretch(name="b", seed=2)])
+    assert signature.here == ("a",)
 
 
 @pytest.mark.parametrize(("part", "name"), [(0.25, "unknown"), (0.5, "memory")])
@@ -122,16 +122,16 @@ def test_a_memory_keeps_step_with_the_motion(part, name, stretch):
         wanders = np.random.default_rng(3).standard_normal(s.n)
         return np.sqrt(part) * remembers / np.std(remembers) + np.sqrt(1 - part) * wanders
 
-    found = symptoms([stretch(both, cycles=400)])
-    assert max(found.shares, key=lambda kind: found.shares[kind]) == "memory"
-    assert found.shares["memory"] == pytest.approx(part, abs=0.05)
-    assert (sum(found.orders.values()) > 0.4) == (name == "memory")
-    assert found.kind == name
+    signature = symptoms([stretch(both, cycles=400)])
+    assert max(signature.shares, key=lambda kind: signature.shares[kind]) == "memory"
+    assert signature.shares["memory"] == pytest.approx(part, abs=0.05)
+    assert (sum(signature.orders.values()) > 0.4) == (name == "memory")
+    assert signature.kind == name
 
 
 def test_the_rest_is_without_what_the_kind_explains(stretch):
-    found = symptoms([stretch(lambda s: 60.0 * s.v * np.abs(s.v))])
-    rest = with_kind(found)
-    assert found.kind == "velocity"
-    assert rest.left @ rest.left < 1.5 * (rest.silent @ rest.silent) < 0.2 * (found.rows.left @ found.rows.left)
-    assert np.array_equal(rest.target, found.rows.target)
+    signature = symptoms([stretch(lambda s: 60.0 * s.v * np.abs(s.v))])
+    rest = with_kind(signature)
+    assert signature.kind == "velocity"
+    assert rest.left @ rest.left < 1.5 * (rest.silent @ rest.silent) < 0.2 * (signature.rows.left @ signature.rows.left)
+    assert np.array_equal(rest.target, signature.rows.target)

@@ -102,8 +102,8 @@ def test_what_was_not_judged_is_no_rival():
 
 
 def test_a_mismatch_anywhere_is_one():
-    one = data(1.0)
-    both = replace(one, segments=one.segments * 2, sensor=(1.0, 1.0), force=(0.0, 0.0))
+    single = data(1.0)
+    both = replace(single, segments=single.segments * 2, sensor=(1.0, 1.0), force=(0.0, 0.0))
     n = CYCLES * 100
     quiet = replace(candidate(), held_out=None)
     assert quiet.fit is not None

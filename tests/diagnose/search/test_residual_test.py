@@ -84,9 +84,9 @@ def test_a_short_stretch_is_judged_by_its_size_alone():
 @pytest.mark.parametrize(("cycles", "short"), [(11.9, True), (12.1, False), (35.9, False), (36.1, False)])
 def test_six_windows_of_two_cycles_are_the_fewest(cycles, short):
     motion, _ = motion_of(cycles)
-    (found,) = leftovers(*left_by((motion, white(motion.size))))
-    assert found.short == short
-    assert not found.is_mismatch
+    (leftover,) = leftovers(*left_by((motion, white(motion.size))))
+    assert leftover.short == short
+    assert not leftover.is_mismatch
 
 
 @pytest.mark.parametrize(("per_cycle", "n", "width"), [(2.0, 25, 4), (0.5, 32, 4), (1.0, 36, 6)])
@@ -94,9 +94,9 @@ def test_a_window_has_four_samples_at_least(per_cycle, n, width):
     """Of fewer no power can be told; a recording that coarse says little else."""
     fit, data = left_by((np.cos(np.arange(n) * 1.0), np.where(np.arange(n) == 9, 50 * NOISE, white(n))))
     coarse = replace(data.segments[0], dt=2 * np.pi / OMEGA / per_cycle)
-    (found,) = leftovers(fit, replace(data, segments=(coarse,)))
-    assert not found.short
-    assert found.burst_s == pytest.approx((9 // width + 0.5) * width * coarse.dt)
+    (leftover,) = leftovers(fit, replace(data, segments=(coarse,)))
+    assert not leftover.short
+    assert leftover.burst_s == pytest.approx((9 // width + 0.5) * width * coarse.dt)
 
 
 @pytest.mark.parametrize(("cycles", "width"), [(35.0, 2.0), (37.0, 6.0), (120.0, 6.0)])
@@ -106,10 +106,10 @@ def test_a_burst_is_placed_in_the_middle_of_its_window(cycles, width):
     place = 14.5  # cycles
     here = slice(round(place * PER_CYCLE), round((place + 1) * PER_CYCLE))
     residual[here] += 40 * NOISE
-    (found,) = leftovers(*left_by((motion, residual), begin=3.0))
+    (leftover,) = leftovers(*left_by((motion, residual), begin=3.0))
     middle = (np.floor(place / width) + 0.5) * width * 2 * np.pi / OMEGA
-    assert found.burst_s == pytest.approx(3.0 + middle, rel=1e-9)
-    assert found.is_mismatch
+    assert leftover.burst_s == pytest.approx(3.0 + middle, rel=1e-9)
+    assert leftover.is_mismatch
 
 
 @pytest.mark.parametrize(("times", "bursts"), [(27.0, False), (33.0, True)])
@@ -117,8 +117,8 @@ def test_a_burst_has_thirty_times_the_usual_power(times, bursts):
     motion, _ = motion_of(120)
     residual = np.sign(white(motion.size)) * NOISE  # all windows alike but for one
     residual[480:720] *= np.sqrt(times)
-    (found,) = leftovers(*left_by((motion, residual)))
-    assert (found.burst_s is not None) == bursts
+    (leftover,) = leftovers(*left_by((motion, residual)))
+    assert (leftover.burst_s is not None) == bursts
 
 
 def test_the_ratio_is_rms_over_that_of_the_noise():
@@ -142,9 +142,9 @@ def test_power_that_grows_with_the_motion_is_a_mismatch():
     random = np.random.default_rng(1)
     swell = np.abs(0.55 - 0.45 * np.cos(4 * np.pi * np.arange(motion.size) / motion.size))
     growing = 3 * NOISE * swell * random.standard_normal(motion.size)  # keeps step with nothing
-    (found,) = leftovers(*left_by((motion, growing)))
-    assert found.with_motion > 0.7
-    assert found.in_step == 0.0
+    (leftover,) = leftovers(*left_by((motion, growing)))
+    assert leftover.with_motion > 0.7
+    assert leftover.in_step == 0.0
     falling = 3 * NOISE * (1.1 - swell) * random.standard_normal(motion.size)
     assert leftovers(*left_by((motion, falling)))[0].with_motion == 0.0
 
@@ -157,8 +157,8 @@ def test_a_rank_correlation_by_chance_once_in_two_thousand_counts_for_none():
     signs = np.sign(white(2400))
     for order, significant in (([1, 0, 3, 2, 5, 4, 6, 7, 8, 9], True), ([3, 1, 0, 6, 2, 4, 9, 5, 7, 8], False)):
         residual = np.concatenate([(20 + k) * np.ones(240) for k in order]) * signs * 1e-6
-        (found,) = leftovers(*left_by((motion, residual)))
-        assert (found.with_motion > 0) == significant
+        (leftover,) = leftovers(*left_by((motion, residual)))
+        assert (leftover.with_motion > 0) == significant
 
 
 def test_a_motion_or_a_residual_of_one_size_grows_with_nothing():
@@ -175,13 +175,13 @@ def test_what_does_not_simulate_is_a_mismatch(value):
     motion, _ = motion_of(60)
     residual = white(motion.size)
     residual[-1] = value
-    (found,) = leftovers(*left_by((motion, residual)))
-    assert found.with_motion == 1.0
-    assert not found.short
+    (leftover,) = leftovers(*left_by((motion, residual)))
+    assert leftover.with_motion == 1.0
+    assert not leftover.short
     short, _ = motion_of(5)
-    (found,) = leftovers(*left_by((short, np.full(short.size, value))))
-    assert found.short
-    assert found.is_mismatch
+    (leftover,) = leftovers(*left_by((short, np.full(short.size, value))))
+    assert leftover.short
+    assert leftover.is_mismatch
 
 
 # --- in step with the motion
@@ -236,9 +236,9 @@ def test_noise_of_any_colour_is_no_mismatch():
     random = np.random.default_rng(3)
     for noise in (coloured, stepped):
         pairs = [(motion_of(cycles)[0], 5 * NOISE * noise(random, cycles * PER_CYCLE)) for cycles in (60, 200)]
-        found = leftovers(*left_by(*pairs))
-        assert max(one.ratio for one in found) > 2
-        assert sentence(found) is None
+        remaining = leftovers(*left_by(*pairs))
+        assert max(leftover.ratio for leftover in remaining) > 2
+        assert sentence(remaining) is None
 
 
 # --- in words
@@ -301,7 +301,7 @@ def test_noise_of_any_colour_is_no_mismatch_of_a_rig(fitted, noise):
     random = np.random.default_rng(3)
     residuals = tuple(5 * np.std(r) * noise(random, r.size) for r in fit.residuals)
     left = leftovers(*with_residuals(data, fit, residuals))
-    assert max(one.ratio for one in left) > 2
+    assert max(leftover.ratio for leftover in left) > 2
     assert sentence(left) is None
 
 
@@ -324,8 +324,8 @@ def test_what_keeps_step_with_a_rig_is_a_mismatch_however_large_the_motion_is(fi
         speed = np.gradient(segment.response - r)
         residuals.append(r + 1.5 * np.std(r) * np.sign(speed))  # as of play in the sensor
     left = leftovers(*with_residuals(data, fit, residuals))
-    assert all(one.in_step > 0.3 and one.is_mismatch for one in left)
-    assert "in step with the motion" in (sentence(left) or "") or any(one.with_motion for one in left)
+    assert all(leftover.in_step > 0.3 and leftover.is_mismatch for leftover in left)
+    assert "in step with the motion" in (sentence(left) or "") or any(leftover.with_motion for leftover in left)
 
 
 @pytest.mark.long

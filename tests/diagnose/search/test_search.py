@@ -57,7 +57,7 @@ def test_where_nothing_could_be_held_out_training_counts_once(rig, without):
     case = rig("single", "clearance")
     data, holdout = data_of(case.training, case.model), data_of(case.holdout, case.model)
     search = Search(data, None if without else holdout, [find("clearance")])
-    found = search.from_family(search.best_of_family(case.model))
-    assert found.laws == ("clearance",)
-    assert (found.predictive == 0.0) is without
-    assert found.value == found.evidence + found.predictive
+    selected = search.from_family(search.best_of_family(case.model))
+    assert selected.laws == ("clearance",)
+    assert (selected.predictive == 0.0) is without
+    assert selected.value == selected.evidence + selected.predictive

@@ -50,15 +50,15 @@ def known(monkeypatch):
 @pytest.mark.parametrize("part", [0.0, 0.25, 0.45, -0.3])
 def test_a_line_between_the_bins_is_placed_there(part, known):
     """By the parabola through the logarithms of a Hann window's main lobe, a few hundredths of a bin off."""
-    (found,) = lines_of(tone(200 + part, 300.0))
-    assert found == pytest.approx((200 + part) * RESOLUTION, abs=0.06 * RESOLUTION)
+    (line,) = lines_of(tone(200 + part, 300.0))
+    assert line == pytest.approx((200 + part) * RESOLUTION, abs=0.06 * RESOLUTION)
 
 
-@pytest.mark.parametrize(("part", "found"), [(0.97, False), (1.03, True)])
+@pytest.mark.parametrize(("part", "stands_out"), [(0.97, False), (1.03, True)])
 @pytest.mark.parametrize("n", [500, N])
-def test_a_line_stands_out_by_six_beyond_the_logarithm_of_the_number_of_bins(part, found, n, known):
+def test_a_line_stands_out_by_six_beyond_the_logarithm_of_the_number_of_bins(part, stands_out, n, known):
     limit = np.log(n // 2 + 1) + 6.0
-    assert (len(lines_of(tone(40 * N / n, part * limit, n))) > 0) == found
+    assert (len(lines_of(tone(40 * N / n, part * limit, n))) > 0) == stands_out
 
 
 def test_noise_has_lines_once_in_four_hundred():
@@ -68,15 +68,15 @@ def test_noise_has_lines_once_in_four_hundred():
 
 def test_a_line_is_found_in_noise_whose_spectrum_is_estimated():
     n = 5 * N
-    found = lines_of(noise(n=n) + tone(200.3, 60.0, n))
-    assert found == (pytest.approx(200.3 * RESOLUTION, abs=0.1 * RESOLUTION),)
+    lines = lines_of(noise(n=n) + tone(200.3, 60.0, n))
+    assert lines == (pytest.approx(200.3 * RESOLUTION, abs=0.1 * RESOLUTION),)
 
 
 def test_the_strongest_comes_first_and_four_are_the_most(known):
     first = tone(150, 30.0) + tone(400, 90.0)
     second = tone(700, 60.0) + tone(1000, 80.0)
-    found = np.array(lines_of(first, second, tone(1300, 40.0))) / RESOLUTION
-    assert found == pytest.approx([400.0, 1000.0, 700.0, 1300.0], abs=0.05)
+    lines = np.array(lines_of(first, second, tone(1300, 40.0))) / RESOLUTION
+    assert lines == pytest.approx([400.0, 1000.0, 700.0, 1300.0], abs=0.05)
 
 
 def test_bins_beside_a_line_are_no_other_lines(known):
@@ -110,9 +110,9 @@ def test_the_shortest_record_sets_how_near_lines_may_be(known):
 
 @pytest.mark.parametrize(("place", "count"), [(1.0, 0), (3.0, 1), (5.0, 1)])
 def test_what_is_slower_than_three_bins_is_drift(place, count, known):
-    found = lines_of(tone(place, 18.0))
-    assert len(found) == count
-    assert all(line == pytest.approx(place * RESOLUTION, abs=1.2 * RESOLUTION) for line in found)
+    lines = lines_of(tone(place, 18.0))
+    assert len(lines) == count
+    assert all(line == pytest.approx(place * RESOLUTION, abs=1.2 * RESOLUTION) for line in lines)
 
 
 def test_the_highest_bin_is_no_line(known):
