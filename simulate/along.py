@@ -6,11 +6,12 @@ import ctypes
 import tempfile
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from .. import engine
-from ..model.law import Law, Motion
+from ..model.law import Expression, Law, Motion
 from .compiler import shared_library
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
@@ -46,6 +47,7 @@ class Along:
         if motion.signs:
             plain = ca.vertcat(*[ca.sign(surface) for surface in motion.surfaces])
             values, rates = ca.substitute([values, rates], [ca.vertcat(*motion.signs)], [plain])
+        self._filter = None if law.drive is None else _linear(inner, u, p, made, rates)
         z = ca.SX.sym("z", inner.numel())
         given_motion = ca.SX.sym("motion", 4)
         values, rates = ca.substitute([values, rates], [ca.vertcat(x, v, t, u)], [given_motion])
@@ -93,6 +95,8 @@ class Along:
         p = np.array([parameters[parameter.name] for parameter in self.law.parameters])
         begin = np.array([0.0 if leader is None else motion[0, leader] for leader in self.follows] or [0.0])
         begin += shift
+        if self._filter is not None:
+            return _filtered(*(np.array(part) for part in self._filter(p)), motion[:, 3], dt)[None, :]
         out = np.empty((motion.shape[0], self.values))
         parts = self._parts(begin, motion, p, dt)
         self._along(
@@ -117,3 +121,28 @@ class Along:
             if np.all(np.isfinite(matrix)):
                 fastest = max(fastest, float(np.max(np.abs(np.linalg.eigvals(matrix)))))
         return int(np.clip(np.ceil(fastest * dt / _TURN), 1, _MOST_PARTS))
+
+
+def _linear(inner: Expression, force: Expression, p: Expression, made: Expression, rates: Expression) -> Any:
+    """(p) -> A, B, C, D of ``inner' = A inner + B force``, ``made = C inner + D force``; None where it is not linear."""
+    import casadi as ca
+
+    if not inner.numel():
+        return None
+    known = ca.vertcat(inner, force)
+    slopes = ca.jacobian(ca.vertcat(rates, made), known)
+    free = [symbol for symbol in ca.symvar(ca.vertcat(rates, made)) if not ca.depends_on(ca.vertcat(known, p), symbol)]
+    if free or ca.depends_on(slopes, known):  # the motion or a switch has a part in it
+        return None
+    count = inner.numel()
+    parts = slopes[:count, :count], slopes[:count, count], slopes[count, :count], slopes[count, count]
+    return ca.Function("linear", [p], [ca.densify(part) for part in parts])
+
+
+def _filtered(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, force: np.ndarray, dt: float) -> np.ndarray:
+    """(n,) what a linear system at rest makes of a force in straight lines between points ``dt`` apart: exact."""
+    from scipy.signal import cont2discrete, lfilter, ss2tf
+
+    discrete = cont2discrete((a, b, c, d), dt, method="foh")
+    numerator, denominator = ss2tf(*discrete[:4])
+    return np.asarray(lfilter(numerator[0], denominator, force))

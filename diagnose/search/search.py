@@ -39,7 +39,7 @@ _HALF = 0.5
 _VALLEYS = 3
 #: A law is exchanged for the two that act most like it, and for more where they act nearly as much like it ...
 _ALIKE, _MOST_ALIKE = 2, 4
-#: ... with the steps that quadratic convergence takes, before what they promise counts against them.
+#: ... far from the noise with the steps that quadratic convergence takes, before what they promise counts against them.
 _CONVERGES = 10
 #: More laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
@@ -328,6 +328,8 @@ class Search:
         """The leader with one law exchanged for those that act most like it on the leader's own motion."""
         assert leader.fit is not None
         starts: list[Start | None] = [*self._generalised(leader)]
+        # on the motion of a leader that is right, what acts like one of its laws begins near its own maximum
+        patience = PATIENCE if self._at_noise(leader, ()) else _CONVERGES
         for name in leader.laws:
             place = leader.laws, name
             if place in self._asked and self._asked[place] is leader.fit:
@@ -341,7 +343,7 @@ class Search:
                 if laws in self.candidates and self.candidates[laws].stage == "judged":
                     continue
                 fixed = self._fixed(leader.fit, proposal.model)
-                starts.append(self._started(laws, proposal.model, proposal.initial, fixed, patience=_CONVERGES))
+                starts.append(self._started(laws, proposal.model, proposal.initial, fixed, patience=patience))
         return [start for start in starts if start is not None]
 
     def _generalised(self, leader: Candidate) -> list[Start]:
