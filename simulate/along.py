@@ -124,7 +124,7 @@ class Along:
 
 
 def _linear(inner: Expression, force: Expression, p: Expression, made: Expression, rates: Expression) -> Any:
-    """(p) -> A, B, C, D of ``inner' = A inner + B force``, ``made = C inner + D force``; None where it is not linear."""
+    """(p) -> A, B, C, D of ``inner' = A inner + B force``, ``made = C inner + D force``; None where not linear."""
     import casadi as ca
 
     if not inner.numel():
@@ -141,8 +141,8 @@ def _linear(inner: Expression, force: Expression, p: Expression, made: Expressio
 
 def _filtered(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, force: np.ndarray, dt: float) -> np.ndarray:
     """(n,) what a linear system at rest makes of a force in straight lines between points ``dt`` apart: exact."""
-    from scipy.signal import cont2discrete, lfilter, ss2tf
+    from scipy import signal
 
-    discrete = cont2discrete((a, b, c, d), dt, method="foh")
-    numerator, denominator = ss2tf(*discrete[:4])
-    return np.asarray(lfilter(numerator[0], denominator, force))
+    discrete: Any = signal.cont2discrete((a, b, c, d), dt, method="foh")
+    numerator, denominator = signal.ss2tf(*discrete[:4])
+    return np.asarray(signal.lfilter(numerator[0], denominator, force))
