@@ -96,7 +96,7 @@ class Along:
         begin = np.array([0.0 if leader is None else motion[0, leader] for leader in self.follows] or [0.0])
         begin += shift
         if self._filter is not None:
-            return _filtered(*(np.array(part) for part in self._filter(p)), motion[:, 3], dt)[None, :]
+            return _filtered([np.array(part) for part in self._filter(p)], motion[:, 3], dt)[None, :]
         out = np.empty((motion.shape[0], self.values))
         parts = self._parts(begin, motion, p, dt)
         self._along(
@@ -139,10 +139,10 @@ def _linear(inner: Expression, force: Expression, p: Expression, made: Expressio
     return ca.Function("linear", [p], [ca.densify(part) for part in parts])
 
 
-def _filtered(a: np.ndarray, b: np.ndarray, c: np.ndarray, d: np.ndarray, force: np.ndarray, dt: float) -> np.ndarray:
-    """(n,) what a linear system at rest makes of a force in straight lines between points ``dt`` apart: exact."""
+def _filtered(system: list[np.ndarray], force: np.ndarray, dt: float) -> np.ndarray:
+    """(n,) what a linear system (A, B, C, D) at rest makes of a force in straight lines between points: exact."""
     from scipy import signal
 
-    discrete: Any = signal.cont2discrete((a, b, c, d), dt, method="foh")
+    discrete: Any = signal.cont2discrete(tuple(system), dt, method="foh")
     numerator, denominator = signal.ss2tf(*discrete[:4])
     return np.asarray(signal.lfilter(numerator[0], denominator, force))

@@ -163,9 +163,10 @@ def test_standard_errors_hold_over_many_noises():
 # What does not belong together ----------------------------------------------------------------------------------------
 
 
-def test_recordings_of_different_quantities_are_refused():
-    with pytest.raises(BadInput, match="one quantity at a time"):
-        identify([record("decay"), record("decay", "velocity", seed=1)])
+def test_recordings_whose_units_have_no_factor_between_them_are_refused():
+    volts = replace(record("decay", seed=1), unit="V")
+    with pytest.raises(BadInput, match="no factor to it"):
+        identify([record("decay"), volts])
 
 
 def test_a_recording_in_another_unit_is_noticed():

@@ -108,6 +108,20 @@ def test_velocity_and_acceleration(tmp_path, quantity):
     assert check.nrmse < 1.1 * check.noise_floor
 
 
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+def test_a_recording_is_held_against_the_output_of_its_unit(fmu, quantity):
+    """A model of displacements; its FMU has the motion's derivatives as outputs too."""
+    noise = 1e-3 * np.std(recording(quantity, noise=0.0).response)
+    (check,) = verify(fmu, [recording(quantity, noise=noise)]).recordings
+    assert check.response.quantity == quantity
+    assert check.nrmse < 1.1 * check.noise_floor
+
+
+def test_a_unit_that_no_output_has_is_refused_with_those_there_are(fmu):
+    with pytest.raises(BadInput, match=r"records displacement in V; .* gives x in m, displacement in m, velocity in m"):
+        verify(fmu, [replace(recording(), unit="V")])
+
+
 def test_a_recording_with_neither_force_nor_decay_is_refused(fmu):
     steady = Recording(name="steady.csv", fs=FS, response=np.sin(80 * np.arange(N) / FS))
     with pytest.raises(BadInput, match="neither a force nor a free decay"):
