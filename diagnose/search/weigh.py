@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
 
 from ...identify.data import Data, likelihood
+from ...identify.descent import blocks_of
 from ...identify.evidence import Prior, Told, cross_validated, evidence, predictive, told
 from ...identify.output_error import State
 from ...identify.settle import settled
@@ -22,6 +24,8 @@ _SIZES = 100.0
 _PARTS = 3
 #: ... each of two cycles at least: one tells an initial state, and the next one is foretold.
 _FEWEST_CYCLES = 2.0
+#: Fits whose derivatives are kept, some megabytes each: whenever the measure changes all are weighed again.
+_REMEMBERED = 32
 
 
 def judged(model: Oscillator, data: Data) -> Fitted:
@@ -107,11 +111,9 @@ def _told(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -
 
 def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> list[Told]:
     """The same of each segment."""
-    fixed = [name for name in fitted.model.parameters() if name not in free]
-    structure = Structure(fitted.model, data, fixed)
+    structure, state, slopes = _linearised(fitted, data, free)
     problem = structure.problem
-    state: State = structure.state(fitted.initial, fitted.offsets)
-    blocks = problem.blocks(state, fitted.residuals, measure.spectra(fitted.residuals))
+    blocks = blocks_of(problem, slopes, fitted.residuals, measure.spectra(fitted.residuals))
     k, whole = len(structure.free), initial_prior(fitted.model, data)
     shared = [free.index(name) for name in structure.free]  # free motion says nothing of the mass
     by_segment = []
@@ -130,6 +132,15 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
         information[np.ix_(shared, shared)], gradient[shared] = part.information, part.gradient
         by_segment.append(Told(part.log_likelihood, information, gradient))
     return by_segment
+
+
+@lru_cache(maxsize=_REMEMBERED)
+def _linearised(fitted: Fitted, data: Data, free: tuple[str, ...]) -> tuple[Structure, State, list[np.ndarray]]:
+    """A fit as a point of its structure's search, with its derivatives: the same in every measure."""
+    fixed = [name for name in fitted.model.parameters() if name not in free]
+    structure = Structure(fitted.model, data, fixed)
+    state = structure.state(fitted.initial, fitted.offsets)
+    return structure, state, structure.problem.derivatives(state, fitted.residuals)
 
 
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:
