@@ -37,8 +37,8 @@ _DENSITY = 30.0
 _STRIDE = 0.3
 _NEAR = 0.02
 _TRIES = 40
-#: ... of many laws in turns, for those that gain a quarter of what the best does, then half of it.
-_TURNS = ((10, 0.25), (30, 0.5))
+#: ... of many laws so often for each of them, and on for those that then gain this part of what the best does.
+_FIRST, _HALF = 10, 0.5
 #: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
 _BASE = 6
 _ABSURD = 1e100
@@ -251,22 +251,25 @@ class Regression:
     def guesses(self, laws: Sequence[Law]) -> list[Guess]:
         """The best place of each law, the smallest misfit first.
 
-        Places are searched in turns, each with more tries: the place of a law that gains too little beside
-        the best of them is as good as it is (successive halving: Jamieson and Talwalkar 2016).
+        All are searched for a while, then those that gain half of what the best does (successive halving: Jamieson and
+        Talwalkar 2016).
         """
         known = {law.name: law for law in laws}
         plain = self.plain()
+
+        def begun(law: Law) -> Guess | None:
+            guess = self._probed(law)
+            return None if guess is None else self._refined(law, guess, _FIRST)
+
         with ThreadPoolExecutor(max_workers=2) as pool:
-            guesses = [guess for guess in pool.map(self._probed, laws) if guess is not None]
-            for tries, part in _TURNS:
-                least = part * max((self.gain(plain, guess) for guess in guesses), default=0.0)
-                refined = pool.map(
-                    lambda guess, least=least, tries=tries: (
-                        guess if self.gain(plain, guess) < least else self._refined(known[guess.effect], guess, tries)
-                    ),
-                    guesses,
-                )
-                guesses = list(refined)
+            guesses = [guess for guess in pool.map(begun, laws) if guess is not None]
+            least = _HALF * max((self.gain(plain, guess) for guess in guesses), default=0.0)
+
+            def ended(guess: Guess) -> Guess:
+                far = self.gain(plain, guess) < least
+                return guess if far else self._refined(known[guess.effect], guess, _TRIES - _FIRST)
+
+            guesses = list(pool.map(ended, guesses))
         return sorted(guesses, key=lambda guess: guess.misfit)
 
     def _solve(self, law: Law, probe: Mapping[str, float]) -> Guess | None:
