@@ -25,7 +25,8 @@ from ..model.laws import LIBRARY, find
 from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
-from .family import cut_for, family_of, first_fit, less_offsets, stranger, zeros_said
+from .family import cut_for, family_of, first_fit, less_offsets, stranger
+from .measuring_chain import zeros as zeros_of
 from .mend import exported, record_fits
 from .place.locate import locate
 from .place.missing_force import latent_forces
@@ -78,9 +79,10 @@ def diagnose(
     progress("best of the given family", 0.0)
     best = family_of(model, recordings, holdout)
     notes += best.notes
+    chain = list(best.chain)
     recordings, holdout = list(best.recordings), list(best.holdout)
     if not holdout:
-        notes += zeros_said(recordings, best.shown)
+        chain += zeros_of(recordings, best.shown)
         recordings, holdout = split(recordings, model)
         # the pieces of a recording share what was taken off
         best = replace(best, free_zeros=False, drifts=(), shown={})
@@ -107,11 +109,11 @@ def diagnose(
     family_free = family if memory == FREE else judged_by(family.model, data)
     left, before_left = leftovers(final, data), leftovers(family_free, data)
     recordings, zeros = less_offsets(recordings, best.shown, data, final.offsets)
-    notes += zeros
+    chain += zeros
     if held is not None:
         told = judged_by(fitted.model, held)
         holdout, zeros = less_offsets(holdout, best.shown_elsewhere, held, told.offsets)
-        notes += zeros
+        chain += zeros
         left += leftovers(told, held)
         before_left += leftovers(judged_by(family.model, held), held)
     other_rig = stranger(fitted, search, left, len(data.segments))
@@ -152,6 +154,7 @@ def diagnose(
         remainder=remainder,
         latent=latent,
         notes=tuple(notes),
+        chain=tuple(chain),
     )
 
 

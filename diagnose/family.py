@@ -11,20 +11,21 @@ import numpy as np
 from ..errors import BadInput
 from ..identify.data import Data, data_of
 from ..identify.from_prediction import keeps_step, memories
-from ..identify.hold import held_as, hold_note
+from ..identify.hold import held_as
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
 from ..identify.offset import FoundOffset, Offset
 from ..identify.prediction import FREE
-from ..identify.signals import response_of
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
+from .measuring_chain import drifts_and_loads, hold_of
+from .measuring_chain import zeros as zeros_of
+from .result import ChainFact
 from .search.residual_test import Leftover, leftovers
 from .search.search import Search
-from .wording import quantity
 
 #: A rig whose natural frequency or mass is off by more than this factor is another rig ...
 _OTHER_FREQUENCY = 1.3
@@ -54,6 +55,7 @@ class Family:
         drifts: of the training recordings' sensors, taken off and free in every fit: what a family took for a drift
             may be what it lacks.
         notes: what a user should know.
+        chain: what the measuring chain does, but for the sensors' zeros.
         shown, shown_elsewhere: what was taken off from the response of training recordings and of those held out.
     """
 
@@ -65,6 +67,7 @@ class Family:
     free_zeros: bool
     drifts: tuple[Offset, ...]
     notes: tuple[str, ...]
+    chain: tuple[ChainFact, ...] = ()
     shown: Mapping[int, float] = field(default_factory=dict)
     shown_elsewhere: Mapping[int, float] = field(default_factory=dict)
 
@@ -76,6 +79,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         BadInput: where the recordings are not of the model's rig.
     """
     notes: list[str] = []
+    chain: list[ChainFact] = []
     identification = _from(model, recordings)
     in_step = identification is not None and keeps_step(
         [s.segment for s in identification.fit.segments], _free_residuals(identification)
@@ -91,22 +95,23 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     assert identification is not None
     best = replace(identification.oscillator, amplitude=model.amplitude, frequency=model.frequency)
     if any(mine.hold != given.hold for mine, given in zip(identification.recordings, recordings, strict=True)):
-        if best.hold != model.hold:
-            notes.append(hold_note(best.hold))
         recordings, holdout = identification.recordings, held_as(holdout, best.hold)
+    if best.hold != "smooth":
+        chain.append(hold_of(best.hold, found=best.hold != model.hold))
     notes += _same_rig(model, best, slide=identification.fit.segments[0].segment.slide)
     # what is missing adds up over time: the longer the memory, the more of it shows
     memory = (
         FREE if identification.fit.memory == FREE else max(memories([s.segment for s in identification.fit.segments]))
     )
-    recordings = _without_drift_and_force(recordings, identification.fit.offsets)
+    recordings, taken = _without_drift_and_force(recordings, identification.fit.offsets)
+    chain += drifts_and_loads(recordings, taken)
     drifts = _drifts(recordings, identification.fit.offsets)
     shown = {o.recording: o.value for o in identification.fit.offsets if o.channel == "response"}
     # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
     # a law is the shorter answer
     single = len(recordings) == 1
     if not single and (not shown or _one_cause(identification)):
-        return Family(best, memory, tuple(recordings), tuple(holdout), True, False, drifts, tuple(notes))
+        return Family(best, memory, tuple(recordings), tuple(holdout), True, False, drifts, tuple(notes), tuple(chain))
     elsewhere = _offsets(best, holdout)
     return Family(
         best,
@@ -117,6 +122,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         True,
         drifts,
         tuple(notes),
+        tuple(chain),
         shown,
         elsewhere,
     )
@@ -170,23 +176,27 @@ def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, fl
     return {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
 
 
-def _without_drift_and_force(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> list[Recording]:
-    """Recordings less the drifts of their sensors and, where these are not all the same, the zeros of their load cells.
+def _without_drift_and_force(
+    recordings: Sequence[Recording], offsets: Sequence[FoundOffset]
+) -> tuple[list[Recording], list[FoundOffset]]:
+    """Recordings less the drifts of their sensors and, where these differ, the zeros of their load cells; what it was.
 
     The same in all is a load on the mass as well, and is looked for among laws (``constant-force``).
     """
     forces = [offset for offset in offsets if offset.channel == "force"]
     driven = sum(r.force is not None and bool(np.any(r.force)) for r in recordings)
     loaded = driven > 1 and _agree(forces, driven)
-    corrected = list(recordings)
+    corrected, taken = list(recordings), []
     for offset in offsets:
         r = corrected[offset.recording]
         if offset.channel == "drift":
             line = offset.value * (np.asarray(r.time, float) - offset.middle)
             corrected[offset.recording] = replace(r, response=np.asarray(r.response, float) - line)
+            taken.append(offset)
         elif offset.channel == "force" and not loaded and r.force is not None:
             corrected[offset.recording] = replace(r, force=np.asarray(r.force, float) - offset.value)
-    return corrected
+            taken.append(offset)
+    return corrected, taken
 
 
 def _less(recording: Recording, shown: float) -> Recording:
@@ -226,8 +236,8 @@ def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator, 
 
 def less_offsets(
     recordings: Sequence[Recording], shown: Mapping[int, float], data: Data, values: np.ndarray
-) -> tuple[list[Recording], list[str]]:
-    """Recordings less what the sensors of each were found to show beside a model, and sentences on what that is.
+) -> tuple[list[Recording], list[ChainFact]]:
+    """Recordings less what the sensors of each were found to show beside a model, and what that is in all.
 
     Args:
         recordings: of which ``shown`` was taken off before.
@@ -241,16 +251,7 @@ def less_offsets(
         recording = corrected[offset.recording]
         line = np.ones(recording.n) if offset.channel == "response" else np.asarray(recording.time) - offset.middle
         corrected[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - value * line)
-    return corrected, zeros_said(recordings, zeros)
-
-
-def zeros_said(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[str]:
-    """A sentence on each recording whose sensor shows more than its noise at zero."""
-    return [
-        f"{recordings[i].name}: its sensor shows {quantity(value, recordings[i].unit)} at zero; taken off"
-        for i, value in shown.items()
-        if abs(value) > response_of(recordings[i]).noise
-    ]
+    return corrected, zeros_of(recordings, zeros)
 
 
 def first_fit(search: Search, model: Oscillator) -> Fitted:

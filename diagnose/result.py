@@ -95,6 +95,25 @@ class Considered:
     why_not: str
 
 
+@dataclass(frozen=True)
+class ChainFact:
+    """What the measuring chain does to one recording, or to all.
+
+    Attributes:
+        what: ``hold``, ``offset``, ``drift`` or ``force-offset``.
+        file: the recording's name; None where it is of all.
+        value: in ``unit``; None where it is no number.
+        unit: of the value; of a hold its name.
+        sentence: for a person.
+    """
+
+    what: str
+    file: str | None
+    value: float | None
+    unit: str
+    sentence: str
+
+
 @dataclass(frozen=True, eq=False)
 class LatentForce:
     """The missing force per unit mass along one recording, by a smoother that knows no law.
@@ -159,6 +178,7 @@ class Diagnosis:
         remainder: what stays beyond the noise after mending, in one sentence; None where nothing does.
         latent: the missing force in the recordings that show it best.
         notes: what a user should know.
+        chain: what the measuring chain does, which is no physics of the rig.
     """
 
     verdict: Verdict
@@ -173,6 +193,7 @@ class Diagnosis:
     remainder: str | None
     latent: tuple[LatentForce, ...]
     notes: tuple[str, ...]
+    chain: tuple[ChainFact, ...] = ()
 
     def parameter_shift(self) -> dict[str, dict[str, float | None]]:
         """How far each parameter had been bent by what was missing; ``std`` is the mended model's."""
@@ -229,6 +250,10 @@ class Diagnosis:
             ],
             "next_experiment": self.experiment.sentence if self.experiment else "",
             "remainder": self.remainder,
+            "chain": [
+                {"what": c.what, "file": c.file, "value": _number(c.value), "unit": c.unit, "sentence": c.sentence}
+                for c in self.chain
+            ],
             "notes": list(self.notes),
         }
 

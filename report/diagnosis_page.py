@@ -45,6 +45,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> str:
         curves_section(diagnosis),
         experiment_section(diagnosis),
         Section("What remains, and what to know", tuple(_remainder(diagnosis))),
+        Section("The measuring chain, which is no physics of the rig", tuple(_chain(diagnosis))),
         Section("Where the numbers come from", tuple(_provenance(diagnosis, files))),
     ]
     mark, tone = VERDICTS.get(diagnosis.verdict, ("", "note"))
@@ -88,6 +89,12 @@ def remarks(diagnosis: Diagnosis) -> tuple[str, ...]:
     """Notes of the diagnosis and warnings about the mended model, each once and with its full stop."""
     notes = [*diagnosis.notes, *model_warnings(diagnosis.model)]
     return tuple(dict.fromkeys(full_stop(note) for note in notes if note.strip()))
+
+
+def _chain(diagnosis: Diagnosis) -> list[Block]:
+    if not diagnosis.chain:
+        return [Text("Nothing was taken off: the sensors show zero at zero, and the force runs as it was said to.")]
+    return [Items(tuple(full_stop(fact.sentence) for fact in diagnosis.chain))]
 
 
 def _remainder(diagnosis: Diagnosis) -> list[Block]:

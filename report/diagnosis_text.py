@@ -45,6 +45,12 @@ def describe(diagnosis: Diagnosis) -> str:
         lines += ["", f"Old parameters bent by more than {BENT:g} standard errors", *bent]
     if diagnosis.experiment is not None and diagnosis.experiment.sentence.strip():
         lines += ["", "Next experiment", *_wrapped(full_stop(diagnosis.experiment.sentence), "  ", 4)]
+    if diagnosis.chain:
+        lines += ["", "The measuring chain, which is no physics of the rig"]
+        for fact in diagnosis.chain[:_NOTES]:
+            lines += _wrapped(f"- {full_stop(fact.sentence)}", "  ", 2)
+        if len(diagnosis.chain) > _NOTES:
+            lines.append(f"  - and {len(diagnosis.chain) - _NOTES} more on the page")
     last = _last(diagnosis)
     return "\n".join([*lines, *(["", "Take note", *last] if last else [])]) + "\n"
 

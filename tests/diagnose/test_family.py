@@ -7,7 +7,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from dashpot.diagnose.family import cut_for, family_of, less_offsets, stranger, zeros_said
+from dashpot.diagnose.family import cut_for, family_of, less_offsets, stranger
+from dashpot.diagnose.measuring_chain import zeros
 from dashpot.diagnose.search.residual_test import leftovers
 from dashpot.diagnose.search.search import Search
 from dashpot.diagnose.search.weigh import judged as judged_by
@@ -137,13 +138,13 @@ def test_zeros_that_differ_are_the_sensors_and_are_taken_off():
     taken = [r.response - s.response for r, s in zip([*training(3e-3, -2e-3), *held(5e-3)], _all(family), strict=True)]
     assert [float(np.ptp(t)) for t in taken] == pytest.approx([0.0] * 3, abs=1e-15)
     assert [float(t[0]) for t in taken] == pytest.approx([3e-3, -2e-3, 5e-3], abs=1e-6)
-    assert [note.split(";")[0] for note in zeros_said(family.holdout, family.shown_elsewhere)] == [
+    assert [fact.sentence.split(";")[0] for fact in zeros(family.holdout, family.shown_elsewhere)] == [
         "held out: its sensor shows 5 mm at zero",
     ]
     data = cut_for(family, family.recordings, family.model)
     assert [(o.recording, o.channel) for o in data.offsets] == [(0, "response"), (1, "response")]
-    less, notes = less_offsets(family.recordings, family.shown, data, np.array([1e-3, 0.0]))
-    assert [note.split(";")[0] for note in notes] == [
+    less, facts = less_offsets(family.recordings, family.shown, data, np.array([1e-3, 0.0]))
+    assert [fact.sentence.split(";")[0] for fact in facts] == [
         "decay: its sensor shows 4 mm at zero",
         "sweep: its sensor shows -2 mm at zero",
     ]
@@ -154,7 +155,7 @@ def test_zeros_that_differ_are_the_sensors_and_are_taken_off():
 
 @pytest.mark.parametrize(("times", "said"), [(0.9, False), (1.1, True)])
 def test_a_zero_is_told_of_where_it_exceeds_the_noise(times, said):
-    assert bool(zeros_said(training()[:1], {0: times * response_of(training()[0]).noise})) == said
+    assert bool(zeros(training()[:1], {0: times * response_of(training()[0]).noise})) == said
 
 
 def test_one_zero_in_all_recordings_is_left_to_the_laws():
@@ -172,8 +173,8 @@ def test_of_a_single_recording_it_is_taken_off():
     family = family_of(MODEL, training(3e-3)[:1], held(1e-3))
     assert family.free_zeros
     assert float(np.mean(family.recordings[0].response[-200:])) == pytest.approx(0.0, abs=1e-5)
-    assert zeros_said(family.recordings, family.shown)
-    assert zeros_said(family.holdout, family.shown_elsewhere)
+    assert zeros(family.recordings, family.shown)
+    assert zeros(family.holdout, family.shown_elsewhere)
 
 
 def _all(family):

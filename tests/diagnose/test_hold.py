@@ -36,4 +36,4 @@ def test_nothing_is_named_for_a_hold(hold):
     assert diagnosis.effects == ()
     assert diagnosis.verdict == "consistent"
     assert diagnosis.model.hold == hold
-    assert any("fitted so" in note for note in diagnosis.notes)
+    assert [fact.what for fact in diagnosis.chain if "fitted so" in fact.sentence] == ["hold"]

@@ -1,0 +1,51 @@
+"""What the measuring chain does, which is no physics: zeros of sensors and load cells, drifts, the force's hold."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from ..identify.hold import hold_note
+from ..identify.offset import FoundOffset
+from ..identify.signals import response_of
+from ..model.oscillator import HOLDS
+from ..recording.recording import Recording
+from .result import ChainFact
+from .wording import quantity
+
+
+def hold_of(hold: str, *, found: bool) -> ChainFact:
+    """That the force is held, or runs in straight lines: ``found``, or as the model or a user says."""
+    known = f"the force is {HOLDS[hold]}, as the model or --hold says"
+    return ChainFact("hold", None, None, hold, hold_note(hold) if found else known)
+
+
+def drifts_and_loads(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> list[ChainFact]:
+    """Each drift of a sensor, and what load cells show at zero; by the recordings as they were given."""
+    facts = []
+    for offset in offsets:
+        recording = recordings[offset.recording]
+        if offset.channel == "drift":
+            unit = f"{recording.unit}/s"
+            sentence = f"{recording.name}: its sensor drifts by {quantity(offset.value, unit)}; taken off"
+            facts.append(ChainFact("drift", recording.name, offset.value, unit, sentence))
+        elif offset.channel == "force":
+            unit = recording.force_unit
+            sentence = f"{recording.name}: its load cell shows {quantity(offset.value, unit)} at zero; taken off"
+            facts.append(ChainFact("force-offset", recording.name, offset.value, unit, sentence))
+    return facts
+
+
+def zeros(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[ChainFact]:
+    """Each recording whose sensor shows more than its noise at zero.
+
+    Args:
+        recordings: whose sensors they are.
+        shown: what each shows at zero, by its place among them.
+    """
+    facts = []
+    for place, value in shown.items():
+        recording = recordings[place]
+        if abs(value) > response_of(recording).noise:
+            sentence = f"{recording.name}: its sensor shows {quantity(value, recording.unit)} at zero; taken off"
+            facts.append(ChainFact("offset", recording.name, value, recording.unit, sentence))
+    return facts
