@@ -42,6 +42,8 @@ class Along:
         values = ca.jacobian(made, p)[:, strengths].T if strengths and law.force else made
         slopes = ca.densify(ca.jacobian(rates, inner)) if inner.numel() else ca.SX(0, 0)
         inputs = [inner, ca.vertcat(x, v, t, u), p, ca.vertcat(ca.SX(0, 1), *motion.signs)]
+        #: Whether it does the same all the time, whatever the motion.
+        self.constant = not ca.depends_on(values, ca.vertcat(x, v, t, u, inner, *motion.signs))
         self._slopes = ca.Function("slopes", inputs, [slopes])
         self._signs = len(motion.signs)
         if motion.signs:

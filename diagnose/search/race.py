@@ -8,6 +8,7 @@ are those of white noise, near it every frequency is weighed by the noise that t
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -28,6 +29,8 @@ _TOLERANCE = 0.5
 PATIENCE = 3
 #: Steps that one start may take: quadratic convergence needs ten, the bent valley of a contact with play some dozens.
 _MOST_STEPS = 100
+#: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
+_VALLEYS = 3
 #: A step that keeps this part of its promise was in a straight valley.
 _KEPT = 0.25
 #: One that kept less is believed less, but not less than this: a valley may open after a bend.
@@ -217,6 +220,16 @@ def started(
     except (DashpotError, np.linalg.LinAlgError):
         return None
     return start if np.isfinite(start.value) else None
+
+
+def in_the_best_valleys(starts: Sequence[Start]) -> list[Start]:
+    """Of a law that was put in at many places, with side valleys between them, the best few."""
+    kept, count = [], Counter[tuple[str, ...]]()
+    for start in sorted(starts, key=lambda start: -start.value):
+        count[start.laws] += 1
+        if count[start.laws] <= _VALLEYS:
+            kept.append(start)
+    return kept
 
 
 def race(

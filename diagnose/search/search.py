@@ -9,7 +9,6 @@ that there is an end, and at the end no neighbour of the leader promises to reac
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -27,16 +26,14 @@ from .candidate import DECISIVE, Candidate, key
 from .judgement import leading, only_a_name
 from .likeness import alike
 from .measure import Measure, measure_by
-from .race import PATIENCE, Start, race, started
-from .starts import Proposal, by_motion, by_score, without
+from .race import PATIENCE, Start, in_the_best_valleys, race, started
+from .starts import Proposal, by_motion, by_score, unseen_in_motion, without
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
 #: The law of a sensor that sits elsewhere all the time.
 SENSOR_OFFSET = "sensor-offset"
 #: Of what the best law gains on the measured motion others must gain this part there to be simulated.
 _HALF = 0.5
-#: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
-_VALLEYS = 3
 #: A law is exchanged for the two that act most like it, and for more where they act nearly as much like it ...
 _ALIKE, _MOST_ALIKE = 2, 4
 #: ... far from the noise with the steps that quadratic convergence takes, before what they promise counts against them.
@@ -122,8 +119,12 @@ class Search:
         return starts
 
     def _moved(self, leader: Candidate) -> list[Start]:
-        """The leader with one law more, where the measured motion puts it, raced."""
-        return self._from_motion(leader, [law for law in self._addable(leader) if not law.rugged])
+        """The leader with one law more, where the measured motion puts it, or its score where that is blind; raced."""
+        assert leader.fit is not None
+        laws = [law for law in self._addable(leader) if not law.rugged]
+        unseen = [law for law in laws if unseen_in_motion(law)]
+        starts = self._added(leader, by_score(leader.fit, self.data, unseen)) if unseen else []
+        return self._from_motion(leader, [law for law in laws if law not in unseen], beside=starts)
 
     def _scored(self, leader: Candidate) -> list[Start]:
         """The leader with one law more, where its score puts it, raced; far from the noise those of the best half."""
@@ -151,14 +152,20 @@ class Search:
             starts += self._from_motion(leader, laws, [law for law in laws if law.rugged])
         return starts
 
-    def _from_motion(self, leader: Candidate, laws: Sequence[Law], entered: Sequence[Law] | None = None) -> list[Start]:
-        """Of laws that the measured motion speaks for, those that gain half as much there as the best of them."""
+    def _from_motion(
+        self,
+        leader: Candidate,
+        laws: Sequence[Law],
+        entered: Sequence[Law] | None = None,
+        beside: Sequence[Start] = (),
+    ) -> list[Start]:
+        """Of laws that the measured motion speaks for, those that gain half as much there as the best; with others."""
         assert leader.fit is not None
         self.progress("regression on the measured motion", 0.0)
         proposals = by_motion(leader.fit, self.data, laws)
         best = max((proposal.gain for proposal in proposals), default=0.0)
         names = {law.name for law in (laws if entered is None else entered)}
-        starts = self._added(leader, [p for p in proposals if p.gain > _HALF * best and p.law in names])
+        starts = [*beside, *self._added(leader, [p for p in proposals if p.gain > _HALF * best and p.law in names])]
         self._race(starts, leader.fit)
         return starts
 
@@ -294,19 +301,10 @@ class Search:
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
             patience = 0 if near else PATIENCE
             starts.append(self._started(laws, proposal.model, proposal.initial, fixed, hoped, patience))
-        added = self._of_each_law([start for start in starts if start is not None])
+        added = in_the_best_valleys([start for start in starts if start is not None])
         for start in added:
             start.adds = True
         return added
-
-    def _of_each_law(self, starts: Sequence[Start]) -> list[Start]:
-        """Of a law that was put in at many places, with side valleys between them, the best few."""
-        kept, count = [], Counter[tuple[str, ...]]()
-        for start in sorted(starts, key=lambda start: -start.value):
-            count[start.laws] += 1
-            if count[start.laws] <= _VALLEYS:
-                kept.append(start)
-        return kept
 
     def _unmoved(self, leader: Candidate, law: str, gain: float) -> None:
         laws = key((*leader.laws, law))

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...identify.data import Data
+from ...identify.equivalent import along_of
 from ...identify.measured_motion import Guess, Regression
 from ...identify.structure import Fitted, without_states
 from ...model import Oscillator
@@ -62,6 +63,11 @@ def by_motion(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]
                 for moved in _moved(guess, laws)
             ]
     return proposals
+
+
+def unseen_in_motion(law: Law) -> bool:
+    """Whether the measured motion says nothing of a law: a sensor's, which shows in the record alone, or a constant."""
+    return law.record is not None or (law.force is not None and along_of(law).constant)
 
 
 def without(fitted: Fitted, data: Data, law: str) -> list[tuple[Oscillator, np.ndarray]]:
