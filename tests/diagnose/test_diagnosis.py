@@ -104,11 +104,11 @@ def test_recordings_of_another_rig_are_refused(rig):
         diagnose(other.model, case.training, case.holdout)
 
 
-def test_another_quantity_is_refused(rig):
+def test_another_unit_is_refused(rig):
     case = rig("none")
-    speed = Recording(name="speed", fs=500.0, response=np.ones(50), quantity="velocity", unit="m/s")
+    angle = Recording(name="angle", fs=500.0, response=np.ones(50), quantity="velocity", unit="rad/s")
     with pytest.raises(BadInput, match="--quantity"):
-        diagnose(case.model, [speed])
+        diagnose(case.model, [angle])
 
 
 def test_decays_alone_leave_the_mass_of_the_model_as_it_is(rig):

@@ -186,6 +186,7 @@ def missing(law: str = "quadratic-drag", before: Oscillator | None = None) -> Di
         record("decay.csv", forced=False, seconds=6.0),
         record("multisine.csv", holdout=True, forced=forced),
     )
+    records = tuple(replace(r, response=before.response) for r in records)
     effect = Effect(
         LIBRARY[law].effect,
         law,

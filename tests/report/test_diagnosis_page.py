@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 
 import numpy as np
 import pytest
-from dashpot.diagnose.result import Considered
+from dashpot.diagnose.result import ChainFact, Considered
 from dashpot.model.laws import LIBRARY
 from dashpot.model.oscillator import Provenance, Term
 from dashpot.report.blocks import page
@@ -111,6 +111,7 @@ ORDER = (
     "Backbone and damping curve",
     "The next experiment",
     "What remains, and what to know",
+    "The measuring chain, which is no physics of the rig",
     "Where the numbers come from",
 )
 
@@ -219,6 +220,18 @@ def test_free_decays_only_and_other_units(hand_made) -> None:
         diagnosis = replace(diagnosis, records=diagnosis.records[2:])
         text = stands_alone(diagnosis_page(diagnosis)).text
         assert f"{quantity.capitalize()} {shown}" in text
+
+
+def test_the_measuring_chain_is_said_under_its_own_heading(hand_made) -> None:
+    plain = hand_made.missing()
+    fact = ChainFact("offset", "sweep.csv", 2.5e-2, "m", "sweep.csv: its sensor shows 25 mm at zero; taken off")
+    told = replace(plain, chain=(fact,))
+    assert "its sensor shows 25 mm at zero" in stands_alone(diagnosis_page(told)).text
+    assert "The measuring chain" in describe(told)
+    assert "The measuring chain" not in describe(plain)
+    assert told.as_json()["chain"] == [
+        {"what": "offset", "file": "sweep.csv", "value": 2.5e-2, "unit": "m", "sentence": fact.sentence}
+    ]
 
 
 def test_numbers_that_are_not_known_are_said_to_be(hand_made) -> None:
