@@ -302,9 +302,29 @@ def test_what_is_no_fmu_is_refused(capsys, tmp_path, sweep, model):
         )
 
 
-def test_a_recording_of_another_quantity_is_refused_by_simulate(capsys, tmp_path, model, signals):
-    path = write(tmp_path / "v.csv", [signals["t"], signals["force"], signals["sweep"]], "time_s,force_N,velocity_m_s")
-    refused(capsys, tmp_path, "simulate", model, path, "-o", tmp_path / "o.csv", says="velocity")
+def test_simulate_writes_what_the_recording_shows_of_the_motion(capsys, tmp_path, model, signals):
+    t, force, x = (signals[name] for name in ("t", "force", "sweep"))
+    speed = np.gradient(x, t)
+    path = write(tmp_path / "v.csv", [t, force, speed], "time_s,force_N,velocity_m_s")
+    assert run(capsys, "simulate", model, path, "-o", tmp_path / "o.csv")[0] == 0
+    made = np.genfromtxt(tmp_path / "o.csv", delimiter=",", names=True)
+    assert np.std(made["simulated_velocity_m_s"] - speed) < 0.05 * np.std(speed)
+    angle = write(tmp_path / "w.csv", [t, force, speed], "time_s,force_N,velocity_rad_s")
+    refused(capsys, tmp_path, "simulate", model, angle, "-o", tmp_path / "o2.csv", says="velocity in rad/s")
+
+
+def test_two_sensors_of_one_file_fit_one_model(capsys, tmp_path, signals):
+    t, force, x = (signals[name] for name in ("t", "force", "sweep"))
+    columns = [t, force, x, np.gradient(x, t)]
+    path = write(tmp_path / "both.csv", columns, "time_s,force_N,x_m,speed_m_s")
+    both = ["--response", "x_m", "--response", "speed_m_s"]
+    assert run(capsys, "identify", path, "-o", tmp_path / "m.yaml", *both)[0] == 0
+    made = load(tmp_path / "m.yaml")
+    assert [entry["file"] for entry in made.identified.recordings] == ["both.csv (x_m)", "both.csv (speed_m_s)"]
+    refused(capsys, tmp_path, "identify", path, "-o", tmp_path / "n.yaml", *both, "--unit", "m", says="2 responses")
+    refused(
+        capsys, tmp_path, "simulate", tmp_path / "m.yaml", path, "-o", tmp_path / "o.csv", *both, says="one response"
+    )
 
 
 def test_a_nasty_name_is_harmless_everywhere(capsys, tmp_path, decay, monkeypatch):

@@ -138,7 +138,7 @@ def test_a_recording_of_another_unit_is_not_compared(capsys, here):
     (here / "volts.csv").write_text(text.replace("displacement_m", "lvdt_V", 1), encoding="utf-8")
     line = refused(capsys, here, "verify", "rig.fmu", "volts.csv")
     assert "records displacement in V" in line
-    assert "gives its response in m" in line
+    assert "gives x in m" in line
 
 
 def test_a_force_of_the_wrong_sign_is_refused(capsys, here):
