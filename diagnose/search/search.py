@@ -123,8 +123,10 @@ class Search:
         assert leader.fit is not None
         laws = [law for law in self._addable(leader) if not law.rugged]
         unseen = [law for law in laws if unseen_in_motion(law)]
-        starts = self._added(leader, by_score(leader.fit, self.data, unseen)) if unseen else []
-        return self._from_motion(leader, [law for law in laws if law not in unseen], beside=starts)
+        blind = self._added(leader, by_score(leader.fit, self.data, unseen)) if unseen else []
+        starts = self._from_motion(leader, [law for law in laws if law not in unseen], beside=blind)
+        # what nothing else speaks for must come to the noise; else it waits until all laws are asked for their scores
+        return [start for start in starts if start.near or start not in blind]
 
     def _scored(self, leader: Candidate) -> list[Start]:
         """The leader with one law more, where its score puts it, raced; far from the noise those of the best half."""
