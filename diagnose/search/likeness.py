@@ -13,6 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...identify.data import Data
+from ...identify.equivalent import along_of
 from ...identify.initial_motion import initial_states
 from ...identify.offset import zeros_along
 from ...identify.structure import Fitted, without_states
@@ -38,6 +39,11 @@ def alike(fitted: Fitted, data: Data, law: str, others: Sequence[Law]) -> list[P
     smaller = replace(fitted, model=without_term(fitted.model, law), initial=initial)
     proposals = by_motion(smaller, _as_simulated(fitted, data), others)
     return sorted(proposals, key=lambda proposal: -proposal.gain)
+
+
+def moves_along(law: Law) -> bool:
+    """Whether a law may act like another: not what has a phase of its own, nor what must be sought from many places."""
+    return not law.rugged and not along_of(law).phases
 
 
 def _as_simulated(fitted: Fitted, data: Data) -> Data:

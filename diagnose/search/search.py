@@ -24,7 +24,7 @@ from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from .candidate import DECISIVE, Candidate, key
 from .judgement import leading, only_a_name
-from .likeness import alike
+from .likeness import alike, moves_along
 from .measure import Measure, measure_by
 from .race import PATIENCE, Start, in_the_best_valleys, race, started
 from .starts import Proposal, by_motion, by_score, unseen_in_motion, without
@@ -335,7 +335,7 @@ class Search:
             if place in self._asked and self._asked[place] is leader.fit:
                 continue
             self._asked[place] = leader.fit
-            proposals = alike(leader.fit, self.data, name, [law for law in self._beside(leader) if not law.rugged])
+            proposals = alike(leader.fit, self.data, name, [law for law in self._beside(leader) if moves_along(law)])
             for rank, proposal in enumerate(proposals[:_MOST_ALIKE]):
                 if rank >= _ALIKE and proposal.gain < _HALF * proposals[0].gain:
                     break
