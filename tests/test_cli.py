@@ -313,20 +313,6 @@ def test_simulate_writes_what_the_recording_shows_of_the_motion(capsys, tmp_path
     refused(capsys, tmp_path, "simulate", model, angle, "-o", tmp_path / "o2.csv", says="velocity in rad/s")
 
 
-def test_two_sensors_of_one_file_fit_one_model(capsys, tmp_path, signals):
-    t, force, x = (signals[name] for name in ("t", "force", "sweep"))
-    columns = [t, force, x, np.gradient(x, t)]
-    path = write(tmp_path / "both.csv", columns, "time_s,force_N,x_m,speed_m_s")
-    both = ["--response", "x_m", "--response", "speed_m_s"]
-    assert run(capsys, "identify", path, "-o", tmp_path / "m.yaml", *both)[0] == 0
-    made = load(tmp_path / "m.yaml")
-    assert [entry["file"] for entry in made.identified.recordings] == ["both.csv (x_m)", "both.csv (speed_m_s)"]
-    refused(capsys, tmp_path, "identify", path, "-o", tmp_path / "n.yaml", *both, "--unit", "m", says="2 responses")
-    refused(
-        capsys, tmp_path, "simulate", tmp_path / "m.yaml", path, "-o", tmp_path / "o.csv", *both, says="one response"
-    )
-
-
 def test_a_nasty_name_is_harmless_everywhere(capsys, tmp_path, decay, monkeypatch):
     monkeypatch.chdir(tmp_path)
     code, _, err = run(capsys, "identify", decay, "-o", "m.yaml", "--name", NASTY, "--report", "r.html")

@@ -14,7 +14,7 @@ from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.export.fmu import export_fmu
 from dashpot.model import Oscillator, Response
-from dashpot.model.file import save
+from dashpot.model.file import load, save
 from dashpot.recording import Recording
 from dashpot.recording.checks import check
 from dashpot.recording.polarity import REVERSED, power_cosine
@@ -178,3 +178,15 @@ def test_the_step_may_be_half_a_cycle(here):
     save(oscillator, here / "v.yaml")
     cli.main(["export", "v.yaml", "new/v.casadi", "--step", "0.039"])
     assert (here / "new" / "v.step.casadi").is_file()
+
+
+def test_two_sensors_of_one_file_fit_one_model(capsys, here):
+    t, force, x = np.loadtxt("sweep.csv", delimiter=",", skiprows=1).T
+    columns = np.column_stack([t, force, x, np.gradient(x, t)])
+    np.savetxt("both.csv", columns, "%.9g", ",", header="time_s,force_N,x_m,speed_m_s", comments="")
+    both = ["--response", "x_m", "--response", "speed_m_s"]
+    cli.main(["identify", "both.csv", "-o", "two.yaml", *both])
+    assert [e["file"] for e in load("two.yaml").identified.recordings] == ["both.csv (x_m)", "both.csv (speed_m_s)"]
+    capsys.readouterr()
+    assert "2 responses" in refused(capsys, here, "identify", "both.csv", "-o", "n.yaml", *both, "--unit", "m")
+    assert "one response" in refused(capsys, here, "simulate", "two.yaml", "both.csv", "-o", "o.csv", *both)
