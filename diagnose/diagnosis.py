@@ -37,6 +37,7 @@ from .search.judgement import names_of, only_a_name, standing, why_not
 from .search.residual_test import leftovers
 from .search.residual_test import sentence as remainder_sentence
 from .search.search import SENSOR_OFFSET, Search
+from .search.weigh import forget
 from .search.weigh import judged as judged_by
 from .verdict import sentence_of, verdict_of
 
@@ -100,6 +101,7 @@ def diagnose(
     family = first_fit(search, best.model)
     memory = search.data.memory
     selected = search.from_family(family)
+    forget()
     family = search.candidates[()].fit or family
     fitted = selected.fit or family
     # what is left is said of simulations: a prediction leaves less

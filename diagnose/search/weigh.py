@@ -143,6 +143,11 @@ def _linearised(fitted: Fitted, data: Data, free: tuple[str, ...]) -> tuple[Stru
     return structure, state, structure.problem.derivatives(state, fitted.residuals)
 
 
+def forget() -> None:
+    """Give back the derivatives that were kept; a search that has ended needs them no more."""
+    _linearised.cache_clear()
+
+
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:
     """Middle and width of what each parameter could be: its natural size; a frequency and a mass, themselves."""
     values = model.values()
