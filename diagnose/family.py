@@ -98,7 +98,8 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         recordings, holdout = identification.recordings, held_as(holdout, best.hold)
     if best.hold != "smooth":
         chain.append(hold_of(best.hold, found=best.hold != model.hold))
-    notes += _same_rig(model, best, slide=identification.fit.segments[0].segment.slide)
+    if not _identified_from(model, recordings):
+        notes += _same_rig(model, best, slide=identification.fit.segments[0].segment.slide)
     # what is missing adds up over time: the longer the memory, the more of it shows
     memory = (
         FREE if identification.fit.memory == FREE else max(memories([s.segment for s in identification.fit.segments]))

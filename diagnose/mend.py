@@ -10,12 +10,14 @@ import numpy as np
 from ..errors import DashpotError
 from ..export.fmu import export_fmu
 from ..export.platforms import own_platform
+from ..identify.climb import POOR_NRMSE
 from ..identify.replay import force_of, replay, replayed
 from ..model import Oscillator, Response
 from ..recording.recording import Recording
 from ..verify.fmu_run import FmuRun
 from ..verify.noise_floor import floor_of_model, pieces
 from .result import RecordFit
+from .search.residual_test import ABOVE_NOISE
 
 
 def record_fits(
@@ -41,6 +43,11 @@ def record_fits(
     finally:
         if run is not None:
             run.__exit__(None, None, None)
+
+
+def follows_any(records: Sequence[RecordFit]) -> bool:
+    """Whether the mended model's free simulation follows any recording: to half its motion, or to its noise."""
+    return any(r.nrmse_after <= max(POOR_NRMSE, ABOVE_NOISE * r.noise_floor) for r in records)
 
 
 def exported(model: Oscillator, path: Path) -> Path | None:

@@ -241,8 +241,3 @@ def without_states(fitted: Fitted, effect: str) -> np.ndarray:
     """Initial states of a model once the states of one of its laws are gone."""
     names = equations(fitted.model).state_names
     return fitted.initial[:, [i for i, name in enumerate(names) if not name.startswith(f"{effect}.")]]
-
-
-def phases_of(model: Oscillator) -> int:
-    """How many states of a model have a value of their own in each recording, whatever its start."""
-    return sum(equations(model).free)

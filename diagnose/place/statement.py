@@ -80,16 +80,11 @@ def _over_velocity(rows: Rows, signature: Symptoms, unit: str) -> str:
     """The same for one that follows the velocity."""
     x, v = rows.joined(lambda s: s.x), rows.joined(lambda s: s.v)
     if signature.kind == "damping by position":
-        more = "more" if _slope(rows, x**2 * v) > 0 else "less"
-        even = _gain(rows, x**2 * v) > _gain(rows, x * v)
-        side = (
-            "far from the middle"
-            if even
-            else "on the positive side"
-            if _slope(rows, x * v) > 0
-            else "on the negative side"
-        )
-        return f"a damping that depends on the displacement: {more if even else 'more'} {side}"
+        if _gain(rows, x**2 * v) > _gain(rows, x * v):
+            more, side = "more" if _slope(rows, x**2 * v) > 0 else "less", "far from the middle"
+        else:
+            more, side = "more", f"on the {'positive' if _slope(rows, x * v) > 0 else 'negative'} side"
+        return f"a damping that depends on the displacement: {more} {side}"
     lopsided = _gain(rows, np.abs(v)) > _gain(rows, v * np.abs(v))
     if lopsided:
         way = "upwards" if _slope(rows, np.abs(v)) > 0 else "downwards"

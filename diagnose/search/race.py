@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,55 +38,60 @@ _KEPT = 0.25
 _LEAST_CREDIT = 0.1
 
 
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A structure with values as it is proposed.
+
+    Attributes:
+        laws: name of the structure.
+        model: structure and values.
+        initial: (segments, states) initial states; found where None.
+        fixed: names of parameters that keep their values.
+        hoped: log-likelihood that whoever proposes it expects, before it has a promise of its own; infinite where it
+            must look for itself.
+        patience: steps that it is given before its promise counts against it: far from the truth the linearised
+            response knows little.
+        adds: whether it is the structure that it is held against with something more, which must pay for that.
+    """
+
+    laws: tuple[str, ...]
+    model: Oscillator
+    initial: np.ndarray | None = None
+    fixed: Sequence[str] = ()
+    hoped: float = np.inf
+    patience: int = 0
+    adds: bool = False
+
+
 class Start:
     """A structure with values, on its way to the maximum of its likelihood.
 
     Args:
-        laws: name of the structure.
-        model: structure and values.
+        entry: as it was proposed.
         data: training recordings.
         measure: in which it is compared.
-        initial: (segments, states) initial states; found where None.
-        fixed: names of parameters that keep their values.
-        hoped: log-likelihood that whoever proposed it expects, before it has a promise of its own; infinite where it
-            must look for itself.
-        patience: steps that it is given before its promise counts against it: far from the truth the linearised
-            response knows little.
 
     Attributes:
+        laws, model, hoped, patience, adds: see ``Entry``; the model as far as it came.
         value: log-likelihood here, in the measure of all; -inf where it does not simulate.
         near: whether it leaves about the noise.
-        adds: whether it is the structure that it is held against with something more, which must pay for that.
         ceiling: what it promises to reach.
         resting: whether it is at its maximum, or cannot move.
         steps: taken so far.
     """
 
-    def __init__(
-        self,
-        laws: tuple[str, ...],
-        model: Oscillator,
-        data: Data,
-        measure: Measure,
-        initial: np.ndarray | None = None,
-        fixed: Sequence[str] = (),
-        hoped: float = np.inf,
-        patience: int = 0,
-    ) -> None:
-        self.laws = laws
+    def __init__(self, entry: Entry, data: Data, measure: Measure) -> None:
+        self.laws, self.model, self.adds = entry.laws, entry.model, entry.adds
+        self.hoped, self.patience = entry.hoped, entry.patience
         self.data = data
-        self.structure = Structure(model, data, fixed)
+        self.structure = Structure(entry.model, data, entry.fixed)
         problem = self.structure.problem
-        state = settled(problem, self.structure.state(initial))
-        self.descent = Descent(problem, state)
-        self.model = model
+        self.descent = Descent(problem, settled(problem, self.structure.state(entry.initial)))
         self.steps = 0
         self.credit = 1.0
         self._white = True
         self._promised: float | None = None
         self._rested: tuple[np.ndarray, ...] | None = None
-        self.adds = False
-        self.hoped, self.patience = hoped, patience
         self.resting = False
         self.measure = measure
         self._measure()
@@ -204,19 +210,10 @@ class Start:
             self.descent.weigh_by(self.measure.spectra(self.descent.residuals))
 
 
-def started(
-    laws: tuple[str, ...],
-    model: Oscillator,
-    data: Data,
-    measure: Measure,
-    initial: np.ndarray | None = None,
-    fixed: Sequence[str] = (),
-    hoped: float = np.inf,
-    patience: int = 0,
-) -> Start | None:
+def started(entry: Entry, data: Data, measure: Measure) -> Start | None:
     """A start; None where the model cannot be simulated from there."""
     try:
-        start = Start(laws, model, data, measure, initial, fixed, hoped, patience)
+        start = Start(entry, data, measure)
     except (DashpotError, np.linalg.LinAlgError):
         return None
     return start if np.isfinite(start.value) else None

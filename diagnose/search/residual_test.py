@@ -32,6 +32,7 @@ _BURST = 30.0
 _FEWEST = 6
 #: Harmonics of the motion that what keeps step with it is looked for in ...
 HARMONICS = 5
+_ORDERS = range(1, HARMONICS + 1)
 #: ... its least share of the power ...
 _IN_STEP = 0.05
 #: ... and how many standard deviations it lies above what noise of the same spectrum has by chance.
@@ -49,6 +50,8 @@ class Leftover:
         in_step: share of its power that repeats with the cycles of the motion, 0 where noise would have as much.
         burst_s: time of a burst, or None.
         short: whether the segment has too few cycles for these three.
+        part: rms of the residual over that of the motion.
+        order: of what keeps step, how many times the motion's frequency the strongest has; 0 where nothing does.
     """
 
     file: str
@@ -57,6 +60,8 @@ class Leftover:
     in_step: float
     burst_s: float | None
     short: bool = False
+    part: float = np.nan
+    order: int = 0
 
     @property
     def is_mismatch(self) -> bool:
@@ -73,14 +78,16 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
     left = []
     for i, (segment, residual) in enumerate(zip(data.segments, fitted.residuals, strict=True)):
         name = data.recordings[segment.recording].name
-        ratio = float(np.sqrt(np.mean(residual**2))) / expected(fitted, data, i)
+        rms = float(np.sqrt(np.mean(residual**2)))
+        ratio, part = rms / expected(fitted, data, i), rms / max(float(np.std(segment.response)), 1e-300)
         size = max(4, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
         count = segment.n // size
         if count < _FEWEST:
             size = max(4, size // 3)
             count = segment.n // size
         if count < _FEWEST or not np.isfinite(ratio):
-            left.append(Leftover(name, ratio, float(not np.isfinite(ratio)), 0.0, None, short=count < _FEWEST))
+            runs_away = float(not np.isfinite(ratio))
+            left.append(Leftover(name, ratio, runs_away, 0.0, None, short=count < _FEWEST, part=part))
             continue
         power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
         motion = segment.response[: count * size] - residual[: count * size]
@@ -92,23 +99,27 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
         significant = correlation > 0 and chance < _CHANCE
         loudest = int(np.argmax(power))
         burst = power[loudest] > _BURST * float(np.median(power))
+        share, order = in_step(segment.response - residual, residual)
         left.append(
             Leftover(
                 name,
                 ratio,
                 correlation if significant else 0.0,
-                share_in_step(segment.response - residual, residual),
+                share,
                 segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
+                part=part,
+                order=order,
             )
         )
     return tuple(left)
 
 
-def share_in_step(motion: np.ndarray, residual: np.ndarray) -> float:
-    """Share of a residual's power that repeats with the cycles of a motion, whatever their amplitude and frequency.
+def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int]:
+    """Share of a residual's power that repeats with the cycles of a motion, and the order that is strongest in it.
 
-    The phase is that of the analytic signal (Gabor 1946); offset and each harmonic may have one part that is constant
-    and one that goes with the amplitude. Zero where noise of the residual's own spectrum would often reach that share.
+    The phase is that of the analytic signal (Gabor 1946), so that amplitude and frequency may be what they will; offset
+    and each harmonic may have one part that is constant and one that goes with the amplitude. Zeros where noise of the
+    residual's own spectrum would often reach that share.
 
     Args:
         motion: (n,) simulated response.
@@ -117,19 +128,28 @@ def share_in_step(motion: np.ndarray, residual: np.ndarray) -> float:
     from scipy.signal import hilbert
 
     if not np.any(residual) or not np.ptp(motion) > 0:
-        return 0.0
+        return 0.0, 0
     analytic = np.asarray(hilbert(motion - np.mean(motion)))
     amplitude = np.abs(analytic)
     turn = analytic / np.maximum(amplitude, 1e-300)
-    waves = [part for k in range(1, HARMONICS + 1) for part in ((turn**k).real, (turn**k).imag)]
-    columns = np.stack([np.ones_like(motion), *waves])
-    basis, _ = np.linalg.qr(np.vstack([columns, columns * (amplitude / np.max(amplitude))]).T)
-    power = float(residual @ residual)
-    share = float(np.sum((basis.T @ residual) ** 2)) / power
+    orders = [np.ones((1, motion.size))] + [np.stack([(turn**k).real, (turn**k).imag]) for k in _ORDERS]
+    growing = amplitude / np.max(amplitude)
+    columns = np.vstack(orders)
+    basis, triangle = np.linalg.qr(np.vstack([columns, columns * growing]).T)
+    power, on_basis = float(residual @ residual), basis.T @ residual
+    share = float(np.sum(on_basis**2)) / power
     density = estimate(residual).density
     chance = np.sum(np.abs(np.fft.rfft(basis, axis=0)) ** 2 * density[:, None], axis=0) * 2 / residual.size / power
     limit = float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
-    return share if share > max(_IN_STEP, limit) else 0.0
+    if share <= max(_IN_STEP, limit):
+        return 0.0, 0
+    sizes = np.linalg.lstsq(triangle, on_basis, rcond=None)[0].reshape(2, -1)
+    first = [0, *(2 * k - 1 for k in _ORDERS)]  # place of each order among the columns
+    made = [
+        float(np.sum((sizes[0, place] @ wave + (sizes[1, place] @ wave) * growing) ** 2))
+        for wave, place in ((wave, slice(at, at + len(wave))) for wave, at in zip(orders, first, strict=True))
+    ]
+    return share, int(np.argmax(made[1:])) + 1 if max(made[1:]) >= made[0] else 0
 
 
 def expected(fitted: Fitted, data: Data, index: int) -> float:
@@ -158,15 +178,22 @@ def sentence(left: Sequence[Leftover]) -> str | None:
         return None
     parts = []
     for leftover in bad[:3]:
-        parts.append(f"{figure(leftover.ratio)} times the noise in {leftover.file}{_how(leftover)}")
+        parts.append(f"{_size(leftover)} in {leftover.file}{_how(leftover)}")
     more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recordings"
     return f"there remains {'; '.join(parts)}{more}"
 
 
+def _size(leftover: Leftover) -> str:
+    """How much is left: of the motion, and in times the noise."""
+    times = f"{figure(leftover.ratio, 2)} times the noise"
+    return f"{figure(100 * leftover.part, 2)} % of the motion ({times})" if np.isfinite(leftover.part) else times
+
+
 def _how(leftover: Leftover) -> str:
     """What it keeps to, where the segment is long enough to tell."""
+    order = f", most at {leftover.order} times its frequency" if leftover.order > 1 else ""
     if leftover.with_motion > 0:
-        return ", growing with the motion"
+        return f", growing with the motion{order}"
     if leftover.in_step > 0:
-        return ", in step with the motion"
+        return f", in step with the motion{order}"
     return "" if leftover.burst_s is None else f", in a burst at {leftover.burst_s:.4g} s"

@@ -9,7 +9,7 @@ that there is an end, and at the end no neighbour of the leader promises to reac
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -26,7 +26,7 @@ from .candidate import DECISIVE, Candidate, key
 from .judgement import leading, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
-from .race import PATIENCE, Start, in_the_best_valleys, race, started
+from .race import PATIENCE, Entry, Start, in_the_best_valleys, race, started
 from .starts import Proposal, by_motion, by_score, unseen_in_motion, without
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
@@ -69,7 +69,7 @@ class Search:
 
         Raises BadInput where it does not simulate with these values.
         """
-        start = started((), model, self.data, Measure())
+        start = started(Entry((), model), self.data, Measure())
         if start is None:
             raise BadInput("the model does not simulate with its start values; check the units of force and response")
         race([start], Measure(), None, self.data.points)
@@ -266,16 +266,10 @@ class Search:
         foreseen = foretold(fitted, told, self.data, held_out, self.holdout, self._measures[1])
         return Candidate(laws, fitted, held_out, value, foreseen, foreseen, "judged")
 
-    def _started(
-        self,
-        laws: tuple[str, ...],
-        model: Oscillator,
-        initial: np.ndarray | None,
-        fixed: Sequence[str],
-        hoped: float = np.inf,
-        patience: int = 0,
-    ) -> Start | None:
-        return started(laws, model, self.data, self._measures[0], initial, fixed, hoped, patience)
+    def _started(self, entries: Iterable[Entry]) -> list[Start]:
+        """Those that can be simulated."""
+        starts = [started(entry, self.data, self._measures[0]) for entry in entries]
+        return [start for start in starts if start is not None]
 
     def _addable(self, leader: Candidate) -> list[Law]:
         """The laws that the leader could have besides."""
@@ -290,7 +284,7 @@ class Search:
     def _added(self, leader: Candidate, proposals: Sequence[Proposal]) -> list[Start]:
         """The leader with one law more, where that was proposed."""
         assert leader.fit is not None
-        starts = []
+        entries = []
         measure = self._measures[0]
         near = measure.near(leader.fit.residuals, leader.fit.model, self.data)
         for proposal in proposals:
@@ -302,11 +296,8 @@ class Search:
                 continue
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
             patience = 0 if near else PATIENCE
-            starts.append(self._started(laws, proposal.model, proposal.initial, fixed, hoped, patience))
-        added = in_the_best_valleys([start for start in starts if start is not None])
-        for start in added:
-            start.adds = True
-        return added
+            entries.append(Entry(laws, proposal.model, proposal.initial, fixed, hoped, patience, adds=True))
+        return in_the_best_valleys(self._started(entries))
 
     def _unmoved(self, leader: Candidate, law: str, gain: float) -> None:
         laws = key((*leader.laws, law))
@@ -316,18 +307,17 @@ class Search:
     def _dropped(self, leader: Candidate) -> list[Start]:
         """The leader with one law less: where it led the others they may do without it."""
         assert leader.fit is not None
-        starts = []
+        entries = []
         for name in leader.laws:
             laws = key([law for law in leader.laws if law != name])
             for model, initial in without(leader.fit, self.data, name):
-                fixed = self._fixed(leader.fit, model)
-                starts.append(self._started(laws, model, initial, fixed, patience=PATIENCE))
-        return [start for start in starts if start is not None]
+                entries.append(Entry(laws, model, initial, self._fixed(leader.fit, model), patience=PATIENCE))
+        return self._started(entries)
 
     def _exchanged(self, leader: Candidate) -> list[Start]:
         """The leader with one law exchanged for those that act most like it on the leader's own motion."""
         assert leader.fit is not None
-        starts: list[Start | None] = [*self._generalised(leader)]
+        entries = self._generalised(leader)
         # on the motion of a leader that is right, what acts like one of its laws begins near its own maximum
         patience = PATIENCE if self._at_noise(leader, ()) else _CONVERGES
         for name in leader.laws:
@@ -343,21 +333,21 @@ class Search:
                 if laws in self.candidates and self.candidates[laws].stage == "judged":
                     continue
                 fixed = self._fixed(leader.fit, proposal.model)
-                starts.append(self._started(laws, proposal.model, proposal.initial, fixed, patience=patience))
-        return [start for start in starts if start is not None]
+                entries.append(Entry(laws, proposal.model, proposal.initial, fixed, patience=patience))
+        return self._started(entries)
 
-    def _generalised(self, leader: Candidate) -> list[Start]:
+    def _generalised(self, leader: Candidate) -> list[Entry]:
         """The leader with a law exchanged for the more general one of which it is a case, from where it is."""
         assert leader.fit is not None
-        starts = []
+        entries = []
         for name in leader.laws:
             general = find(name).twin
             if general is None or only_a_name(find(name)):
                 continue
             wider = renamed(leader.fit, name, find(general))
             laws = key([general if law == name else law for law in leader.laws])
-            starts.append(self._started(laws, wider.model, wider.initial, (), patience=PATIENCE))
-        return [start for start in starts if start is not None]
+            entries.append(Entry(laws, wider.model, wider.initial, (), patience=PATIENCE))
+        return entries
 
     def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
         """What keeps its value in a neighbour of a fitted model: what it kept there, and the shape of a new law."""
@@ -367,13 +357,13 @@ class Search:
 
     def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
         """Starts with the shape of their laws free too, of those that came far."""
-        freed = []
+        entries = []
         for start in starts:
             fixed = [name for name in shapes_of(start.model) if name not in start.structure.free]
             if fixed and self._paid(start) > self._paid_by(front) - DECISIVE:
                 kept = [n for n in start.model.parameters() if n not in start.structure.free and n not in fixed]
-                freed.append(self._started(start.laws, start.model, start.fitted.initial, kept))
-        return [start for start in freed if start is not None]
+                entries.append(Entry(start.laws, start.model, start.fitted.initial, kept))
+        return self._started(entries)
 
     def _simulated(self, leader: Candidate) -> Candidate:
         """The leader fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""
@@ -381,7 +371,7 @@ class Search:
             return leader
         free = replace(self.data, memory=FREE)
         fixed = [name for name in leader.fit.model.parameters() if name not in leader.fit.free]
-        start = started(leader.laws, leader.fit.model, free, Measure(), leader.fit.initial, fixed)
+        start = started(Entry(leader.laws, leader.fit.model, leader.fit.initial, fixed), free, Measure())
         if start is None:
             return leader
         race([start], Measure(), None, self.data.points)

@@ -97,6 +97,18 @@ def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind):
     assert any(record.holdout for record in diagnosis.records)
 
 
+def test_the_best_of_models_that_follow_nothing_is_not_named(rig, monkeypatch, tmp_path):
+    case = rig("single", "quadratic-drag")
+    monkeypatch.setattr("dashpot.diagnose.mend.POOR_NRMSE", 0.0)
+    monkeypatch.setattr("dashpot.diagnose.mend.ABOVE_NOISE", 0.5)
+    diagnosis = diagnose(case.model, case.training, case.holdout, fmu=tmp_path / "mended.fmu")
+    assert diagnosis.effects == ()
+    assert diagnosis.verdict == "unexplained"
+    assert any("(quadratic-drag) follows no recording either" in note for note in diagnosis.notes)
+    assert not (tmp_path / "mended.fmu").exists()
+    assert all(record.nrmse_after == record.nrmse_before for record in diagnosis.records)
+
+
 @pytest.mark.long
 def test_recordings_of_another_rig_are_refused(rig):
     case, other = rig("single", "quadratic-drag"), rig("none")

@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from dashpot.diagnose.family import cut_for, family_of, less_offsets, stranger
+from dashpot.diagnose.family import _agree, cut_for, family_of, less_offsets, stranger
 from dashpot.diagnose.measuring_chain import zeros
 from dashpot.diagnose.search.residual_test import leftovers
 from dashpot.diagnose.search.search import Search
@@ -17,6 +17,7 @@ from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import climb
+from dashpot.identify.offset import FoundOffset
 from dashpot.identify.signals import response_of
 from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
@@ -194,17 +195,45 @@ def test_a_model_identified_from_these_recordings_is_gone_on_with(monkeypatch, k
     assert is_the_rig(family.model)
 
 
+def test_a_model_identified_from_these_recordings_is_never_of_another_rig():
+    """Whatever the fit then makes of them: a file that is refused on its own recordings helps nobody."""
+    given = [replace(recording, sha256=f"{i}") for i, recording in enumerate(training())]
+    provenance = Provenance(recordings=({"file": "a", "sha256": "0"}, {"file": "b", "sha256": "1"}))
+    model = replace(scaled(1.35, 1e-3, ("omega0",)), identified=provenance)
+    assert family_of(model, given, []).notes == ()
+
+
+@pytest.mark.parametrize(("apart", "one_cause"), [(7.9, True), (8.1, False)])
+def test_zeros_within_four_errors_of_their_mean_have_one_cause(apart, one_cause):
+    zeros_found = [FoundOffset(i, "response", value, 1.0) for i, value in enumerate((5.0, 5.0 + apart))]
+    assert _agree(zeros_found, 2) is one_cause
+    assert not _agree(zeros_found, 3)  # a recording without one has none
+
+
 # --- held out, of another rig
 
 
-def told_apart(**changed):
-    """What ``stranger`` says where the held-out recording is of a rig with some values changed."""
+def told_apart(*, told_training=None, told_elsewhere=None, **changed):
+    """What ``stranger`` says where the held-out recording is of a rig with some values changed.
+
+    The times of the noise that are left in training and in held-out recordings may be given.
+    """
     family = family_of(MODEL, training(), held(**changed))
     data, judged = (cut_for(family, group, MODEL) for group in (family.recordings, family.holdout))
     search = Search(data, judged)
     final = search.best_of_family(family.model)
-    left = (*leftovers(final, data), *leftovers(judged_by(final.model, judged), judged))
+    here, there = leftovers(final, data), leftovers(judged_by(final.model, judged), judged)
+    left = [replace(stretch, ratio=told_training or stretch.ratio) for stretch in here]
+    left += [replace(stretch, ratio=told_elsewhere or stretch.ratio) for stretch in there]
     return stranger(final, search, left, len(data.segments))
+
+
+@pytest.mark.parametrize(
+    ("told_training", "told_elsewhere", "another"), [(1.49, 2.26, True), (1.51, 2.26, False), (1.49, 2.24, False)]
+)
+def test_of_another_rig_is_what_is_told_badly_where_the_rest_is_told_well(told_training, told_elsewhere, another):
+    said = told_apart(told_training=told_training, told_elsewhere=told_elsewhere, omega0=1.02 * TRUTH["omega0"])
+    assert (said is not None) is another
 
 
 def test_a_held_out_recording_of_another_rig_is_told():

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.measure import NEAR, Measure, measure_by
-from dashpot.diagnose.search.race import started
+from dashpot.diagnose.search.race import Entry, started
 from dashpot.diagnose.search.residual_test import leftovers, times_the_noise
 from dashpot.identify.data import data_of
 
@@ -17,7 +17,7 @@ def fitted(rig):
     """A rig with nothing missing, at the noise, and its data."""
     case = rig("none")
     data = data_of(case.training, case.model)
-    start = started((), case.model, data, Measure())
+    start = started(Entry((), case.model), data, Measure())
     assert start is not None
     return start.fitted, data
 

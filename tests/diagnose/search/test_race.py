@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.measure import NEAR, Measure
-from dashpot.diagnose.search.race import PATIENCE, race, started
+from dashpot.diagnose.search.race import PATIENCE, Entry, race, started
 from dashpot.diagnose.search.residual_test import times_the_noise
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import probes
@@ -38,7 +38,7 @@ def times(start):
 def there(plain):
     """The maximum, and the measure that it gives."""
     data, model = plain
-    start = started((), model, data, Measure())
+    start = started(Entry((), model), data, Measure())
     assert start is not None
     measure = race([start], Measure(), None, data.points)
     return start.fitted, measure
@@ -46,7 +46,7 @@ def there(plain):
 
 def test_a_start_that_is_off_arrives_at_the_noise(plain):
     data, model = plain
-    start = started((), bent(model, viscous=1.3, omega0=1.003), data, Measure())
+    start = started(Entry((), bent(model, viscous=1.3, omega0=1.003)), data, Measure())
     assert start is not None
     assert not start.near
     measure = race([start], Measure(), None, data.points)
@@ -61,8 +61,8 @@ def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there):
     (data, model), (fitted, measure) = plain, there
     best = measure.value(fitted.residuals)
     off = bent(model, viscous=1.2)
-    hopeless = started((), off, data, measure, hoped=best - 20.0)
-    hopeful = started((), off, data, measure, hoped=best + 20.0)
+    hopeless = started(Entry((), off, hoped=best - 20.0), data, measure)
+    hopeful = started(Entry((), off, hoped=best + 20.0), data, measure)
     assert hopeless is not None
     assert hopeful is not None
     race([hopeless, hopeful], measure, fitted, data.points)
@@ -74,7 +74,7 @@ def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there):
 def test_a_promise_is_looked_for_before_a_start_leaves(plain, there):
     """One that is told better than was hoped of it has no bound yet."""
     (data, model), (fitted, measure) = plain, there
-    start = started((), bent(model, viscous=1.0001), data, measure, hoped=-1e12, fixed=("viscous",))
+    start = started(Entry((), bent(model, viscous=1.0001), hoped=-1e12, fixed=("viscous",)), data, measure)
     assert start is not None
     assert start.ceiling == np.inf
     race([start], measure, doubled(fitted, 1e-3), data.points)
@@ -91,7 +91,7 @@ def doubled(fitted, factor):
 @pytest.mark.parametrize("patience", [0, PATIENCE])
 def test_far_from_the_truth_a_start_is_given_its_steps(plain, there, patience):
     data, model = plain
-    start = started((), bent(model, viscous=2.0, omega0=1.02), data, Measure(), patience=patience)
+    start = started(Entry((), bent(model, viscous=2.0, omega0=1.02), patience=patience), data, Measure())
     assert start is not None
     assert times(start) > NEAR
     race([start], Measure(), doubled(there[0], 1e-9), data.points)
@@ -100,8 +100,8 @@ def test_far_from_the_truth_a_start_is_given_its_steps(plain, there, patience):
 
 def test_the_first_that_comes_to_the_noise_gives_the_measure_of_all(plain):
     data, model = plain
-    good = started((), bent(model, viscous=1.001), data, Measure())
-    bad = started((), bent(model, omega0=1.2), data, Measure(), fixed=("omega0",))
+    good = started(Entry((), bent(model, viscous=1.001)), data, Measure())
+    bad = started(Entry((), bent(model, omega0=1.2), fixed=("omega0",)), data, Measure())
     assert good is not None
     assert bad is not None
     measure = race([good, bad], Measure(), None, data.points)
@@ -114,7 +114,7 @@ def test_the_first_that_comes_to_the_noise_gives_the_measure_of_all(plain):
 def test_what_a_linear_rig_promises_it_keeps(plain):
     """Near the maximum the response is linear in the unknowns: one step comes to what it promised."""
     data, model = plain
-    start = started((), bent(model, viscous=1.01), data, Measure())
+    start = started(Entry((), bent(model, viscous=1.01)), data, Measure())
     assert start is not None
     start.look()
     promised, before = start.ceiling - start.value, start.value
@@ -126,7 +126,7 @@ def test_what_a_linear_rig_promises_it_keeps(plain):
 def test_shapes_are_freed_before_a_law_leaves_far_from_the_noise(plain, there):
     data, model = plain
     grown = with_term(bent(model, omega0=1.05), "hysteresis", hysteresis_values(data))
-    start = started(("hysteresis",), grown, data, Measure(), fixed=shapes_of(grown), patience=1)
+    start = started(Entry(("hysteresis",), grown, fixed=shapes_of(grown), patience=1), data, Measure())
     assert start is not None
     assert start.locked
     race([start], Measure(), doubled(there[0], 1e-9), data.points)

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.residual_test import Leftover, expected, leftovers, sentence, share_in_step
+from dashpot.diagnose.search.residual_test import Leftover, expected, in_step, leftovers, sentence
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import Data, data_of
 from dashpot.identify.segments import Segment
@@ -192,44 +192,44 @@ def test_what_repeats_with_the_cycles_is_in_step(order):
     motion, turn = motion_of(120)
     amplitude = np.abs(motion / np.cos(turn))
     for residual in (np.cos(order * turn + 0.7), amplitude * np.cos(order * turn + 0.7)):
-        assert share_in_step(motion + 1e-2, residual + 1e-9) == pytest.approx(1.0, abs=0.02)
+        assert in_step(motion + 1e-2, residual + 1e-9)[0] == pytest.approx(1.0, abs=0.02)
 
 
 def test_beyond_the_fifth_harmonic_nothing_is_looked_for():
     motion, turn = motion_of(120)
-    assert share_in_step(motion, np.cos(6 * turn)) == 0.0
-    assert share_in_step(motion, np.cos(2.5 * turn)) == 0.0
+    assert in_step(motion, np.cos(6 * turn))[0] == 0.0
+    assert in_step(motion, np.cos(2.5 * turn))[0] == 0.0
 
 
-@pytest.mark.parametrize(("part", "in_step"), [(0.04, False), (0.06, True)])
-def test_a_twentieth_of_the_power_is_the_least(part, in_step):
+@pytest.mark.parametrize(("part", "seen"), [(0.04, False), (0.06, True)])
+def test_a_twentieth_of_the_power_is_the_least(part, seen):
     motion, turn = motion_of(800)
     residual = np.sqrt(2 * part) * np.cos(3 * turn) + np.sqrt(1 - part) * white(turn.size) / NOISE
-    share = share_in_step(motion, residual)
-    assert share == pytest.approx(part, abs=0.01) if in_step else share == 0.0
+    share = in_step(motion, residual)[0]
+    assert share == pytest.approx(part, abs=0.01) if seen else share == 0.0
 
 
 def test_a_short_record_has_as_much_by_chance():
     """Of 200 samples twenty columns take a tenth: a share of a tenth says nothing there."""
     motion, turn = motion_of(5)
     for seed in range(20):
-        assert share_in_step(motion, white(turn.size, seed)) == 0.0
+        assert in_step(motion, white(turn.size, seed))[0] == 0.0
     motion, turn = motion_of(60)
-    assert share_in_step(motion, np.cos(2 * turn) + 0.3 * white(turn.size) / NOISE) > 0.7
+    assert in_step(motion, np.cos(2 * turn) + 0.3 * white(turn.size) / NOISE)[0] > 0.7
 
 
 def test_noise_keeps_step_with_nothing():
     motion, _ = motion_of(60)
     random = np.random.default_rng(8)
     for _ in range(40):
-        assert share_in_step(motion, random.standard_normal(motion.size)) == 0.0
-        assert share_in_step(motion, coloured(random, motion.size)) == 0.0
+        assert in_step(motion, random.standard_normal(motion.size))[0] == 0.0
+        assert in_step(motion, coloured(random, motion.size))[0] == 0.0
 
 
 def test_nothing_is_in_step_with_nothing():
     motion, turn = motion_of(20)
-    assert share_in_step(motion, np.zeros(turn.size)) == 0.0
-    assert share_in_step(np.full(turn.size, 2.0), np.cos(turn)) == 0.0
+    assert in_step(motion, np.zeros(turn.size))[0] == 0.0
+    assert in_step(np.full(turn.size, 2.0), np.cos(turn))[0] == 0.0
 
 
 def test_noise_of_any_colour_is_no_mismatch():
@@ -258,6 +258,34 @@ def test_each_recording_is_told_once_the_worst_first():
         "there remains 9 times the noise in a, growing with the motion; "
         "7 times the noise in b, in step with the motion; 2 times the noise in c, in a burst at 12.35 s"
     )
+
+
+def test_what_is_left_is_told_as_a_part_of_the_motion_first():
+    """An engineer asks how large it is before how many times the noise that is."""
+    assert sentence([replace(left(12.0, step=0.4), part=0.00712, order=3)]) == (
+        "there remains 0.71 % of the motion (12 times the noise) in run, in step with the motion, most at 3 times its "
+        "frequency"
+    )
+    assert "frequency" not in str(sentence([replace(left(12.0, step=0.4), part=0.007, order=1)]))
+
+
+def test_the_part_of_the_motion_that_is_left():
+    motion, _ = motion_of(60)
+    residual = np.sign(white(motion.size)) * 3 * NOISE
+    (leftover,) = leftovers(*left_by((motion, residual)))
+    assert leftover.part == pytest.approx(3 * NOISE / np.std(motion + residual))
+    (short,) = leftovers(*left_by((motion[:200], residual[:200])))
+    assert short.short
+    assert short.part == pytest.approx(3 * NOISE / np.std((motion + residual)[:200]))
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 5])
+def test_the_strongest_order_of_what_keeps_step(order):
+    motion, turn = motion_of(60)
+    swell = 0.55 - 0.45 * np.cos(4 * np.pi * np.arange(turn.size) / turn.size)
+    residual = 1e-4 * (swell * np.cos(order * turn) + 0.4 * np.cos(4 * turn))
+    assert in_step(motion, residual + white(turn.size))[1] == order
+    assert in_step(motion, white(turn.size)) == (0.0, 0)
 
 
 def test_more_than_three_recordings_are_counted():
@@ -335,8 +363,8 @@ def test_noise_keeps_step_with_no_rig(fitted):
     for segment, r in zip(data.segments, fit.residuals, strict=True):
         motion = segment.response - r
         for _ in range(20):
-            assert share_in_step(motion, random.standard_normal(r.size)) == 0.0
-            assert share_in_step(motion, coloured(random, r.size)) == 0.0
+            assert in_step(motion, random.standard_normal(r.size))[0] == 0.0
+            assert in_step(motion, coloured(random, r.size))[0] == 0.0
 
 
 @pytest.mark.long
