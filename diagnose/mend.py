@@ -68,10 +68,13 @@ def _fit(
         model = before
         if after is not None:
             model = after
-            second, initial, shown = replayed(after, piece)
+            there = replayed(after, piece)
+            second = there.response
             if run is not None:
-                output = run.output_for(recording)
-                second = run.record(force_of(piece), piece.n, piece.dt, initial, piece.start, output) + shown
+                force, output = force_of(piece), run.output_for(recording)
+                force = force if force is None else force.shifted(-there.load)
+                second = run.record(force, piece.n, piece.dt, there.initial, piece.start, output)
+                second = second + there.shown(piece.dt)
         times.append(piece.time)
         measured.append(np.asarray(piece.response, float))
         forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))

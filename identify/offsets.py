@@ -74,12 +74,21 @@ def force_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator
     )
     offsets = []
     for index in driven:
-        force, fs = np.asarray(recordings[index].force, float), recordings[index].fs
-        period = max(2, round(2 * np.pi / data.scales.omega * fs))
-        zero, error = zero_of(force, period), _error_of_centre(force, period)
-        if abs(zero) > _STANDS_OUT * error:
+        force = np.asarray(recordings[index].force, float)
+        zero = zero_of_load_cell(force, recordings[index].fs, data.scales.omega)
+        if zero:
             offsets.append(Offset(index, "force", 1e-2 * float(np.std(force)), zero))
     return tuple(offsets)
+
+
+def zero_of_load_cell(force: np.ndarray, fs: float, omega: float) -> float:
+    """Where the signal (n,) of a load cell is centred that drives a motion of angular frequency ``omega``.
+
+    0 where it may be centred about zero.
+    """
+    period = max(2, round(2 * np.pi / omega * fs))
+    zero = zero_of(force, period)
+    return zero if abs(zero) > _STANDS_OUT * _error_of_centre(force, period) else 0.0
 
 
 def _error_of_centre(force: np.ndarray, period: int) -> float:
@@ -165,29 +174,45 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
 
 
 def _goes_on(index: int, segments: Sequence[Segment], residuals: Sequence[np.ndarray], omega: float) -> bool:
-    """Whether the middle of what a recording leaves moves with time, and not just with the size of the motion.
+    """Whether the middle of what a recording leaves moves with time, and not just with the size of the motion."""
+    own = [(s, r) for s, r in zip(segments, residuals, strict=True) if s.recording == index]
+    drift = drift_of([(s.time, s.dt, s.response, r) for s, r in own], omega)
+    return drift is None or drift != 0.0
+
+
+def drift_of(parts: Sequence[tuple[float, float, np.ndarray, np.ndarray]], omega: float) -> float | None:
+    """By how much the middle of what is left moves a second, beside the size of the motion: 0 where that is chance.
 
     Judged by the means over cycles of angular frequency ``omega``, beside the square of the motion's own size in each.
+
+    Args:
+        parts: of one recording, each its first time and its interval in s, its response (n,) and what is left (n,).
+        omega: angular frequency of the motion, rad/s.
+
+    Returns:
+        The slope in the response's unit per second; None where the parts are too short to say so.
     """
     times, means, sizes = [], [], []
-    for segment, residual in zip(segments, residuals, strict=True):
-        period = max(2, round(2 * np.pi / omega / segment.dt))
-        count = segment.n // period
-        if segment.recording != index or count < 1:
+    for time, dt, response, residual in parts:
+        period = max(2, round(2 * np.pi / omega / dt))
+        count = response.size // period
+        if count < 1:
             continue
         cycles = slice(0, count * period)
-        times.append(segment.time + (np.arange(count) + 0.5) * period * segment.dt)
+        times.append(time + (np.arange(count) + 0.5) * period * dt)
         means.append(np.mean(residual[cycles].reshape(count, period), axis=1))
-        sizes.append(np.var(segment.response[cycles].reshape(count, period), axis=1))
+        sizes.append(np.var(response[cycles].reshape(count, period), axis=1))
     if sum(len(part) for part in means) < _FEWEST_MEANS:
-        return True  # too short to say so
+        return None
     mean = np.concatenate(means)
     columns = np.stack([np.ones(mean.size), np.concatenate(times), np.concatenate(sizes)])
-    columns /= np.maximum(np.max(np.abs(columns), axis=1, keepdims=True), np.finfo(float).tiny)
+    scale = np.maximum(np.max(np.abs(columns), axis=1, keepdims=True), np.finfo(float).tiny)
+    columns /= scale
     inverse = pseudo_inverse(columns @ columns.T)
     fitted = inverse @ (columns @ mean)
     scatter = np.sum((mean - fitted @ columns) ** 2) / max(mean.size - len(columns), 1)
-    return bool(abs(fitted[1]) > _STANDS_OUT * np.sqrt(scatter * inverse[1, 1]))
+    stands = abs(fitted[1]) > _STANDS_OUT * np.sqrt(scatter * inverse[1, 1])
+    return float(fitted[1] / scale[1, 0]) if stands else 0.0
 
 
 def _line(residual: np.ndarray) -> np.ndarray:

@@ -13,11 +13,8 @@ from collections.abc import Callable, Iterator
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # is read when numpy is loaded
 
 
-import numpy as np
 import pytest
-from dashpot.examples.force import chirp
-from dashpot.examples.oscillator import integrate_pieces
-from dashpot.examples.truth import TRUTH
+from dashpot.examples.virtual_recording import UNITS, recording_of
 from dashpot.model import Oscillator, Response
 from dashpot.model.law import LawParameter, Scales
 from dashpot.model.laws import LIBRARY, find
@@ -41,7 +38,6 @@ KINDS = (
 )
 #: A test of so many laws goes through the library; one of fewer has chosen them itself.
 MANY = 12
-UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
 
 
 def typical(parameter: LawParameter) -> float:
@@ -75,63 +71,10 @@ def offsets() -> Callable[[Oscillator], list[float]]:
     return make
 
 
-def acceleration(values, x, v, force):
-    """Of Eq. 17 at states (n,) under a force (n,), m/s²: zero where friction holds the mass."""
-    v_zero, x_zero = v == 0.0, x == 0.0
-    net = force / values["mass"] - values["omega0"] ** 2 * x - values["cubic"] * x**3
-    net = net - values["preload"] * np.sign(x) - values["viscous"] * v
-    grip = values["dry"] + np.where(x_zero, values["preload"], 0.0)
-    held = np.sign(net) * np.maximum(np.abs(net) - grip, 0.0)
-    return np.where(v_zero, held, net - values["dry"] * np.sign(v))
-
-
-def taylor(
-    values=TRUTH,
-    *,
-    sweep=None,
-    begin=(0.0, 0.0),
-    fs=500.0,
-    seconds=6.0,
-    quantity="displacement",
-    noise=1e-6,
-    offset=0.0,
-    force_noise=0.0,
-    seed=0,
-    name="run",
-):
-    """A recording of Eq. 17 by the project's reference integrator.
-
-    Args:
-        values: of Eq. 17.
-        sweep: (N, Hz, Hz) level, first and last frequency of a force that is smooth between its samples; None: free.
-        begin: displacement and velocity at the first sample.
-        fs, seconds: sampling.
-        quantity: what is recorded.
-        noise: standard deviation of the displacement's noise; of the others it is that times omega0 or omega0².
-        offset: what the sensor shows at zero, in the quantity's unit.
-        force_noise: standard deviation of the force channel's noise, N.
-        seed: of both noises.
-        name: the recording's.
-    """
-    random = np.random.default_rng(seed)
-    n = round(seconds * fs)
-    t = np.arange(n) / fs
-    pieces = np.zeros((n, 1))
-    if sweep is not None:
-        level, first, last = sweep
-        pieces = chirp(level, first, (last - first) / seconds, t, 1 / fs)
-    x, v = integrate_pieces(values, pieces[:-1], 1 / fs, *begin)
-    y = {"displacement": x, "velocity": v, "acceleration": acceleration(values, x, v, pieces[:, 0])}[quantity]
-    size = noise * values["omega0"] ** list(UNITS).index(quantity)
-    y = y + offset + size * random.standard_normal(n)
-    force = None if sweep is None else pieces[:, 0] + force_noise * random.standard_normal(n)
-    return Recording(name, fs, y, force, quantity, UNITS[quantity])
-
-
 @pytest.fixture(scope="session")
 def recorded() -> Callable[..., Recording]:
-    """``recorded(values, sweep=(1.0, 5.0, 20.0))`` or ``recorded(begin=(8e-3, 0.0))``; see ``taylor``."""
-    return taylor
+    """``recorded(values, sweep=(1.0, 5.0, 20.0))`` or ``recorded(begin=(8e-3, 0.0))``; see ``recording_of``."""
+    return recording_of
 
 
 @pytest.fixture(scope="session", autouse=True)

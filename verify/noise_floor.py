@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..identify.decays import find_decays
-from ..identify.replay import replayed
+from ..identify.replay import replay
 from ..identify.signals import noise_levels
 from ..model import Oscillator
 from ..recording.fact import changed
@@ -28,7 +28,7 @@ def floor_of_model(model: Oscillator, recording: Recording) -> float:
         return sensor
     random = np.random.default_rng(0)
     noisy = changed(recording, force=np.asarray(recording.force) + level * random.standard_normal(recording.n))
-    difference = replayed(model, noisy)[0] - replayed(model, recording)[0]
+    difference = replay(model, noisy) - replay(model, recording)
     moved = float(np.sqrt(np.mean(difference**2)))
     return float(np.hypot(sensor, moved)) if np.isfinite(moved) else sensor
 

@@ -21,8 +21,8 @@ from ..identify.excitation import kind_of
 from ..identify.forcevib import forcevib
 from ..identify.freevib import freevib
 from ..identify.hold import held_as
-from ..identify.replay import force_of, initial_state, natural_frequency
-from ..identify.signals import Signal, drive_of
+from ..identify.replay import Replay, force_of, natural_frequency, run_along
+from ..identify.signals import Signal, drive_of, noise_levels
 from ..model import Response
 from ..recording.fact import changed
 from ..recording.recording import Recording
@@ -60,6 +60,7 @@ class RecordingCheck:
         time, measured, simulated: (n,) signals, for pictures.
         backbones: pairs (recording's, FMU's).
         response: what was measured, and in which unit.
+        besides: what the sensors show at zero, in words: no part of the motion, and left aside.
     """
 
     file: str
@@ -72,6 +73,7 @@ class RecordingCheck:
     simulated: np.ndarray
     backbones: tuple[tuple[Backbone, Backbone], ...]
     response: Response
+    besides: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +109,7 @@ class Verification:
                     "nrmse": check.nrmse,
                     "noise_floor": check.noise_floor,
                     "backbone_max_error_hz": check.backbone_max_error_hz,
+                    "besides": list(check.besides),
                     "pass": check.passed,
                 }
                 for check in self.recordings
@@ -142,6 +145,8 @@ def verify(
                 f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}"
                 + ("" if check.backbone_max_error_hz is None else f", backbone {check.backbone_max_error_hz:.2g} Hz")
             )
+            for words in check.besides:
+                progress(f"{recording.name}: {words}; left aside")
             for words in run.heard():
                 progress(f"{recording.name}: the FMU says: {words}")
             checks.append(check)
@@ -152,7 +157,7 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     pieces = _pieces(recording)
     runs = [_run(run, piece) for piece in pieces]
     measured = np.concatenate([np.asarray(piece.response, float) for piece in pieces])
-    simulated = np.concatenate([response for response, _ in runs])
+    simulated = np.concatenate([replay.response for replay, _ in runs])
     spread = float(np.std(measured))
     if not spread > 0:
         raise BadInput(f"{recording.name}: the response does not move; there is nothing to compare with")
@@ -160,16 +165,30 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     variance = sum(piece.n * noise**2 for piece, (_, noise) in zip(pieces, runs, strict=True)) / measured.size
     floor = float(np.sqrt(variance)) / spread
     backbones = tuple(
-        pair for piece, (response, _) in zip(pieces, runs, strict=True) for pair in _backbones(piece, response)
+        pair for piece, (replay, _) in zip(pieces, runs, strict=True) for pair in _backbones(piece, replay.response)
     )
     error = _largest_error(backbones)
     frequency = natural_frequency(recording) / (2 * np.pi)
     passed = nrmse <= noise_ratio * floor and (error is None or error <= BACKBONE_PART * frequency)
     time = np.concatenate([piece.time for piece in pieces])
     shown = Response(recording.quantity, recording.unit)
+    besides = [words for replay, _ in runs for words in _besides(replay, recording)]
     return RecordingCheck(
-        recording.name, nrmse, floor, error, bool(passed), time, measured, simulated, backbones, shown
+        recording.name, nrmse, floor, error, bool(passed), time, measured, simulated, backbones, shown, tuple(besides)
     )
+
+
+def _besides(replay: Replay, recording: Recording) -> list[str]:
+    """What the sensors were found to show beside the motion, in words: what exceeds their noise."""
+    sensor, _ = noise_levels(recording)
+    words = []
+    if abs(replay.zero) > sensor:
+        words.append(f"its sensor shows {replay.zero:.4g} {recording.unit} at zero")
+    if replay.drift:
+        words.append(f"its sensor drifts by {replay.drift:.4g} {recording.unit}/s")
+    if replay.load:
+        words.append(f"its load cell shows {replay.load:.4g} {recording.force_unit} at zero")
+    return words
 
 
 def _pieces(recording: Recording) -> list[Recording]:
@@ -182,18 +201,19 @@ def _pieces(recording: Recording) -> list[Recording]:
     return parts
 
 
-def _run(run: FmuRun, recording: Recording) -> tuple[np.ndarray, float]:
-    """(n,) response of the FMU, and the rms of what noise alone leaves."""
+def _run(run: FmuRun, recording: Recording) -> tuple[Replay, float]:
+    """The FMU along a recording, and the rms of what noise alone leaves."""
     force = force_of(recording)
 
-    def simulate(state: np.ndarray, n: int) -> np.ndarray:
-        return run.record(force, n, recording.dt, state, recording.start, output)
+    def simulate(state: np.ndarray, n: int, load: float) -> np.ndarray:
+        pushed = force.shifted(-load) if force is not None and load else force
+        return run.record(pushed, n, recording.dt, state, recording.start, output)
 
     output = run.output_for(recording)
-    size = 1.0 if force is None or recording.force is None else float(np.max(np.abs(recording.force)))
-    initial, shown = initial_state(simulate, recording, run.inner, size)
-    simulated = simulate(initial, recording.n)
-    return simulated + shown, floor_of_fmu(run, recording, force, initial, simulated)
+    replay = run_along(simulate, recording, run.inner)
+    pushed = force if force is None else force.shifted(-replay.load)
+    moved = replay.response - replay.shown(recording.dt)
+    return replay, floor_of_fmu(run, recording, pushed, replay.initial, moved)
 
 
 def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backbone, Backbone], ...]:

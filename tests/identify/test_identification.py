@@ -9,12 +9,11 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
+from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording, read
-from dashpot.simulate.core import core_of, internal_step
-from dashpot.simulate.force import smooth_force
 
 #: Percent, from the project's promise.
 WITHIN = {"mass": 0.5, "omega0": 0.5, "viscous": 0.5, "cubic": 3.0, "preload": 5.0, "dry": 5.0}
@@ -72,31 +71,16 @@ def test_the_model_file_holds_the_result(identification):
 
 def record(kind, quantity="displacement", seed=0, noise=1e-4, values=TRUTH, seconds=12.0, fs=1000.0):
     """A recording of a rig: a sweep through the resonance or a decay from 8 mm, with a little white noise."""
-    random = np.random.default_rng(seed)
-    n = round(seconds * fs)
-    t = np.arange(n) / fs
     natural = values["omega0"] / 2 / np.pi
     level = values["mass"] / TRUTH["mass"]
-    force = level * np.sin(2 * np.pi * natural * (0.5 * t + 0.5 * t**2 / seconds)) if kind == "sweep" else None
-    model = Oscillator.from_values(values)
-    core = core_of(model)
-    p = np.array(list(model.values().values()))
-    initial = np.zeros(2) if force is not None else np.array([8e-3, 0.0])
-    step = internal_step(model, values, 9e-3)
-    driven = None if force is None else smooth_force(force, 1 / fs, natural)  # a true force has no corners
-    z = core.record(p, initial, driven, n, 1 / fs, step, states=True)
-    inner = (
-        values["omega0"] ** 2 * z[:, 0]
-        + values["cubic"] * z[:, 0] ** 3
-        + values["preload"] * np.sign(z[:, 0])
-        + values["viscous"] * z[:, 1]
-        + values["dry"] * np.sign(z[:, 1])
+    sweep = (level, 0.5 * natural, 1.5 * natural) if kind == "sweep" else None
+    begin = (0.0, 0.0) if kind == "sweep" else (8e-3, 0.0)
+    name = f"{kind}-{seed}"
+    clean = recording_of(
+        values, sweep=sweep, begin=begin, fs=fs, seconds=seconds, quantity=quantity, noise=0.0, name=name
     )
-    acceleration = (0.0 if force is None else force / values["mass"]) - inner
-    x = {"displacement": z[:, 0], "velocity": z[:, 1], "acceleration": acceleration}[quantity]
-    unit = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity]
-    y = x + noise * np.std(x) * random.standard_normal(n)
-    return Recording(name=f"{kind}-{seed}", fs=fs, response=y, force=force, quantity=quantity, unit=unit)
+    disturbed = noise * np.std(clean.response) * np.random.default_rng(seed).standard_normal(clean.n)
+    return replace(clean, response=clean.response + disturbed)
 
 
 def test_free_decays_alone_give_everything_but_the_mass():
@@ -196,17 +180,11 @@ def test_a_mass_that_friction_hardly_lets_go_does_not_make_the_errors_small():
     values = TRUTH | {"preload": 0.3, "dry": 0.0}
     low = 0.35 * values["mass"] * values["preload"] * 4
     random = np.random.default_rng(7)
-    t = np.arange(30_000) * 1e-3
-    force = low * np.sin(2 * np.pi * 12.67 * (0.5 * t + 0.55 * t**2 / 30))
-    model = Oscillator.from_values(values)
-    p = np.array(list(model.values().values()))
-    step = internal_step(model, values, 5e-3)
-    x = core_of(model).record(p, np.zeros(2), smooth_force(force, 1e-3, 13.0), t.size, 1e-3, step)
-    sweep = Recording(
-        name="low",
-        fs=1000.0,
-        response=x + 2e-6 * random.standard_normal(t.size),
-        force=force + 2e-3 * low * random.standard_normal(t.size),
+    clean = recording_of(values, sweep=(low, 0.5 * 12.67, 1.6 * 12.67), fs=1000.0, seconds=30.0, noise=0.0, name="low")
+    sweep = replace(
+        clean,
+        response=clean.response + 2e-6 * random.standard_normal(clean.n),
+        force=clean.force + 2e-3 * low * random.standard_normal(clean.n),
     )
     identification = identify([sweep, record("decay", values=values, seconds=4.0)])
     for name, parameter in identification.oscillator.parameters().items():

@@ -8,7 +8,7 @@ from dashpot.identify.reach import nearest_reach
 from dashpot.identify.replay import replayed
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
-from dashpot.simulate.core import core_of, internal_step
+from scipy.integrate import solve_ivp
 
 BASE = {"mass": 0.3, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.5, "dry": 0.0}
 HYSTERESIS = {"stiffness": 900.0, "limit": 2e-4, "exponent": 10.0, "loading": 0.5}
@@ -27,10 +27,18 @@ def test_a_decay_that_begins_sliding_is_replayed():
     model = Oscillator.from_values(
         BASE | {f"hysteresis.{name}": value for name, value in HYSTERESIS.items()}, effects=("hysteresis",)
     )
-    core, values = core_of(model), np.array(list(model.values().values()))
-    start = np.array([4e-3, 0.0, 0.97 * HYSTERESIS["limit"]])
     n, fs = 3000, 1000.0
-    clean = core.record(values, start, None, n, 1 / fs, internal_step(model, model.values(), 4e-3))
+
+    def rates(_t, state):
+        """Its steps bend within a hair of the limit: small steps of a method that shares nothing with the product."""
+        x, v, z = state
+        slide = abs(z / HYSTERESIS["limit"]) ** HYSTERESIS["exponent"] * (0.5 * np.sign(v * z) + 0.5)
+        force = BASE["viscous"] * v + BASE["omega0"] ** 2 * x + HYSTERESIS["stiffness"] * z
+        return v, -force, v * (1 - slide)
+
+    begin = (4e-3, 0.0, 0.97 * HYSTERESIS["limit"])
+    times = np.arange(n) / fs
+    clean = solve_ivp(rates, (0, n / fs), begin, "DOP853", times, rtol=1e-9, atol=1e-12, max_step=0.5 / fs).y[0]
     noise = 1e-6 * np.random.default_rng(2).standard_normal(n)
-    simulated, _, _ = replayed(model, Recording(name="decay", fs=fs, response=clean + noise))
+    simulated = replayed(model, Recording(name="decay", fs=fs, response=clean + noise)).response
     assert np.sqrt(np.mean((simulated - clean) ** 2)) < 3e-6

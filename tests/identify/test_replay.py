@@ -27,7 +27,31 @@ def test_an_offset_far_beyond_the_motion_is_no_place_to_start_from(offset, load)
     """At 1.4 the softening spring pushes away: a simulation from there does not come back."""
     force, moved, begin = driven(load)
     recording = Recording("lab", 1 / DT, moved + offset, force, unit="rad", hold="zero")
-    simulated, initial, shown = replayed(Oscillator.from_values(SOFT), recording)
-    assert np.sqrt(np.mean((simulated - recording.response) ** 2)) < 1e-3 * np.std(moved)
-    assert shown == pytest.approx(offset, abs=1e-4)
-    assert initial[:2] == pytest.approx(begin, abs=1e-3)
+    replay = replayed(Oscillator.from_values(SOFT), recording)
+    assert np.sqrt(np.mean((replay.response - recording.response) ** 2)) < 1e-3 * np.std(moved)
+    assert replay.zero == pytest.approx(offset, abs=1e-4)
+    assert replay.initial[:2] == pytest.approx(begin, abs=1e-3)
+    assert replay.load == 0.0  # a constant part of the force that acts is no zero of its cell
+
+
+def test_what_a_load_cell_shows_at_zero_is_left_aside():
+    """Five newtons that nobody pushes with: the spring softens, so that they would change the motion."""
+    force, moved, begin = driven(0.0)
+    recording = Recording("lab", 1 / DT, moved, force + 5.0, unit="rad", hold="zero")
+    replay = replayed(Oscillator.from_values(SOFT), recording)
+    assert replay.load == pytest.approx(5.0, abs=1e-3)
+    assert np.sqrt(np.mean((replay.response - moved) ** 2)) < 1e-4 * np.std(moved)
+    assert replay.initial[:2] == pytest.approx(begin, abs=1e-3)
+
+
+@pytest.mark.parametrize(("drift", "seen"), [(0.0, False), (4e-6, False), (2e-3, True), (-2e-3, True)])
+def test_what_its_sensor_drifts_by_is_left_aside_where_it_stands_out(drift, seen):
+    force, moved, _ = driven(0.0)
+    t = DT * np.arange(moved.size)
+    noise = 1e-3 * np.random.default_rng(3).standard_normal(moved.size)
+    recording = Recording("lab", 1 / DT, moved + 0.01 + drift * (t - t.mean()) + noise, force, unit="rad", hold="zero")
+    replay = replayed(Oscillator.from_values(SOFT), recording)
+    assert bool(replay.drift) is seen
+    assert replay.drift == pytest.approx(drift if seen else 0.0, rel=0.02)
+    assert replay.zero == pytest.approx(0.01, abs=1e-4)
+    assert np.std(replay.response - recording.response) < 1.1e-3
