@@ -5,11 +5,29 @@
 
 static const double TWO_PI = 6.283185307179586476925287;
 
+/* Blows of a hammer, each a sin^2. */
+static double hits_force(const Drive *drive, double t)
+{
+    double value = 0.0;
+    for (int i = 0; i < drive->count; i++) {
+        const double *hit = drive->hits + 3 * i;
+        const double part = (t - hit[0]) / hit[2];
+        if (part > 0.0 && part < 1.0) {
+            const double s = sin(0.5 * TWO_PI * part);
+            value += hit[1] * s * s;
+        }
+    }
+    return drive->peak * value;
+}
+
 double drive_force(const Drive *drive, double t)
 {
     double rise = 1.0, value;
     if (drive->kind == 0 || t < 0.0) {
         return 0.0;
+    }
+    if (drive->kind == 5) {
+        return hits_force(drive, t);
     }
     if (t < drive->ramp) {
         const double s = sin(0.25 * TWO_PI * t / drive->ramp);

@@ -27,10 +27,11 @@ STEPS_PER_CYCLE = 150  # at least
 
 @dataclass(frozen=True)
 class Drive:
-    """A force: `kind` is none, linear, logarithmic, multisine or straight; `peak` N, `start` and `end` Hz, times s.
+    """A force: `kind` is none, linear, logarithmic, multisine, straight or hits; `peak` N, `start`, `end` Hz, times s.
 
     `lines` of a multisine, (n, 3): frequency Hz, amplitude as a part of `peak`, phase rad; of straight lines, (n, 2):
-    force at the beginning of each sample interval and its rise over it, as parts of `peak`.
+    force at the beginning of each sample interval and its rise over it, as parts of `peak`; of hits, (n, 3): when each
+    begins s, its part of `peak`, how long it lasts s.
     """
 
     kind: str
@@ -43,13 +44,16 @@ class Drive:
 
     def numbers(self) -> list[float]:
         """Give the drive as the C program takes it."""
-        kind = ("none", "linear", "logarithmic", "multisine", "straight").index(self.kind)
+        kind = ("none", "linear", "logarithmic", "multisine", "straight", "hits").index(self.kind)
         return [kind, self.peak, self.start, self.end, self.length, self.ramp]
 
 
 @dataclass(frozen=True)
 class Response:
-    """What a run gave: `force` N as commanded, `x` m of the mass, `shown` m by its sensor, (n,) each, without noise."""
+    """What a run gave: `force` N as commanded, `x` m of the mass, and what its sensor `shown`, (n,) each, no noise.
+
+    The sensor shows m, or m/s² where it is an accelerometer.
+    """
 
     force: np.ndarray
     x: np.ndarray

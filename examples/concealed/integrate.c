@@ -278,7 +278,8 @@ static void begin(Walk *walk, double x0)
 /* Simulate one recording.
 
    parameters: as in PARAMETERS. drive: kind, peak N, start Hz, end Hz, length s, ramp s. lines: (count, 3) frequency
-   Hz, amplitude, phase rad; of straight lines (count, 2) force and its rise. The rig rests at x0 m until t = 0. Samples are taken at i/fs s. Outputs, (samples) each:
+   Hz, amplitude, phase rad; of straight lines (count, 2) force and its rise; of hits (count, 3) beginning s, part of the peak, duration s.
+   The rig rests at x0 m until t = 0. Samples are taken at i/fs s. Outputs, (samples) each:
    force N as commanded, displacement m of the mass, and what its sensor shows; counted: steps and events. Returns 0,
    or why not. */
 int concealed_run(const double *parameters, const double *drive, const double *lines, int count, double x0, double fs,
@@ -296,7 +297,9 @@ int concealed_run(const double *parameters, const double *drive, const double *l
     rig.drive.end = drive[3];
     rig.drive.length = drive[4];
     rig.drive.ramp = drive[5];
-    if (rig.drive.kind >= 3) {
+    rig.drive.hits = lines;
+    rig.drive.count = count;
+    if (rig.drive.kind == 3 || rig.drive.kind == 4) {
         rig.drive.interval = 1.0 / fs;
         rig.drive.pieces = samples;
         rig.drive.taylor = calloc(TAYLOR * (size_t)samples, sizeof(double));
@@ -314,7 +317,7 @@ int concealed_run(const double *parameters, const double *drive, const double *l
         status = carry(&walk, t);
         force[i] = drive_force(&rig.drive, i / fs);
         x[i] = walk.y[0];
-        shown[i] = rig_sensor(&rig, walk.y);
+        shown[i] = rig_sensor(&rig, t, walk.y);
     }
     counted[0] = walk.steps;
     counted[1] = walk.events;

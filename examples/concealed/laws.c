@@ -240,6 +240,12 @@ static void mass_derivative(const Rig *rig, double t, const double *y, double *d
     }
 }
 
+/* What reaches the sensor: a displacement, or an acceleration as the displacement of a sine that has it. */
+static double sensed(const Rig *rig, const double *y, const double *dy)
+{
+    return rig->p.accelerometer > 0.0 ? dy[1] / (rig->p.omega * rig->p.omega) : y[0];
+}
+
 void rig_derivative(const Rig *rig, double t, const double *y, double *dy)
 {
     const Parameters *p = &rig->p;
@@ -254,7 +260,7 @@ void rig_derivative(const Rig *rig, double t, const double *y, double *dy)
     memory_derivative(rig, y, dy);
     mass_derivative(rig, t, y, dy);
     if (rig->sensor) {
-        dy[rig->sensor] = (y[0] - y[rig->sensor]) / p->sensor_lag;
+        dy[rig->sensor] = (sensed(rig, y, dy) - y[rig->sensor]) / p->sensor_lag;
     }
     if (rig->mean) {
         dy[rig->mean] = (y[0] * y[0] - y[rig->mean]) / p->switch_memory;
@@ -262,16 +268,23 @@ void rig_derivative(const Rig *rig, double t, const double *y, double *dy)
     }
 }
 
-/* What the displacement sensor shows of a state. */
-double rig_sensor(const Rig *rig, const double *y)
+/* What the sensor shows of a state, m or m/s^2. */
+double rig_sensor(const Rig *rig, double t, const double *y)
 {
     const Parameters *p = &rig->p;
-    double x = rig->sensor ? y[rig->sensor] : y[0];
+    double dy[MOST_STATES], x;
+    if (rig->sensor) {
+        x = y[rig->sensor];
+    } else {
+        rig_derivative(rig, t, y, dy);
+        x = sensed(rig, y, dy);
+    }
     if (p->sensor_play > 0.0) {
         x -= y[rig->plastic];
     }
     if (p->sensor_length > 0.0) {
         x = p->sensor_length * tanh(x / p->sensor_length);
     }
-    return x * (1.0 + x * (p->sensor_square + x * p->sensor_cube)) + p->sensor_offset;
+    x = x * (1.0 + x * (p->sensor_square + x * p->sensor_cube)) + p->sensor_offset;
+    return p->accelerometer > 0.0 ? x * p->omega * p->omega : x;
 }

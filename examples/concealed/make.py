@@ -15,15 +15,18 @@ from pathlib import Path
 import numpy as np
 
 from .record import record
+from .recordings import EXPERIMENTS
 from .seal import NAME, seal
 from .suite import specs
-from .virtual import STRENGTH, draw
+from .virtual import STRENGTH, Trial, draw
+
+SHOWN = {"displacement": "displacement_m", "acceleration": "acceleration_m/s2"}
 
 
-def write_recording(path: Path, table: np.ndarray) -> None:
-    """Write a recording, (n, 3), as gzipped CSV; the same numbers give the same bytes."""
+def write_recording(path: Path, table: np.ndarray, shown: str = "displacement_m") -> None:
+    """Write a recording, (n, 3), its third column headed `shown`, as gzipped CSV; the same numbers, the same bytes."""
     text = io.StringIO()
-    text.write("time_s,force_N,displacement_m\n")
+    text.write(f"time_s,force_N,{shown}\n")
     np.savetxt(text, table, fmt=["%.9f", "%.7g", "%.7g"], delimiter=",")
     path.write_bytes(gzip.compress(text.getvalue().encode(), compresslevel=6, mtime=0))
 
@@ -36,6 +39,7 @@ def make(
     scale: str = "nominal",
     short: int | None = None,
     cycles: tuple[float, float] = (300.0, 600.0),
+    trial: Trial = Trial(),  # noqa: B008 - frozen
 ) -> str:
     """Make a suite in `folder`, which must not hold one, and give the SHA-256 of its sealed truth.
 
@@ -49,10 +53,10 @@ def make(
     rigs = {}
     for i, spec in enumerate(chosen, start=1):
         name = f"rig_{i:03d}"
-        tables, truth = record(draw(spec, seed, scale, cycles))
+        tables, truth = record(draw(spec, seed, scale, cycles, trial=trial))
         (folder / name).mkdir()
         for kind, table in tables.items():
-            write_recording(folder / name / f"{kind}.csv.gz", table)
+            write_recording(folder / name / f"{kind}.csv.gz", table, SHOWN[trial.quantity])
         rigs[name] = truth
         print(f"{name} of {len(chosen)}", file=sys.stderr, flush=True)
     return seal(folder / NAME, {"format": "concealed/1", "seed": seed, "scale": scale, "rigs": rigs})
@@ -64,6 +68,8 @@ def options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--kinds", nargs="+", metavar="KIND", help="names of effects, none, open, two; default all")
     parser.add_argument("--count-per-effect", type=int, metavar="K", help="rigs of each effect; default 2, small: 1")
     parser.add_argument("--scale", choices=list(STRENGTH), default="nominal", help="small: a fifth of the strength")
+    parser.add_argument("--experiment", choices=list(EXPERIMENTS), default="shaker", help="how the rigs are driven")
+    parser.add_argument("--sensor", choices=list(SHOWN), default="displacement", help="what it shows")
     parser.add_argument("--short", type=int, metavar="N", help="only N rigs of the suite")
 
 
@@ -74,7 +80,9 @@ def main(arguments: list[str]) -> int:
     options(parser)
     given = parser.parse_args(arguments)
     try:
-        print(make(given.folder, given.seed, given.kinds, given.count_per_effect, given.scale, given.short))
+        trial = Trial(given.experiment, given.sensor)
+        suite = given.kinds, given.count_per_effect, given.scale, given.short
+        print(make(given.folder, given.seed, *suite, trial=trial))
     except (ValueError, OSError, RuntimeError) as problem:
         print(problem, file=sys.stderr)
         return 2

@@ -22,7 +22,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from .make import options
-from .recordings import HELD_OUT, TRAINING
+from .recordings import EXPERIMENTS
 from .score import score, summary
 from .scoreboard import page
 from .seal import NAME, open_sealed, sha256
@@ -36,6 +36,8 @@ def _settings(given: argparse.Namespace) -> list[str]:
     arguments = ["--seed", str(given.seed), "--scale", given.scale]
     arguments += ["--kinds", *given.kinds] if given.kinds else []
     arguments += ["--count-per-effect", str(given.count_per_effect)] if given.count_per_effect else []
+    arguments += ["--experiment", given.experiment] if given.experiment != "shaker" else []
+    arguments += ["--sensor", given.sensor] if given.sensor != "displacement" else []
     return arguments + (["--short", str(given.short)] if given.short else [])
 
 
@@ -100,8 +102,9 @@ def diagnose_rig(rig: Path, result: Path, timeout: float) -> str:
         here = Path(name)
         for path in rig.glob("*.csv.gz"):
             shutil.copy(path, here)
-        training = [f"{kind}.csv.gz" for kind in TRAINING]
-        held_out = [word for kind in HELD_OUT for word in ("--holdout", f"{kind}.csv.gz")]
+        (trial,) = (e for e in EXPERIMENTS.values() if all((here / f"{name}.csv.gz").exists() for name in e.recordings))
+        training = [f"{kind}.csv.gz" for kind in trial.training]
+        held_out = [word for kind in trial.held_out for word in ("--holdout", f"{kind}.csv.gz")]
         log = here / "log.txt"
         _command(["identify", *training, "-o", "model.yaml"], here, log, timeout)
         if (here / "model.yaml").exists():  # what identification says of the fit does not stop a diagnosis
@@ -158,7 +161,8 @@ def main(arguments: list[str]) -> int:
         return 2
     print(f"SHA-256 of the sealed truth: {known}", flush=True)
     diagnose_all(given.output, given.jobs, given.timeout)
-    recorded = [] if given.short or given.kinds or given.scale != "nominal" else diagnose_recorded(given.output)
+    whole = not (given.short or given.kinds) and (given.scale, given.experiment) == ("nominal", "shaker")
+    recorded = diagnose_recorded(given.output) if whole else []
     print(report(given.output, known, recorded))
     print(given.output / "scoreboard.html")
     board = json.loads((given.output / "scoreboard.json").read_text(encoding="utf-8"))

@@ -15,7 +15,7 @@ FORCE_NOISE = 1e-3  # of the record's peak force, standard deviation
 
 
 def record(virtual: Virtual) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
-    """Give the recordings, (n, 3) each with time s, force N, displacement m, and the truth about the rig.
+    """Give the recordings, (n, 3) each with time s, force N, displacement m or acceleration m/s², and the truth.
 
     The rig was driven by the clean force; the recorded one has noise. A record's noise floor is the rms of what the
     noise adds to the displacement over the standard deviation of the recorded one: the NRMSE of a perfect model.
@@ -47,6 +47,8 @@ def record(virtual: Virtual) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         "natural_frequency_hz": virtual.base.omega / (2 * np.pi),
         "working_amplitude_m": virtual.base.amplitude,
         "fs_hz": virtual.base.fs,
+        "experiment": virtual.trial.experiment,
+        "quantity": virtual.trial.quantity,
         "noise": virtual.noise,
         "redraws": virtual.redraws,
         "recordings": recordings,

@@ -14,10 +14,6 @@ import numpy as np
 from .base import Base
 from .engine import Drive, Response, simulate
 
-TRAINING = ("sweep_high", "sweep_low", "ringdown")
-HELD_OUT = ("holdout_multisine", "holdout_sweep")
-RECORDINGS = TRAINING + HELD_OUT
-
 
 @dataclass(frozen=True)
 class Plan:
@@ -63,29 +59,101 @@ def _multisine(rng: np.random.Generator, base: Base, length: float) -> Drive:
     return Drive("multisine", 1.0, length=length, ramp=rng.uniform(2.0, 5.0) / frequency, lines=table)
 
 
-def draw_plans(rng: np.random.Generator, base: Base) -> dict[str, Plan]:
-    """Draw the recordings of a rig, with forces of level 1 that are still to be set."""
-    high = _sweep(rng, base, base.length)
-    if rng.uniform() < 0.3:
-        high = _backwards(high)
+def _plan(base: Base, drive: Drive) -> Plan:
+    return Plan(drive, 0.0, round(drive.length * base.fs))
+
+
+def _ringdown(base: Base) -> Plan:
+    """Let go at the working amplitude."""
     decay = np.log(200.0) / (base.zeta * base.omega)  # to half a percent, if there were viscous damping alone
     frequency = base.omega / (2 * np.pi)
     ringdown = float(f"{np.clip(decay, 40 / frequency, min(150 / frequency, base.length)):.2g}")
+    return Plan(Drive("none"), base.amplitude, round(ringdown * base.fs))
+
+
+def _shaker(rng: np.random.Generator, base: Base) -> list[Plan]:
+    """Two sweeps, a decay; a multisine and another sweep held out."""
+    high = _sweep(rng, base, base.length)
+    if rng.uniform() < 0.3:
+        high = _backwards(high)
     if rng.uniform() < 0.5:
         held = _backwards(high)
     else:
         held = replace(_sweep(rng, base, base.length), length=float(f"{rng.uniform(0.5, 0.75) * base.length:.2g}"))
+    drives = high, high, _multisine(rng, base, base.length), held
+    strong, weak, multisine, sweep = (_plan(base, drive) for drive in drives)
+    return [strong, weak, _ringdown(base), multisine, sweep]
 
-    def plan(drive: Drive) -> Plan:
-        return Plan(drive, 0.0, round(drive.length * base.fs))
 
-    return {
-        "sweep_high": plan(high),
-        "sweep_low": plan(high),
-        "ringdown": Plan(Drive("none"), base.amplitude, round(ringdown * base.fs)),
-        "holdout_multisine": plan(_multisine(rng, base, base.length)),
-        "holdout_sweep": plan(held),
-    }
+def _random(rng: np.random.Generator, base: Base, length: float) -> Drive:
+    """Random force: so many lines at random in a band that it does not repeat and is nearly Gaussian; its rms is 1."""
+    frequency = base.omega / (2 * np.pi)
+    count = 150
+    lines = np.sort(rng.uniform(rng.uniform(0.2, 0.4), rng.uniform(1.8, 2.6), count)) * frequency
+    sizes = rng.uniform(0.3, 1.0, count)
+    sizes *= np.sqrt(2 / np.sum(sizes**2))
+    table = np.column_stack([lines, sizes, rng.uniform(0.0, 2 * np.pi, count)])
+    return Drive("multisine", 1.0, length=length, ramp=rng.uniform(2.0, 5.0) / frequency, lines=table)
+
+
+def _shaken_at_random(rng: np.random.Generator, base: Base) -> list[Plan]:
+    """Random force at two levels, a decay; random force and a sweep held out."""
+    drives = [_random(rng, base, base.length) for _ in range(3)] + [_sweep(rng, base, base.length)]
+    strong, weak, other, sweep = (_plan(base, drive) for drive in drives)
+    return [strong, weak, _ringdown(base), other, sweep]
+
+
+def _hits(rng: np.random.Generator, base: Base, count: int, weakest: float) -> Drive:
+    """Blows of a hammer with the ring-down after each, the strongest of part 1; first the rig is at rest."""
+    frequency = base.omega / (2 * np.pi)
+    rings = float(np.clip(np.log(30.0) / (base.zeta * base.omega), 25 / frequency, 80 / frequency))
+    waits = rings * rng.uniform(0.8, 1.4, count)
+    begins = rng.uniform(2.0, 6.0) / frequency + np.concatenate([[0.0], np.cumsum(waits)[:-1]])
+    parts = rng.uniform(weakest, 1.0, count)
+    lasts = rng.uniform(10.0, 16.0) / base.fs * rng.uniform(0.95, 1.05, count)
+    table = np.column_stack([begins, parts / np.max(parts), lasts])
+    return Drive("hits", 1.0, length=float(begins[-1] + waits[-1]), lines=table)
+
+
+def _hammer(rng: np.random.Generator, base: Base) -> list[Plan]:
+    """Strong hits, weak ones, and of all sizes; others held out."""
+    drives = [_hits(rng, base, int(rng.integers(3, 6)), weakest) for weakest in (0.7, 0.7, 0.2, 0.4, 0.7)]
+    return [_plan(base, drive) for drive in drives]
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """How a rig is tried.
+
+    `training` names the recordings to learn from: at the working amplitude, weaker, a third; `held_out` those to judge
+    by. `draw` gives their plans in that order, with forces of level 1 that are still to be set; `faster` than for
+    sweeps they are sampled.
+    """
+
+    training: tuple[str, ...]
+    held_out: tuple[str, ...]
+    draw: Callable[[np.random.Generator, Base], list[Plan]]
+    faster: float = 1.0
+
+    @property
+    def recordings(self) -> tuple[str, ...]:
+        """All names."""
+        return self.training + self.held_out
+
+
+EXPERIMENTS = {
+    "shaker": Experiment(("sweep_high", "sweep_low", "ringdown"), ("holdout_multisine", "holdout_sweep"), _shaker),
+    "random": Experiment(
+        ("random_high", "random_low", "ringdown"), ("holdout_random", "holdout_sweep"), _shaken_at_random
+    ),
+    # a blow lasts a tenth of a cycle, and its shape must be seen
+    "hammer": Experiment(("hits_high", "hits_low", "hits_mixed"), ("holdout_hits", "holdout_high"), _hammer, 3.0),
+}
+
+
+def draw_plans(rng: np.random.Generator, base: Base, experiment: Experiment) -> dict[str, Plan]:
+    """Draw the recordings of a rig, with forces of level 1 that are still to be set."""
+    return dict(zip(experiment.recordings, experiment.draw(rng, base), strict=True))
 
 
 def at_level(plan: Plan, peak: float) -> Plan:
@@ -98,30 +166,43 @@ def amplitude(x: np.ndarray) -> float:
     return float(np.ptp(x)) / 2
 
 
-def set_levels(rng: np.random.Generator, base: Base, rig: Rig, plans: dict[str, Plan]) -> tuple[dict[str, Plan], float]:
-    """Turn the level until the strong sweep reaches the working amplitude; give the recordings and its peak, N."""
-    low, multisine, held = rng.uniform(0.28, 0.40), rng.uniform(0.45, 0.85), rng.uniform(0.5, 0.8)
+def _first_guess(base: Base, drive: Drive) -> float:
+    """About the force, N, that reaches the working amplitude: by the damping at resonance, or by a hit's momentum."""
     p = base.parameters
+    if drive.kind == "hits":  # a sin² has half the area of its box
+        return p["mass"] * base.speed / (0.5 * drive.lines[0, 2])
+    return p["mass"] * (2 * base.zeta * base.spring + 4 / np.pi * p["dry"]) * 1.5
+
+
+def set_levels(
+    rng: np.random.Generator, base: Base, rig: Rig, plans: dict[str, Plan], experiment: Experiment
+) -> tuple[dict[str, Plan], float]:
+    """Turn the level until the strong recording reaches the working amplitude; give the recordings and its peak, N."""
+    low, multisine, held = rng.uniform(0.28, 0.40), rng.uniform(0.45, 0.85), rng.uniform(0.5, 0.8)
+    strong, weak, third, other, last = experiment.recordings
 
     def reached(name: str, peak: float, level: float) -> float:
         return amplitude(run(rig, base, name, at_level(plans[name], peak), level).x)
 
-    force = p["mass"] * (2 * base.zeta * base.spring + 4 / np.pi * p["dry"]) * 1.5
+    force = _first_guess(base, plans[strong].drive)
     for _ in range(8):
-        peak = reached("sweep_high", force, force)
+        peak = reached(strong, force, force)
         if abs(peak / base.amplitude - 1) < 0.05:
             break
         force *= float(np.clip(base.amplitude / max(peak, 1e-9 * base.amplitude), 0.4, 2.5)) ** 0.9
     while low < 0.7:
-        if reached("sweep_low", low * force, force) > 0.1 * base.amplitude:
+        if reached(weak, low * force, force) > 0.1 * base.amplitude:
             break
         low *= 1.25
     rms = 0.7 * force
     for _ in range(4):
-        peak = reached("holdout_multisine", rms, force)
+        peak = reached(other, rms, force)
         if abs(peak / (multisine * base.amplitude) - 1) < 0.1:
             break
         rms *= float(np.clip(multisine * base.amplitude / max(peak, 1e-9 * base.amplitude), 0.4, 2.5)) ** 0.9
-    forces = {"sweep_high": force, "sweep_low": low * force, "ringdown": 0.0}
-    forces |= {"holdout_multisine": rms, "holdout_sweep": held * force}
+    between = 0.0 if plans[third].drive.kind == "none" else 0.8 * force
+    sweep = held * force
+    if plans[last].drive.kind != plans[strong].drive.kind:  # a sweep beside random force
+        sweep = held * _first_guess(base, plans[last].drive)
+    forces = {strong: force, weak: low * force, third: between, other: rms, last: sweep}
     return {name: at_level(plan, forces[name]) for name, plan in plans.items()}, force

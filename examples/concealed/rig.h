@@ -25,8 +25,8 @@
     /* excitation: dead zone, then saturation, then lag, then backlash; limits in N */ \
     X(dead_zone) X(hard_limit) X(smooth_limit) X(actuator_lag) X(input_delay) \
     X(coil_mass) X(coil_gap) X(coil_stiffness) X(coil_damping) \
-    /* measurement: lag, then nonlinearity and offset */ \
-    X(sensor_lag) X(sensor_square) X(sensor_cube) X(sensor_length) X(sensor_offset) X(output_delay) \
+    /* measurement: lag, then nonlinearity and offset; an accelerometer (1, else 0) in units of omega^2, so as lengths */ \
+    X(accelerometer) X(sensor_lag) X(sensor_square) X(sensor_cube) X(sensor_length) X(sensor_offset) X(output_delay) \
     /* environment */ \
     X(drift_rate) X(drift_gain) X(drift_time) X(tone) X(tone_omega) X(tone_phase) \
     /* physics that is in no list */ \
@@ -79,12 +79,14 @@ enum {
 };
 
 typedef struct {
-    int kind;                   /* 0 none, 1 linear sweep, 2 logarithmic sweep, 3 multisine, 4 straight lines */
+    int kind;                   /* 0 none, 1 linear sweep, 2 logarithmic sweep, 3 multisine, 4 straight lines, 5 hits */
     double peak, start, end;    /* N, Hz, Hz; for a multisine the factor of its lines */
     double length, ramp;        /* s; the force rises over `ramp` as sin^2 */
     double interval;            /* s, of one Taylor piece */
     int pieces;
     double *taylor;             /* (pieces, TAYLOR), of kinds 3 and 4, about the middle of the piece */
+    const double *hits;         /* (count, 3), of kind 5: beginning s, part of the peak, duration s */
+    int count;
 } Drive;
 
 typedef struct {
@@ -109,6 +111,6 @@ void rig_limits(const Rig *rig, double t, double *up, double *down);
 void rig_derivative(const Rig *rig, double t, const double *y, double *dy);
 int rig_active(const Rig *rig, int surface);
 double rig_surface(const Rig *rig, int surface, double t, const double *y);
-double rig_sensor(const Rig *rig, const double *y);
+double rig_sensor(const Rig *rig, double t, const double *y);
 
 #endif

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from .base import Base, draw_base
 from .effects import EVERYTHING, OF_THE_BASE, PARTS_OF_FORCE, PHASES
 from .engine import Response
 from .noise import draw_noise
-from .recordings import RECORDINGS, TRAINING, Plan, Rig, amplitude, draw_plans, run, set_levels
+from .recordings import EXPERIMENTS, Experiment, Plan, Rig, amplitude, draw_plans, run, set_levels
 from .suite import Spec
 
 STRENGTH = {"nominal": 1.0, "small": 0.2}
@@ -22,6 +22,19 @@ BARELY = 1e-9  # relative change of the stiffness that must not change a record 
 
 Conceal = Callable[[float, str], Rig]
 """Gives the rig with its effects at a strength, one of them left out by name."""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """How a rig is tried: the name of its experiment, and what its sensor shows, displacement or acceleration."""
+
+    experiment: str = "shaker"
+    quantity: str = "displacement"
+
+    @property
+    def plan(self) -> Experiment:
+        """The experiment."""
+        return EXPERIMENTS[self.experiment]
 
 
 class NotSane(Exception):
@@ -38,6 +51,7 @@ class Virtual:
 
     spec: Spec
     scale: str
+    trial: Trial
     base: Base
     rig: Rig
     plans: dict[str, Plan]
@@ -55,6 +69,7 @@ def draw(
     scale: str = "nominal",
     cycles: tuple[float, float] = (300.0, 600.0),
     attempts: int = ATTEMPTS,
+    trial: Trial = Trial(),
 ) -> Virtual:
     """Draw a rig, again until it is sane; raises RuntimeError where none of the `attempts` is.
 
@@ -63,34 +78,41 @@ def draw(
     """
     for attempt in range(attempts):
         try:
-            return _draw_once(spec, spec.entropy(seed, attempt), scale, cycles, attempt)
+            return _draw_once(spec, spec.entropy(seed, attempt), scale, cycles, attempt, trial)
         except NotSane:
             continue
     raise RuntimeError(f"none of {attempts} rigs with {spec} was fit for a test")
 
 
-def _draw_once(spec: Spec, entropy: list[int], scale: str, cycles: tuple[float, float], redraws: int) -> Virtual:
+def _draw_once(
+    spec: Spec, entropy: list[int], scale: str, cycles: tuple[float, float], redraws: int, trial: Trial
+) -> Virtual:
     rngs = [np.random.default_rng([*entropy, stream]) for stream in range(4)]
-    base = draw_base(rngs[0], cycles)
-    plans = draw_plans(rngs[1], base)
+    base, experiment = draw_base(rngs[0], cycles), trial.plan
+    base = replace(base, fs=base.fs * experiment.faster)
+    if trial.quantity == "acceleration":
+        parameters = base.parameters | {"accelerometer": 1.0}
+        base = replace(base, noise=base.noise * base.omega**2, parameters=parameters)
+    plans = draw_plans(rngs[1], base, experiment)
     noise = draw_noise(rngs[3], spec.noise, base.noise)
-    phases = {name: {phase: float(rngs[3].uniform(0, 2 * np.pi)) for phase in PHASES.values()} for name in RECORDINGS}
+    names = experiment.recordings
+    phases = {name: {phase: float(rngs[3].uniform(0, 2 * np.pi)) for phase in PHASES.values()} for name in names}
     sizes, levels = (int(number) for number in rngs[2].integers(0, 2**63, 2))
     conceal = _concealer(spec, base, phases, sizes)
     nominal = conceal(1.0, "")
-    rig, (set_plans, level) = nominal, _levels(levels, base, nominal, plans)
+    rig, (set_plans, level) = nominal, _levels(levels, base, nominal, plans, experiment)
     responses = _responses(base, nominal, set_plans, level)
-    _check(base, responses)
+    _check(base, responses, experiment)
     for name in spec.effects:
-        _check_visible(base, conceal(1.0, name), set_plans, level, responses)
+        _check_visible(base, conceal(1.0, name), set_plans, level, responses, experiment)
     if STRENGTH[scale] != 1.0:
         rig = conceal(STRENGTH[scale], "")
-        set_plans, level = _levels(levels, base, rig, plans)
+        set_plans, level = _levels(levels, base, rig, plans, experiment)
         responses = _responses(base, rig, set_plans, level)
-        _check(base, responses)
+        _check(base, responses, experiment)
     if not CHAOTIC & set(spec.effects):
         _check_repeats(base, rig, set_plans, level, responses)
-    return Virtual(spec, scale, base, rig, set_plans, level, responses, noise, phases, entropy, redraws)
+    return Virtual(spec, scale, trial, base, rig, set_plans, level, responses, noise, phases, entropy, redraws)
 
 
 def _concealer(spec: Spec, base: Base, phases: dict[str, dict[str, float]], sizes: int) -> Conceal:
@@ -111,9 +133,11 @@ def _concealer(spec: Spec, base: Base, phases: dict[str, dict[str, float]], size
     return conceal
 
 
-def _levels(seed: int, base: Base, rig: Rig, plans: dict[str, Plan]) -> tuple[dict[str, Plan], float]:
+def _levels(
+    seed: int, base: Base, rig: Rig, plans: dict[str, Plan], experiment: Experiment
+) -> tuple[dict[str, Plan], float]:
     try:
-        return set_levels(np.random.default_rng(seed), base, rig, plans)
+        return set_levels(np.random.default_rng(seed), base, rig, plans, experiment)
     except RuntimeError as problem:
         raise NotSane(str(problem)) from problem
 
@@ -125,21 +149,26 @@ def _responses(base: Base, rig: Rig, plans: dict[str, Plan], level: float) -> di
         raise NotSane(str(problem)) from problem
 
 
-def _check(base: Base, responses: dict[str, Response]) -> None:
+def _check(base: Base, responses: dict[str, Response], experiment: Experiment) -> None:
     """Finite, near the working amplitude, and moving in every record."""
     if not all(np.isfinite(response.shown).all() for response in responses.values()):
         raise NotSane("not finite")
     reached = {name: amplitude(response.x) / base.amplitude for name, response in responses.items()}
-    if not 0.5 < reached["sweep_high"] < 2.0 or max(reached.values()) > 2.5:
+    if not 0.5 < reached[experiment.training[0]] < 2.0 or max(reached.values()) > 2.5:
         raise NotSane("far from the working amplitude")
     if min(reached.values()) < 0.1:
         raise NotSane("a record in which hardly anything moves")
 
 
 def _check_visible(
-    base: Base, without: Rig, plans: dict[str, Plan], level: float, responses: dict[str, Response]
+    base: Base,
+    without: Rig,
+    plans: dict[str, Plan],
+    level: float,
+    responses: dict[str, Response],
+    experiment: Experiment,
 ) -> None:
-    for name in TRAINING:
+    for name in experiment.training:
         try:
             other = run(without, base, name, plans[name], level)
         except RuntimeError:

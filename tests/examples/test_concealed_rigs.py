@@ -13,7 +13,7 @@ from dashpot.examples.concealed import virtual
 from dashpot.examples.concealed.effects import EFFECTS, UNLISTED
 from dashpot.examples.concealed.make import main, make
 from dashpot.examples.concealed.record import record
-from dashpot.examples.concealed.recordings import RECORDINGS, TRAINING, run
+from dashpot.examples.concealed.recordings import EXPERIMENTS, run
 from dashpot.examples.concealed.seal import NAME, open_sealed
 from dashpot.examples.concealed.suite import COUNTS, Spec, specs
 from dashpot.examples.concealed.virtual import draw
@@ -36,6 +36,8 @@ DESIGN = {  # the names of the design's table
 }
 SINGLES = [Spec("single", (e.name,), (v,), "white", 0) for e in EFFECTS.values() for v in e.variants]
 OTHERS = [Spec("open", (name,), ("",), "white", 0) for name in UNLISTED]
+
+TRAINING, RECORDINGS = EXPERIMENTS["shaker"].training, EXPERIMENTS["shaker"].recordings
 
 
 def label(spec: Spec) -> str:
