@@ -36,7 +36,9 @@ def record(virtual: Virtual) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
             "phases": virtual.phases[name],
         }
     spec = virtual.spec
-    parameters = {key: float(value) for key, value in virtual.rig("ringdown", virtual.level).items()}
+    parameters = {
+        key: float(value) for key, value in virtual.rig(virtual.trial.plan.training[-1], virtual.level).items()
+    }
     truth = {
         "kind": spec.kind,
         "effects": list(spec.effects),

@@ -80,3 +80,31 @@ def test_friction_holds_a_force_that_is_too_weak():
     response = simulate(BASE | {"dry": 0.5 * PEAK, "preload": 0.01 * PEAK}, SWEEP, 0.0, FS, 1800)
     assert np.all(response.x == 0.0)
     assert np.abs(response.force).max() == pytest.approx(PEAK, rel=1e-2)
+
+
+def test_an_accelerometer_shows_the_closed_form_of_a_decay():
+    viscous = 0.04 * W
+    response = simulate(BASE | {"viscous": viscous, "accelerometer": 1.0}, REST, A, FS, 6000)
+    t, rate = sampled(6000), np.sqrt(K - viscous**2 / 4)
+    decay = np.exp(-viscous * t / 2)
+    velocity = -A * K / rate * decay * np.sin(rate * t)
+    displacement = A * decay * (np.cos(rate * t) + viscous / (2 * rate) * np.sin(rate * t))
+    assert response.shown[1:] == pytest.approx((-viscous * velocity - K * displacement)[1:], abs=1e-9 * K * A)
+
+
+def test_an_accelerometer_shows_nothing_while_friction_holds():
+    response = simulate(BASE | {"dry": 0.5 * PEAK, "preload": 0.01 * PEAK, "accelerometer": 1.0}, SWEEP, 0.0, FS, 1800)
+    still = response.x == response.x[0]
+    assert np.count_nonzero(still) > 10
+    assert np.all(response.shown[still] == 0.0)
+
+
+def test_a_hit_gives_its_momentum():
+    """A sin² of half the box's area, a hundredth of a cycle long: the rig then swings with momentum over mass."""
+    lasts, peak = 0.01 * 2 * np.pi / W, 40.0
+    hit = Drive("hits", peak, length=3.0, lines=np.array([[0.1, 0.5, lasts]]))
+    response = simulate(BASE, hit, 0.0, FS, 3000)
+    swing = 0.5 * peak * 0.5 * lasts / BASE["mass"] / W
+    assert np.max(response.x) == pytest.approx(swing, rel=1e-3)
+    assert np.all(response.x[: int(0.1 * FS)] == 0.0)
+    assert np.max(response.force) <= 0.5 * peak

@@ -17,6 +17,7 @@ from dashpot.examples.concealed.recordings import EXPERIMENTS, run
 from dashpot.examples.concealed.seal import NAME, open_sealed
 from dashpot.examples.concealed.suite import COUNTS, Spec, specs
 from dashpot.examples.concealed.virtual import draw
+from dashpot.recording import read
 
 SHORT = (40.0, 60.0)  # natural cycles
 NOTHING = Spec("none", (), (), "white", 0)
@@ -175,3 +176,21 @@ def test_the_rigs_share_no_code_with_the_product():
             for name in names:
                 top = name.split(".")[0]
                 assert top in allowed or top in __import__("sys").stdlib_module_names, f"{path.name} imports {name}"
+
+
+@pytest.mark.parametrize("experiment", ["hammer", "random"])
+@pytest.mark.parametrize("sensor", ["displacement", "acceleration"])
+def test_rigs_are_also_tried_by_hammer_and_at_random_with_either_sensor(tmp_path, experiment, sensor):
+    make(tmp_path, 3, ["none"], short=1, cycles=SHORT, trial=virtual.Trial(experiment, sensor))
+    files = {path.name.removesuffix(".csv.gz"): path for path in (tmp_path / "rig_001").iterdir()}
+    assert set(files) == set(EXPERIMENTS[experiment].recordings)
+    recordings = {name: read(path) for name, path in files.items()}
+    assert {recording.quantity for recording in recordings.values()} == {sensor}
+    forces = {name: np.asarray(r.force) for name, r in recordings.items() if r.force is not None}
+    strong, weak = EXPERIMENTS[experiment].training[:2]
+    assert np.max(forces[strong]) > 1.5 * np.max(forces[weak])
+    if experiment == "hammer":  # hits that push, with rest between
+        assert min(force.min() / force.max() for force in forces.values()) > -0.02
+        assert all(np.mean(force > 0.1 * force.max()) < 0.02 for force in forces.values())
+    else:
+        assert abs(np.mean(forces[strong] ** 4) / np.mean(forces[strong] ** 2) ** 2 - 3.0) < 0.7  # nearly Gaussian
