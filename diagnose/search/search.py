@@ -61,6 +61,7 @@ class Search:
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], str], Fitted] = field(default_factory=dict, init=False)
     _less: list[Proposal] = field(default_factory=list, init=False)
+    _asked_rugged: bool = field(default=False, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
@@ -98,7 +99,7 @@ class Search:
         """
         if self._at_noise(leader, ()):
             return [self._as_long_or_shorter, self._scored]
-        return [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
+        return [self._moved, self._as_long_or_shorter, self._scored, self._less_scored, self._rugged]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
@@ -147,12 +148,20 @@ class Search:
         assert leader.fit is not None
         starts = self._added(leader, self._less)
         self._race(starts, leader.fit)
-        # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
-        # and the measured motion, which knows no side valleys, does not speak against it; beside the given family only
-        if not leader.laws and not self._at_noise(leader, starts):
-            laws = self._addable(leader)
-            starts += self._from_motion(leader, laws, [law for law in laws if law.rugged])
         return starts
+
+    def _rugged(self, leader: Candidate) -> list[Start]:
+        """The given family with a law whose likelihood has many side valleys in place of all that the leader has; raced.
+
+        Such a law is simulated slowly and from many places: it is asked for once, where all others have failed and the
+        measured motion, which knows no side valleys, does not speak against it.
+        """
+        family = self.candidates[()]
+        if self._asked_rugged or family.fit is None or self._at_noise(leader, ()):
+            return []
+        self._asked_rugged = True
+        laws = self._beside(family)
+        return self._from_motion(family, laws, [law for law in laws if law.rugged])
 
     def _from_motion(
         self,
