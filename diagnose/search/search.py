@@ -151,7 +151,7 @@ class Search:
         return starts
 
     def _rugged(self, leader: Candidate) -> list[Start]:
-        """The given family with a law whose likelihood has many side valleys in place of all that the leader has; raced.
+        """The given family with a law of many side valleys in place of all that the leader has, raced.
 
         Such a law is simulated slowly and from many places: it is asked for once, where all others have failed and the
         measured motion, which knows no side valleys, does not speak against it.
