@@ -262,6 +262,8 @@ class OutputError:
             for k in range(self.shared + self.core.states):
                 if k in idle:
                     jobs.append(lambda base=base: np.zeros_like(base))
+                elif self._is_sensors(k):
+                    jobs.append(lambda base=base, i=i, k=k: np.zeros_like(base) + self._shown_by(i, k))
                 else:
                     jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
         rows = iter(self.parallel(jobs))
@@ -274,6 +276,15 @@ class OutputError:
                 for i, made in enumerate(jacobians)
             ]
         )
+
+    def _is_sensors(self, k: int) -> bool:
+        """Whether an unknown is what a sensor shows beside a motion that knows nothing of it: needs no simulation."""
+        place = k - len(self.free)
+        return self.memory == FREE and 0 <= place < len(self.offsets) and self.offsets[place].channel != "force"
+
+    def _shown_by(self, i: int, k: int) -> np.ndarray:
+        """() or (n,) what a sensor shows along a segment for each unit of its offset."""
+        return zeros_along([self.offsets[k - len(self.free)]], np.ones(1), self.segments[i])[0]
 
     def _bounded(self, i: int, rows: np.ndarray, state: State, made: np.ndarray) -> np.ndarray:
         """Derivatives of a segment without the samples at which they cannot be any.

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
 from dashpot.identify.data import data_of
 from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.offset import Offset
 from dashpot.identify.offsets import centre, response_offsets
+from dashpot.identify.output_error import State
+from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 
@@ -123,3 +128,18 @@ def test_what_follows_the_motions_size_is_no_drift(shift, drift):
     assert len(drifts) == (drift > 0)
     for offset in drifts:
         assert offset.value == pytest.approx(drift, rel=0.05)
+
+
+def test_what_a_sensor_shows_needs_no_simulation_and_has_the_same_derivative(monkeypatch):
+    """The difference quotient of two simulations, and the closed form that stands for it: ones, and a straight line."""
+    recordings = [decay(0), decay(1)]
+    model = Oscillator.from_values(LINEAR)
+    channels = [Offset(0, "response", 1e-4), Offset(1, "response", 1e-4), Offset(1, "drift", 1e-4, middle=0.3)]
+    problem = Structure(model, replace(data_of(recordings, model), offsets=tuple(channels)), FIXED).problem
+    state = State(np.array([*model.values().values()]), np.array([[5e-3, 0.0]] * 2), np.zeros(3))
+    residuals, first = problem.residuals(state), len(problem.free)
+    closed = problem.derivatives(state, residuals)
+    monkeypatch.setattr(problem, "_is_sensors", lambda _: False)
+    for rows, quotients in zip(closed, problem.derivatives(state, residuals), strict=True):
+        assert rows[first : first + 3] == pytest.approx(quotients[first : first + 3], rel=1e-6, abs=1e-6)
+    assert [np.ptp(closed[1][first + k]) for k in range(3)] == pytest.approx([0.0, 0.0, (N - 1) / FS])
