@@ -106,9 +106,10 @@ class Screen:
         self.inverse = pseudo_inverse(normal)
 
     def starts(self, laws: Sequence[Law] | None = None, progress: Callable[[], None] = lambda: None) -> list[Start]:
-        """The best start of each law, the largest gain first; laws that do not simulate are left out."""
+        """The best start of each law, the largest gain first; of the whole library where no laws are given (None)."""
         there = {term.law.effect for term in self.fitted.model.terms}
-        wanted = [law for law in (laws or LIBRARY.values()) if law.effect not in there and self.applies(law)]
+        library = LIBRARY.values() if laws is None else laws
+        wanted = [law for law in library if law.effect not in there and self.applies(law)]
 
         def best(law: Law) -> Start | None:
             steps = [step for probe in probes(law, self.data.scales) if (step := self._promised(law, probe))]

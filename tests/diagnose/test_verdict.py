@@ -6,7 +6,6 @@ import math
 
 import numpy as np
 import pytest
-from dashpot.diagnose.mend import follows_any
 from dashpot.diagnose.result import Effect, RecordFit
 from dashpot.diagnose.search.residual_test import Leftover
 from dashpot.diagnose.verdict import explained_share, sentence_of, verdict_of
@@ -52,14 +51,6 @@ def test_not_where_something_is_left():
 @pytest.mark.parametrize("remainder", [None, "0.7 % of the motion remains"])
 def test_what_is_named_is_missing_whatever_remains(remainder):
     assert verdict_of((DRAG,), remainder, [row(5.0)]) == "missing-physics"
-
-
-@pytest.mark.parametrize(
-    ("after", "floor", "follows"), [(0.49, 0.01, True), (0.51, 0.01, False), (0.8, 0.75, True), (0.8, 0.7, False)]
-)
-def test_a_model_follows_a_recording_to_half_its_motion_or_to_its_noise(after, floor, follows):
-    assert follows_any([row(2.0, 3.0), row(2.0, after, floor)]) is follows
-    assert not follows_any([row(0.1, math.nan)])
 
 
 # --- the share

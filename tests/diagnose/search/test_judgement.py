@@ -112,15 +112,18 @@ def test_a_mismatch_anywhere_is_one():
     assert not leaves_mismatch(replace(quiet, fit=replace(quiet.fit, residuals=(np.full(n, 1.0),) * 2)), (both,))
 
 
-def test_a_group_holds_what_together_has_nineteen_of_twenty_parts():
+@pytest.mark.parametrize(("behind", "rivals"), [(2.9, ("cubic-damping",)), (3.0, ())])
+def test_a_group_holds_what_together_has_nineteen_of_twenty_parts(behind, rivals):
+    """Nineteen to one is a distance of 2.94."""
     best = candidate("quadratic-drag", evidence=100.0, left=0.9)
-    near = candidate("cubic-damping", evidence=98.0, left=0.9)
-    far = candidate("stribeck", evidence=90.0, left=0.9)
+    near = candidate("cubic-damping", evidence=100.0 - behind, left=0.9)
+    far = candidate("stribeck", evidence=85.0, left=0.9)
     stands = standing("quadratic-drag", best, [best, near, far, candidate()], parts(1.0))
-    assert stands.rivals == ("cubic-damping",)
-    assert stands.odds > 1000.0
-    further = replace(near, evidence=96.0)  # one part in fifty-five
-    assert standing("quadratic-drag", best, [best, further, far, candidate()], parts(1.0)).rivals == ()
+    assert stands.rivals == rivals
+    # its odds are those of its group
+    others = np.exp([-behind, -15.0, -100.0])
+    outside = others[1:] if rivals else others
+    assert stands.odds == pytest.approx((1.0 + np.sum(others)) / np.sum(outside) - 1.0, rel=1e-6)
 
 
 def test_odds_of_a_law_are_against_its_absence_too():

@@ -9,7 +9,7 @@ import pytest
 from dashpot import examples
 from dashpot.examples.truth import ACTUATOR, TRUTH
 from dashpot.identify.data import data_of
-from dashpot.identify.measured_motion import Regression
+from dashpot.identify.measured_motion import Guess, Regression
 from dashpot.model import Oscillator
 from dashpot.model.laws import find
 from dashpot.recording import read
@@ -51,3 +51,27 @@ def test_a_contact_is_found_where_it_is_and_as_stiff_as_it_is(rig):
     truth = case.truth["parameters"]
     assert abs(guess.values["one-sided-stop.position"]) == pytest.approx(truth[f"{side}_at"], rel=0.03)
     assert guess.values["one-sided-stop.stiffness"] == pytest.approx(truth[f"{side}_stiffness"], rel=0.15)
+
+
+@pytest.mark.parametrize(("gained", "tries"), [(0.49, 10), (0.51, 40)])
+def test_only_where_a_law_gains_half_of_the_best_its_place_is_searched_to_the_end(monkeypatch, gained, tries):
+    """Ten solutions a parameter tell which laws are worth the other thirty."""
+    gains = {"quadratic-drag": 100.0, "stribeck": 100.0 * gained}
+    solved = dict.fromkeys(gains, 0)
+
+    def refined(self, law, guess, most):
+        solved[law.name] += most
+        return guess
+
+    monkeypatch.setattr(Regression, "__init__", lambda self: None)
+    monkeypatch.setattr(Regression, "plain", lambda self: 1.0)
+    monkeypatch.setattr(Regression, "gain", lambda self, plain, guess: gains[guess.effect])
+    monkeypatch.setattr(Regression, "_refined", refined)
+    # what cannot be put on the motion at all is left out
+    monkeypatch.setattr(
+        Regression, "_probed", lambda self, law: Guess(law.name, {}, 1 / gains[law.name]) if law.name in gains else None
+    )
+    laws = [find(name) for name in ("stribeck", "sensor-lag", "quadratic-drag")]
+    guesses = Regression().guesses(laws)  # pyright: ignore[reportCallIssue]
+    assert [guess.effect for guess in guesses] == ["quadratic-drag", "stribeck"]
+    assert solved == {"quadratic-drag": 40, "stribeck": tries}

@@ -1,0 +1,200 @@
+"""Where laws are put in: by their scores, by the measured motion, and from how many places."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.diagnose.search.starts import by_motion, by_score, unseen_in_motion, without
+from dashpot.examples.force import chirp
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.data import Data, data_of
+from dashpot.identify.measured_motion import Guess, Regression
+from dashpot.identify.structure import Fitted, Structure
+from dashpot.model import Oscillator
+from dashpot.model.law import Law
+from dashpot.model.laws import find
+from dashpot.model.terms import with_term
+from dashpot.recording import Recording
+
+FS, SECONDS, NOISE = 500.0, 3.0, 2e-6
+DELAY = 2e-3
+LOAD = 0.02
+MODEL = Oscillator.from_values(TRUTH)
+
+
+def driven(delay: float = 0.0, load: float = 0.0, seed: int = 0) -> Recording:
+    """A sweep that moves the mass later than was recorded, with a load besides (both unrecorded)."""
+    t = np.arange(round(FS * SECONDS)) / FS
+    recorded, pushing = (chirp(1.0, 6.0, 4.0, times, 1 / FS) for times in (t, t - delay))
+    pushing[:, 0] += TRUTH["mass"] * load
+    x, _ = integrate_pieces(TRUTH, pushing[:-1], 1 / FS)
+    x = x + NOISE * np.random.default_rng(seed).standard_normal(t.size)
+    return Recording("sweep", FS, x, recorded[:, 0], hold="smooth")
+
+
+@pytest.fixture(scope="module")
+def delayed() -> tuple[Fitted, Data]:
+    """The family as it is, on a force that comes late."""
+    data = data_of([driven(delay=DELAY)], MODEL)
+    return Structure(MODEL, data).fit(most=1), data
+
+
+@pytest.fixture(scope="module")
+def loaded() -> tuple[Fitted, Data]:
+    """The family at its best beside a small load."""
+    data = data_of([driven(load=LOAD)], MODEL)
+    return Structure(MODEL, data).fit(), data
+
+
+# --- by the score
+
+
+def test_the_score_tells_the_law_that_is_missing_and_how_strong_it_is(loaded):
+    fitted, data = loaded
+    proposals = {p.law: p for p in by_score(fitted, data, [find("constant-force"), find("quadratic-stiffness")])}
+    load = proposals["constant-force"]
+    assert load.gain > 20.0
+    assert load.gain > max(p.gain for law, p in proposals.items() if law != "constant-force")
+    assert load.model.values()["constant-force.load"] == pytest.approx(LOAD, rel=0.2)
+    assert load.initial.shape == fitted.initial.shape
+
+
+def test_a_law_of_many_valleys_has_no_score(loaded):
+    assert by_score(*loaded, [find("actuator-backlash")]) == []
+
+
+# --- by the measured motion
+
+
+def test_the_measured_motion_tells_a_delay_however_the_model_bent_itself(delayed):
+    fitted, data = delayed
+    proposals = by_motion(fitted, data, [find("time-delay"), find("cubic-damping")])
+    assert proposals[0].law == "time-delay"
+    values = proposals[0].model.values()
+    assert values["time-delay.delay"] == pytest.approx(DELAY, rel=0.05)
+    assert values["mass"] == pytest.approx(TRUTH["mass"], rel=0.01)
+    assert values["omega0"] == pytest.approx(TRUTH["omega0"], rel=0.01)
+    assert proposals[0].gain > 10.0 * max([1.0, *(p.gain for p in proposals[1:])])
+    assert proposals[0].initial.shape == fitted.initial.shape
+
+
+def test_what_the_measured_motion_does_not_speak_for_is_not_proposed(delayed, monkeypatch):
+    fitted, data = delayed
+    guesses = [Guess("quadratic-drag", {"quadratic-drag.coefficient": 1.0}, misfit) for misfit in (0.99, 1.0, 1.01)]
+    monkeypatch.setattr(Regression, "plain", lambda self: 1.0)
+    monkeypatch.setattr(Regression, "guesses", lambda self, laws: guesses)
+    (proposal,) = by_motion(fitted, data, [find("quadratic-drag")])
+    assert proposal.gain > 0.0
+    assert proposal.model.values()["quadratic-drag.coefficient"] == 1.0
+
+
+def proposed(delayed, monkeypatch, law: str, **values: float) -> list[dict[str, float]]:
+    """The law's own values in all proposals that come of one guess."""
+    fitted, data = delayed
+    named = {f"{law}.{name}": value for name, value in values.items()}
+    monkeypatch.setattr(Regression, "plain", lambda self: 1.0)
+    monkeypatch.setattr(Regression, "guesses", lambda self, laws: [Guess(law, named, 0.5)])
+    models = [p.model.values() for p in by_motion(fitted, data, [find("clearance"), find(law)])]
+    return [{name: model[f"{law}.{name}"] for name in values} for model in models]
+
+
+BACKLASH = {"gap": 5e-5, "mass": 0.04, "stiffness": 1e4, "damping": 5.0}
+
+
+def test_of_a_law_of_many_valleys_one_place_lies_near_the_truth(delayed, monkeypatch):
+    """Each parameter by itself, from an eighth to eight times of its guess: to a factor of the root of two."""
+    starts = proposed(delayed, monkeypatch, "actuator-backlash", **BACKLASH, guide=0.5)
+    for name, guessed in BACKLASH.items():
+        paces = [
+            start[name] / guessed for start in starts if all(start[o] == BACKLASH[o] for o in BACKLASH if o != name)
+        ]
+        for truth in np.geomspace(1 / 8, 8, 31):
+            assert min(abs(np.log2(pace / truth)) for pace in paces) <= 0.5 + 1e-9
+    assert {start["guide"] for start in starts} == {0.5}  # a shape stays
+    assert starts[0] == BACKLASH | {"guide": 0.5}  # the guess itself comes first
+
+
+def test_what_is_zero_in_a_guess_stays_zero(delayed, monkeypatch):
+    """Times whatever it is: those would be one place several times."""
+    starts = proposed(delayed, monkeypatch, "actuator-backlash", **BACKLASH | {"damping": 0.0}, guide=0.0)
+    assert {start["damping"] for start in starts} == {0.0}
+    assert len(starts) == 3 * 7
+
+
+def test_no_place_lies_beyond_a_laws_bounds(delayed, monkeypatch):
+    """The moving mass of an actuator has a least value."""
+    starts = proposed(delayed, monkeypatch, "actuator-backlash", **BACKLASH | {"mass": 2e-12}, guide=0.0)
+    least = next(p.lower for p in find("actuator-backlash").parameters if p.name == "mass")
+    assert least > 0.25e-12
+    assert min(start["mass"] for start in starts) == least
+
+
+def test_any_other_law_has_one_place(delayed, monkeypatch):
+    assert proposed(delayed, monkeypatch, "quadratic-drag", coefficient=3.0) == [{"coefficient": 3.0}]
+
+
+# --- what it is blind for
+
+
+@pytest.mark.parametrize(
+    ("law", "unseen"),
+    [
+        ("sensor-lag", True),
+        ("sensor-offset", True),
+        ("constant-force", True),
+        ("quadratic-drag", False),
+        ("hysteresis", False),
+        ("tonal-disturbance", False),
+        ("time-delay", False),
+        ("actuator-backlash", False),
+    ],
+)
+def test_the_motion_says_nothing_of_the_record_and_of_a_constant(law, unseen):
+    assert unseen_in_motion(find(law)) is unseen
+
+
+def test_a_constant_drive_is_no_constant_force():
+    """Only a force per unit mass shows as a constant beside the motion."""
+    law = Law("flat", "excitation", (), "", "", "", drive=lambda motion, p, force: 0.0 * force + 1.0)
+    assert not unseen_in_motion(law)
+
+
+# --- one law less
+
+
+def test_a_law_that_is_taken_out_leaves_the_rest_as_it_was_and_as_the_motion_asks(delayed):
+    """The fit had bent itself around the law."""
+    _, data = delayed
+    bent = with_term(MODEL, "time-delay", {"delay": DELAY}).with_parameters(
+        {"mass": replace(MODEL.parameters()["mass"], value=0.5)}
+    )
+    fitted = Fitted(bent, np.zeros((1, 2)), (np.zeros(data.points),), 0.0, tuple(bent.parameters()))
+    (same, initial), (asked, again) = without(fitted, data, "time-delay")
+    assert not same.terms
+    assert not asked.terms
+    assert same.values() == MODEL.values() | {"mass": 0.5}
+    # late by 2 ms the force seems to push against a little more damping, and the mass is what it is
+    assert asked.values()["mass"] == pytest.approx(TRUTH["mass"], rel=0.1)
+    assert np.array_equal(initial, fitted.initial)
+    assert np.array_equal(again, fitted.initial)
+
+
+def test_its_own_states_go_with_a_law(delayed):
+    _, data = delayed
+    model = with_term(MODEL, "actuator-lag", {"time": DELAY})
+    fitted = Fitted(model, np.array([[1e-3, 2e-3, 0.5]]), (np.zeros(data.points),), 0.0, ())
+    for smaller, initial in without(fitted, data, "actuator-lag"):
+        assert not smaller.terms
+        assert initial.tolist() == [[1e-3, 2e-3]]
+
+
+def test_where_the_motion_is_too_short_to_say_anything_it_asks_for_nothing(delayed):
+    _, data = delayed
+    model = with_term(MODEL, "time-delay", {"delay": DELAY})
+    short = replace(data, segments=(data.segments[0].part(0, 40),))
+    fitted = Fitted(model, np.zeros((1, 2)), (np.zeros(40),), 0.0, ())
+    ((smaller, _),) = without(fitted, short, "time-delay")
+    assert smaller.values() == MODEL.values()

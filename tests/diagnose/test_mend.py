@@ -1,0 +1,164 @@
+"""The mended model shown on every recording: against the reference integrator, by the FMU that is delivered."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.diagnose.mend import exported, follows_any, record_fits
+from dashpot.diagnose.result import RecordFit
+from dashpot.examples.truth import TRUTH
+from dashpot.model import Oscillator, Response
+
+NOISE = 2e-5
+BENT = TRUTH | {"viscous": 7.0, "dry": 0.0}
+FAMILY, MENDED = Oscillator.from_values(BENT), Oscillator.from_values(TRUTH)
+SWEEP = (1.0, 8.0, 18.0)
+NOTHING = np.zeros(2)
+
+
+def row(before=0.01, after=0.01, floor=0.01):
+    return RecordFit("run", False, before, after, floor, NOTHING, NOTHING, NOTHING, NOTHING, None, Response())
+
+
+@pytest.fixture(scope="module")
+def sweep(recorded):
+    """Driven from rest; its sensor shows a millimetre at zero."""
+    return replace(recorded(sweep=SWEEP, seconds=3.0, noise=NOISE, offset=1e-3, name="sweep"), hold="smooth")
+
+
+@pytest.fixture(scope="module")
+def decay(recorded):
+    return recorded(begin=(8e-3, 0.0), seconds=3.0, noise=NOISE, seed=1, name="decay")
+
+
+@pytest.fixture(scope="module")
+def fmu(tmp_path_factory):
+    """The mended model, compiled for this machine; None where there is no compiler."""
+    return exported(MENDED, tmp_path_factory.mktemp("mended") / "model.fmu")
+
+
+# --- what each model makes of a recording
+
+
+def test_the_true_model_leaves_the_noise_and_a_bent_one_what_it_is_off_by(sweep, recorded):
+    (fit,) = record_fits(FAMILY, MENDED, [sweep], holdout=True)
+    spread = float(np.std(sweep.response))
+    noiseless = [recorded(values, sweep=SWEEP, seconds=3.0, noise=0.0).response for values in (BENT, TRUTH)]
+    off = float(np.std(noiseless[0] - noiseless[1])) / spread  # but for a constant, which the sensor may show
+    assert (fit.file, fit.holdout, fit.response) == ("sweep", True, Response("displacement", "m"))
+    assert fit.nrmse_after == pytest.approx(NOISE / spread, rel=0.05)
+    assert fit.noise_floor == pytest.approx(NOISE / spread, rel=0.05)
+    assert fit.nrmse_before == pytest.approx(np.hypot(off, NOISE / spread), rel=0.02)
+    assert fit.nrmse_before > 5 * fit.nrmse_after
+    assert np.array_equal(fit.measured, sweep.response)
+    assert fit.after == pytest.approx(noiseless[1] + 1e-3, abs=0.2 * NOISE)
+    assert fit.before == pytest.approx(noiseless[0] + 1e-3, abs=0.3 * off * spread)
+    assert fit.time == pytest.approx(np.arange(1500) / 500.0)
+    assert fit.force is not None
+    assert np.array_equal(fit.force, sweep.force)
+
+
+def test_where_nothing_was_mended_the_family_stands_for_both(sweep):
+    (fit,) = record_fits(MENDED, None, [sweep], holdout=False)
+    assert not fit.holdout
+    assert np.array_equal(fit.before, fit.after)
+    assert fit.nrmse_before == fit.nrmse_after == pytest.approx(fit.noise_floor, rel=0.05)
+
+
+def test_a_decay_is_told_where_it_is_free_and_has_no_force(decay):
+    (fit,) = record_fits(FAMILY, MENDED, [decay], holdout=False)
+    assert fit.force is None
+    assert fit.time.size == fit.measured.size == fit.before.size == fit.after.size
+    first = round(fit.time[0] * decay.fs)
+    assert np.array_equal(fit.measured, decay.response[first : first + fit.time.size])
+    assert fit.nrmse_after == pytest.approx(NOISE / float(np.std(fit.measured)), rel=0.1)
+    assert fit.nrmse_before > 5 * fit.nrmse_after
+
+
+def test_a_recording_without_anything_to_simulate_has_no_row(recorded, decay):
+    """A sensor that shows nothing but its noise, and no force."""
+    silent = recorded(seconds=3.0, noise=NOISE, name="silent")
+    fits = record_fits(FAMILY, MENDED, [silent, decay], holdout=False)
+    assert [fit.file for fit in fits] == ["decay"]
+
+
+# --- the FMU
+
+
+def test_what_is_held_out_is_shown_by_the_fmu_that_is_delivered(sweep, decay, fmu):
+    """From the same state, with what the sensor shows at zero."""
+    if fmu is None:
+        pytest.skip("there is no compiler")
+    shown = record_fits(FAMILY, MENDED, [sweep, decay], holdout=True, fmu=fmu)
+    inside = record_fits(FAMILY, MENDED, [sweep, decay], holdout=True)
+    for fit, same in zip(shown, inside, strict=True):
+        assert fit.file == same.file
+        assert np.array_equal(fit.before, same.before)
+        assert fit.after == pytest.approx(same.after, abs=0.05 * NOISE)
+        assert fit.nrmse_after == pytest.approx(same.nrmse_after, rel=0.01)
+
+
+def test_the_fmu_speaks_and_not_the_model_that_it_was_made_from(sweep, fmu):
+    """Were the FMU another model, that would show."""
+    if fmu is None:
+        pytest.skip("there is no compiler")
+    (fit,) = record_fits(FAMILY, FAMILY, [sweep], holdout=True, fmu=fmu)
+    (mended,) = record_fits(FAMILY, MENDED, [sweep], holdout=True)
+    assert np.std(fit.after - mended.after) < NOISE
+    assert fit.nrmse_before > 5 * fit.nrmse_after
+
+
+def test_the_fmu_is_given_back_also_where_a_run_fails(sweep, fmu, monkeypatch):
+    if fmu is None:
+        pytest.skip("there is no compiler")
+    ended = []
+
+    class Run:
+        def __init__(self, path):
+            assert path == fmu
+
+        def output_for(self, recording):
+            raise RuntimeError(recording.name)
+
+        def __exit__(self, *given):
+            ended.append(given)
+
+    monkeypatch.setattr("dashpot.diagnose.mend.FmuRun", Run)
+    with pytest.raises(RuntimeError, match="sweep"):
+        record_fits(FAMILY, MENDED, [sweep], holdout=True, fmu=fmu)
+    assert ended == [(None, None, None)]
+
+
+def test_without_a_mended_model_no_fmu_is_asked_for(sweep, tmp_path):
+    (fit,) = record_fits(MENDED, None, [sweep], holdout=True, fmu=tmp_path / "missing.fmu")
+    assert np.array_equal(fit.before, fit.after)
+
+
+def test_without_a_compiler_there_is_no_fmu_and_that_is_no_failure(no_compiler, tmp_path):
+    assert exported(MENDED, tmp_path / "model.fmu") is None
+
+
+def test_what_is_exported_runs_on_this_machine(monkeypatch, tmp_path):
+    given = {}
+    monkeypatch.setattr("dashpot.diagnose.mend.export_fmu", lambda *what, **more: given.update(more) or what[1])
+    monkeypatch.setattr("dashpot.diagnose.mend.own_platform", lambda: "here")
+    assert exported(MENDED, tmp_path / "model.fmu") == tmp_path / "model.fmu"
+    assert given == {"backend": "native", "platforms": ("here",)}
+
+
+# --- whether it follows anything
+
+
+@pytest.mark.parametrize(
+    ("after", "floor", "follows"), [(0.49, 0.01, True), (0.51, 0.01, False), (0.8, 0.75, True), (0.8, 0.7, False)]
+)
+def test_a_model_follows_a_recording_to_half_its_motion_or_to_its_noise(after, floor, follows):
+    assert follows_any([row(2.0, 3.0), row(2.0, after, floor)]) is follows
+    assert not follows_any([row(0.1, math.nan)])
+
+
+def test_a_model_shown_nothing_follows_nothing():
+    assert not follows_any([])
