@@ -10,7 +10,7 @@ _PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
 def figure(value: float, digits: int = 3) -> str:
-    """A value to so many digits, written out: ``270`` and not ``2.7e+02``."""
+    """A value to so many digits, written out from a ten-thousandth on: ``270`` and not ``2.7e+02``."""
     return f"{float(f'{value:.{digits}g}'):.12g}"
 
 

@@ -10,6 +10,8 @@ from ...identify.structure import Fitted
 #: Above the logarithm of the number of frequencies by this much, a line of a periodogram is no chance (one in 400).
 _BEYOND_CHANCE = 6.0
 _MOST = 4
+#: A segment of fewer samples has too few frequencies for a line to stand out of.
+_FEWEST = 64
 
 
 def residual_lines(fitted: Fitted, data: Data) -> tuple[float, ...]:
@@ -19,10 +21,12 @@ def residual_lines(fitted: Fitted, data: Data) -> tuple[float, ...]:
     1929). A line is placed between the bins by a parabola through its logarithms.
     """
     peaks: list[tuple[float, float]] = []
-    resolution = max(2 * np.pi / (segment.n * segment.dt) for segment in data.segments if segment.n > 64)
+    resolution = max((2 * np.pi / (s.n * s.dt) for s in data.segments if s.n > _FEWEST), default=0.0)
     for segment, residual, noise in zip(
         data.segments, fitted.residuals, noise_spectra(fitted.residuals, fitted.model, data), strict=True
     ):
+        if segment.n <= _FEWEST:
+            continue
         window = np.hanning(segment.n)
         power = np.abs(np.fft.rfft(residual * window)) ** 2 / np.sum(window**2) / noise.density
         power[:3] = 0.0

@@ -118,3 +118,10 @@ def test_what_is_slower_than_three_bins_is_drift(place, count, known):
 def test_the_highest_bin_is_no_line(known):
     """It has no neighbour to place it by."""
     assert lines_of(np.sqrt(40.0 / N) * (-1.0) ** np.arange(N)) == ()
+
+
+@pytest.mark.parametrize(("n", "seen"), [(64, False), (65, True)])
+def test_a_short_segment_shows_no_line_and_stops_nobody(n, seen, known):
+    place = 12 * N / n  # a line in the middle of twelve bins of the short one
+    assert bool(lines_of(tone(place, 60.0, n=n))) is seen
+    assert len(lines_of(tone(place, 60.0, n=n), tone(200, 300.0))) == 1 + seen
