@@ -21,6 +21,7 @@ from ..identify.prediction import FREE
 from ..identify.scatter import scatter
 from ..identify.structure import Fitted, Structure, renamed
 from ..model import Oscillator, Provenance, Range
+from ..model.law import Law
 from ..model.laws import LIBRARY, find
 from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
@@ -255,10 +256,7 @@ def _considered(selected: Candidate, search: Search) -> list[Considered]:
         ]
         tried.sort(key=lambda c: -STAGES.index(c.stage))
         if not tried:
-            twin = (
-                f"it is fitted as {law.twin}, whose equation it has" if only_a_name(law) else "it does not apply here"
-            )
-            considered.append(Considered(law.name, None, None, twin))
+            considered.append(Considered(law.name, None, None, _why_untried(law, search)))
             continue
         best = tried[0]
         without = search.candidates[key([name for name in best.laws if name != law.name])]
@@ -266,6 +264,20 @@ def _considered(selected: Candidate, search: Search) -> list[Considered]:
         held = None if search.holdout is None else nrmse(best.held_out, search.holdout)
         considered.append(Considered(law.name, held, delta, best.why or why_not(best, without, selected, search.parts)))
     return sorted(considered, key=lambda law: (law.delta_bic is None, law.delta_bic or 0.0))
+
+
+def _why_untried(law: Law, search: Search) -> str:
+    """Why a law of the library was never put in."""
+    if only_a_name(law):
+        return f"it is fitted as {law.twin}, whose equation it has"
+    if law.drive is not None and not any(segment.force is not None for segment in search.data.segments):
+        return "it acts on a force, and none was recorded"
+    if law.rugged:
+        silent = "the measured motion does not speak for it"
+        return silent if search.asked_rugged else "the noise was reached without it, which is asked for last"
+    if any(parameter.probes == "lines" for parameter in law.parameters):
+        return "no line stands out of what is left"
+    return "nothing spoke for it wherever it was asked for"
 
 
 def nrmse(fitted: Fitted | None, data: Data) -> float | None:

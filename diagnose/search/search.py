@@ -52,6 +52,7 @@ class Search:
         laws: the library, with the user's laws.
         progress: called with what is being done and which part of all is done.
         candidates: every structure that was entered, by the laws it adds.
+        asked_rugged: whether laws with side valleys were asked for.
     """
 
     data: Data
@@ -61,7 +62,7 @@ class Search:
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], str], Fitted] = field(default_factory=dict, init=False)
     _less: list[Proposal] = field(default_factory=list, init=False)
-    _asked_rugged: bool = field(default=False, init=False)
+    asked_rugged: bool = field(default=False, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
@@ -157,9 +158,9 @@ class Search:
         measured motion, which knows no side valleys, does not speak against it.
         """
         family = self.candidates[()]
-        if self._asked_rugged or family.fit is None or self._at_noise(leader, ()):
+        if self.asked_rugged or family.fit is None or self._at_noise(leader, ()):
             return []
-        self._asked_rugged = True
+        self.asked_rugged = True
         laws = self._beside(family)
         return self._from_motion(family, laws, [law for law in laws if law.rugged])
 

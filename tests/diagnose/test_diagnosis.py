@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
+from dashpot.diagnose.diagnosis import _why_untried
 from dashpot.errors import BadInput
 from dashpot.model import Response
 from dashpot.model.file import dumps, loads
+from dashpot.model.laws import find
 from dashpot.recording import Recording
 
 
@@ -162,3 +165,20 @@ def test_an_error_that_rises_is_not_said_to_fall(after, words):
     record = RecordFit("end", True, 0.5, after, 0.05, nothing, nothing, nothing, nothing, None, Response())
     stop = Effect("one-sided-stop", "one-sided-stop", "spring", {})
     assert words in sentence_of("missing-physics", [stop], "there remains more", [record], [], [])
+
+
+@pytest.mark.parametrize(
+    ("effect", "driven", "asked", "words"),
+    [
+        ("asymmetric-friction/dry", True, False, "it is fitted as constant-force"),
+        ("actuator-lag", False, False, "none was recorded"),
+        ("actuator-backlash", True, False, "the noise was reached without it"),
+        ("actuator-backlash", True, True, "the measured motion does not speak for it"),
+        ("tonal-disturbance", True, False, "no line stands out"),
+        ("clearance", True, False, "nothing spoke for it"),
+    ],
+)
+def test_why_a_law_was_never_put_in_is_said_as_it_is(effect, driven, asked, words):
+    segment = SimpleNamespace(force=object() if driven else None)
+    search = SimpleNamespace(data=SimpleNamespace(segments=[segment]), asked_rugged=asked)
+    assert words in _why_untried(find(effect), search)
