@@ -15,7 +15,7 @@ from ...errors import DashpotError
 from ...identify.data import Data
 from ...model import Oscillator
 from ...model.effect_words import effect_in_words
-from ...simulate.core import internal_step
+from ...simulate.core import STEPS_PER_PERIOD, internal_step
 from ..result import Experiment
 from ..wording import effects_in_words, figure, quantity
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
@@ -34,6 +34,9 @@ _POOR = 0.1
 _FINALISTS = 3
 #: A rival that takes so many times the first model's internal steps is a fit that ran away; it would take minutes.
 _SLOWER = 10.0
+#: A model that takes so many times the internal steps of a plain oscillator has a contact that rings at a hundred times
+#: the rig's frequency, which no recording shows: it would take minutes to hours, and its answer would be worth nothing.
+_STIFFEST = 40.0
 
 
 def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Limits | None = None) -> Experiment:
@@ -57,15 +60,18 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
     reach = BEYOND * data.scales.length
     for name in names:
         try:
-            if name != names[0] and _pace(models[name], reach) > _SLOWER * _pace(first, reach):
+            pace = _pace(models[name], reach)
+            if pace > _STIFFEST * STEPS_PER_PERIOD * natural:
+                continue
+            if name != names[0] and pace > _SLOWER * _pace(first, reach):
                 continue
             played[name] = rehearse(models[name], first, plans, data, rate, fs)
         except (DashpotError, np.linalg.LinAlgError):
             continue
     if names[0] not in played:
         return _nothing(
-            f"{effect_in_words(names[0])} does not simulate beyond the recordings, so that no experiment can be "
-            "planned with it"
+            f"{effect_in_words(names[0])} does not simulate beyond the recordings, or is as stiff as no recording "
+            "shows, so that no experiment can be planned with it"
         )
     safe = [i for i in range(len(plans)) if _safe(i, played, limits)]
     rivals = [name for name in names[1:] if name in played]

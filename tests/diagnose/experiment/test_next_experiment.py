@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.experiment.excitations import BEYOND, Limits
 from dashpot.diagnose.experiment.next_experiment import next_experiment
+from dashpot.diagnose.experiment.rehearsal import rehearse
 from dashpot.identify.data import data_of
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
@@ -115,3 +116,17 @@ def test_a_rival_that_ran_away_is_left_out(rivals):
     plan = next_experiment({**models, "attached-resonator": runaway}, data)
     assert plan.kind in ("sweep", "multisine", "sine")
     assert {name for pair in plan.separates for name in pair[:2]} == set(models)
+
+
+@pytest.mark.parametrize(("times", "planned"), [(38.0, True), (42.0, False)])
+def test_a_model_stiffer_than_any_recording_shows_is_rehearsed_no_more(rivals, times, planned, monkeypatch):
+    """Forty times the internal steps of a plain oscillator: a contact that rings at a hundred times its frequency."""
+    models, data = rivals
+    module = "dashpot.diagnose.experiment.next_experiment"
+    pace = times * 75.0 * data.scales.omega / (2 * np.pi)
+    monkeypatch.setattr(f"{module}._pace", lambda *_: pace)
+    rehearsed = []
+    monkeypatch.setattr(f"{module}.rehearse", lambda *given: rehearsed.append(given) or rehearse(*given))
+    plan = next_experiment({"quadratic-drag": models["quadratic-drag"]}, data)
+    assert bool(rehearsed) is planned
+    assert ("as stiff as no recording shows" in plan.sentence) is not planned
