@@ -274,7 +274,7 @@ def _why_untried(law: Law, search: Search) -> str:
         return "it acts on a force, and none was recorded"
     if law.rugged:
         silent = "the measured motion does not speak for it"
-        return silent if search.asked_rugged else "the noise was reached without it, which is asked for last"
+        return silent if search.asked_rugged else "it is asked for where all others fail, and another did not"
     if any(parameter.probes == "lines" for parameter in law.parameters):
         return "no line stands out of what is left"
     return "nothing spoke for it wherever it was asked for"

@@ -100,7 +100,7 @@ class Search:
         """
         if self._at_noise(leader, ()):
             return [self._as_long_or_shorter, self._scored]
-        return [self._moved, self._as_long_or_shorter, self._scored, self._less_scored, self._rugged]
+        return [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
@@ -149,20 +149,12 @@ class Search:
         assert leader.fit is not None
         starts = self._added(leader, self._less)
         self._race(starts, leader.fit)
+        # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
+        # and the measured motion, which knows no side valleys, does not speak against it; beside the given family only
+        if not leader.laws and not self._at_noise(leader, starts):
+            self.asked_rugged, laws = True, self._addable(leader)
+            starts += self._from_motion(leader, laws, [law for law in laws if law.rugged])
         return starts
-
-    def _rugged(self, leader: Candidate) -> list[Start]:
-        """The given family with a law of many side valleys in place of all that the leader has, raced.
-
-        Such a law is simulated slowly and from many places: it is asked for once, where all others have failed and the
-        measured motion, which knows no side valleys, does not speak against it.
-        """
-        family = self.candidates[()]
-        if self.asked_rugged or family.fit is None or self._at_noise(leader, ()):
-            return []
-        self.asked_rugged = True
-        laws = self._beside(family)
-        return self._from_motion(family, laws, [law for law in laws if law.rugged])
 
     def _from_motion(
         self,

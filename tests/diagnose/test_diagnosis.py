@@ -172,7 +172,7 @@ def test_an_error_that_rises_is_not_said_to_fall(after, words):
     [
         ("asymmetric-friction/dry", True, False, "it is fitted as constant-force"),
         ("actuator-lag", False, False, "none was recorded"),
-        ("actuator-backlash", True, False, "the noise was reached without it"),
+        ("actuator-backlash", True, False, "where all others fail"),
         ("actuator-backlash", True, True, "the measured motion does not speak for it"),
         ("tonal-disturbance", True, False, "no line stands out"),
         ("clearance", True, False, "nothing spoke for it"),
