@@ -263,6 +263,18 @@ def test_freed_shapes_leave_fixed_what_is_no_shape(plain):
     assert (start.credit, start.patience, start.resting) == (1.0, 7, False)
 
 
+def test_what_begins_anew_keeps_what_was_fixed(plain):
+    data, model = plain
+    start = started(Entry((), model, fixed=("omega0",)), data, Measure())
+    assert start is not None
+    free = start.structure.free
+    start.resting = True
+    start.begin_anew()
+    assert start.structure.free == free
+    assert not start.resting
+    assert not start.gains_anew(start.measure)  # it stands where it began anew
+
+
 def test_three_steps_of_patience_are_the_first_turn():
     assert PATIENCE == 3
 
