@@ -7,7 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.candidate import DECISIVE, Candidate, key
-from dashpot.diagnose.search.judgement import accepted, leaves_mismatch, log_odds, matters, names_of, standing, why_not
+from dashpot.diagnose.search.judgement import (
+    accepted,
+    leading,
+    leaves_mismatch,
+    log_odds,
+    matters,
+    names_of,
+    standing,
+    why_not,
+)
 from dashpot.identify.data import Data
 from dashpot.identify.segments import Segment
 from dashpot.identify.structure import Fitted
@@ -52,6 +61,51 @@ def test_where_a_mismatch_is_left_its_cycles_say_the_same_again():
     assert log_odds(worse, better, parts(0.1)) == pytest.approx(-told)
     # but what takes nearly everything away is decided all the same
     assert log_odds(candidate("quadratic-drag", evidence=3000.0, left=0.2), worse, parts(0.1)) > DECISIVE
+
+
+def test_a_stretch_of_less_than_some_cycles_is_one():
+    """Five harmonics once in each of the two recordings, however short they are."""
+    few = 300  # samples: three cycles
+    short = tuple(replace(d, segments=(replace(d.segments[0], stop=few),)) for d in parts(0.1))
+    better, worse = (
+        replace(c, fit=replace(c.fit, residuals=(left,)), held_out=replace(c.held_out, residuals=(left,)))
+        for c, left in (
+            (candidate("quadratic-drag", evidence=3000.0), np.full(few, 1.0)),
+            (candidate(), np.linspace(1.0, 2.0, few)),
+        )
+    )
+    power = 7.0 / 3.0  # of a line from 1 to 2
+    assert log_odds(better, worse, short) == pytest.approx(2 * 5 * np.log(power), rel=1e-3)
+
+
+@pytest.mark.parametrize(("behind", "leads"), [(DECISIVE - 0.1, ()), (DECISIVE + 0.1, ("quadratic-drag",))])
+def test_a_shorter_structure_leads_where_it_comes_as_near(behind, leads):
+    leader = candidate("quadratic-drag", evidence=100.0, left=0.9)
+    family = candidate(evidence=100.0 - behind)
+    assert leading(leader, [family], parts(1.0)).laws == leads
+
+
+def test_of_the_shorter_the_most_probable_leads():
+    leader = candidate("quadratic-drag", "stribeck", evidence=100.0, left=0.9)
+    drag, friction = candidate("quadratic-drag", evidence=96.0), candidate("stribeck", evidence=97.0)
+    assert leading(leader, [drag, friction], parts(1.0)) is friction
+    # however probable one as long is
+    other = candidate("quadratic-drag", "clearance", evidence=120.0)
+    assert leading(leader, [other, drag], parts(1.0)) is drag
+
+
+@pytest.mark.parametrize(("gain", "leads"), [(0.1, "stribeck"), (-0.1, "quadratic-drag")])
+def test_one_as_long_leads_where_it_is_more_probable_at_all(gain, leads):
+    leader = candidate("quadratic-drag", evidence=100.0, left=0.9)
+    other = candidate("stribeck", evidence=100.0 + gain, left=0.9)
+    assert leading(leader, [other], parts(1.0)).laws == (leads,)
+
+
+@pytest.mark.parametrize(("gain", "laws"), [(DECISIVE - 0.1, 1), (DECISIVE + 0.1, 2)])
+def test_a_further_law_leads_where_it_is_decisive(gain, laws):
+    leader = candidate("quadratic-drag", evidence=100.0)
+    longer = candidate("quadratic-drag", "stribeck", evidence=99.0 + gain, predictive=1.0, left=0.9)
+    assert len(leading(leader, [longer], parts(1.0)).laws) == laws
 
 
 @pytest.mark.parametrize(("gain", "taken"), [(DECISIVE - 0.1, False), (DECISIVE + 0.1, True)])

@@ -3,24 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dashpot.diagnose.search.candidate import DECISIVE
 from dashpot.diagnose.search.measure import NEAR, Measure
-from dashpot.diagnose.search.race import PATIENCE, Entry, race, started
+from dashpot.diagnose.search.race import PATIENCE, Entry, in_the_best_valleys, race, started
 from dashpot.diagnose.search.residual_test import times_the_noise
+from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import probes
 from dashpot.identify.structure import shapes_of
+from dashpot.model import Oscillator
 from dashpot.model.laws import find
 from dashpot.model.terms import with_term
+from dashpot.recording import Recording
+
+RIG = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0, "viscous": 1.0}
 
 
 @pytest.fixture(scope="module")
-def plain(rig):
-    """Data of a rig with nothing missing, and its model."""
-    case = rig("none")
-    return data_of(case.training, case.model), case.model
+def plain():
+    """Data of a linear rig with nothing missing, let go at two places, and its model."""
+    time = np.arange(2000) / 500.0
+    pace = np.sqrt(RIG["omega0"] ** 2 - 0.25 * RIG["viscous"] ** 2)
+    wave = np.exp(-0.5 * RIG["viscous"] * time) * np.cos(pace * time)
+    noise = 1e-5 * np.random.default_rng(0).standard_normal((2, time.size))
+    decays = [Recording(f"decay {i}", 500.0, size * wave + noise[i]) for i, size in enumerate((8e-3, 5e-3))]
+    model = Oscillator.from_values(RIG)
+    return data_of(decays, model), model
 
 
 def bent(model, **factors: float):
@@ -139,3 +151,217 @@ def hysteresis_values(data) -> dict[str, float]:
     law = find("hysteresis")
     values = probes(law, data.scales)[0]
     return values | {p.name: 0.1 * p.natural(data.scales) for p in law.parameters if p.strength}
+
+
+# --- one start, its steps told beforehand
+
+
+def scripted(plain, *steps: float, promise: float = 100.0, **entry):
+    """A start at 0 whose next steps come to these values and then nowhere, each of which promises so much more."""
+    data, model = plain
+    start = started(Entry((), model, **entry), data, Measure())
+    assert start is not None
+    place = start.descent.state
+
+    class Scripted:
+        state, residuals, left = place, np.zeros(1), list(steps)
+
+        @property
+        def expected(self):
+            return self.residuals + promise
+
+        def step(self, _tolerance):
+            if self.left:
+                self.residuals = np.array([self.left.pop(0)])
+                return True
+            return False
+
+        def weigh_by(self, _spectra):
+            pass
+
+    start.descent = Scripted()
+    start.measure = SimpleNamespace(noise=None, value=lambda r: float(r[0]), near=lambda *_: False, spectra=lambda r: r)
+    start.value, start.near, start.resting, start._white = 0.0, False, False, True
+    return start
+
+
+@pytest.mark.parametrize(
+    ("gained", "believed"),
+    [
+        (100.0, 1.0),
+        (26.0, 1.0),  # a quarter of the promise is kept in a straight valley
+        (24.0, 0.24),
+        (11.0, 0.11),
+        (1.0, 0.1),  # a tenth is believed at any rate
+        (-5.0, 0.1),
+    ],
+)
+def test_a_promise_is_believed_as_far_as_the_last_one_was_kept(plain, gained, believed):
+    start = scripted(plain, gained)
+    start.step()
+    assert (start.value, start.steps, start.resting) == (gained, 1, False)
+    start.look()
+    assert start.ceiling == pytest.approx(gained + 100.0 * believed)
+
+
+def test_what_promises_less_than_it_has_stays_where_it_is(plain):
+    """No promise is below what is there already, and none is kept badly that promised nothing."""
+    start = scripted(plain, 3.0, promise=-7.0)
+    start.look()
+    assert start.ceiling == 0.0
+    start.step()
+    assert (start.value, start.credit) == (3.0, 1.0)
+
+
+def test_no_start_takes_more_than_a_hundred_steps(plain):
+    start = scripted(plain, *range(1, 200))
+    for _ in range(99):
+        start.step()
+    assert not start.resting
+    start.step()
+    assert start.resting
+    assert start.ceiling == start.value == 100.0
+
+
+def test_far_from_the_noise_a_start_rests_where_no_step_leads_anywhere(plain):
+    start = scripted(plain)
+    start.step()
+    assert (start.resting, start.value, start.steps) == (True, 0.0, 1)
+
+
+@pytest.mark.parametrize(("reached", "kept"), [(5.0, 5.0), (-5.0, 0.0)])
+def test_near_the_noise_a_step_that_loses_by_the_common_measure_is_taken_back(plain, reached, kept):
+    start = scripted(plain, reached)
+    start._white = False
+    before = start.descent.residuals
+    start.step()
+    assert start.value == kept
+    assert start.resting is (reached < 0)
+    assert (start.descent.residuals is before) is (reached < 0)
+
+
+def test_what_rests_is_not_asked_for_a_promise(plain):
+    start = scripted(plain)
+    start.resting = True
+    start.look()
+    assert not start.looked
+
+
+def test_freed_shapes_leave_fixed_what_is_no_shape(plain):
+    data, model = plain
+    grown = with_term(model, "hysteresis", hysteresis_values(data))
+    shapes = shapes_of(grown)
+    start = started(Entry(("hysteresis",), grown, fixed=(*shapes, "omega0")), data, Measure())
+    assert start is not None
+    assert start.locked == shapes
+    assert start.count == len(start.structure.free)
+    start.credit, start.steps = 0.2, 4
+    start.unlock(3)
+    assert start.locked == ()
+    # free motion says nothing of the mass
+    assert set(start.structure.free) == set(grown.parameters()) - {"omega0", "mass"}
+    assert (start.credit, start.patience, start.resting) == (1.0, 7, False)
+
+
+def test_what_begins_anew_keeps_what_was_fixed(plain):
+    data, model = plain
+    start = started(Entry((), model, fixed=("omega0",)), data, Measure())
+    assert start is not None
+    free = start.structure.free
+    start.resting = True
+    start.begin_anew()
+    assert start.structure.free == free
+    assert not start.resting
+    assert not start.gains_anew(start.measure)  # it stands where it began anew
+
+
+def test_three_steps_of_patience_are_the_first_turn():
+    assert PATIENCE == 3
+
+
+def test_of_one_law_the_three_best_places_go_on():
+    places = [SimpleNamespace(laws=("drag",), value=float(value)) for value in (1, 5, 3, 4)]
+    other = SimpleNamespace(laws=("stop",), value=0.0)
+    assert [place.value for place in in_the_best_valleys([*places, other])] == [5.0, 4.0, 3.0, 0.0]
+
+
+# --- the race itself, between starts that only count
+
+
+class Runner:
+    """A start that gains so much with every step, until it is where it rests."""
+
+    def __init__(self, name: str, *values: float, ceiling: float, patience: int = 0, near_at: int = 99, adds=False):
+        self.laws, self.values, self.ceiling, self.patience, self.adds = (
+            (name,) * bool(name),
+            values,
+            ceiling,
+            patience,
+            adds,
+        )
+        self.near_at, self.steps, self.looked, self.count, self.locked = near_at, 0, True, 0, ()
+        self.data = self.fitted = self.measure = None
+
+    value = property(lambda self: self.values[self.steps])
+    near = property(lambda self: self.steps >= self.near_at)
+    resting = property(lambda self: self.steps == len(self.values) - 1)
+
+    def step(self) -> None:
+        self.steps += 1
+
+    def gains_anew(self, _measure) -> bool:
+        return False
+
+
+#: Frequencies are weighed by a noise already.
+KNOWN = SimpleNamespace(noise=(), near=lambda *_: False)
+
+
+def told(*runners: Runner) -> list[tuple[str, float]]:
+    """What a race says that it does, and which part is done."""
+    said: list[tuple[str, float]] = []
+    race(runners, KNOWN, None, 1000, lambda what, part: said.append((what, part)))
+    return said
+
+
+def test_what_promises_most_goes_first_and_by_its_name():
+    low, high = Runner("low", 0.0, 5.0, ceiling=6.0), Runner("", 0.0, 5.0, ceiling=7.0)
+    assert told(low, high) == [("the given family", 0.0), ("low", 0.5)]
+
+
+def test_what_cannot_come_within_decisive_odds_of_the_best_leaves():
+    best = Runner("best", 100.0, ceiling=100.0)
+    near = Runner("near", 0.0, 1.0, ceiling=100.0 - DECISIVE + 0.1)
+    far = Runner("far", 0.0, 1.0, ceiling=100.0 - DECISIVE - 0.1)
+    assert [what for what, _ in told(best, near, far)] == ["near"]
+    assert (near.steps, far.steps) == (1, 0)
+
+
+def test_what_adds_a_law_must_promise_more_than_the_best_outside():
+    standing = SimpleNamespace(residuals=50.0, model=None, free=())
+    measure = SimpleNamespace(noise=(), near=lambda *_: False, value=lambda residuals: residuals)
+    more = [Runner("more", 0.0, 1.0, ceiling=50.0 + past, adds=True) for past in (-0.1, 0.1)]
+    as_long = Runner("as long", 0.0, 1.0, ceiling=49.9)
+    race([*more, as_long], measure, standing, 1000)
+    assert [runner.steps for runner in (*more, as_long)] == [0, 1, 1]
+
+
+def test_every_parameter_costs_half_the_logarithm_of_the_samples():
+    best, dear = Runner("best", 100.0, ceiling=100.0), Runner("dear", 0.0, 1.0, ceiling=101.0)
+    dear.count = 4  # pays 13.8
+    assert told(best, dear) == []
+    dear.count = 2
+    assert told(best, dear) == [("dear", 0.5)]
+
+
+def test_the_patient_catch_up_first():
+    ahead = Runner("ahead", 0.0, 1.0, ceiling=90.0)
+    patient = Runner("patient", 0.0, 1.0, 2.0, 3.0, ceiling=80.0, patience=2)
+    assert [what for what, _ in told(ahead, patient)] == ["patient", "patient", "ahead", "patient"]
+
+
+def test_once_one_comes_to_the_noise_patience_ends():
+    best = Runner("best", 0.0, 100.0, ceiling=200.0, patience=2, near_at=1)
+    other = Runner("other", 0.0, 1.0, 2.0, ceiling=10.0, patience=2)
+    assert [what for what, _ in told(best, other)] == ["best"]
+    assert other.patience == 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,67 +12,13 @@ from dashpot.diagnose.search.race import PATIENCE
 from dashpot.diagnose.search.search import Search
 from dashpot.diagnose.search.starts import Proposal
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data, data_of
+from dashpot.identify.data import Data
 from dashpot.identify.segments import Segment
 from dashpot.identify.structure import Fitted
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
-from dashpot.model.laws import find
-
-
-def searched(case, *laws: str) -> tuple[Search, tuple[str, ...]]:
-    """The search over a few laws of the library, and what it ended with."""
-    data, holdout = data_of(case.training, case.model), data_of(case.holdout, case.model)
-    search = Search(data, holdout, [find(law) for law in laws])
-    return search, search.from_family(search.best_of_family(case.model)).laws
-
-
-def test_nothing_is_added_where_nothing_is_missing(rig):
-    search, laws = searched(rig("none"), "quadratic-drag", "constant-force", "clearance", "stribeck")
-    assert laws == ()
-    others = [candidate for laws, candidate in search.candidates.items() if laws]
-    assert {law for candidate in others for law in candidate.laws} == {
-        "quadratic-drag",
-        "constant-force",
-        "clearance",
-        "stribeck",
-    }
-    assert all(candidate.why or candidate.stage == "judged" for candidate in others)
-
-
-def test_the_law_that_is_missing_leads_and_the_family_is_tried_again(rig):
-    search, laws = searched(rig("single", "clearance"), "clearance", "quintic-stiffness", "softening-stiffness")
-    assert laws == ("clearance",)
-    best, family = search.candidates[laws], search.candidates[()]
-    assert best.value > family.value + 100.0
-    assert best.predictive > family.predictive
-    assert best.fit is not None
-    assert max(np.sqrt(np.mean(r**2)) for r in best.fit.residuals) < 0.5 * max(
-        np.sqrt(np.mean(r**2)) for r in (family.fit.residuals if family.fit else ())
-    )
-
-
-def test_a_relative_leads_only_while_nothing_better_is_there(rig):
-    case = rig("single", "clearance")
-    data, holdout = data_of(case.training, case.model), data_of(case.holdout, case.model)
-    search = Search(data, holdout, [find("quintic-stiffness")])
-    first = search.from_family(search.best_of_family(case.model))
-    search.laws = [find("quintic-stiffness"), find("clearance")]
-    assert first.laws == ("quintic-stiffness",)  # taken while nothing better was there
-    again = search.from_family(search.best_of_family(case.model))
-    assert again.laws == ("clearance",)
-
-
-@pytest.mark.parametrize("without", [True, False])
-def test_where_nothing_could_be_held_out_training_counts_once(rig, without):
-    case = rig("single", "clearance")
-    data, holdout = data_of(case.training, case.model), data_of(case.holdout, case.model)
-    search = Search(data, None if without else holdout, [find("clearance")])
-    selected = search.from_family(search.best_of_family(case.model))
-    assert selected.laws == ("clearance",)
-    assert (selected.predictive == 0.0) is without
-    assert selected.value == selected.evidence + selected.predictive
-
+from dashpot.model.laws import LIBRARY, find
+from dashpot.model.terms import with_term
 
 # --- which neighbours are entered
 
@@ -209,3 +156,203 @@ def test_what_was_judged_where_it_is_exchanged_is_not_entered_again(proposing):
     search.candidates[("quintic-stiffness",)] = Candidate(("quintic-stiffness",), leader.fit, stage="left")
     proposing({"cubic-damping": 100.0, "quintic-stiffness": 90.0})
     assert added(search._exchanged(leader)) == ["quintic-stiffness"]
+
+
+# --- the way from leader to leader
+
+
+@pytest.fixture
+def led(monkeypatch):
+    """``led(table)``: two ways of asking, and who leads after each; gives the last leader and all that was asked."""
+
+    def follow(table: dict[tuple[tuple[str, ...], str], Candidate]) -> tuple[Candidate, list]:
+        asked = []
+
+        def ways(_search, _leader):
+            return [lambda best, way=way: asked.append((best.laws, way)) or [way] for way in ("first", "second")]
+
+        def weigh(_search, laws, fitted):
+            return Candidate(laws, fitted, None, 0.0, 0.0, 0.0, "judged")
+
+        monkeypatch.setattr(Search, "_compare_by", lambda self, front: None)
+        monkeypatch.setattr(Search, "_simulated", lambda self, leader: leader)
+        monkeypatch.setattr(Search, "_ways", ways)
+        monkeypatch.setattr(Search, "_weigh", weigh)
+        monkeypatch.setattr(Search, "_led_by_others", lambda self, best, way: table.get((best.laws, way[0]), best))
+        search, leader = leading()
+        assert leader.fit is not None
+        return search.from_family(leader.fit), asked
+
+    return follow
+
+
+def worth(value: float, *laws: str) -> Candidate:
+    return Candidate(laws, None, None, value, 0.0, 0.0, "judged")
+
+
+def test_every_way_is_asked_of_the_last_leader(led):
+    last, asked = led({((), "second"): worth(100.0, "drag")})
+    assert last.laws == ("drag",)
+    assert asked == [((), "first"), ((), "second"), (("drag",), "first"), (("drag",), "second")]
+
+
+def test_another_leader_is_asked_from_the_first_way_on(led):
+    _, asked = led({((), "first"): worth(100.0, "drag")})
+    assert asked == [((), "first"), (("drag",), "first"), (("drag",), "second")]
+
+
+@pytest.mark.parametrize(("again", "ends"), [(6.9 - 0.1, ()), (6.9 + 0.1, ("drag",))])
+def test_a_structure_leads_again_only_where_it_came_decisively_farther(led, again, ends):
+    """Odds of a thousand are 6.9."""
+    last, asked = led({((), "first"): worth(100.0, "drag"), (("drag",), "first"): worth(again)})
+    assert last.laws == ends
+    assert asked == [((), "first"), (("drag",), "first"), ((), "first")][: 2 + bool(ends)]
+
+
+def test_of_neighbours_that_arrive_the_one_that_does_without_a_law_leads(monkeypatch):
+    search, leader = leading("quadratic-drag", times=1.0)
+    search.candidates[leader.laws] = replace(leader, evidence=10.0, predictive=0.0)
+    family = replace(leader, laws=(), evidence=9.0, predictive=0.0)
+    monkeypatch.setattr(Search, "_arrived", lambda self, leader, starts: list(starts))
+    assert search._led_by_others(leader, [family]) is family
+    assert search._led_by_others(leader, []) is search.candidates[leader.laws]
+
+
+def test_near_the_noise_the_measured_motion_is_not_asked():
+    search, leader = leading(times=1.0)
+    assert search._ways(leader) == [search._as_long_or_shorter, search._scored]
+    search, leader = leading(times=10.0)
+    ways = [search._moved, search._as_long_or_shorter, search._scored, search._less_scored, search._rugged]
+    assert search._ways(leader) == ways
+
+
+def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
+    search, leader = leading("quadratic-drag", "stribeck")
+    proposing({"cubic-damping": 100.0})
+    assert leader.fit is not None
+    place = leader.fit.model, leader.fit.initial
+    monkeypatch.setattr("dashpot.diagnose.search.search.without", lambda *_: [place])
+    starts = search._as_long_or_shorter(leader)
+    assert [start.laws for start in starts] == [
+        ("stribeck",),
+        ("quadratic-drag",),
+        ("cubic-damping", "stribeck"),
+        ("cubic-damping", "quadratic-drag"),
+    ]
+
+
+def test_laws_of_many_side_valleys_are_asked_once_and_in_place_of_all_others(proposing):
+    rugged = next(law.name for law in LIBRARY.values() if law.rugged)
+    search, leader = leading("quadratic-drag")
+    search.candidates[()] = leading()[1]
+    proposing({rugged: 100.0, "cubic-damping": 90.0})
+    assert [start.laws for start in search._rugged(leader)] == [(rugged,)]
+    assert search._rugged(leader) == []
+    search, leader = leading("quadratic-drag", times=1.0)
+    search.candidates[()] = leading(times=1.0)[1]
+    assert search._rugged(leader) == []
+
+
+def arriving(search: Search, leader: Candidate, law: str, ahead: float, **more):
+    """A start that came so much farther than the leader, its parameters paid for."""
+    assert leader.fit is not None
+    less = np.exp(-ahead / SAMPLES)  # log-likelihood is that many samples times the logarithm of what is left
+    fit = replace(leader.fit, residuals=(less * leader.fit.residuals[0],))
+    value = search._measures[0].value(fit.residuals)
+    start = {
+        "laws": (law,),
+        "model": fit.model,
+        "fitted": fit,
+        "value": value,
+        "ceiling": value,
+        "count": len(fit.free),
+    }
+    start |= {"adds": False, "resting": True, "steps": 5, "near": False, "measured_by": lambda measure: None}
+    return SimpleNamespace(**(start | more))
+
+
+@pytest.fixture
+def weighing(proposing, monkeypatch):
+    """Nothing is simulated or weighed; what arrives is worth nothing."""
+    proposing({})
+    monkeypatch.setattr(Search, "_compare_by", lambda self, front: None)
+    monkeypatch.setattr(
+        Search, "_weigh", lambda self, laws, fitted: Candidate(laws, fitted, None, 0.0, 0.0, 0.0, "judged")
+    )
+
+
+def test_what_stays_decisively_behind_the_best_is_left_with_the_reason(weighing):
+    search, leader = leading()
+    starts = [arriving(search, leader, name, ahead) for name, ahead in (("best", 50.0), ("near", 43.2), ("far", 43.0))]
+    starts += [arriving(search, leader, "promising", 40.0, resting=False)]
+    assert [candidate.laws for candidate in search._arrived(leader, starts)] == [("best",), ("near",)]
+    assert search.candidates[("far",)].why.startswith("fitted, it stays 7 below the best")
+    assert search.candidates[("promising",)].why == "left after 5 steps: what it promised stayed 10 below the best"
+    # what is known already and is no better does not arrive again
+    assert search._arrived(leader, starts[:2]) == []
+
+
+def test_a_further_law_arrives_only_where_it_pays_for_itself(weighing):
+    search, leader = leading()
+    starts = [arriving(search, leader, name, -1.0, adds=name == "more") for name in ("more", "instead")]
+    assert [candidate.laws for candidate in search._arrived(leader, starts)] == [("instead",)]
+
+
+def test_of_one_structure_the_best_place_arrives(weighing):
+    search, leader = leading()
+    places = [arriving(search, leader, "drag", ahead) for ahead in (1.0, 3.0, 2.0)]
+    (arrived,) = search._arrived(leader, places)
+    assert arrived.fit is places[1].fitted
+
+
+def test_a_race_is_told_from_three_tenths_on(monkeypatch):
+    search, leader = leading()
+    said: list[tuple[str, float]] = []
+    search.progress = lambda what, part: said.append((what, part))
+
+    def race(starts, measure, standing, points, progress):
+        progress("drag", 0.0)
+        progress("drag", 1.0)
+        return measure
+
+    monkeypatch.setattr("dashpot.diagnose.search.search.race", race)
+    assert leader.fit is not None
+    search._race([], leader.fit)
+    assert [part for _, part in said] == pytest.approx([0.3, 0.95])
+
+
+def test_a_neighbour_keeps_what_was_kept_and_the_shape_of_a_new_law():
+    search, leader = leading("quadratic-drag")
+    assert leader.fit is not None
+    kept = replace(leader.fit, free=tuple(name for name in leader.fit.free if name != "dry"))
+    shapes = tuple(f"hysteresis.{p.name}" for p in find("hysteresis").parameters if p.shape)
+    assert shapes
+    values = {p.name: 1.0 for p in find("hysteresis").parameters}
+    grown = with_term(kept.model, "hysteresis", values)
+    assert search._fixed(kept, grown) == ("dry", *shapes)
+    # a shape that was free stays so
+    assert search._fixed(replace(kept, model=grown, free=tuple(grown.parameters())), grown) == ()
+
+
+@pytest.mark.parametrize(("memory", "in_step"), [(np.inf, True), (8.0, False), (8.0, True)])
+def test_a_leader_that_keeps_step_is_simulated_from_there_on(weighing, monkeypatch, memory, in_step):
+    search, leader = leading("quadratic-drag")
+    search.data = replace(search.data, memory=memory)
+    family = leading()[1]
+    search.candidates = {(): family, ("old",): worth(5.0, "old"), ("left",): Candidate(("left",))}
+    assert leader.fit is not None
+    fitted, anew = replace(leader.fit), replace(leader.fit)
+    module = "dashpot.diagnose.search.search"
+    monkeypatch.setattr(f"{module}.started", lambda *_: SimpleNamespace(fitted=fitted))
+    monkeypatch.setattr(f"{module}.race", lambda *_: None)
+    monkeypatch.setattr(f"{module}.keeps_step", lambda *_: in_step)
+    monkeypatch.setattr(f"{module}.judged", lambda *_: anew)
+    again = search._simulated(leader)
+    if memory == np.inf or not in_step:
+        assert again is leader
+        assert search.data.memory == memory
+        return
+    assert (again.laws, again.fit, search.data.memory) == (leader.laws, fitted, np.inf)
+    # what was told in prediction no longer counts, but that it was tried
+    assert set(search.candidates) == {(), leader.laws, ("left",)}
+    assert search.candidates[()].fit is anew
