@@ -106,7 +106,7 @@ def test_from_recordings_to_a_proven_fmu(capsys, tmp_path, sweep, decay):
     assert code == 0, out + err
     result = json.loads((tmp_path / "v.json").read_text())
     assert list(result) == ["fmu", "recordings", "pass"]
-    assert list(result["recordings"][0]) == ["file", "nrmse", "noise_floor", "backbone_max_error_hz", "pass"]
+    assert list(result["recordings"][0]) == ["file", "nrmse", "noise_floor", "backbone_max_error_hz", "besides", "pass"]
     assert result["pass"] is True
 
 
