@@ -2,12 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from dashpot.diagnose.search.score_test import Screen
+from dashpot.diagnose.search.score_test import Screen, Start, _Step, _Weighed
+from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of, likelihood, noise_spectra
 from dashpot.identify.measured_motion import Regression, probes
+from dashpot.identify.noise_spectrum import NoiseSpectrum
 from dashpot.identify.structure import Structure
+from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY, find
 from dashpot.model.terms import with_term
@@ -35,8 +41,6 @@ def test_the_score_promises_what_a_small_effect_then_gains(rig):
     structure = Structure(disturbed, data)
     moved = structure.problem.residuals(structure.state(fitted.initial))
     shifted = tuple(r - (m - r) for r, m in zip(fitted.residuals, moved, strict=True))
-    from dataclasses import replace
-
     segments = tuple(
         replace(s, response=s.response - r + n)
         for s, r, n in zip(data.segments, fitted.residuals, shifted, strict=True)
@@ -62,8 +66,6 @@ def test_probes_are_natural_sizes_times_what_the_law_says():
 
 def test_a_law_that_cannot_be_seen_is_not_tried(rig):
     case = rig("none")
-    from dataclasses import replace
-
     decays = [replace(r, force=None) for r in case.training if r.name == "ringdown"]
     model = replace(case.model, mass=None)
     data = data_of(decays, model)
@@ -77,3 +79,126 @@ def test_the_likelihood_of_a_model_that_does_not_simulate_is_none(rig):
     data = data_of(case.training, case.model)
     residuals = tuple(np.full(s.n, np.nan) for s in data.segments)
     assert likelihood(residuals, case.model, data) == -np.inf
+
+
+# --- a step, where everything is linear and can be told by hand
+
+
+def screen(residual: np.ndarray, *own: np.ndarray) -> Screen:
+    """A screen whose residual has white noise of unit size, beside a model of these derivatives."""
+    made = object.__new__(Screen)
+    rows = np.array(own).reshape(-1, residual.size)
+    normal = rows @ rows.T
+    made.weighed = _Weighed([residual], [rows], [np.zeros((0, residual.size))], normal)
+    made.inverse = np.linalg.pinv(normal)
+    made.noise = [NoiseSpectrum(np.ones(residual.size // 2 + 1), residual.size)]
+    made.places = (0,)
+    scales = Scales(length=1e-3, omega=80.0, force=0.0, response=1e-3, duration=1.0)
+    made.data = SimpleNamespace(scales=scales, segments=(None,))
+    made.fitted = SimpleNamespace(model=Oscillator.from_values(TRUTH), initial=np.zeros((1, 2)))
+    return made
+
+
+#: A derivative of the model, and a law's change that it imitates in part; of the rest the square is 16.
+KNOWN, CHANGE = np.array([1.0, 0.0, 0.0, 0.0]), np.array([3.0, 4.0, 0.0, 0.0])
+
+
+def law_of(*names: str):
+    return SimpleNamespace(name="law", parameters=[SimpleNamespace(name=name, strength=False) for name in names])
+
+
+def test_a_strength_is_found_beside_what_the_model_takes_up_itself():
+    step = screen(2.0 * CHANGE + 5.0 * KNOWN, KNOWN)._step(law_of("strength"), {"gap": 1.0}, ["strength"], [[CHANGE]])
+    assert step is not None
+    assert step.values == {"gap": 1.0, "strength": pytest.approx(2.0)}
+    assert step.promise == pytest.approx(0.5 * 16.0 * 2.0**2)
+    assert step.shift == pytest.approx([5.0])
+    assert step.left[0] == pytest.approx(np.zeros(4))
+
+
+def test_a_law_without_a_strength_is_there_or_not():
+    """It is put in as it is: twice of it would be right, so half of what it would take away stays."""
+    made = screen(2.0 * CHANGE + 5.0 * KNOWN, KNOWN)
+    step = made._step(law_of("gap", "other"), {"gap": 1.0, "other": 2.0}, [], [[CHANGE]])
+    assert step is not None
+    assert step.values == {"gap": 1.0, "other": 2.0}
+    assert step.promise == pytest.approx(0.5 * 16.0 * (2.0**2 - 1.0**2))
+    assert step.left[0] == pytest.approx([0.0, 4.0, 0.0, 0.0])
+    assert step.shift == pytest.approx([8.0])  # three more, for what the law lacks
+
+
+@pytest.mark.parametrize(("right", "scaled"), [(0.04, False), (0.06, True), (2.0, True), (19.0, True), (21.0, False)])
+def test_a_single_parameter_is_scaled_up_to_twenty_times(right, scaled):
+    step = screen(right * CHANGE, KNOWN)._step(law_of("lag"), {"lag": 3.0}, [], [[CHANGE]])
+    assert step is not None
+    assert step.values["lag"] == pytest.approx(3.0 * right if scaled else 3.0)
+    gained = 0.5 * 16.0 * right**2
+    assert step.promise == pytest.approx(gained if scaled else gained - 0.5 * 16.0 * (right - 1.0) ** 2)
+
+
+def test_what_does_not_simulate_promises_nothing():
+    assert screen(CHANGE, KNOWN)._step(law_of("lag"), {"lag": 3.0}, [], [[np.full(4, np.nan)]]) is None
+
+
+def test_a_promise_is_counted_in_the_noise_that_it_leaves():
+    """Half of the size everywhere is a gain of log 2 for each sample."""
+    noise = np.random.default_rng(0).standard_normal(400)
+    step = _Step(law_of(), {}, np.zeros(0), 1.0, left=(0.5 * noise,))
+    assert screen(noise)._concentrated(step).promise == pytest.approx(400 * np.log(2.0))
+
+
+@pytest.mark.parametrize(
+    ("gains", "kept", "tried"),
+    [
+        ((31.0, 99.0, 99.0), 31.0, [1.0]),  # nearly a third of what was promised is kept
+        ((29.0, 40.0, 99.0), 40.0, [1.0, 0.3]),
+        ((29.0, 20.0, 10.0), 29.0, [1.0, 0.3, 0.0]),
+        ((None, None, 5.0), 5.0, [1.0, 0.3, 0.0]),
+        ((None, None, None), None, [1.0, 0.3, 0.0]),
+    ],
+)
+def test_a_shorter_step_is_tried_where_the_whole_keeps_little(monkeypatch, gains, kept, tried):
+    made = screen(CHANGE, KNOWN)
+    moved = []
+
+    def simulated(law, numbers, here, promise, initial):
+        moved.append(here[0] - TRUTH["mass"])
+        gain = gains[len(moved) - 1]
+        return None if gain is None else Start("law", made.fitted.model, np.zeros((1, 2)), promise, gain)
+
+    monkeypatch.setattr(made, "_simulated", simulated)
+    start = made._kept(_Step(law_of(), {}, np.array([0.1]), 100.0))
+    assert (start.gain if start else None) == kept
+    assert moved == pytest.approx([0.1 * part for part in tried])
+
+
+def test_of_a_step_that_is_shortened_a_strength_stays_in_its_bounds(monkeypatch):
+    made = screen(CHANGE, KNOWN)
+    strength = SimpleNamespace(name="drag", strength=True, lower=0.0, upper=15.0)
+    law = SimpleNamespace(name="law", parameters=[strength])
+    put_in = []
+    monkeypatch.setattr(made, "_simulated", lambda law, numbers, *_: put_in.append(numbers["drag"]))
+    made._kept(_Step(law, {"drag": 20.0}, np.zeros(1), 100.0))
+    assert put_in == pytest.approx([15.0, 6.0, 1.0])
+
+
+@pytest.mark.parametrize("phase", [0.5, 2.5, -2.0])
+def test_a_tone_is_found_with_its_phase(monkeypatch, phase):
+    angle = 2 * np.pi * np.arange(100) / 20  # five whole cycles
+    made = screen(3.0 * np.cos(angle + phase))
+    made.places = ()
+
+    def change(law, values, initial):
+        assert initial.shape == (1, 3)
+        return [values["amplitude"] * np.cos(angle + initial[0, 2])]
+
+    monkeypatch.setattr(made, "_change", change)
+    step = made._phases(find("tonal-disturbance"), {"frequency": 60.0})
+    assert step is not None
+    assert step.values == {"frequency": 60.0, "amplitude": pytest.approx(3.0)}
+    assert step.initial == pytest.approx(np.array([[0.0, 0.0, phase]]))
+    assert step.promise == pytest.approx(0.5 * 3.0**2 * 50)
+    assert step.left[0] == pytest.approx(np.zeros(100), abs=1e-9)
+    # one that the recordings do not show has no step
+    monkeypatch.setattr(made, "_change", lambda *_: [np.zeros(100)])
+    assert made._phases(find("tonal-disturbance"), {"frequency": 60.0}) is None
