@@ -100,6 +100,7 @@ def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind):
     assert any(record.holdout for record in diagnosis.records)
 
 
+@pytest.mark.long
 def test_the_best_of_models_that_follow_nothing_is_not_named(rig, monkeypatch, tmp_path):
     case = rig("single", "quadratic-drag")
     monkeypatch.setattr("dashpot.diagnose.mend.POOR_NRMSE", 0.0)

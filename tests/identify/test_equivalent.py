@@ -48,6 +48,7 @@ def pendulum(force, dt, gravity=36.0, viscous=0.4):
     return solve_ivp(rates, (0, t[-1]), (0.0, 0.0), t_eval=t, rtol=1e-8, atol=1e-10, max_step=dt).y[0]
 
 
+@pytest.mark.long
 def test_the_noise_floor_of_a_driven_pendulum_knows_what_its_spring_is():
     """All its stiffness is in the sine; omega0 = 0 would make a slide of it, and noise as large as the motion."""
     dt, random = 0.02, np.random.default_rng(4)

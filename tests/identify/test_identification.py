@@ -218,6 +218,7 @@ def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
         assert abs(parameters[name].value / TRUTH[name] - 1) < WITHIN[name] / 100, name
 
 
+@pytest.mark.long
 def test_a_mass_stays_one_that_a_force_can_move():
     from dashpot.identify.likelihood import maximum_likelihood
 

@@ -33,6 +33,7 @@ def silverbox():
     }
 
 
+@pytest.mark.long
 @needs_data
 def test_silverbox_free_run(silverbox):
     identification = identify([silverbox["train"]])

@@ -67,6 +67,7 @@ def test_mass_and_friction_of_a_slide(steady):
     assert oscillator.omega0.value < 0.1
 
 
+@pytest.mark.long
 def test_of_a_slide_nothing_is_missing_or_what_is_is_said(steady):
     model = identify([steady]).oscillator
     assert diagnose(model, [steady]).verdict == "consistent"

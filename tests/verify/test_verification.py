@@ -51,6 +51,7 @@ def fmu(tmp_path_factory):
     return path
 
 
+@pytest.mark.long
 def test_an_fmu_of_fmi_3_proves_as_well(fmu, tmp_path):
     newer = export(model_of(), tmp_path / "rig3.fmu", version=3)[0]
     for record in (recording(), recording(kind="decay", initial=(8e-3, 0.1))):

@@ -43,6 +43,7 @@ def test_drag_grows_with_speed_at_every_displacement(rig):
     assert where.displacement[0] < 0 < where.displacement[1]
 
 
+@pytest.mark.long
 def test_a_constant_force_is_told_with_its_size(rig):
     case = rig("single", "constant-force")
     where = found(case)

@@ -41,6 +41,7 @@ def test_play_in_the_papers_stand_is_seen_in_the_measured_motion():
     assert guess.values["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.05)
 
 
+@pytest.mark.long
 def test_a_contact_is_found_where_it_is_and_as_stiff_as_it_is(rig):
     """Its place moves between the probes, the contact without damping there as at all of them."""
     case = rig("single", "one-sided-stop")
