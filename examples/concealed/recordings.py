@@ -201,8 +201,8 @@ def set_levels(
             break
         rms *= float(np.clip(multisine * base.amplitude / max(peak, 1e-9 * base.amplitude), 0.4, 2.5)) ** 0.9
     between = 0.0 if plans[third].drive.kind == "none" else 0.8 * force
-    sweep = held * force
-    if plans[last].drive.kind != plans[strong].drive.kind:  # a sweep beside random force
-        sweep = held * _first_guess(base, plans[last].drive)
+    # the force of a sweep is no measure of random force, nor the other way round
+    random = plans[strong].drive.kind == "multisine"
+    sweep = held * (_first_guess(base, plans[last].drive) if random else force)
     forces = {strong: force, weak: low * force, third: between, other: rms, last: sweep}
     return {name: at_level(plan, forces[name]) for name, plan in plans.items()}, force

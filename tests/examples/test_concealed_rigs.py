@@ -194,3 +194,14 @@ def test_rigs_are_also_tried_by_hammer_and_at_random_with_either_sensor(tmp_path
         assert all(np.mean(force > 0.1 * force.max()) < 0.02 for force in forces.values())
     else:
         assert abs(np.mean(forces[strong] ** 4) / np.mean(forces[strong] ** 2) ** 2 - 3.0) < 0.7  # nearly Gaussian
+
+
+def test_a_sweep_held_out_has_its_part_of_the_strong_ones_force_whichever_way_it_runs():
+    """Linear or logarithmic, one of them either: the level was set on the strong sweep."""
+    kinds = set()
+    for number in range(14):
+        rig = draw(Spec("none", (), (), "white", number), 12, cycles=SHORT)
+        strong, last = (rig.plans[name].drive for name in ("sweep_high", "holdout_sweep"))
+        assert 0.5 <= last.peak / strong.peak <= 0.8
+        kinds.add(strong.kind == last.kind)
+    assert kinds == {True, False}
