@@ -16,12 +16,8 @@ from .equivalent import equivalent
 from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
 from .offset import Offset
 from .prediction import FREE
-from .segments import FORCE_BAND, Segment, cut, pace_of
+from .segments import COARSE_FORCE_BAND, FORCE_BAND, Segment, cut, pace_of
 from .signals import noise_levels
-
-#: A search that only compares laws interpolates the force more coarsely: to 1e-5 up to the resonance, to 1e-4 at twice
-#: that.
-_COARSE_FORCE_BAND = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +64,7 @@ def data_of(
     Raises:
         BadInput: where nothing in them can be fitted.
     """
-    segments = cut(recordings, _natural(recordings, model), _COARSE_FORCE_BAND if coarse else FORCE_BAND)
+    segments = cut(recordings, _natural(recordings, model), COARSE_FORCE_BAND if coarse else FORCE_BAND)
     if model.mass is None:
         segments = tuple(segment for segment in segments if segment.force is None)
     if not segments:

@@ -147,7 +147,7 @@ def _point(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, Stat
     tiny = np.finfo(float).tiny
     offsets = [Offset(o.recording, o.channel, max(o.std, tiny), o.value, o.middle) for o in fit.offsets]
     structure = Structure(model, data, fixed, offsets)
-    problem = structure.problem.predicting(fit.memory)
+    problem = structure.problem.coarsely().predicting(fit.memory)
     initial = np.array([s.initial for s in fit.segments])
     return problem, State(structure.values, initial, np.array([o.value for o in fit.offsets]))
 

@@ -23,7 +23,14 @@ from ..model import Oscillator
 from ..recording.recording import Recording
 from .climb import best_climb, from_near, nrmse_of
 from .data import Data, data_of
-from .from_prediction import EARLY_STEPS, from_prediction, keeps_step, memories, simulates
+from .from_prediction import (
+    EARLY_STEPS,
+    from_prediction,
+    keeps_step,
+    keeps_step_throughout,
+    memories,
+    simulates,
+)
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
@@ -123,7 +130,7 @@ def maximum_likelihood(
     """
     data = data or data_of(recordings, start, coarse=False)
     structure = Structure(start, data, fixed, zeros_of(data, recordings, start))
-    problem = structure.problem
+    problem = structure.problem.coarsely()
     climb = from_near(problem, structure.state(None)) if near else None
     near = climb is not None and keeps_step(problem.segments, problem.residuals(climb.state))
     climb = climb or best_climb(problem, structure.state(None), others)
@@ -149,28 +156,22 @@ def maximum_likelihood(
         iterations += steps
         free, plain, steps = _beside_linear(problem, free, start, recordings)
         iterations += steps
+    problem = problem.coarsely(False)
     answer, steps = weighed(problem, free, start, recordings, plain)
     iterations += steps
-    other = answer
+    doubt = np.zeros(answer.outcome.state.values.size)
     in_step = keeps_step(problem.segments, answer.outcome.residuals)
     above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE
-    if above and (doubted or not in_step):
-        predicted, steps = _predictions(problem, answer, rungs, start)
+    if above and not in_step:
+        problem, answer, doubt, steps = _most_likely(problem, answer, rungs, start, plain)
         iterations += steps
-        if not in_step:
-            memory, likeliest = predicted[0]
-            if plain_cost(_simulated(problem, likeliest.outcome.state)) > plain:
-                other = likeliest  # its free run is no better than a linear rig's
-            else:
-                problem, answer = problem.predicting(memory), likeliest
-                other = predicted[min(1, len(predicted) - 1)][1]
-        elif predicted[0][1].likelihood > answer.likelihood + _DECISIVE:
-            other = predicted[0][1]
+    elif above and doubted:
+        doubt, steps = _said_otherwise(problem.coarsely(), answer, start)
+        iterations += steps
     if not np.isfinite(answer.likelihood):
         raise BadInput(
             "no model of this structure simulates along these recordings; check signs and units of force and response"
         )
-    doubt = other.outcome.state.values - answer.outcome.state.values
     used = {segment.recording for segment in problem.segments}
     notes += [
         f"{recording.name}: nothing in it that could be fitted; it was left out"
@@ -198,6 +199,8 @@ def _beside_linear(
     residuals = problem.residuals(state)
     if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
         return state, np.inf, 0
+    if keeps_step_throughout(problem.segments, residuals):  # no other valley lies between this and the best
+        return state, np.inf, 0
     plain = linear_state(problem, state, start)
     if plain is None:
         return state, np.inf, 0
@@ -220,17 +223,43 @@ def _beyond(told: Sequence[Segment], whole: Sequence[Segment], recordings: Seque
     )
 
 
-def _predictions(
-    problem: OutputError, free: Answer, rungs: Mapping[float, State], start: Oscillator
-) -> tuple[list[tuple[float, Answer]], int]:
-    """The answer of each finite memory, the most likely first, and the steps to them."""
+def _most_likely(
+    problem: OutputError, free: Answer, rungs: Mapping[float, State], start: Oscillator, plain: float
+) -> tuple[OutputError, Answer, np.ndarray, int]:
+    """Where no simulation keeps step: the answer of the most likely memory with its problem, the doubt, the steps.
+
+    The simulation's stays where that one's free run is no better than a linear rig's, whose cost is ``plain``.
+    """
     answers, steps = [], 0
     for memory in memories(problem.segments):
         state = replace(rungs.get(memory, free.outcome.state), offsets=free.outcome.state.offsets)
         answer, taken = whitened(problem.predicting(memory), state, start)
         answers.append((memory, answer))
         steps += taken
-    return sorted(answers, key=lambda pair: -pair[1].likelihood), steps
+    answers.sort(key=lambda pair: -pair[1].likelihood)
+    memory, likeliest = answers[0]
+    if plain_cost(_simulated(problem, likeliest.outcome.state)) > plain:
+        return problem, free, _apart(likeliest, free), steps
+    return problem.predicting(memory), likeliest, _apart(answers[min(1, len(answers) - 1)][1], likeliest), steps
+
+
+def _said_otherwise(problem: OutputError, answer: Answer, start: Oscillator) -> tuple[np.ndarray, int]:
+    """(parameters,) by how much the most likely prediction differs from a simulation that keeps step, and the steps.
+
+    0 where none is decisively more likely. So near to a maximum one step is as good as all (Le Cam 1956).
+    """
+    answers = [
+        whitened(problem.predicting(memory), answer.outcome.state, start, most=1, informed=False)
+        for memory in (FREE, *memories(problem.segments))
+    ]
+    free, *predicted = (answer for answer, _ in answers)
+    likeliest = max(predicted, key=lambda answer: answer.likelihood)
+    decisive = likeliest.likelihood > free.likelihood + _DECISIVE
+    return _apart(likeliest, free if decisive else likeliest), sum(steps for _, steps in answers)
+
+
+def _apart(answer: Answer, other: Answer) -> np.ndarray:
+    return answer.outcome.state.values - other.outcome.state.values
 
 
 def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
@@ -254,7 +283,7 @@ def _result(
 ) -> Fit:
     outcome, noise = answer.outcome, answer.noise
     levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
-    spread = scatter(problem, outcome.state, noise, levels, _DRAWS, remainders=answer.remainders)
+    spread = scatter(problem.coarsely(), outcome.state, noise, levels, _DRAWS, remainders=answer.remainders)
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
     doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)
     covariance = inverse @ spread @ inverse + np.outer(doubt, doubt)  # Huber (1967): right where the weights are not

@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
-_MOST_ITERATIONS = 40
+MOST_ITERATIONS = 40
 #: Harmonics and a motion beside its pace may add this much to what a parameter can do.
 _MOST_TURN = 2.0
 
@@ -92,6 +92,7 @@ class OutputError:
         step: of the finite differences, as a part of a value or of its typical size.
         offsets: the sensors' offsets to be found.
         memory: how far the model predicts, in cycles; see ``prediction``.
+        coarse_step: longest internal step of a search that only leads to where a fit begins, s; see ``coarsely``.
     """
 
     def __init__(
@@ -106,6 +107,7 @@ class OutputError:
         step: float = _STEP,
         offsets: Sequence[Offset] = (),
         memory: float = FREE,
+        coarse_step: float | None = None,
     ) -> None:
         self.core = core
         self.segments = tuple(segments)
@@ -113,6 +115,9 @@ class OutputError:
         self.scale = scale
         self.state_scale = state_scale
         self.max_step = max_step
+        self.coarse_step = coarse_step or max_step
+        #: Whether it simulates with that step, and with the force in fewer pieces.
+        self.coarse = False
         self.bounds = bounds
         self.step = step
         self.offsets = tuple(offsets)
@@ -125,6 +130,12 @@ class OutputError:
         """The same with another memory."""
         other = copy(self)
         other.memory = memory
+        return other
+
+    def coarsely(self, coarse: bool = True) -> OutputError:
+        """The same, simulated as coarsely as a search may that only leads to where a fit begins; or not."""
+        other = copy(self)
+        other.coarse = coarse
         return other
 
     def over(self, segments: Sequence[Segment]) -> OutputError:
@@ -179,7 +190,7 @@ class OutputError:
     ) -> np.ndarray:
         """(n,) response of one segment, its sensor's offset in it, to its own force or to another."""
         segment = self.segments[index]
-        force = force or segment.force
+        force = force or self.force(segment)
         shown, pushes = zeros_along(self.offsets, state.offsets, segment)
         if force is not None and pushes:
             force = force.shifted(-pushes)
@@ -195,7 +206,7 @@ class OutputError:
             force,
             n or segment.n,
             segment.dt,
-            self.max_step,
+            self.coarse_step if self.coarse else self.max_step,
             start=segment.time,
             measured=measured,
             gain=gain,
@@ -204,6 +215,10 @@ class OutputError:
             quantity=segment.quantity,
         )
         return made + (shown[: made.size] if shown.ndim else float(shown)) if np.any(shown) else made
+
+    def force(self, segment: Segment) -> Force | None:
+        """What drives a segment, in pieces of the length that suits the step."""
+        return segment.coarse_force if self.coarse else segment.force
 
     def own(self, segment: Segment) -> tuple[int, ...]:
         """Which of its initial states a segment has to itself: none but phases where it starts at rest."""
@@ -340,7 +355,7 @@ class OutputError:
         noise: Sequence[NoiseSpectrum] | None = None,
         *,
         tolerance: float = 1e-3,
-        most: int = _MOST_ITERATIONS,
+        most: int = MOST_ITERATIONS,
         informed: bool = True,
     ) -> Outcome:
         """Minimise the negative log-likelihood from ``state``.

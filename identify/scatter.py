@@ -48,20 +48,22 @@ def scatter(
             coloured = remainders[i].colour(noise[i].whiten(projected))
             total += coloured @ coloured.T
             continue
-        if segment.force is None or force_noise[i] == 0.0:
+        if (force := problem.force(segment)) is None or force_noise[i] == 0.0:
             total += projected @ projected.T
             continue
         sensor = noise[i].sensor_part(projected)
         total += sensor @ sensor.T
         weighed = noise[i].whiten(projected)
         base = segment.response - residuals[i]
-        random = np.random.default_rng([seed, i])
-        noises = [segment.force.disturbed(force_noise[i], random, segment.dt) for _ in range(draws)]
 
-        def moved(force: Force, i: int = i, base: np.ndarray = base, weighed: np.ndarray = weighed) -> np.ndarray:
-            return weighed @ (problem.simulate(i, state, force=force) - base)
+        def score(
+            draw: int, i: int = i, force: Force = force, base: np.ndarray = base, weighed: np.ndarray = weighed
+        ) -> np.ndarray:
+            random = np.random.default_rng([seed, i, draw])
+            disturbed = force.disturbed(force_noise[i], random, problem.segments[i].dt)
+            return weighed @ (problem.simulate(i, state, force=disturbed) - base)
 
-        scores = np.array(problem.parallel([lambda f=f, m=moved: m(f) for f in noises]))
+        scores = np.array(problem.map(score, range(draws)))
         scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
         total += scores.T @ scores / len(scores) if len(scores) else projected @ projected.T
     if shared == free:

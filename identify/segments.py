@@ -30,6 +30,9 @@ _MOVES = 1.5
 _AT_REST = 4.0
 #: Force above this multiple of the natural frequency hardly moves the mass (1/9 of its static effect).
 FORCE_BAND = 3.0
+#: A search that only compares laws, or leads to where a fit begins, interpolates the force more coarsely: to 1e-5 up to
+#: the resonance, to 1e-4 at twice that.
+COARSE_FORCE_BAND = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,6 +79,11 @@ class Segment:
     def noise(self) -> float:
         """Standard deviation of the response's white noise, from these samples alone."""
         return noise_level(self.response, 1.0 / self.dt)
+
+    @cached_property
+    def coarse_force(self) -> Force | None:
+        """The force as a search may take it that only leads to where a fit begins."""
+        return None if self.force is None else self.force.coarser(int(FORCE_BAND / COARSE_FORCE_BAND), self.dt)
 
     def part(self, begin: int, end: int) -> Segment:
         """The samples from ``begin`` to ``end`` of this segment."""

@@ -29,8 +29,9 @@ from .settle import settled
 _SMALL = 1e-2
 #: An onset or a speed this many times beyond where the law is looked for has left the recordings.
 _FENCE = 10.0
-#: A search that only compares laws simulates with longer steps than the model that is delivered.
-_COARSER = 3.0
+#: A search that only compares laws, or leads to where a fit begins, takes steps so many times as long as the model that
+#: is delivered: twenty a period, in each of which Dormand and Prince err by 3e-7 of the amplitude.
+_COARSER = 3.75
 #: A motion so fast that a sample interval takes more steps than this is nothing that the recordings could show.
 _FINEST = 40.0
 #: Finite differences of a likelihood with many side valleys reach over these.
@@ -157,24 +158,26 @@ class Structure:
         length = scales.length
         self.values = np.array(list(model.values().values()))
         self.segments = self._at_rest(core)
+        steps = self._internal_steps(length)
         self.problem = OutputError(
             core,
             self.segments,
             tuple(names.index(name) for name in self.free),
             parameter_sizes(model, scales),
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
-            self._internal_step(length),
+            steps[0],
             parameter_bounds(model, scales),
             offsets=data.offsets if offsets is None else offsets,
             memory=data.memory,
+            coarse_step=steps[1],
             **({"step": _WIDE} if any(term.law.rugged for term in model.terms) else {}),
         )
 
-    def _internal_step(self, length: float) -> float:
+    def _internal_steps(self, length: float) -> tuple[float, float]:
+        """Longest internal step of a simulation, and of one that only leads to where a fit begins; s."""
         step = internal_step(self.model, self.model.values(), length)
-        if not self.data.coarse:
-            return step
-        return max(step * _COARSER, min(s.dt for s in self.data.segments) / _FINEST)
+        coarse = max(step * _COARSER, min(s.dt for s in self.data.segments) / _FINEST)
+        return (coarse if self.data.coarse else step), coarse
 
     def _at_rest(self, core: Core) -> tuple[Segment, ...]:
         """The segments; where the sensor shows a mass at rest to be elsewhere than at zero, which begin at rest."""

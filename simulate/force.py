@@ -32,6 +32,25 @@ class Force:
     fine: int = 1
     hold: str = "smooth"
 
+    def coarser(self, times: int, dt: float) -> Force:
+        """The same force in up to so many times fewer pieces, each with the values and slopes of the old at its ends.
+
+        With 30 samples a cycle left, a sine errs by 5e-6 between them (Hermite: the fourth power of its turn over 384).
+        """
+        fewer = max(k for k in range(1, times + 1) if self.fine % k == 0)
+        if fewer == 1:
+            return self
+        count = self.pieces.shape[0] // fewer * fewer
+        first, last = self.pieces[:count:fewer], self.pieces[fewer - 1 : count : fewer]
+        short = dt / self.fine
+        long = fewer * short
+        rise = last @ short ** np.arange(4) - first[:, 0]
+        slope = last[:, 1] + short * (2.0 * last[:, 2] + 3.0 * short * last[:, 3])
+        pieces = first.copy()
+        pieces[:, 2] = (3.0 * rise / long - 2.0 * first[:, 1] - slope) / long
+        pieces[:, 3] = (first[:, 1] + slope - 2.0 * rise / long) / long**2
+        return replace(self, pieces=pieces, fine=self.fine // fewer)
+
     def shifted(self, by: float) -> Force:
         """The same force with a constant added."""
         pieces = self.pieces.copy()
