@@ -145,8 +145,8 @@ def blocks_of(
 
     def block(i: int) -> Block:
         spectrum = white(residuals[i]) if noise is None else noise[i]
-        whitened = spectrum.whiten(np.vstack([rows[i], residuals[i]]))
-        jacobian, residual = whitened[:-1], whitened[-1]
+        lines = spectrum.lines(np.vstack([rows[i], residuals[i]]))
+        jacobian, residual = lines[:-1], lines[-1]
         return jacobian @ jacobian.T, jacobian @ residual
 
     return list(problem.map(block, range(len(residuals))))
@@ -161,4 +161,4 @@ def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | No
         return np.inf
     if noise is None:
         return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
-    return sum(0.5 * float(np.sum(s.whiten(r) ** 2)) for r, s in zip(residuals, noise, strict=True))
+    return sum(0.5 * float(np.sum(s.lines(r) ** 2)) for r, s in zip(residuals, noise, strict=True))

@@ -207,7 +207,7 @@ def _distance(other: OutputError, state: State, here: Sequence[np.ndarray], nois
     moved = [r - base for r, base in zip(other.residuals(state), here, strict=True)]
     if not all(np.all(np.isfinite(m)) for m in moved):
         return math.inf
-    return math.sqrt(sum(float(np.sum(s.whiten(m) ** 2)) for s, m in zip(noise, moved, strict=True)))
+    return math.sqrt(sum(float(np.sum(s.lines(m) ** 2)) for s, m in zip(noise, moved, strict=True)))
 
 
 def _further(
@@ -228,7 +228,7 @@ def _further(
     normal, gradient = np.zeros((k + 2, k + 2)), np.zeros(k + 2)
     for i, rows in enumerate(problem.derivatives(state, residuals)):
         columns = np.vstack([rows[:k], directions[0][i], directions[1][i], rows[k:], residuals[i]])
-        white = noise[i].whiten(columns)
+        white = noise[i].lines(columns)
         shared, own, residual = white[: k + 2], white[k + 2 : -1], white[-1]
         shared = shared - (shared @ own.T) @ pseudo_inverse(own @ own.T) @ own
         normal += shared @ shared.T

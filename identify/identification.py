@@ -107,7 +107,7 @@ def identify(
         recordings = held_as(recordings, start.hold)
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
-    def answer(recordings: Sequence[Recording]) -> Fit:
+    def answer(recordings: Sequence[Recording], known: Oscillator | None = None) -> Fit:
         data = data_of(recordings, base, coarse=False)
 
         def begun(model: Oscillator) -> Oscillator:
@@ -123,14 +123,14 @@ def identify(
                 progress("that explains little; again from another start")
                 yield begun(plain)
 
-        model = begun(base)
+        model = known or begun(base)
         progress("maximum likelihood, from prediction to simulation")
-        fit = _with_shapes(model, recordings, data, tuple(fixed), others, near=near)
+        fit = _with_shapes(model, recordings, data, tuple(fixed), others, near=near or known is not None)
         if not doubted or fit.memory != FREE or max(s.over_noise for s in fit.segments) <= _ABOVE_NOISE:
             return fit
         kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)
         try:
-            return maximum_likelihood(fit.oscillator, recordings, kept, data)
+            return maximum_likelihood(fit.oscillator, recordings, kept, data, near=True)
         except BadInput:  # it tells the beginning of a decay alone, and nothing simulates the whole from there
             return fit
 
@@ -145,13 +145,13 @@ def identify(
 
 
 def _with_hold(
-    fit: Fit, recordings: Sequence[Recording], answer: Callable[[Sequence[Recording]], Fit]
+    fit: Fit, recordings: Sequence[Recording], answer: Callable[[Sequence[Recording], Oscillator], Fit]
 ) -> tuple[Fit, Sequence[Recording], list[str]]:
     """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it."""
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
     if estimate.hold != "smooth":
         held = held_as(recordings, estimate.hold)
-        again = answer(held)  # in full: a fit under a wrong hold may have ended far away
+        again = answer(held, fit.oscillator)  # in full where that, found under a wrong hold, does not keep step
         if _no_worse(again, fit) and estimate.believed(further_of_fit(again, recordings, estimate.hold)):
             fit, recordings, notes = again, held, [hold_note(estimate.hold)]
     hold = hold_of_recordings(recordings)
@@ -209,7 +209,7 @@ def _with_shapes(
     fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, doubted=False, near=near, others=others)
     if not shapes or max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
         return fit
-    freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data, doubted=False)
+    freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data, doubted=False, near=True)
     return freed if _left(freed) < _left(fit) else fit
 
 

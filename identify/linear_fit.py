@@ -16,8 +16,9 @@ import numpy as np
 
 from .segments import Segment
 
-#: A sine is told by so many samples a cycle.
+#: A sine is told by so many samples a cycle; where many are only compared, by so many.
 _SAMPLES_A_CYCLE = 32.0
+_COMPARED = 8.0
 #: Dampings (parts of the critical) that are tried where a force drives, with frequencies in that of the motion.
 _DAMPING = (0.003, 0.03, 0.3)
 _FREQUENCIES = np.geomspace(0.2, 5.0, 49)
@@ -59,8 +60,9 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
     if not segments or any(segment.slide for segment in segments):
         return None
     signals = [_Signal(segment) for segment in segments]
+    fewer = [_Signal(segment, _COMPARED) for segment in segments]
 
-    def remainder(theta: np.ndarray) -> np.ndarray:
+    def remainder(theta: np.ndarray, signals: Sequence[_Signal] = fewer) -> np.ndarray:
         return np.concatenate(_solve(signals, *np.exp(theta)).rests)
 
     pace = segments[0].pace
@@ -76,6 +78,7 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
     nearest = [inside[i] for i in np.argsort(costs)[:_KEPT]]
     outcomes = [least_squares(remainder, theta, bounds=(low, high), max_nfev=_STEPS) for theta in nearest]
     best = min(outcomes, key=lambda outcome: outcome.cost)
+    best = least_squares(remainder, best.x, bounds=(low, high), max_nfev=_STEPS, args=(signals,))
     omega, rate = np.exp(best.x)
     solved = _solve(signals, omega, rate)
     pole = complex(-rate, omega)
@@ -94,11 +97,13 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
 
 
 class _Signal:
-    """One segment: its response in units of its standard deviation, as finely as a sine needs, and its force."""
+    """One segment: its response in units of its standard deviation, its force as finely as a sine needs."""
 
-    def __init__(self, segment: Segment) -> None:
-        self.order, self.dt, self.n = segment.order, segment.dt, segment.n
-        self.stride = max(1, int(2 * np.pi / (segment.pace * segment.dt * _SAMPLES_A_CYCLE)))
+    def __init__(self, segment: Segment, samples_a_cycle: float = _SAMPLES_A_CYCLE) -> None:
+        self.order, self.dt = segment.order, segment.dt
+        cycle = 2 * np.pi / (segment.pace * segment.dt)
+        self.skipped = max(1, int(cycle / _SAMPLES_A_CYCLE))
+        self.stride = self.skipped * max(1, int(cycle / (self.skipped * samples_a_cycle)))
         self.scale = float(np.std(segment.response)) or 1.0
         shown = segment.response[:: self.stride] / self.scale
         self.size = shown.size
@@ -108,11 +113,17 @@ class _Signal:
         if segment.force is not None:
             pieces, fine = segment.force.pieces, segment.force.fine
             end = pieces[-1] @ (segment.dt / fine) ** np.arange(4)
-            force = np.append(pieces[:, 0], end)
-            enough = 2 * np.pi / (segment.pace * segment.dt * _SAMPLES_A_CYCLE)  # points a sample
-            self.fine = next(k for k in range(1, fine + 1) if fine % k == 0 and (k >= 1 / enough or k == fine))
-            self.force, self.held = force[:: fine // self.fine], segment.force.hold == "zero"
-            self.step = segment.dt / self.fine
+            force, self.held = np.append(pieces[:, 0], end), segment.force.hold == "zero"
+            enough = _SAMPLES_A_CYCLE / cycle  # points a sample
+            points = next(k for k in range(1, fine + 1) if fine % k == 0 and (k >= enough or k == fine))
+            force = force[: segment.n * fine][:: fine // points]
+            if self.skipped > 1 and self.held:  # held for the mean of what was skipped
+                force = np.append(force, np.full(-force.size % self.skipped, force[-1]))
+                force = np.mean(force.reshape(-1, self.skipped), axis=1)
+            elif self.skipped > 1:
+                force = force[:: self.skipped]
+            self.force, self.step = force, segment.dt * self.skipped / points
+            self.every = self.stride // self.skipped * points
 
     def free(self, omega: float, rate: float) -> np.ndarray:
         """(size, 3) the two free motions and what the sensor shows at zero, each in units of the response."""
@@ -135,7 +146,7 @@ class _Signal:
             0.0, np.asarray(lfilter([1.0], [1.0, -turn], (whole - last) * self.force[:-1] + last * self.force[1:]))
         )
         response = np.imag(pole**self.order * moved) / omega + (self.force if self.order == 2 else 0.0)
-        sampled = response[:: self.fine][: self.n][:: self.stride]
+        sampled = response[:: self.every][: self.size]
         sampled = np.append(sampled, np.zeros(self.size - sampled.size))
         return sampled / (self.scale * np.sqrt(self.size))
 

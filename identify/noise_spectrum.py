@@ -8,6 +8,7 @@ residual's own spectrum makes it a maximum-likelihood fit again (Whittle 1953).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -27,6 +28,31 @@ class NoiseSpectrum:
         """(..., n) signals with every frequency divided by the noise's standard deviation there."""
         return self._filter(signals, 1.0 / np.sqrt(self.density))
 
+    def lines(self, signals: np.ndarray) -> np.ndarray:
+        """(..., m) the whitened signals' inner products and no more: their Fourier lines as real numbers (Parseval).
+
+        Half the work of ``whiten``, none of it where the spectrum is flat.
+        """
+        if self._flat:
+            return signals / np.sqrt(self.density[0])
+        from scipy import fft
+
+        weights = np.sqrt(self._counted / (self.n * self.density))
+        return (np.asarray(fft.rfft(signals, axis=-1)) * weights).view(float)
+
+    @cached_property
+    def _flat(self) -> bool:
+        return bool(np.all(self.density == self.density[0]))
+
+    @cached_property
+    def _counted(self) -> np.ndarray:
+        """How often each line counts: with its mirror image, where it has one."""
+        weights = np.full(self.density.size, 2.0)
+        weights[0] = 1.0
+        if self.n % 2 == 0:
+            weights[-1] = 1.0
+        return weights
+
     def colour(self, signals: np.ndarray) -> np.ndarray:
         """(..., n) signals with every frequency multiplied by the noise's standard deviation there."""
         return self._filter(signals, np.sqrt(self.density))
@@ -43,11 +69,7 @@ class NoiseSpectrum:
 
     def log_determinant(self) -> float:
         """Logarithm of the noise covariance's determinant."""
-        weights = np.full(self.density.size, 2.0)
-        weights[0] = 1.0
-        if self.n % 2 == 0:
-            weights[-1] = 1.0
-        return float(np.sum(weights * np.log(self.density)))
+        return float(np.sum(self._counted * np.log(self.density)))
 
 
 def white(residual: np.ndarray) -> NoiseSpectrum:

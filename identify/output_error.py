@@ -381,8 +381,8 @@ class OutputError:
         """(k, k) information of the free parameters, initial states eliminated."""
         blocks = []
         for rows, spectrum in zip(derivatives, noise, strict=True):
-            white_rows = spectrum.whiten(rows)
-            blocks.append((white_rows @ white_rows.T, np.zeros(rows.shape[0])))
+            lines = spectrum.lines(rows)
+            blocks.append((lines @ lines.T, np.zeros(rows.shape[0])))
         return self._of_parameters(shared_information(blocks, self.shared))
 
     def score(
