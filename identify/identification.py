@@ -5,7 +5,7 @@ The Hilbert transform's curves are for the pictures, and for the start where the
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
 
@@ -107,7 +107,7 @@ def identify(
         recordings = held_as(recordings, start.hold)
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
-    def answer(recordings: Sequence[Recording], known: Oscillator | None = None) -> Fit:
+    def answer(recordings: Sequence[Recording], known: Oscillator | None = None, doubted: bool = doubted) -> Fit:
         data = data_of(recordings, base, coarse=False)
 
         def begun(model: Oscillator) -> Oscillator:
@@ -125,14 +125,10 @@ def identify(
 
         model = known or begun(base)
         progress("maximum likelihood, from prediction to simulation")
-        fit = _with_shapes(model, recordings, data, tuple(fixed), others, near=near or known is not None)
-        if not doubted or fit.memory != FREE or max(s.over_noise for s in fit.segments) <= _ABOVE_NOISE:
-            return fit
-        kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)
-        try:
-            return maximum_likelihood(fit.oscillator, recordings, kept, data, near=True)
-        except BadInput:  # it tells the beginning of a decay alone, and nothing simulates the whole from there
-            return fit
+        shapes = tuple(shape for shape in shapes_of(model) if shape not in fixed)
+        how = {"doubted": doubted and not shapes, "near": near or known is not None}
+        fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, others=others, **how)
+        return _with_shapes(fit, recordings, data, tuple(fixed), doubted=doubted) if shapes else fit
 
     fit, recordings, chain = _with_hold(answer(recordings), recordings, answer)
     return Identification(
@@ -145,15 +141,16 @@ def identify(
 
 
 def _with_hold(
-    fit: Fit, recordings: Sequence[Recording], answer: Callable[[Sequence[Recording], Oscillator], Fit]
+    fit: Fit, recordings: Sequence[Recording], answer: Callable[..., Fit]
 ) -> tuple[Fit, Sequence[Recording], list[str]]:
     """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it."""
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
     if estimate.hold != "smooth":
         held = held_as(recordings, estimate.hold)
-        again = answer(held, fit.oscillator)  # in full where that, found under a wrong hold, does not keep step
+        # in full where the other, found under a wrong hold, does not keep step
+        again = answer(held, fit.oscillator, doubted=False)
         if _no_worse(again, fit) and estimate.believed(further_of_fit(again, recordings, estimate.hold)):
-            fit, recordings, notes = again, held, [hold_note(estimate.hold)]
+            fit, recordings, notes = answer(held, again.oscillator), held, [hold_note(estimate.hold)]
     hold = hold_of_recordings(recordings)
     fit = with_hold_unknown(fit, estimate.spread(hold) if fit.names == names else 0.0)
     return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
@@ -196,21 +193,20 @@ def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool)
 
 
 def _with_shapes(
-    model: Oscillator,
-    recordings: Sequence[Recording],
-    data: Data,
-    fixed: Sequence[str],
-    others: Callable[[], Iterable[Oscillator]],
-    *,
-    near: bool,
+    fit: Fit, recordings: Sequence[Recording], data: Data, fixed: tuple[str, ...], *, doubted: bool
 ) -> Fit:
     """The fit; the shapes of laws, such as the sharpness of a bend, are freed where more than noise is left."""
-    shapes = tuple(shape for shape in shapes_of(model) if shape not in fixed)
-    fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, doubted=False, near=near, others=others)
-    if not shapes or max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
+    if max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
         return fit
-    freed = maximum_likelihood(fit.oscillator, recordings, tuple(fixed), data, doubted=False, near=True)
-    return freed if _left(freed) < _left(fit) else fit
+    freed = maximum_likelihood(fit.oscillator, recordings, fixed, data, doubted=False, near=True)
+    fit = freed if _left(freed) < _left(fit) else fit
+    if not doubted or fit.memory != FREE:
+        return fit
+    kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)
+    try:
+        return maximum_likelihood(fit.oscillator, recordings, kept, data, near=True)
+    except BadInput:  # it tells the beginning of a decay alone, and nothing simulates the whole from there
+        return fit
 
 
 def _plain(start: Oscillator, hilbert: HilbertEstimate, recordings: Sequence[Recording]) -> Iterator[Oscillator]:

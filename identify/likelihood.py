@@ -23,14 +23,7 @@ from ..model import Oscillator
 from ..recording.recording import Recording
 from .climb import best_climb, from_near, nrmse_of
 from .data import Data, data_of
-from .from_prediction import (
-    EARLY_STEPS,
-    from_prediction,
-    keeps_step,
-    keeps_step_throughout,
-    memories,
-    simulates,
-)
+from .from_prediction import EARLY_STEPS, from_prediction, keeps_step, memories, simulates
 from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
@@ -48,6 +41,8 @@ from .weighed import ABOVE_NOISE, Answer, over_noise, weighed, whitened
 
 #: Simulation is given up for prediction where that is a thousand times as likely.
 _DECISIVE = float(np.log(1000.0))
+#: Gain of log-likelihood at which the search for what a prediction says otherwise is over: a seventh of an error.
+_NEAR_ENOUGH = 0.01
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
 _DRAWS = 60
 
@@ -166,7 +161,7 @@ def maximum_likelihood(
         problem, answer, doubt, steps = _most_likely(problem, answer, rungs, start, plain)
         iterations += steps
     elif above and doubted:
-        doubt, steps = _said_otherwise(problem.coarsely(), answer, start)
+        doubt, steps = _said_otherwise(problem.coarsely(), answer, rungs, start)
         iterations += steps
     if not np.isfinite(answer.likelihood):
         raise BadInput(
@@ -199,8 +194,6 @@ def _beside_linear(
     residuals = problem.residuals(state)
     if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
         return state, np.inf, 0
-    if keeps_step_throughout(problem.segments, residuals):  # no other valley lies between this and the best
-        return state, np.inf, 0
     plain = linear_state(problem, state, start)
     if plain is None:
         return state, np.inf, 0
@@ -232,7 +225,7 @@ def _most_likely(
     """
     answers, steps = [], 0
     for memory in memories(problem.segments):
-        state = replace(rungs.get(memory, free.outcome.state), offsets=free.outcome.state.offsets)
+        state = _from_rung(memory, rungs, free.outcome.state)
         answer, taken = whitened(problem.predicting(memory), state, start)
         answers.append((memory, answer))
         steps += taken
@@ -243,19 +236,27 @@ def _most_likely(
     return problem.predicting(memory), likeliest, _apart(answers[min(1, len(answers) - 1)][1], likeliest), steps
 
 
-def _said_otherwise(problem: OutputError, answer: Answer, start: Oscillator) -> tuple[np.ndarray, int]:
+def _said_otherwise(
+    problem: OutputError, answer: Answer, rungs: Mapping[float, State], start: Oscillator
+) -> tuple[np.ndarray, int]:
     """(parameters,) by how much the most likely prediction differs from a simulation that keeps step, and the steps.
 
-    0 where none is decisively more likely. So near to a maximum one step is as good as all (Le Cam 1956).
+    0 where none is decisively more likely.
     """
-    answers = [
-        whitened(problem.predicting(memory), answer.outcome.state, start, most=1, informed=False)
-        for memory in (FREE, *memories(problem.segments))
-    ]
-    free, *predicted = (answer for answer, _ in answers)
-    likeliest = max(predicted, key=lambda answer: answer.likelihood)
-    decisive = likeliest.likelihood > free.likelihood + _DECISIVE
-    return _apart(likeliest, free if decisive else likeliest), sum(steps for _, steps in answers)
+    predicted, steps = [], 0
+    for memory in memories(problem.segments):
+        state = _from_rung(memory, rungs, answer.outcome.state)
+        other, taken = whitened(problem.predicting(memory), state, start, tolerance=_NEAR_ENOUGH, informed=False)
+        predicted.append(other)
+        steps += taken
+    likeliest = max(predicted, key=lambda other: other.likelihood)
+    decisive = likeliest.likelihood > answer.likelihood + _DECISIVE
+    return _apart(likeliest, answer if decisive else likeliest), steps
+
+
+def _from_rung(memory: float, rungs: Mapping[float, State], state: State) -> State:
+    """Where the search came through this memory on its way to ``state``, or that."""
+    return replace(rungs.get(memory, state), offsets=state.offsets)
 
 
 def _apart(answer: Answer, other: Answer) -> np.ndarray:

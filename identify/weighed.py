@@ -11,7 +11,7 @@ from ..model import Oscillator
 from ..recording.recording import Recording
 from .data import equivalent_resonance, expected_noise, noise_of
 from .noise_spectrum import NoiseSpectrum, estimate, white
-from .output_error import MOST_ITERATIONS, Outcome, OutputError, State
+from .output_error import Outcome, OutputError, State
 from .plainest import by_chance, plain_cost
 from .prediction import FREE
 from .signals import noise_levels
@@ -71,21 +71,21 @@ def weighed(
 
 
 def whitened(
-    problem: OutputError, state: State, start: Oscillator, *, most: int = MOST_ITERATIONS, informed: bool = True
+    problem: OutputError, state: State, start: Oscillator, *, tolerance: float = 1e-3, informed: bool = True
 ) -> tuple[Answer, int]:
     """The maximum with every frequency weighed by the noise that is left there, and the steps to it.
 
-    ``most`` and ``informed`` are as in ``OutputError.search``, for each of two estimates of the noise.
+    ``tolerance`` and ``informed`` are as in ``OutputError.search``.
     """
     residuals, steps = problem.residuals(state), 0
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         nothing = np.zeros((len(problem.free), len(problem.free)))
         return Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
     noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=0.1, most=most, informed=False)
+    outcome = problem.search(state, noise, tolerance=100.0 * tolerance, informed=False)
     state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
     noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=1e-3, most=most, informed=informed)
+    outcome = problem.search(state, noise, tolerance=tolerance, informed=informed)
     likelihood = -0.5 * sum(s.log_determinant() for s in _noise(problem, outcome.residuals, outcome.state, start))
     return Answer(outcome, noise, float(likelihood)), steps + outcome.iterations
 
