@@ -196,10 +196,9 @@ def _with_shapes(
     fit: Fit, recordings: Sequence[Recording], data: Data, fixed: tuple[str, ...], *, doubted: bool
 ) -> Fit:
     """The fit; the shapes of laws, such as the sharpness of a bend, are freed where more than noise is left."""
-    if max(s.over_noise for s in fit.segments) < _ABOVE_NOISE:
-        return fit
-    freed = maximum_likelihood(fit.oscillator, recordings, fixed, data, doubted=False, near=True)
-    fit = freed if _left(freed) < _left(fit) else fit
+    if max(s.over_noise for s in fit.segments) >= _ABOVE_NOISE:
+        freed = maximum_likelihood(fit.oscillator, recordings, fixed, data, doubted=False, near=True)
+        fit = freed if _left(freed) < _left(fit) else fit
     if not doubted or fit.memory != FREE:
         return fit
     kept = tuple(name for name in fit.oscillator.parameters() if name not in fit.names)

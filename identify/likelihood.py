@@ -114,8 +114,8 @@ def maximum_likelihood(
         recordings: of one rig, all of the same quantity.
         fixed: names of parameters that keep their values.
         data: the recordings as they are fitted, where they have been cut before.
-        doubted: whether a simulation that keeps step is held against predictions, for the standard errors; fits that
-            are only compared need none.
+        doubted: whether a simulation that keeps step is held against predictions, for the standard errors, and its
+            search ended by simulations as they are delivered; fits that are only compared need neither.
         near: whether ``start`` was found from these very recordings: then nothing has to lead to it, and where it keeps
             step no linear rig is asked for.
         others: more models of the same structure to start from, asked for where the first explains little.
@@ -151,14 +151,14 @@ def maximum_likelihood(
         iterations += steps
         free, plain, steps = _beside_linear(problem, free, start, recordings)
         iterations += steps
-    problem = problem.coarsely(False)
+    problem = problem.coarsely(not doubted)
     answer, steps = weighed(problem, free, start, recordings, plain)
     iterations += steps
     doubt = np.zeros(answer.outcome.state.values.size)
     in_step = keeps_step(problem.segments, answer.outcome.residuals)
     above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE
     if above and not in_step:
-        problem, answer, doubt, steps = _most_likely(problem, answer, rungs, start, plain)
+        problem, answer, doubt, steps = _most_likely(problem.coarsely(), answer, rungs, start, plain)
         iterations += steps
     elif above and doubted:
         doubt, steps = _said_otherwise(problem.coarsely(), answer, rungs, start)
