@@ -6,10 +6,11 @@
 #define DP_EXPORT __attribute__((visibility("default")))
 #endif
 
-/* More events than internal steps, of which a period of the fastest motion takes twenty or more, are chatter all through
- * a recording and no motion of a machine: a fit that tries such values is told so at once instead of waiting for it.
- * At first there may be so many more. */
-#define DP_CHATTER 500
+/* More events than internal steps, of which a period of the fastest motion takes twenty or more, or than four a sample,
+ * are chatter all through a recording and no motion of a machine: a fit that tries such values is told so at once instead
+ * of waiting for it. At first there may be so many more. */
+#define DP_CHATTER 4
+#define DP_AT_FIRST 2000
 
 /* What one surface carries at a sample, as it is kept: its sign, or 0 while the motion rests on it; last what holds it. */
 static void dp_keep_signs(const dp_engine *e, signed char *kept) {
@@ -62,13 +63,13 @@ DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const dou
     static const double none[4] = {0.0, 0.0, 0.0, 0.0};
     dp_engine e;
     double out[DP_NY], u = force ? force[0] : 0.0;
-    const double step = dt / fine, steps = fine * fmax(1.0, ceil(step / max_step));
+    const double step = dt / fine, often = fmin(DP_CHATTER, fine * ceil(step / max_step));
     const double *piece = force ? force : none, *end = force ? force + 4 * parts : none;
     long i;
     int j;
     dp_start(&e, p, z0, t0, max_step);
     for (i = 0; i < n; ++i) {
-        const double most = DP_CHATTER + i * steps;
+        const double most = DP_AT_FIRST + i * often;
         for (j = 0; i > 0 && j < fine; ++j, piece += force ? 4 : 0) {
             if (dp_advance_along(&e, piece, step) != DP_OK || e.events > most) return i;
             u = e.node_u;

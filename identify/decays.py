@@ -64,7 +64,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
         beats, shortest = False, SHORTEST_CYCLES
         force = np.asarray(force, float)
         blows = tuple(Blow(*struck) for struck in recording.struck) or blows_of(force, period)
-        decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period), envelope)
+        decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period)[0], envelope)
     decays = tuple(sorted((d for d in decays if d.stop - d.start >= shortest * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)
     return replace(motion, notes=left_out(recording, envelope, motion, beats))

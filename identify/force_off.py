@@ -19,6 +19,8 @@ _ON = 0.15
 _QUIET = 3.0
 #: What a sensor of force resolves of its largest reading.
 _RESOLVED = 1e-6
+#: Fewer means over cycles than this do not show their own scatter.
+_FEWEST_MEANS = 5
 
 
 def force_is_silent(recording: Recording) -> bool:
@@ -27,19 +29,31 @@ def force_is_silent(recording: Recording) -> bool:
     return drive is not None and drive.is_silent
 
 
-def zero_of(force: np.ndarray, period: int) -> float:
-    """What the force (n,) reads when nothing pushes: of the levels at which it stands still, that nearest to zero.
+def zero_of(force: np.ndarray, period: int) -> tuple[float, float]:
+    """What the force (n,) reads when nothing pushes, and its standard error.
 
-    A load cell has an offset. A command in steps stands still at several levels, and all but one of them push.
+    Of the levels at which it stands still that nearest to zero: a load cell has an offset, and a command in steps
+    stands still at several levels, of which all but one push. Where it never does, the middle of its cycles.
     """
     mean, spread = _local(force, period)
     largest = float(np.ptp(force))
     if np.min(spread) > _ON * np.max(spread):
-        return float(np.median(force))  # it never stands still
+        return float(np.median(mean)), _error_of_middle(force, period)
     still = spread <= max(_QUIET * float(np.min(spread)), _RESOLVED * largest)
     nearest = float(mean[still][np.argmin(np.abs(mean[still]))])
     width = _QUIET * float(np.max(spread[still])) + _RESOLVED * largest
-    return float(np.median(mean[still & (np.abs(mean - nearest) <= width)]))
+    at_it = still & (np.abs(mean - nearest) <= width)
+    cycles = max(1.0, np.count_nonzero(at_it) / period)
+    return float(np.median(mean[at_it])), float(np.sqrt(np.mean(spread[at_it] ** 2) / cycles))
+
+
+def _error_of_middle(force: np.ndarray, period: int) -> float:
+    """Standard error of the middle of a force (n,), from the scatter of its means over cycles."""
+    count = force.size // period
+    if count < _FEWEST_MEANS:
+        return np.inf
+    means = np.mean(force[: count * period].reshape(count, period), axis=1)
+    return float(np.median(np.abs(means - np.median(means)))) * 1.4826 / np.sqrt(count)
 
 
 def force_off(force: np.ndarray, envelope: Envelope) -> list[Decay]:

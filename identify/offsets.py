@@ -87,17 +87,8 @@ def zero_of_load_cell(force: np.ndarray, fs: float, omega: float) -> float:
     0 where it may be centred about zero.
     """
     period = max(2, round(2 * np.pi / omega * fs))
-    zero = zero_of(force, period)
-    return zero if abs(zero) > _STANDS_OUT * _error_of_centre(force, period) else 0.0
-
-
-def _error_of_centre(force: np.ndarray, period: int) -> float:
-    """Standard error of the middle of a force (n,), from the scatter of its means over cycles."""
-    count = force.size // period
-    if count < _FEWEST_MEANS:
-        return np.inf
-    means = np.mean(force[: count * period].reshape(count, period), axis=1)
-    return float(np.median(np.abs(means - np.median(means)))) * 1.4826 / np.sqrt(count)
+    zero, error = zero_of(force, period)
+    return zero if abs(zero) > _STANDS_OUT * error else 0.0
 
 
 def kept_offsets(problem: OutputError, state: State, start: Oscillator) -> tuple[OutputError, State]:

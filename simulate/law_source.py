@@ -32,7 +32,7 @@ _HEADER = """\
 #include <math.h>
 
 /* Exponents that a law begins with take a product; the general power would take most of its time. */
-DP_INLINE double dp_power_of(double x, double exponent) {
+DP_INLINE double dp_raised(double x, double exponent) {
     return exponent == 1.0 ? x : exponent == 2.0 ? x * x : pow(x, exponent);
 }
 """
@@ -141,7 +141,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
         generator.generate(folder + "/")
         body = (Path(folder) / "law.c").read_text(encoding="utf-8")
     body = body.replace("static int casadi_f", "DP_INLINE int casadi_f")
-    body = body.replace("=pow(", "=dp_power_of(")
+    body = body.replace("=pow(", "=dp_raised(")
     uses_force = bool(eq.kinds) and bool(ca.depends_on(eq.surfaces, eq.u))
     return (
         _HEADER
