@@ -121,3 +121,18 @@ def test_events_that_only_dip_through_a_surface_are_found():
     coarse = simulated(values, force, DT, step=5e-3)[:, 0]
     x, _ = integrate(values, force, DT)
     assert np.max(np.abs(coarse - x)) < 1e-6 * np.max(np.abs(x))
+
+
+@pytest.mark.parametrize(("load", "ends"), [(0.0, False), (40.0, True)])
+def test_more_events_than_internal_steps_are_chatter(load, ends):
+    """A mass in honey follows a force that turns at each sample: it turns once a sample, and where no load keeps it to
+    one side it crosses the middle as often."""
+    values = {"mass": 1.0, "omega0": 10.0, "cubic": 0.0, "preload": 1e-6, "viscous": 200.0, "dry": 1e-6}
+    model = Oscillator.from_values(values)
+    n, dt = 6000, 1e-2
+    force = 10.0 * (-1.0) ** np.arange(n) + load
+    begin = np.array([load / 100.0 + 0.0002, 0.0])
+    x = core_of(model).record(np.array(list(values.values())), begin, staircase(force), n, dt, dt)
+    assert bool(np.isfinite(x[-1])) is ends
+    finer = core_of(model).record(np.array(list(values.values())), begin, staircase(force), n, dt, dt / 3)
+    assert np.isfinite(finer[-1])  # three steps a sample leave room for two events

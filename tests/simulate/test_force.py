@@ -68,3 +68,33 @@ def test_noise_on_a_held_force_is_held():
     assert np.std(noisy.pieces[:, 0]) == pytest.approx(0.3, rel=0.03)
     assert not np.any(noisy.pieces[:, 1:])
     assert noisy.hold == "zero"
+
+
+@pytest.mark.parametrize(("times", "fine"), [(3, 2), (2, 3), (6, 1), (4, 2), (1, 6)])
+def test_a_coarser_force_has_the_values_and_slopes_of_the_finer(times, fine):
+    dt, n = 1e-2, 500
+    force = smooth_force(np.sin(2 * np.pi * 2.0 * np.arange(n) * dt), dt, 20.0)  # six pieces a sample
+    assert force.fine == 6
+    coarse = force.coarser(times, dt)
+    assert coarse.fine == fine
+    assert coarse.pieces.shape[0] == (n - 1) * fine
+    assert coarse.pieces[:, :2] == pytest.approx(force.pieces[:: 6 // fine, :2])
+    ends = coarse.pieces @ (dt / fine) ** np.arange(4)
+    assert ends[:-1] == pytest.approx(coarse.pieces[1:, 0], abs=1e-12)
+
+
+def test_thirty_samples_a_cycle_are_enough_for_a_coarser_force():
+    """Hermite's error: the fourth power of the turn between two points, over 384."""
+    dt, n = 1e-3, 3000
+    frequency = 1 / (30 * dt)
+    force = smooth_force(np.sin(2 * np.pi * frequency * np.arange(n) * dt), dt, 3 * frequency)
+    assert force.fine == 3
+    restored, spacing = values(force.coarser(3, dt), dt)
+    inner = slice(restored.size // 4, -restored.size // 4)
+    error = restored - np.sin(2 * np.pi * frequency * np.arange(restored.size) * spacing)
+    assert np.max(np.abs(error[inner])) < 2e-5
+
+
+def test_a_held_force_is_as_coarse_as_it_can_be():
+    force = staircase(np.array([0.0, 1.0, -1.0, 3.0]))
+    assert force.coarser(3, 0.5) is force

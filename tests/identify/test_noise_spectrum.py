@@ -1,0 +1,50 @@
+"""Weighing by a spectrum: the short way to inner products is the long one's."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify.noise_spectrum import NoiseSpectrum, estimate, resonance_of, white
+
+
+def signals(n, count=4):
+    return np.random.default_rng(n).standard_normal((count, n))
+
+
+def coloured(n):
+    omega = 2 * np.pi * np.fft.rfftfreq(n, 1e-2)
+    return NoiseSpectrum(1e-3 + resonance_of(omega, 900.0, 2.0), n)
+
+
+@pytest.mark.parametrize("n", [200, 201, 331])
+def test_lines_have_the_inner_products_of_whitened_signals(n):
+    spectrum = coloured(n)
+    rows = signals(n)
+    whitened, lines = spectrum.whiten(rows), spectrum.lines(rows)
+    assert lines @ lines.T == pytest.approx(whitened @ whitened.T, rel=1e-12, abs=1e-9)
+    assert np.sum(spectrum.lines(rows[0]) ** 2) == pytest.approx(np.sum(whitened[0] ** 2), rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [200, 201])
+def test_a_flat_spectrum_is_a_factor(n):
+    rows = signals(n)
+    spectrum = white(rows[0])
+    level = np.sqrt(np.mean(rows[0] ** 2))
+    assert spectrum.lines(rows) == pytest.approx(rows / level, rel=1e-12)
+    assert spectrum.whiten(rows) == pytest.approx(rows / level, rel=1e-9, abs=1e-12)
+
+
+@pytest.mark.parametrize("n", [200, 201])
+def test_the_determinant_of_white_noise_is_its_variance_to_the_number_of_samples(n):
+    spectrum = NoiseSpectrum(np.full(n // 2 + 1, 4.0), n)
+    assert spectrum.log_determinant() == pytest.approx(n * np.log(4.0), rel=1e-12)
+
+
+def test_the_estimate_of_coloured_noise_whitens_it():
+    n = 4096
+    spectrum = coloured(n)
+    residual = spectrum.colour(np.random.default_rng(0).standard_normal(n))
+    omega = 2 * np.pi * np.fft.rfftfreq(n, 1e-2)
+    found = estimate(residual, resonance_of(omega, 900.0, 2.0))
+    assert np.median(np.abs(np.log(found.density / spectrum.density))) < 0.25
+    assert np.mean(found.lines(residual) ** 2) * found.lines(residual).size / n == pytest.approx(1.0, rel=0.1)
