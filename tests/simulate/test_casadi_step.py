@@ -56,13 +56,17 @@ def test_a_single_force_is_held_and_left_out_parameters_are_the_identified_ones(
     assert np.array_equal(np.array(held), np.array(spelled))
 
 
-@pytest.mark.parametrize("effect", LIBRARY)
-def test_the_right_hand_side_of_the_engine_is_that_of_the_expression(effect, with_law):
+@pytest.mark.parametrize(
+    ("effect", "changed"),
+    [(effect, {}) for effect in LIBRARY]
+    + [("hysteresis", {"hysteresis.exponent": power}) for power in (1.0, 2.0, 1.37)],
+)
+def test_the_right_hand_side_of_the_engine_is_that_of_the_expression(effect, changed, with_law):
     import ctypes
 
     from dashpot.model.equations import equations, signed
 
-    model = with_law(effect)
+    model = with_law(effect, **changed)
     eq = equations(model)
     plain = casadi.Function("f", [eq.z, eq.t, eq.u, eq.p], [signed(eq, eq.zdot)])
     core, p = core_of(model), np.array(list(model.values().values()))
