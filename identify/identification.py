@@ -18,6 +18,7 @@ from ..model.oscillator import Band
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
+from .blows import ContactForce
 from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
 from .excitation import band_of, kind_of
@@ -286,7 +287,9 @@ def _with_provenance(
         float(np.max(np.abs(s.simulated - shown.get(s.segment.recording, 0.0)))) / s.segment.pace**s.segment.order
         for s in fit.segments
     )
-    bands = [band_of(r) for r in recordings]
+    # a hammer's force reaches far beyond what it sets going
+    struck = {s.segment.recording for s in fit.segments if isinstance(s.segment.force, ContactForce)}
+    bands = [band_of(r) for i, r in enumerate(recordings) if i not in struck]
     frequencies = [f for band in bands if band for f in band]
     if not frequencies:
         frequencies = [float(f) / (2 * np.pi) for c in hilbert.curves for f in (c.omega0.min(), c.omega0.max())]

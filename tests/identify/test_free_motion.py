@@ -197,6 +197,15 @@ def test_a_blow_goes_with_the_cycles_it_sets_going_and_its_zero_is_the_sensors()
         assert 0 < np.mean(changed) < 0.1  # in the air its noise is no force
 
 
+def test_a_model_from_blows_is_valid_where_it_rang_and_not_as_far_as_the_blow_reaches():
+    identification = identify([struck()])
+    covered = identification.oscillator.frequency
+    assert covered is not None
+    assert 0.5 * W < 2 * np.pi * covered.min <= 2 * np.pi * covered.max < 2 * W
+    mass = identification.oscillator.parameters()["mass"]
+    assert abs(mass.value - MASS) < 4 * mass.std < 0.02 * MASS
+
+
 def test_a_clipped_blow_is_left_out_and_its_ringing_used():
     recording = struck(rail=70.0)
     motion = find_free_motion(recording)
