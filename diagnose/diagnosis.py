@@ -28,7 +28,7 @@ from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, less_offsets, stranger
 from .measuring_chain import zeros as zeros_of
-from .mend import exported, follows_any, record_fits
+from .mend import exported, no_finding, record_fits
 from .place.locate import locate
 from .place.missing_force import latent_forces
 from .recordings import carries, same_quantity, split, why_unused
@@ -128,12 +128,10 @@ def diagnose(
     after = _with_errors(named, search.data, recordings) if selected.laws and not other_rig else None
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     records = record_fits(before, after, recordings, holdout=False)
-    if after is not None and not follows_any(records):
-        # the best of models that follow nothing is no finding, however much more probable than the others
+    if after is not None and (why := no_finding(records)):
+        # however much more probable than the others
         after, records = None, record_fits(before, None, recordings, holdout=False)
-        notes.append(
-            f"the most probable structure ({' + '.join(selected.laws)}) follows no recording either: no effect is named"
-        )
+        notes.append(f"the most probable structure ({' + '.join(selected.laws)}) {why}: no effect is named")
     with TemporaryDirectory() as folder:
         artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
         records += record_fits(before, after, holdout, holdout=True, fmu=artefact)

@@ -19,6 +19,9 @@ from ..verify.noise_floor import floor_of_model, pieces
 from .result import RecordFit
 from .search.residual_test import ABOVE_NOISE
 
+#: What a model leaves of a measured record is its noise at least; less than this part of it was computed.
+_COMPUTED = 0.5
+
 
 def record_fits(
     before: Oscillator,
@@ -45,9 +48,26 @@ def record_fits(
             run.__exit__(None, None, None)
 
 
+def no_finding(records: Sequence[RecordFit]) -> str | None:
+    """Why the best of all structures is nothing to name; None where it is."""
+    if not follows_any(records):
+        return "follows no recording either"
+    return None if takes_something(records) else "takes nothing away that a sensor could have shown"
+
+
 def follows_any(records: Sequence[RecordFit]) -> bool:
     """Whether the mended model's free simulation follows any recording: to half its motion, or to its noise."""
     return any(r.nrmse_after <= max(POOR_NRMSE, ABOVE_NOISE * r.noise_floor) for r in records)
+
+
+def takes_something(records: Sequence[RecordFit]) -> bool:
+    """Whether the mended model takes anything away that a sensor could have shown.
+
+    Less than half of its noise is in no measured record. Where most are so, they were computed, and what tells two
+    models apart there is how.
+    """
+    computed = [r.nrmse_before < _COMPUTED * r.noise_floor for r in records]
+    return 2 * sum(computed) <= len(computed)
 
 
 def exported(model: Oscillator, path: Path) -> Path | None:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.mend import exported, follows_any, record_fits
+from dashpot.diagnose.mend import exported, follows_any, no_finding, record_fits, takes_something
 from dashpot.diagnose.result import RecordFit
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Response
@@ -162,3 +162,19 @@ def test_a_model_follows_a_recording_to_half_its_motion_or_to_its_noise(after, f
 
 def test_a_model_shown_nothing_follows_nothing():
     assert not follows_any([])
+
+
+# --- whether it takes anything away
+
+
+@pytest.mark.parametrize(("before", "takes"), [(1.2e-3, True), (0.51e-3, True), (0.49e-3, False), (math.inf, True)])
+def test_a_mended_model_takes_nothing_away_where_most_records_have_less_than_their_noise(before, takes):
+    records = [row(1e-6, 1e-9, 1e-3), row(before, 1e-9, 1e-3), row(before, 1e-9, 1e-3)]
+    assert takes_something(records) is takes
+    why = no_finding(records)
+    assert (why is None) is takes
+    assert takes or "a sensor could have shown" in why
+
+
+def test_what_follows_nothing_is_no_finding_whatever_it_takes_away():
+    assert "follows no recording" in no_finding([row(5.0, 0.9, 1e-3)])
