@@ -37,7 +37,7 @@ from .segments import Segment
 from .settle import settled
 from .signals import noise_levels
 from .structure import Structure
-from .weighed import ABOVE_NOISE, Answer, over_noise, weighed, whitened
+from .weighed import ABOVE_NOISE, Answer, concentrated, over_noise, weighed, whitened
 
 #: Simulation is given up for prediction where that is a thousand times as likely.
 _DECISIVE = float(np.log(1000.0))
@@ -225,8 +225,8 @@ def _most_likely(
     """
     answers, steps = [], 0
     for memory in memories(problem.segments):
-        state = _from_rung(memory, rungs, free.outcome.state)
-        answer, taken = whitened(problem.predicting(memory), state, start)
+        predicting = problem.predicting(memory)
+        answer, taken = whitened(predicting, _nearest(predicting, rungs, free.outcome.state, start), start)
         answers.append((memory, answer))
         steps += taken
     answers.sort(key=lambda pair: -pair[1].likelihood)
@@ -245,8 +245,9 @@ def _said_otherwise(
     """
     predicted, steps = [], 0
     for memory in memories(problem.segments):
-        state = _from_rung(memory, rungs, answer.outcome.state)
-        other, taken = whitened(problem.predicting(memory), state, start, tolerance=_NEAR_ENOUGH, informed=False)
+        predicting = problem.predicting(memory)
+        state = _nearest(predicting, rungs, answer.outcome.state, start)
+        other, taken = whitened(predicting, state, start, tolerance=_NEAR_ENOUGH, informed=False)
         predicted.append(other)
         steps += taken
     likeliest = max(predicted, key=lambda other: other.likelihood)
@@ -254,9 +255,12 @@ def _said_otherwise(
     return _apart(likeliest, answer if decisive else likeliest), steps
 
 
-def _from_rung(memory: float, rungs: Mapping[float, State], state: State) -> State:
-    """Where the search came through this memory on its way to ``state``, or that."""
-    return replace(rungs.get(memory, state), offsets=state.offsets)
+def _nearest(problem: OutputError, rungs: Mapping[float, State], state: State, start: Oscillator) -> State:
+    """Where a memory's search begins: where the search came through it on its way to ``state``, or there."""
+    points = [state]
+    if problem.memory in rungs:
+        points.append(replace(rungs[problem.memory], offsets=state.offsets))
+    return max(points, key=lambda point: concentrated(problem, point, start))
 
 
 def _apart(answer: Answer, other: Answer) -> np.ndarray:
