@@ -92,6 +92,10 @@ def ringing(blows: tuple[Blow, ...], envelope: Envelope) -> list[Decay]:
 class ContactForce(Force):
     """A force that is known to be zero but for contacts, so that its sensor's noise counts during these alone."""
 
+    def coarser(self, times: int, dt: float) -> Force:
+        """The same: a contact is shorter than the pieces that suit the motion."""
+        return self
+
     def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
         """The same force with white noise of that standard deviation on the samples of its contacts."""
         noisy = super().disturbed(std, random, dt)

@@ -190,6 +190,7 @@ def test_a_blow_goes_with_the_cycles_it_sets_going_and_its_zero_is_the_sensors()
     for segment, expected in zip(segments[::2], impulse, strict=True):
         assert segment.force is not None
         assert segment.rests == (segment.start < 1000)  # the others strike what still rings
+        assert segment.coarse_force is segment.force  # a contact is shorter than the motion's pieces
         pushed = np.sum(segment.force.pieces[:, 0]) * segment.dt / segment.force.fine
         assert pushed == pytest.approx(expected, rel=0.005)
         noisy = segment.force.disturbed(1.0, np.random.default_rng(2), segment.dt)
