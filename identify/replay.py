@@ -24,6 +24,8 @@ _ROUNDS = 4
 #: forgets its start; a free decay remembers it throughout.
 _STRETCHES = (3.0, 12.0)
 _FORCED_STRETCH = 30.0
+#: Samples of a stretch, at least.
+_FEWEST = 8
 #: Starts for a phase: with three of them the nearest is within a sixth of a turn.
 _PHASES = 3
 
@@ -115,7 +117,7 @@ def run_along(
         own = list(range(scale.size - 1))
     cycle = 2 * np.pi / omega * recording.fs
     lengths = [
-        int(min(max(cycles * cycle, 8), recording.n))
+        int(min(max(cycles * cycle, _FEWEST), recording.n))
         for cycles in (*_STRETCHES, np.inf if phases or not forced else _FORCED_STRETCH)
     ]
 
@@ -136,8 +138,8 @@ def run_along(
     unlimited = [k for k in own if reaches is None or not reaches[k] > 0]
     for n in lengths if own else []:
         if unlimited != own:  # a state at its limit has no derivative, and would spoil the step of the others
-            initial = _closest(run, measured[:n], initial, unlimited, scale)
-        initial = _closest(run, measured[:n], initial, own, scale)
+            initial = _grown(run, measured[:n], initial, unlimited, scale)
+        initial = _grown(run, measured[:n], initial, own, scale)
     load = zero_of_load_cell(np.asarray(recording.force, float), recording.fs, omega) if forced else 0.0
     if load:  # or a force that truly has a constant part: the motion tells
         loaded = np.append(initial[:-1], load)
@@ -187,6 +189,21 @@ def _straightened(residual: np.ndarray) -> np.ndarray:
 def _power(residual: np.ndarray) -> float:
     """Of what a simulation leaves, the sensor's zero and drift aside."""
     return float(np.sum(_straightened(residual) ** 2))
+
+
+def _grown(run: _Run, measured: np.ndarray, initial: np.ndarray, own: list[int], scale: np.ndarray) -> np.ndarray:
+    """As ``_closest``; from where a motion runs away it is followed first as long as it does not, and then farther."""
+    reached = 0
+    while reached < (lasts := _lasts(run(initial, measured.size))) < measured.size:
+        reached = lasts
+        initial = _closest(run, measured[: max(lasts // 2, _FEWEST)], initial, own, scale)
+    return _closest(run, measured, initial, own, scale)
+
+
+def _lasts(response: np.ndarray) -> int:
+    """Samples before a response is no number."""
+    lost = np.flatnonzero(~np.isfinite(response))
+    return int(lost[0]) if lost.size else response.size
 
 
 def _closest(run: _Run, measured: np.ndarray, initial: np.ndarray, own: list[int], scale: np.ndarray) -> np.ndarray:

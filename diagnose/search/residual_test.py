@@ -21,7 +21,7 @@ from ..wording import figure
 
 #: What is left may exceed the noise by this factor: the noise itself is estimated.
 ABOVE_NOISE = 1.1
-#: Where a segment is too short to see how it moves with the rig: coloured noise of a sensor stays below this.
+#: Where a segment is too short to see whether it moves with the rig: coloured noise of a sensor stays below this.
 FAR_ABOVE_NOISE = 10.0
 #: Windows of this many cycles are compared ...
 CYCLES = 6.0
@@ -37,6 +37,8 @@ _ORDERS = range(1, HARMONICS + 1)
 _IN_STEP = 0.05
 #: ... and how many standard deviations it lies above what noise of the same spectrum has by chance.
 _BEYOND_CHANCE = 8.0
+#: Where noise of the same spectrum would have more than this share by chance, keeping step tells nothing.
+_UNTOLD = 0.5
 
 
 @dataclass(frozen=True)
@@ -49,7 +51,7 @@ class Leftover:
         with_motion: rank correlation of its power with the motion's, 0 where it is not significant.
         in_step: share of its power that repeats with the cycles of the motion, 0 where noise would have as much.
         burst_s: time of a burst, or None.
-        short: whether the segment has too few cycles for these three.
+        short: whether the segment has too few cycles for these three to tell.
         part: rms of the residual over that of the motion.
         order: of what keeps step, how many times the motion's frequency the strongest has; 0 where nothing does.
     """
@@ -66,9 +68,9 @@ class Leftover:
     @property
     def is_mismatch(self) -> bool:
         """Whether it is more than noise."""
-        if self.short:
-            return not self.ratio <= FAR_ABOVE_NOISE
-        return self.ratio > ABOVE_NOISE and (self.with_motion > 0 or self.in_step > 0 or self.burst_s is not None)
+        if self.with_motion > 0 or self.in_step > 0 or self.burst_s is not None:
+            return not self.ratio <= ABOVE_NOISE
+        return self.short and not self.ratio <= FAR_ABOVE_NOISE
 
 
 def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
@@ -99,7 +101,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
         significant = correlation > 0 and chance < _CHANCE
         loudest = int(np.argmax(power))
         burst = power[loudest] > _BURST * float(np.median(power))
-        share, order = in_step(segment.response - residual, residual)
+        share, order, by_chance = in_step(segment.response - residual, residual)
         left.append(
             Leftover(
                 name,
@@ -107,6 +109,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
                 correlation if significant else 0.0,
                 share,
                 segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
+                short=by_chance > _UNTOLD,
                 part=part,
                 order=order,
             )
@@ -114,12 +117,12 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
     return tuple(left)
 
 
-def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int]:
-    """Share of a residual's power that repeats with the cycles of a motion, and the order that is strongest in it.
+def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float]:
+    """Share of a residual's power that repeats with the cycles of a motion, the order that is strongest in it, chance.
 
     The phase is that of the analytic signal (Gabor 1946), so that amplitude and frequency may be what they will; offset
-    and each harmonic may have one part that is constant and one that goes with the amplitude. Zeros where noise of the
-    residual's own spectrum would often reach that share.
+    and each harmonic may have one part that is constant and one that goes with the amplitude. Share and order are zero
+    where noise of the residual's own spectrum would often reach that share; chance is the largest that it would reach.
 
     Args:
         motion: (n,) simulated response.
@@ -128,7 +131,7 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int]:
     from scipy.signal import hilbert
 
     if not np.any(residual) or not np.ptp(motion) > 0:
-        return 0.0, 0
+        return 0.0, 0, 0.0
     analytic = np.asarray(hilbert(motion - np.mean(motion)))
     amplitude = np.abs(analytic)
     turn = analytic / np.maximum(amplitude, 1e-300)
@@ -142,14 +145,14 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int]:
     chance = np.sum(np.abs(np.fft.rfft(basis, axis=0)) ** 2 * density[:, None], axis=0) * 2 / residual.size / power
     limit = float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
     if share <= max(_IN_STEP, limit):
-        return 0.0, 0
+        return 0.0, 0, limit
     sizes = np.linalg.lstsq(triangle, on_basis, rcond=None)[0].reshape(2, -1)
     first = [0, *(2 * k - 1 for k in _ORDERS)]  # place of each order among the columns
     made = [
         float(np.sum((sizes[0, place] @ wave + (sizes[1, place] @ wave) * growing) ** 2))
         for wave, place in ((wave, slice(at, at + len(wave))) for wave, at in zip(orders, first, strict=True))
     ]
-    return share, int(np.argmax(made[1:])) + 1 if max(made[1:]) >= made[0] else 0
+    return share, int(np.argmax(made[1:])) + 1 if max(made[1:]) >= made[0] else 0, limit
 
 
 def expected(fitted: Fitted, data: Data, index: int) -> float:

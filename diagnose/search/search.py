@@ -100,7 +100,9 @@ class Search:
         """
         if self._at_noise(leader, ()):
             return [self._as_long_or_shorter, self._scored]
-        return [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
+        ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
+        # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
+        return ways if self.asked_rugged else [self._rugged, *ways] if leader.laws else [*ways, self._rugged]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
@@ -149,12 +151,14 @@ class Search:
         assert leader.fit is not None
         starts = self._added(leader, self._less)
         self._race(starts, leader.fit)
-        # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
-        # and the measured motion, which knows no side valleys, does not speak against it; beside the given family only
-        if not leader.laws and not self._at_noise(leader, starts):
-            self.asked_rugged, laws = True, self._addable(leader)
-            starts += self._from_motion(leader, laws, [law for law in laws if law.rugged])
         return starts
+
+    def _rugged(self, _leader: Candidate) -> list[Start]:
+        """The given family with one law with side valleys, where the measured motion, which has none, speaks for it."""
+        self.asked_rugged = True
+        family = self.candidates[()]
+        laws = self._addable(family)
+        return self._from_motion(family, laws, [law for law in laws if law.rugged])
 
     def _from_motion(
         self,
