@@ -39,6 +39,8 @@ _NEAR = 0.02
 _TRIES = 40
 #: ... of many laws so often for each of them, and on for those that then gain this part of what the best does.
 _FIRST, _HALF = 10, 0.5
+#: A law with side valleys is searched from so many of its probes.
+_VALLEYS = 3
 #: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
 _BASE = 6
 _ABSURD = 1e100
@@ -185,18 +187,18 @@ class Regression:
 
     def best(self, law: Law) -> Guess | None:
         """The best place of a law, searched from all its probes; None where the regression cannot carry it."""
-        guess = self._probed(law)
-        return None if guess is None else self._refined(law, guess, _TRIES)
+        guess = self._begun(law)
+        return None if guess is None else self._refined(law, guess, _TRIES - _FIRST)
 
-    def _probed(self, law: Law) -> Guess | None:
-        """The best of a law's probes."""
+    def _begun(self, law: Law) -> Guess | None:
+        """The best place of a law after a while; one with side valleys is searched from several of its probes."""
         if law.record is not None or (law.drive is not None and not self.forced) or not self.rows:
             return None
         scales = self.data.scales
         guesses = [guess for probe in probes(law, scales) if (guess := self._solve(law, probe)) is not None]
-        if not guesses:
-            return None
-        return min(guesses, key=lambda candidate: candidate.misfit)
+        guesses.sort(key=lambda guess: guess.misfit)
+        begun = [self._refined(law, guess, _FIRST) for guess in guesses[: _VALLEYS if law.rugged else 1]]
+        return min(begun, key=lambda guess: guess.misfit, default=None)
 
     def _refined(self, law: Law, guess: Guess, tries: int) -> Guess:
         """The best place around a guess: onsets, speeds and times move by factors (Nelder and Mead 1965)."""
@@ -257,12 +259,8 @@ class Regression:
         known = {law.name: law for law in laws}
         plain = self.plain()
 
-        def begun(law: Law) -> Guess | None:
-            guess = self._probed(law)
-            return None if guess is None else self._refined(law, guess, _FIRST)
-
         with ThreadPoolExecutor(max_workers=2) as pool:
-            guesses = [guess for guess in pool.map(begun, laws) if guess is not None]
+            guesses = [guess for guess in pool.map(self._begun, laws) if guess is not None]
             least = _HALF * max((self.gain(plain, guess) for guess in guesses), default=0.0)
 
             def ended(guess: Guess) -> Guess:

@@ -220,13 +220,28 @@ def started(entry: Entry, data: Data, measure: Measure) -> Start | None:
 
 
 def in_the_best_valleys(starts: Sequence[Start]) -> list[Start]:
-    """Of a law that was put in at many places, with side valleys between them, the best few."""
+    """Of a law that was put in at many places, with side valleys between them, the best few.
+
+    Each takes a step before: until then the values that all places share hide how well each of them suits.
+    """
     kept, count = [], Counter[tuple[str, ...]]()
+    places = Counter(start.laws for start in starts)
+    for start in starts:
+        if places[start.laws] > _VALLEYS:
+            _go_on(start.step, start)
     for start in sorted(starts, key=lambda start: -start.value):
         count[start.laws] += 1
         if count[start.laws] <= _VALLEYS:
             kept.append(start)
     return kept
+
+
+def _go_on(onwards: Callable[[], None], start: Start) -> None:
+    """At rest where the model does not simulate from there on."""
+    try:
+        onwards()
+    except (DashpotError, np.linalg.LinAlgError):
+        start.resting = True
 
 
 def race(
@@ -279,13 +294,8 @@ def race(
         # the patient ones catch up with each other first, so that none runs far ahead into a side valley
         front = max(running, key=lambda start: (start.steps < start.patience, paid(start.ceiling, start.count)))
         progress(" + ".join(front.laws) or "the given family", 1.0 - len(running) / whole)
-        try:
-            if front.looked:
-                front.step()
-            else:
-                front.look()  # its own promise may be far from its proposer's hope
-        except (DashpotError, np.linalg.LinAlgError):
-            front.resting = True
+        # its own promise may be far from its proposer's hope
+        _go_on(front.step if front.looked else front.look, front)
         if measure.noise is None and (front.near or front.resting):
             measure = measure_by(front.fitted, front.data)
             if measure.noise is not None:

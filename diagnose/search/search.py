@@ -100,6 +100,8 @@ class Search:
         """
         if self._at_noise(leader, ()):
             return [self._as_long_or_shorter, self._scored]
+        if any(find(law).rugged for law in leader.laws):
+            return []  # what it leaves may be a side valley's, and no sign of a second law
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
         # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
         return ways if self.asked_rugged else [self._rugged, *ways] if leader.laws else [*ways, self._rugged]

@@ -17,8 +17,8 @@ from ...model.terms import without_term
 from .score_test import Screen
 from .spectral_lines import residual_lines
 
-#: A law with side valleys is put in at its guess times these, one parameter after another: what happens faster than
-#: the rig's own motion, such as a contact's stiffness, the measured motion tells to no more than that.
+#: Of a law with side valleys the parameters between which they lie are put in at their guess times these: what happens
+#: faster than the rig's own motion, such as a contact's ringing, the measured motion tells to no more than that.
 _PACES = (1.0, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0)
 
 
@@ -83,10 +83,10 @@ def _moved(guess: Guess, laws: Sequence[Law]) -> Iterator[Guess]:
     if not law.rugged:
         yield guess
         return
-    for p in law.parameters:
-        place = f"{law.name}.{p.name}"
-        if p.shape or not guess.values[place]:
-            continue
-        for pace in _PACES:
-            value = float(np.clip(guess.values[place] * pace, p.lower, p.upper))
-            yield replace(guess, values=dict(guess.values) | {place: value})
+    moved = [p for p in law.parameters if p.name in law.valleys]
+    for pace in _PACES:
+        values = dict(guess.values)
+        for p in moved:
+            place = f"{law.name}.{p.name}"
+            values[place] = float(np.clip(values[place] * pace, p.lower, p.upper))
+        yield replace(guess, values=values)

@@ -24,13 +24,13 @@ LAW = Law(
     name="actuator-backlash",
     path="excitation",
     parameters=(
-        LawParameter("gap", "X", "half of the play", lower=0.0, probes=(0.01, 0.06)),
+        LawParameter("gap", "X", "half of the play", lower=0.0, probes=(0.003, 0.01, 0.03)),
         LawParameter(
             "mass",
             "Q.s2/X",
             "moving mass of the actuator",
             lower=1e-12,
-            probes=(0.15,),
+            probes=(0.03, 0.1, 0.3),
             size=lambda s: s.mass or 1.0,
         ),
         LawParameter(
@@ -38,11 +38,16 @@ LAW = Law(
             "Q/X",
             "contact stiffness",
             lower=0.0,
-            probes=(30.0,),
+            probes=(3.0, 30.0, 300.0),
             size=lambda s: (s.mass or 1.0) * s.omega**2,
         ),
         LawParameter(
-            "damping", "Q.s/X", "contact damping", lower=0.0, probes=(1.0,), size=lambda s: (s.mass or 1.0) * s.omega
+            "damping",
+            "Q.s/X",
+            "contact damping",
+            lower=0.0,
+            probes=(0.1, 1.0),
+            size=lambda s: (s.mass or 1.0) * s.omega,
         ),
         LawParameter("guide", "1/s", "damping of the actuator's own guide per its mass", probes=(0.0,), shape=True),
     ),
@@ -55,5 +60,6 @@ LAW = Law(
     source="Nordin and Gutman 2002, section 2; Feldman, Bucher, Rotberg, section 5",
     curves="In forced records the mass seems larger or smaller and the response scatters at each reversal of the "
     "force; in free decay the actuator rattles along.",
-    rugged=True,
+    # the contact rings faster than the rig moves; gap and moving mass the motion shows
+    valleys=("stiffness", "damping"),
 )

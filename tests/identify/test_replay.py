@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate_pieces
-from dashpot.identify.replay import replayed
+from dashpot.identify.replay import replayed, run_along
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 
@@ -55,3 +55,19 @@ def test_what_its_sensor_drifts_by_is_left_aside_where_it_stands_out(drift, seen
     assert replay.drift == pytest.approx(drift if seen else 0.0, rel=0.02)
     assert replay.zero == pytest.approx(0.01, abs=1e-4)
     assert np.std(replay.response - recording.response) < 1.1e-3
+
+
+def test_a_motion_that_runs_away_is_followed_first_as_far_as_it_goes():
+    """One beside it grows by five thousand millions in the record: only the very beginning tells where to begin."""
+    t, omega = DT * np.arange(round(8.0 / DT)), 2.0
+    moved = np.cos(omega * t + 0.3)
+    begin = np.array([moved[0], -omega * np.sin(0.3)])
+
+    def simulator(initial, n, load):
+        off = initial[:2] - begin
+        response = moved[:n] + (off[0] + off[1] / omega) * np.exp(2.8 * t[:n]) + off[0] * np.sin(omega * t[:n])
+        return np.where(np.logical_or.accumulate(np.abs(response) > 3.0), np.nan, response)
+
+    replay = run_along(simulator, Recording("lab", 1 / DT, moved, unit="rad"))
+    assert replay.initial[:2] == pytest.approx(begin, abs=1e-6)
+    assert replay.response == pytest.approx(moved, abs=1e-3)

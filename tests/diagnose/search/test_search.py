@@ -223,7 +223,7 @@ def test_near_the_noise_the_measured_motion_is_not_asked():
     assert search._ways(leader) == [search._as_long_or_shorter, search._scored]
     search, leader = leading(times=10.0)
     ways = [search._moved, search._as_long_or_shorter, search._scored, search._less_scored]
-    assert search._ways(leader) == ways
+    assert [way for way in search._ways(leader) if way != search._rugged] == ways
 
 
 def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
@@ -241,16 +241,29 @@ def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
     ]
 
 
+RUGGED = next(law.name for law in LIBRARY.values() if law.rugged)
+
+
 @pytest.mark.parametrize(
-    ("laws", "times", "asked"), [((), 10.0, True), ((), 1.0, False), (("quadratic-drag",), 10.0, False)]
+    ("laws", "times", "place"),
+    [((), 10.0, -1), ((), 1.0, None), (("quadratic-drag",), 10.0, 0), (("quadratic-drag",), 1.0, None)],
 )
-def test_laws_of_many_side_valleys_are_asked_for_where_all_others_fail(proposing, laws, times, asked):
-    """They are slow: beside the family alone, far from the noise, and after the laws that score less than half."""
-    rugged = next(law.name for law in LIBRARY.values() if law.rugged)
+def test_laws_of_many_side_valleys_are_asked_for_where_all_others_fail(proposing, laws, times, place):
+    """They are slow: after all others, and before a second law; beside the family, and once."""
     search, leader = leading(*laws, times=times)
-    proposing({rugged: 100.0, "cubic-damping": 90.0})
-    assert [start.laws for start in search._less_scored(leader)] == [(rugged,)] * asked
-    assert search.asked_rugged is asked
+    search.candidates[()] = leading(times=times)[1]
+    proposing({RUGGED: 100.0, "cubic-damping": 90.0})
+    ways = search._ways(leader)
+    assert [i for i, way in enumerate(ways) if way == search._rugged] == ([] if place is None else [place % len(ways)])
+    assert [start.laws for start in search._rugged(leader)] == [(RUGGED,)]
+    assert search._rugged not in search._ways(leader)
+
+
+@pytest.mark.parametrize(("times", "asked"), [(10.0, False), (1.0, True)])
+def test_beside_a_law_in_a_side_valley_no_second_law_is_asked_for(proposing, times, asked):
+    """What it leaves far from the noise may be the valley's."""
+    search, leader = leading(RUGGED, times=times)
+    assert bool(search._ways(leader)) is asked
 
 
 def arriving(search: Search, leader: Candidate, law: str, ahead: float, **more):
