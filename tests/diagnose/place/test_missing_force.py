@@ -85,7 +85,7 @@ def smoothed(monkeypatch):
     is of a segment that cannot be smoothed.
     """
 
-    def make(*forces, recordings=None, times=None, moving=None):
+    def make(*forces, recordings=None, times=None, moving=None, stds=None):
         asked = SimpleNamespace(segments=[], families=[], parts=[])
 
         class Found:
@@ -97,6 +97,7 @@ def smoothed(monkeypatch):
                 if forces[index] is None:
                     raise BadInput("it does not oscillate")
                 self.all = np.asarray(forces[index], float)
+                self.std = 1.0 if stds is None else stds[index]
                 self.n = self.all.size
 
             def most_likely(self, first, last):
@@ -110,7 +111,12 @@ def smoothed(monkeypatch):
                 still = np.ones(self.n, bool) if moving is None else moving
                 flat = np.zeros(time.size)
                 return SimpleNamespace(
-                    time=time, displacement=flat, velocity=flat, force=self.all[cut], std=flat + 1.0, moving=still[cut]
+                    time=time,
+                    displacement=flat,
+                    velocity=flat,
+                    force=self.all[cut],
+                    std=flat + self.std,
+                    moving=still[cut],
                 )
 
             def along(self, mass):
@@ -144,6 +150,14 @@ def test_of_a_recording_the_clearest_stretch_is_shown(smoothed):
     assert [(force.file, force.force[0]) for force in forces] == [("run 0", 4.0), ("run 1", 2.0)]
 
 
+@pytest.mark.parametrize(("forces", "stds", "clearer"), [((3.0, 8.0), (1.0, 2.0), 1), ((2.0, 3.0), (0.5, 1.0), 0)])
+def test_the_clearest_is_what_is_most_of_its_standard_deviation(smoothed, forces, stds, clearer):
+    before, data, asked = smoothed(*(np.full(50, force) for force in forces), recordings=(0, 0), stds=stds)
+    (shown,) = latent_forces(before, data, None)
+    assert shown.force[0] == forces[clearer]
+    assert asked.parts == [(0, 50), (0, 50)]  # the prior is that of what is shown
+
+
 def test_the_six_segments_that_leave_most_of_their_noise_are_looked_at(smoothed):
     """What does not simulate at all leaves most, and what cannot be smoothed is left out."""
     times = (1.0, 9.0, np.nan, 2.0, 8.0, 7.0, 6.0, 5.0, 4.0)
@@ -165,6 +179,14 @@ def test_of_a_long_segment_four_thousand_samples_are_shown_where_the_force_is_la
     assert shown.time == pytest.approx((first + np.arange(4000)) * STEP)
     assert shown.force == pytest.approx(force[first : first + 4000])
     assert asked.parts == [(first, first + 4000)]
+
+
+def test_a_force_in_the_middle_of_a_long_segment_is_shown_from_the_first_window_that_holds_it(smoothed):
+    force = np.zeros(9000)
+    force[4500] = 3.0
+    before, data, _ = smoothed(force)
+    (shown,) = latent_forces(before, data, None)
+    assert shown.time[0] == pytest.approx(501 * STEP)
 
 
 def named(smoothed, force, *effects: str, mass: float | None = TRUTH["mass"], **values: float):
