@@ -13,6 +13,7 @@ from dashpot import examples
 from dashpot.examples.truth import ACTUATOR, TRUTH
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import Guess, Regression, _least_squares, _project, _soft_sign, probes
+from dashpot.identify.structure import SLACK
 from dashpot.identify.weakform import windows
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
@@ -91,7 +92,7 @@ LINEAR = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0}
 PLAIN = Oscillator.from_values(LINEAR)
 FS, SECONDS = 500.0, 6.0
 DRAG, STIFFNESS, PLACE, TONE, LINE = 20.0, 6000.0, 2e-3, 0.6, 2 * np.pi * 9.0
-CUBIC, PRELOAD, DRY = 5e6, 1.5, 0.8
+CUBIC, PRELOAD, DRY, CONTACT, RATE = 5e6, 1.5, 0.8, 15.0, 60.0
 
 FORCES = {
     "nothing": lambda t, x, v: 0.0,
@@ -99,6 +100,9 @@ FORCES = {
     "push": lambda t, x, v: -0.1 * DRAG * v * abs(v),
     "family": lambda t, x, v: CUBIC * x**3 + PRELOAD * np.sign(x) + DRY * np.sign(v),
     "stop": lambda t, x, v: STIFFNESS * max(x - PLACE, 0.0),
+    "damped stop": lambda t, x, v: max(STIFFNESS * (x - PLACE) + CONTACT * v, 0.0) if x > PLACE else 0.0,
+    "stiffening": lambda t, x, v: RATE * t * x,
+    "slack": lambda t, x, v: -1.00002 * LINEAR["omega0"] ** 2 * x,
     "tone": lambda t, x, v: -TONE * np.cos(LINE * t + 0.8),
     "late tone": lambda t, x, v: -TONE * np.cos(LINE * t - 2.0),
 }
@@ -187,6 +191,63 @@ def test_a_stop_between_two_probes_is_found_where_it_is():
     assert guess.values["one-sided-stop.stiffness"] == pytest.approx(STIFFNESS, rel=0.05)
     assert guess.values["one-sided-stop.damping"] == pytest.approx(0.0, abs=1.0)
     assert guess.misfit < 0.5 * probed.misfit < 0.5 * regression.plain()
+
+
+@pytest.mark.parametrize("there", [False, True])
+def test_a_contact_is_found_with_its_damping(there):
+    stop = {"stiffness": 1.5 * STIFFNESS, "position": PLACE, "damping": 1.5 * CONTACT}
+    regression = of(run("damped stop"), model=with_term(PLAIN, "one-sided-stop", stop) if there else PLAIN)
+    guess = regression.family() if there else regression.best(find("one-sided-stop"))
+    assert guess is not None
+    assert guess.values["one-sided-stop.damping"] == pytest.approx(CONTACT, rel=0.15)
+    assert guess.values["one-sided-stop.stiffness"] == pytest.approx(STIFFNESS, rel=0.05)
+
+
+def test_a_spring_that_changes_is_told_by_the_time_of_the_record():
+    guess = of(run("stiffening")).best(find("stiffness-drift"))
+    assert guess is not None
+    assert guess.values["stiffness-drift.rate"] == pytest.approx(RATE, rel=0.03)
+    assert guess.values["omega0"] == pytest.approx(LINEAR["omega0"], rel=2e-3)
+
+
+def test_a_slide_has_no_stiffness_and_windows_of_half_a_cycle():
+    """A spring that seems to push is one that is slack where the rig may have none, and no rig where it has one."""
+    regression, other = of(run("nothing")), run("slack")
+    recordings = (other,)
+    regression.data = replace(regression.data, recordings=recordings)
+    for slack in (False, True):
+        regression.slack = slack
+        rows = regression._prepare(0, other.response, other.force, FS, 0.0, 2e-7, 0.0)
+        assert rows is not None
+        regression.rows = [rows]
+        guess = regression.family()
+        assert (guess is not None) is slack
+        if guess is not None:
+            assert guess.values["omega0"] == pytest.approx(SLACK / regression.data.scales.duration)
+            assert guess.values["mass"] == pytest.approx(LINEAR["mass"], rel=0.02)
+    for cycles in (1.9, 2.1):
+        x = other.response[: round(cycles * 2 * np.pi / regression.data.scales.omega * FS)]
+        assert (regression._prepare(0, x, None, FS, 0.0, 2e-7, 0.0) is not None) is (cycles > 2)
+
+
+@pytest.mark.parametrize("source", ["sensor", "force"])
+def test_each_row_is_weighed_by_what_noise_makes_of_it(source):
+    """White noise of the sensor through the equation of motion, or of the force over the mass: as large as it says."""
+    random = np.random.default_rng(1)
+    regression, n = of(run("nothing", 8e-3)), 40000
+    sensor, force = (1e-5, 0.0) if source == "sensor" else (0.0, 0.3)
+    x = 1e-5 * random.standard_normal(n)
+    rows = regression._prepare(0, x, None, FS, 0.0, sensor, force)
+    assert rows is not None
+    if source == "sensor":
+        left = rows.target - rows.columns[:, 2] * LINEAR["omega0"] ** 2 - rows.columns[:, 1] * LINEAR["viscous"]
+    else:
+        view = windows(n, FS, rows.view.length / rows.view.fs, 0.0, 0.4 * FS, 2)
+        bins = np.searchsorted(view.omega, rows.view.omega - 1e-9)
+        left = view.project(force / LINEAR["mass"] * random.standard_normal(n))[:, bins].ravel()
+    ratios = np.sqrt(np.mean(np.abs((left / rows.std).reshape(-1, rows.view.omega.size)) ** 2, axis=0))
+    assert ratios == pytest.approx(np.ones(ratios.size), abs=0.35)
+    assert np.mean(ratios) == pytest.approx(1.0, abs=0.1)
 
 
 def test_a_contact_that_would_pull_has_no_damping():
