@@ -81,11 +81,12 @@ def is_the_rig(model):
 
 
 def test_the_rigs_own_model_is_found_and_nothing_is_said():
-    family = family_of(MODEL, training(), held())
+    family = family_of(MODEL, training(), [replace(record, hold=None) for record in held()])
     assert is_the_rig(family.model)
     assert family.memory == np.inf
     assert not family.free_zeros
-    assert family.notes == ()
+    assert (family.notes, family.chain) == ((), ())
+    assert family.holdout[0].hold is None  # nothing was found of it
     assert [r.name for r in (*family.recordings, *family.holdout)] == ["decay", "sweep", "held out"]
 
 
