@@ -55,8 +55,9 @@ static void dp_correct(dp_engine *e, const double *gain, double innovation, doub
  * part, `parts` of them, at least (n - 1) * fine, or null for a free motion). A force that jumps at a sample has its new
  * value there. Writes the response y (n) and, where not null, the states z (n * DP_NZ, sample by sample) and the signs at
  * each sample, kept (n * (DP_NS + 1)). With signs given (the same shape) the response is what the states give under
- * these. Of the outputs it is the one at index `shown`. With measured (n) and gain (DP_NZ) the state is corrected after each sample: y is then the prediction from one
- * sample to the next. Returns the number of samples written; fewer than n: it failed there. */
+ * these. Of the outputs it is the one at index `shown`. With measured (n) and gain (DP_NZ) the state is corrected after
+ * each sample: y is then the prediction from one sample to the next. Returns the number of samples written; fewer than
+ * n: it failed there. */
 DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long parts, long n, int fine,
                          double dt, double max_step, double *y, double *z, const double *measured, const double *gain,
                          const signed char *given, signed char *kept, int shown) {

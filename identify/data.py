@@ -13,7 +13,7 @@ from ..model.law import Scales
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from .equivalent import equivalent
-from .noise_spectrum import NoiseSpectrum, estimate, resonance_of
+from .noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, resonance_of
 from .offset import Offset
 from .prediction import FREE
 from .segments import COARSE_FORCE_BAND, FORCE_BAND, Segment, cut, pace_of
@@ -182,4 +182,4 @@ def likelihood(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -
     """Log-likelihood concentrated over the noise spectra (Whittle 1953); -inf where the model does not simulate."""
     if not all(np.all(np.isfinite(residual)) for residual in residuals):
         return -np.inf
-    return -0.5 * sum(spectrum.log_determinant() for spectrum in noise_spectra(residuals, model, data))
+    return concentrated_likelihood(noise_spectra(residuals, model, data))

@@ -19,8 +19,9 @@ _ON = 0.15
 _QUIET = 3.0
 #: What a sensor of force resolves of its largest reading.
 _RESOLVED = 1e-6
-#: Fewer means over cycles than this do not show their own scatter.
-_FEWEST_MEANS = 5
+#: Fewer means over cycles than this do not show their own scatter: beside a level, a slope and the size of the motion
+#: two degrees of freedom are left.
+FEWEST_MEANS = 5
 
 
 def force_is_silent(recording: Recording) -> bool:
@@ -50,7 +51,7 @@ def zero_of(force: np.ndarray, period: int) -> tuple[float, float]:
 def _error_of_middle(force: np.ndarray, period: int) -> float:
     """Standard error of the middle of a force (n,), from the scatter of its means over cycles."""
     count = force.size // period
-    if count < _FEWEST_MEANS:
+    if count < FEWEST_MEANS:
         return np.inf
     means = np.mean(force[: count * period].reshape(count, period), axis=1)
     return float(np.median(np.abs(means - np.median(means)))) * 1.4826 / np.sqrt(count)

@@ -23,7 +23,7 @@ from ..simulate.force import force_between, smooth_force
 from .blows import ContactForce
 from .data import measured, noise_of
 from .likelihood import Fit
-from .noise_spectrum import NoiseSpectrum
+from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from .normal_equations import pseudo_inverse
 from .offset import Offset
 from .output_error import Outcome, OutputError, State
@@ -167,7 +167,7 @@ class _Trial:
     def __init__(self, hold: str, problem: OutputError, outcome: Outcome, oscillator: Oscillator) -> None:
         self.hold, self.problem, self.outcome = hold, problem, outcome
         self.noise = _noise(problem, outcome.residuals, oscillator) if np.isfinite(outcome.cost) else []
-        self.likelihood = -0.5 * sum(s.log_determinant() for s in self.noise) if self.noise else -math.inf
+        self.likelihood = concentrated_likelihood(self.noise) if self.noise else -math.inf
         self.values = outcome.state.values[list(problem.free)]
         self.errors = np.sqrt(np.diag(pseudo_inverse(outcome.information)))
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
+from typing import Protocol
 
 import numpy as np
 
@@ -108,7 +109,7 @@ def identify(
         recordings = held_as(recordings, start.hold)
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
-    def answer(recordings: Sequence[Recording], known: Oscillator | None = None, doubted: bool = doubted) -> Fit:
+    def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
         data = data_of(recordings, base, coarse=False)
 
         def begun(model: Oscillator) -> Oscillator:
@@ -131,7 +132,8 @@ def identify(
         fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, others=others, **how)
         return _with_shapes(fit, recordings, data, tuple(fixed), doubted=doubted) if shapes else fit
 
-    fit, recordings, chain = _with_hold(answer(recordings), recordings, answer)
+    fit = answer(recordings, None, doubted=doubted)
+    fit, recordings, chain = _with_hold(fit, recordings, answer, doubted=doubted)
     return Identification(
         oscillator=_with_provenance(fit, hilbert, recordings, band),
         hilbert=hilbert,
@@ -141,8 +143,14 @@ def identify(
     )
 
 
+class _Fitting(Protocol):
+    """Fits recordings, from a model that is known to be near or from none; ``doubted`` as in ``identify``."""
+
+    def __call__(self, recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit: ...
+
+
 def _with_hold(
-    fit: Fit, recordings: Sequence[Recording], answer: Callable[..., Fit]
+    fit: Fit, recordings: Sequence[Recording], answer: _Fitting, *, doubted: bool
 ) -> tuple[Fit, Sequence[Recording], list[str]]:
     """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it."""
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
@@ -151,7 +159,8 @@ def _with_hold(
         # in full where the other, found under a wrong hold, does not keep step
         again = answer(held, fit.oscillator, doubted=False)
         if _no_worse(again, fit) and estimate.believed(further_of_fit(again, recordings, estimate.hold)):
-            fit, recordings, notes = answer(held, again.oscillator), held, [hold_note(estimate.hold)]
+            fit = answer(held, again.oscillator, doubted=doubted)
+            recordings, notes = held, [hold_note(estimate.hold)]
     hold = hold_of_recordings(recordings)
     fit = with_hold_unknown(fit, estimate.spread(hold) if fit.names == names else 0.0)
     return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes

@@ -25,7 +25,7 @@ from .climb import best_climb, from_near, nrmse_of
 from .data import Data, data_of
 from .from_prediction import EARLY_STEPS, from_prediction, keeps_step, memories, simulates
 from .jumps import left_out, smooth_stretches
-from .noise_spectrum import NoiseSpectrum
+from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from .normal_equations import pseudo_inverse
 from .offset import FoundOffset
 from .offsets import found_offsets, kept_offsets, zeros_of
@@ -310,7 +310,7 @@ def _result(
         )
     )
     points = sum(segment.n for segment in problem.segments)
-    log_likelihood = -outcome.cost - 0.5 * sum(s.log_determinant() for s in noise) - 0.5 * points * np.log(2 * np.pi)
+    log_likelihood = -outcome.cost + concentrated_likelihood(noise) - 0.5 * points * np.log(2 * np.pi)
     notes = [*remarks, *(f"{names[i]} is not identifiable from these recordings" for i in lost)]
     notes += _at_bounds(problem, outcome.state.values, names)
     if not outcome.converged:

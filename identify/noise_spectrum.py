@@ -7,6 +7,7 @@ residual's own spectrum makes it a maximum-likelihood fit again (Whittle 1953).
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -70,6 +71,14 @@ class NoiseSpectrum:
     def log_determinant(self) -> float:
         """Logarithm of the noise covariance's determinant."""
         return float(np.sum(self._counted * np.log(self.density)))
+
+
+def concentrated_likelihood(spectra: Iterable[NoiseSpectrum]) -> float:
+    """Log-likelihood of residuals whose noise has the spectra that they show (Whittle 1953), but for a constant.
+
+    Each residual, whitened by its own spectrum, has the same mean square whatever it is: the determinants alone decide.
+    """
+    return -0.5 * sum(spectrum.log_determinant() for spectrum in spectra)
 
 
 def white(residual: np.ndarray) -> NoiseSpectrum:

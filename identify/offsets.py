@@ -15,7 +15,7 @@ from ..model import Oscillator
 from ..recording.recording import Recording
 from .blows import ContactForce
 from .data import Data, noise_of
-from .force_off import zero_of
+from .force_off import FEWEST_MEANS, zero_of
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
 from .offset import FoundOffset, Offset
@@ -25,8 +25,6 @@ from .segments import Segment
 #: An offset stays where it is this many of its standard errors from zero: a thousand times as likely with it as
 #: without (a gain of ln 1000 is half the square of 3.7), by chance once in five thousand recordings.
 _STANDS_OUT = float(np.sqrt(2.0 * np.log(1000.0)))
-#: Fewer means over cycles than this do not show their own scatter.
-_FEWEST_MEANS = 5
 #: Laws that move the zero themselves: beside them an offset would be the same thing twice.
 _SAME_THING = ("sensor-offset", "constant-force")
 
@@ -193,7 +191,7 @@ def drift_of(parts: Sequence[tuple[float, float, np.ndarray, np.ndarray]], omega
         times.append(time + (np.arange(count) + 0.5) * period * dt)
         means.append(np.mean(residual[cycles].reshape(count, period), axis=1))
         sizes.append(np.var(response[cycles].reshape(count, period), axis=1))
-    if sum(len(part) for part in means) < _FEWEST_MEANS:
+    if sum(len(part) for part in means) < FEWEST_MEANS:
         return None
     mean = np.concatenate(means)
     columns = np.stack([np.ones(mean.size), np.concatenate(times), np.concatenate(sizes)])

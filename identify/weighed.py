@@ -10,7 +10,7 @@ import numpy as np
 from ..model import Oscillator
 from ..recording.recording import Recording
 from .data import equivalent_resonance, expected_noise, noise_of
-from .noise_spectrum import NoiseSpectrum, estimate, white
+from .noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, white
 from .output_error import Outcome, OutputError, State
 from .plainest import by_chance, plain_cost
 from .prediction import FREE
@@ -65,9 +65,8 @@ def weighed(
         return answer, steps
     flat = [white(residual) for residual in plain.residuals]
     remainders = _noise(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
-    likelihood = -0.5 * sum(spectrum.log_determinant() for spectrum in remainders)
     plain = replace(plain, cost=0.5 * sum(residual.size for residual in plain.residuals))  # that under flat spectra
-    return Answer(plain, flat, float(likelihood), remainders), steps
+    return Answer(plain, flat, concentrated_likelihood(remainders), remainders), steps
 
 
 def whitened(
@@ -86,8 +85,8 @@ def whitened(
     state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
     noise = _noise(problem, residuals, state, start)
     outcome = problem.search(state, noise, tolerance=tolerance, informed=informed)
-    likelihood = -0.5 * sum(s.log_determinant() for s in _noise(problem, outcome.residuals, outcome.state, start))
-    return Answer(outcome, noise, float(likelihood)), steps + outcome.iterations
+    likelihood = concentrated_likelihood(_noise(problem, outcome.residuals, outcome.state, start))
+    return Answer(outcome, noise, likelihood), steps + outcome.iterations
 
 
 def concentrated(problem: OutputError, state: State, start: Oscillator) -> float:
@@ -95,7 +94,7 @@ def concentrated(problem: OutputError, state: State, start: Oscillator) -> float
     residuals = problem.residuals(state)
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return -np.inf
-    return -0.5 * sum(s.log_determinant() for s in _noise(problem, residuals, state, start))
+    return concentrated_likelihood(_noise(problem, residuals, state, start))
 
 
 def over_noise(

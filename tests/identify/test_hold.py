@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from dashpot.examples.force import chirp, multisine
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
+from dashpot.identify import hold as module
 from dashpot.identify import identify
-from dashpot.identify.hold import ODDS, HoldFound, held_as, hold_of_recordings
+from dashpot.identify.hold import ODDS, HoldFound, _Trial, find_hold, held_as, hold_of_recordings
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
 
@@ -110,6 +112,65 @@ def test_a_hold_is_believed_up_to_a_tenth_of_it():
     little = replace(held, log_odds={"smooth": 0.0, "zero": 10.0})
     assert little.believed(0.99 * np.log(ODDS))
     assert not little.believed(1.01 * np.log(ODDS))
+
+
+def test_holds_are_told_apart_at_odds_of_a_thousand():
+    """A further lag shows by chance once in as many right holds."""
+    little = HoldFound("zero", {"smooth": 0.0, "zero": 10.0}, {})
+    assert little.believed(float(np.log(999.0)))
+    assert not little.believed(float(np.log(1001.0)))
+
+
+def compared(monkeypatch, *, apart=9.0, moved=(9.0, 9.0), likelier=(0.0, 0.0), further=0.5):
+    """What is found where the two holds move parameters and are likelier than a smooth force by so much."""
+    moved_by, gained = (dict(zip(("zero", "linear"), pair, strict=True)) for pair in (moved, likelier))
+
+    class Trial:
+        def __init__(self, hold, problem, outcome, oscillator):
+            self.hold, self.problem, self.outcome, self.noise = hold, problem, outcome, []
+            self.values, self.likelihood = np.array([gained.get(hold, 0.0)]), gained.get(hold, 0.0)
+
+        def moved(self, other):
+            assert other.hold == "smooth"
+            return moved_by[self.hold]
+
+    point = SimpleNamespace(residuals=(), state=None)
+    problem = SimpleNamespace(residuals=lambda _: (), search=lambda *_, **__: point)
+    monkeypatch.setattr(module, "_Trial", Trial)
+    monkeypatch.setattr(module, "_noise", lambda *_: [])
+    monkeypatch.setattr(module, "_under", lambda *_: problem)
+    monkeypatch.setattr(module, "_distance", lambda *_: apart)
+    monkeypatch.setattr(module, "_further", lambda *_: further)
+    return find_hold(problem, None, None, ())  # pyright: ignore[reportArgumentType]
+
+
+@pytest.mark.parametrize(("apart", "compares"), [(0.99, False), (1.01, True)])
+def test_a_hold_that_no_response_shows_is_not_asked_for(monkeypatch, apart, compares):
+    """All that it does to the motion is less than one standard deviation of the noise: no parameter can tell it."""
+    assert bool(compared(monkeypatch, apart=apart).log_odds) is compares
+
+
+@pytest.mark.parametrize(("moved", "matters"), [(0.99, False), (1.01, True)])
+def test_a_hold_matters_where_it_moves_a_parameter_by_its_error(monkeypatch, moved, matters):
+    found = compared(monkeypatch, moved=(moved, 0.0), likelier=(50.0, 99.0))
+    assert found.hold == ("zero" if matters else "smooth")
+    assert found.log_odds == ({"smooth": 0.0, "zero": 50.0, "linear": 99.0} if matters else {})
+
+
+@pytest.mark.parametrize(("odds", "hold"), [(999.0, "smooth"), (1001.0, "linear")])
+def test_a_hold_is_found_at_odds_of_a_thousand(monkeypatch, odds, hold):
+    found = compared(monkeypatch, likelier=(1.0, float(np.log(odds))))
+    assert found.hold == hold
+    assert found.further == (0.5 if hold == "linear" else 0.0)
+    assert set(found.values) == {"smooth", "zero", "linear"}
+
+
+def test_a_distance_is_in_standard_errors_of_what_is_known():
+    """Of three parameters one is not known at all."""
+    trial, other = object.__new__(_Trial), object.__new__(_Trial)
+    trial.values, trial.errors = np.array([1.0, 5.0, 3.0]), np.array([0.5, 0.0, 2.0])
+    other.values = np.array([2.5, -9.0, 2.0])
+    assert trial.moved(other) == pytest.approx(3.0)
 
 
 def test_what_is_not_known_is_spread_by_its_probability():

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of, noise_spectra
 from dashpot.identify.from_prediction import memories
-from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.likelihood import _said_otherwise, maximum_likelihood
 from dashpot.identify.prediction import FREE
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
@@ -188,3 +189,18 @@ def test_a_structure_that_simulates_nowhere_is_refused():
     bad = off(1.0).with_parameters({"viscous": replace(off(1.0).viscous, value=-1e6)})
     with pytest.raises(BadInput, match="check signs and units"):
         maximum_likelihood(bad, [strange(*RIGS[0])])
+
+
+@pytest.mark.parametrize(("odds", "counts"), [(999.0, False), (1001.0, True)])
+def test_a_prediction_counts_against_a_simulation_at_odds_of_a_thousand(monkeypatch, odds, counts):
+    """Of two memories the likelier is asked; what it says otherwise goes into the standard errors."""
+    module = "dashpot.identify.likelihood"
+    likelihoods = iter((-5.0, float(np.log(odds))))
+    monkeypatch.setattr(f"{module}.memories", lambda _: [1.0, 8.0])
+    monkeypatch.setattr(f"{module}._nearest", lambda *_: None)
+    monkeypatch.setattr(f"{module}.whitened", lambda *_, **__: (SimpleNamespace(likelihood=next(likelihoods)), 3))
+    monkeypatch.setattr(f"{module}._apart", lambda one, other: (one.likelihood, one is not other))
+    simulated = SimpleNamespace(likelihood=0.0, outcome=SimpleNamespace(state=None))
+    problem = SimpleNamespace(segments=(), predicting=lambda memory: memory)
+    (likelihood, apart), steps = _said_otherwise(problem, simulated, {}, None)
+    assert (likelihood, apart, steps) == (pytest.approx(np.log(odds)), counts, 6)

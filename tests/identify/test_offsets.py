@@ -11,7 +11,7 @@ from dashpot.identify import identify
 from dashpot.identify.data import data_of
 from dashpot.identify.likelihood import maximum_likelihood
 from dashpot.identify.offset import Offset
-from dashpot.identify.offsets import centre, response_offsets
+from dashpot.identify.offsets import centre, drift_of, response_offsets, zero_of_load_cell
 from dashpot.identify.output_error import State
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
@@ -143,3 +143,20 @@ def test_what_a_sensor_shows_needs_no_simulation_and_has_the_same_derivative(mon
     for rows, quotients in zip(closed, problem.derivatives(state, residuals), strict=True):
         assert rows[first : first + 3] == pytest.approx(quotients[first : first + 3], rel=1e-6, abs=1e-6)
     assert [np.ptp(closed[1][first + k]) for k in range(3)] == pytest.approx([0.0, 0.0, (N - 1) / FS])
+
+
+@pytest.mark.parametrize(("times", "kept"), [(3.71, False), (3.72, True), (-3.72, True)])
+def test_a_zero_stands_out_at_odds_of_a_thousand(monkeypatch, times, kept):
+    """Half the square of 3.717 errors is the logarithm of a thousand."""
+    monkeypatch.setattr("dashpot.identify.offsets.zero_of", lambda *_: (2e-3 * times, 2e-3))
+    assert zero_of_load_cell(np.zeros(100), 100.0, 10.0) == (2e-3 * times if kept else 0.0)
+
+
+@pytest.mark.parametrize(("cycles", "told"), [(4, False), (5, True)])
+def test_four_means_do_not_show_their_own_scatter(cycles, told):
+    """Three unknowns, the size of the motion among them, leave one of four."""
+    n = cycles * 50
+    response = np.linspace(1.0, 2.0, n) * np.cos(2 * np.pi * np.arange(n) / 50)
+    drift = drift_of([(0.0, 0.02, response, 3.0 * 0.02 * np.arange(n))], 2 * np.pi)
+    assert (drift is not None) is told
+    assert drift is None or drift == pytest.approx(3.0, rel=1e-3)

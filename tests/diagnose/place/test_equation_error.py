@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.place.equation_error import BLOCK_CYCLES, equation_error
+from dashpot.diagnose.place.equation_error import BLOCK_CYCLES, _stretch, equation_error
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of
 from dashpot.model import Oscillator
@@ -73,6 +74,9 @@ def test_a_free_decay_has_no_drive(recorded):
     (stretch,), _ = errors(Oscillator.from_values(LINEAR), decay)
     assert not stretch.driven
     assert not np.any(stretch.drive)
+    assert stretch.n == stretch.time.size == stretch.x.size
+    # of its two seconds a cycle at each end is left out
+    assert (stretch.time[0], stretch.time[-1]) == pytest.approx((PERIOD, 2.0 - PERIOD), abs=0.1 * PERIOD)
 
 
 @pytest.mark.parametrize(("cycles", "told"), [(3.0, 0), (8.0, 1)])
@@ -92,3 +96,66 @@ def test_one_prior_for_all_so_that_quiet_and_loud_compare(sweep, recorded):
     (loud, low), _ = errors(soft, sweep, quiet)
     per = [s.missing @ s.x / (s.x @ s.x) for s in (loud, low)]
     assert per[1] == pytest.approx(per[0], rel=0.1)
+
+
+def test_evidence_is_counted_a_sample_and_the_strongest_gives_the_prior(monkeypatch):
+    """Of each segment where it is loudest: 200 samples that gain 30, 600 that gain 2."""
+    loudest = {0: (100, 300, 0.5, 30.0), 1: (400, 1000, 2.0, 2.0)}
+    priors = []
+
+    class Found:
+        def __init__(self, model, data, index):
+            self.first, self.last, self.strength, self.gain = loudest[index]
+
+        def loudest(self):
+            return self.first, self.last
+
+        def most_likely(self, first, last):
+            assert (first, last) == (self.first, self.last)
+            return self.strength, 1.0
+
+        def evidence(self, strength, memory, first, last):
+            assert (strength, memory, first, last) == (self.strength, 1.0, self.first, self.last)
+            return self.gain
+
+        def smooth(self, prior):
+            priors.append(prior)
+            return "smoothed"
+
+    segments = [SimpleNamespace(recording=i, force=force) for i, force in enumerate((None, np.ones(3)))]
+    data = SimpleNamespace(segments=segments, recordings=[SimpleNamespace(name=name) for name in "ab"])
+    module = "dashpot.diagnose.place.equation_error"
+    monkeypatch.setattr(f"{module}.Smoother", Found)
+    monkeypatch.setattr(f"{module}._stretch", lambda name, driven, *_: (name, driven) if name == "b" else None)
+    stretches, evidence = equation_error(Oscillator.from_values(LINEAR), data)  # pyright: ignore[reportArgumentType]
+    assert evidence == pytest.approx(32.0 / 800.0)
+    assert priors == [(2.0, 1.0)] * 2
+    assert stretches == [("b", True)]
+
+
+@pytest.mark.parametrize(("a_cycle", "kept", "span"), [(60, 3, 11), (12, 1, 5)])
+def test_the_rate_of_a_force_is_that_of_a_cubic_over_a_sixth_of_a_cycle(a_cycle, kept, span):
+    """Or over five samples (Savitzky and Golay 1964); sixteen samples a cycle stay, or all."""
+    dt, n = 1e-3, 20 * a_cycle
+    turn = 2 * np.pi * np.arange(n) / a_cycle
+    drive = np.random.default_rng(0).standard_normal(n)
+    smoothed = SimpleNamespace(
+        time=np.arange(n) * dt,
+        displacement=np.cos(turn),
+        velocity=-np.sin(turn),
+        force=np.zeros(n),
+        noise=np.zeros(n),
+        drive=drive,
+        moving=np.arange(n) != 5 * a_cycle,
+    )
+    stretch = _stretch("run", True, smoothed, SimpleNamespace(dt=dt, period=a_cycle * dt))  # type: ignore[arg-type]
+    assert stretch is not None
+    place = np.arange(a_cycle, 19 * a_cycle, kept)
+    place = place[place != 5 * a_cycle]  # where the mass rests
+    assert stretch.time == pytest.approx(place * dt)
+    i, half = place[40], span // 2
+    near = np.arange(-half, half + 1)
+    cubic = np.polyfit(near * dt, drive[i + near], 3)
+    assert stretch.drive_rate[40] == pytest.approx(cubic[-2])
+    assert stretch.drive_bend[40] == pytest.approx(2 * cubic[-3])
+    assert np.array_equal(stretch.block, place // (4 * a_cycle))

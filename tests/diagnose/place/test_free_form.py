@@ -148,6 +148,17 @@ def test_a_damper_behind_a_spring_is_a_memory(stretch):
     assert fractions["memory"] > 0.8
 
 
+def test_memories_reach_from_a_fiftieth_to_half_of_the_motion_and_from_slow_to_fast(stretch):
+    """A slider holds at its reach; a damper behind a spring keeps of a sampled sine a part in closed form."""
+    own = stretch(cycles=200)
+    columns = KINDS["memory"](rows_of([own]))
+    assert np.max(np.abs(columns[:, :4]), axis=0) == pytest.approx(np.array([0.02, 0.06, 0.18, 0.5]) * SIZE, rel=0.02)
+    parts = np.std(columns[:, 4:], axis=0) / np.std(own.x)
+    turn = 2 * np.pi / 16
+    poles = np.exp(-turn * np.array([0.2, 1.0, 5.0]))
+    assert parts == pytest.approx(np.abs((1 - np.exp(-1j * turn)) / (1 - poles * np.exp(-1j * turn))), rel=0.05)
+
+
 def test_a_path_that_lags_or_holds_back_at_turns_follows_the_force(stretch):
     for force in (
         lambda s: 0.2 * s.drive_bend / np.std(s.drive_bend),

@@ -84,6 +84,14 @@ def test_excess_must_exceed_three_of_its_standard_errors(stretch):
         assert where_it_is(replace(rows, silent=silent, left=scale * silent)) == [beyond]
 
 
+@pytest.mark.parametrize(("cycles", "excess", "beyond"), [(8, 5.9, False), (8, 6.1, True), (12, 5.9, True)])
+def test_two_blocks_do_not_show_their_scatter(cycles, excess, beyond, stretch):
+    """Their noise may be off by twice itself; three show that it is the same in each."""
+    rows = rows_of([stretch(cycles=cycles)])
+    flat = np.ones_like(rows.silent)
+    assert where_it_is(replace(rows, silent=flat, left=np.sqrt(1 + excess) * flat)) == [beyond]
+
+
 def with_left(rows, left):
     return replace(rows, left=left, silent=np.zeros_like(left))
 
@@ -119,6 +127,14 @@ def test_the_noise_in_an_order_is_taken_off(stretch):
     assert first[0] == pytest.approx(1.0)
 
 
+def test_the_noise_in_the_first_order_is_taken_off_its_parts(stretch):
+    """Of a power of 1, an eighth is noise in step with the displacement."""
+    rows = rows_of([stretch()])
+    phase = rows.joined(lambda s: s.phase)
+    _, first = orders(replace(rows, left=np.cos(phase) + np.cos(2 * phase), silent=0.5 * np.cos(phase)))
+    assert first == (pytest.approx((1 / 2 - 1 / 8) / (1 - 1 / 8), abs=1e-3), pytest.approx(0.0, abs=1e-9))
+
+
 def test_a_stretch_without_a_phase_has_no_orders(stretch):
     plain = stretch()
     rows = rows_of([replace(plain, phase=np.full(plain.n, np.nan))])
@@ -143,6 +159,13 @@ def test_a_tone_is_found_with_its_frequency_and_size(stretch):
 def test_a_force_from_outside_has_one_size(part, steady, stretch):
     line = line_in(rows_of([stretch(tone(0.5)), stretch(tone(part * 0.5), seed=1)]))
     assert line.steady == steady
+
+
+@pytest.mark.parametrize(("beside", "alone"), [(-0.4, False), (0.4, False), (-1.3, True), (1.3, True)])
+def test_a_line_stands_alone(beside, alone, stretch):
+    """With a third of its power four tenths of a hertz below or above it is a resonance."""
+    rows = rows_of([stretch(lambda s: tone(0.5)(s) + 0.3 * np.cos(2 * np.pi * (TONE + beside) * s.time))])
+    assert (line_in(rows) is not None) is alone
 
 
 def test_a_tone_in_one_recording_alone_is_none(stretch):

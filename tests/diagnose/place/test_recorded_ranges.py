@@ -76,3 +76,51 @@ def test_what_no_recording_tells_is_not_known():
     assert recorded_ranges([still], model("velocity")).displacement is None
     short = record(1e-3, seconds=3 / FS)
     assert recorded_ranges([short], model()).velocity is None
+
+
+@pytest.mark.parametrize(("samples", "counts"), [(1, False), (2, True)])
+def test_a_piece_of_two_samples_counts(samples, counts):
+    """A sample between two gaps has no spacing of its own."""
+    early, late = record(1e-3), record(1e-3, start=100.0)
+    lone = 50.0 + np.arange(samples) / FS
+    time = np.concatenate([early.time, lone, late.time])
+    y = np.concatenate([early.measured, np.full(samples, 4e-3), late.measured])
+    joined = RecordFit("j", False, 0.1, 0.1, 0.01, time, y, y, y, None, early.response)
+    top = recorded_ranges([joined], model()).displacement
+    assert top is not None
+    assert top[1] == pytest.approx(4e-3 if counts else 1e-3, rel=0.01)
+
+
+@pytest.mark.parametrize(("times", "apart"), [(1.4, False), (1.6, True)])
+def test_a_gap_is_a_spacing_half_as_large_again(times, apart):
+    """Across a step of the motion no velocity is taken where the record has a gap."""
+    one = record(1e-3)
+    time = one.time.copy()
+    time[2500:] += (times - 1.0) / FS
+    y = one.measured + np.where(np.arange(time.size) < 2500, 0.0, 5e-3)
+    joined = RecordFit("j", False, 0.1, 0.1, 0.01, time, y, y, y, None, one.response)
+    velocity = recorded_ranges([joined], model()).velocity
+    assert velocity is not None
+    assert (velocity[1] < 2e-3 * OMEGA) is apart
+
+
+def test_free_motion_covers_the_middle_nine_tenths_of_its_frequencies_while_it_is_large():
+    """From 8 to 12 Hz at one amplitude; what comes after at a twentieth of it tells nothing."""
+    t = np.arange(5000) / FS
+    rate = 8.0 + 0.4 * t
+    x = 1e-3 * np.cos(2 * np.pi * (8.0 * t + 0.2 * t**2))
+    x = np.concatenate([x, 5e-5 * np.cos(2 * np.pi * 20.0 * t)])
+    time = np.arange(x.size) / FS
+    free = RecordFit("f", False, 0.1, 0.1, 0.01, time, x, x, x, None, Response("displacement", "m"))
+    expected = np.quantile(rate, [0.05, 0.95])
+    assert recorded_ranges([free], model()).frequency_hz == pytest.approx(tuple(expected), abs=0.12)
+
+
+@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+def test_what_is_integrated_does_not_count_for_a_cycle_at_its_ends(quantity):
+    """A step in the first cycle is a wandering integral and no motion."""
+    plain = record(1e-3, quantity=quantity)
+    bent = record(1e-3, quantity=quantity)
+    bent.measured[: round(0.5 * FS / 8.0)] *= 3.0
+    ranges = [recorded_ranges([one], model(quantity)).displacement for one in (plain, bent)]
+    assert ranges[1] == pytest.approx(ranges[0], rel=0.2)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from dashpot.diagnose.place.free_form import _slider
 from dashpot.diagnose.place.statement import how_far_off, in_which_recordings, what_it_follows
-from dashpot.diagnose.place.what_it_follows import symptoms
+from dashpot.diagnose.place.what_it_follows import symptoms, with_kind
 from dashpot.model import Oscillator
 
 MODEL = Oscillator.from_values(
@@ -166,9 +167,11 @@ def test_a_sensor_is_told_to_be_in_the_record(stretch):
 
 
 def test_a_memory_is_told_with_its_parts_of_the_first_order(stretch):
-    statement, _ = said(stretch, lambda s: 2e3 * _slider(s.x, 3e-4), kind="memory")
+    signature = symptoms([stretch(lambda s: 2e3 * _slider(s.x, 3e-4), cycles=200)])
+    assert signature.kind == "memory"
+    statement, _ = what_it_follows(replace(signature, first=(0.251, 0.126)), MODEL, FULL)
     assert "a force that remembers" in statement
-    assert "% with displacement" in statement
+    assert "order 1: 25 % with displacement, 13 % with velocity" in statement
 
 
 def test_what_follows_nothing_is_told_by_step_and_amplitude(stretch):
@@ -214,6 +217,29 @@ def test_a_recording_in_which_it_would_be_too_small_to_see(stretch):
     assert in_which_recordings(even, ["loud", "quiet"]) == "in loud; in quiet it would be too small to see"
 
 
+@pytest.mark.parametrize(("part", "too_small"), [(0.4, True), (0.6, False)])
+def test_too_small_to_see_is_less_than_half_of_the_noises_power(part, too_small, stretch):
+    """The other recording does not have it: what it would have made there grows with the motion's fourth power."""
+
+    def lopsided(s):
+        return 4e4 * s.x**2
+
+    def both(size):
+        signature = symptoms([stretch(lopsided, name="loud"), stretch(name="quiet", size=size, seed=1)])
+        rows, rest = signature.rows, with_kind(signature)
+        made = rows.part(rows.left, 1) - rest.part(rest.left, 1)
+        return signature, float(made @ made) / float(np.sum(rows.part(rows.silent, 1) ** 2))
+
+    size = 2e-4
+    for _ in range(3):
+        size *= (part / both(size)[1]) ** 0.25
+    signature, ratio = both(size)
+    assert ratio == pytest.approx(part, abs=0.05)
+    assert signature.here == ("loud",)
+    words = "in loud; in quiet it would be too small to see" if too_small else "in loud, not in quiet"
+    assert in_which_recordings(signature, ["loud", "quiet"]) == words
+
+
 def test_a_delay_is_confirmed_by_decays_without_it(stretch):
     def late(s):
         return 5e-2 * s.drive_rate
@@ -242,6 +268,7 @@ def fit_of(*times):
     [
         ((3.0, 12.0, 5.0), " (response off by up to 12 times the noise, in run1)"),
         ((np.inf, 5.0), " (response off by up to 5 times the noise, in run1)"),
+        ((12.34,), " (response off by up to 12 times the noise, in run0)"),
         ((np.nan,), ""),
     ],
 )

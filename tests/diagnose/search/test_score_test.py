@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.score_test import Screen, Start, _Step, _Weighed
+from dashpot.diagnose.search.score_test import Screen, Start, _off, _orthonormal, _Step, _Weighed
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of, likelihood, noise_spectra
 from dashpot.identify.measured_motion import Regression, probes
@@ -17,6 +17,7 @@ from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY, find
 from dashpot.model.terms import with_term
+from dashpot.recording import Recording
 
 
 @pytest.mark.long
@@ -202,3 +203,133 @@ def test_a_tone_is_found_with_its_phase(monkeypatch, phase):
     # one that the recordings do not show has no step
     monkeypatch.setattr(made, "_change", lambda *_: [np.zeros(100)])
     assert made._phases(find("tonal-disturbance"), {"frequency": 60.0}) is None
+
+
+# --- the whole screen, on free motions in closed form
+
+LINEAR = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0}
+FREE = Oscillator.from_values({name: value for name, value in LINEAR.items() if name != "mass"})
+FS, NOISE, LINE, TONE = 500.0, 1e-5, 2 * np.pi * 9.0, 2.0
+PHASES = (0.8, -2.0)
+
+
+def decays(sizes=(8e-3, 5e-3), drag: float = 0.0, tone: float = 0.0):
+    """Decays of a linear rig: with a faint drag (Krylov and Bogoliubov 1937), or under a tone of another phase in each.
+
+    The amplitude A of a lightly damped motion falls as A' = -h A - b A², b = 4 drag omega / (3 pi).
+    """
+    omega, h = LINEAR["omega0"], 0.5 * LINEAR["viscous"]
+    t, pace = np.arange(1000) / FS, np.sqrt(LINEAR["omega0"] ** 2 - h**2)
+    runs = []
+    for i, (size, phase) in enumerate(zip(sizes, PHASES, strict=True)):
+        b = 4 * drag * omega / (3 * np.pi)
+        amplitude = size * np.exp(-h * t) / (1 + b * size / h * (1 - np.exp(-h * t)))
+        steady = tone / (omega**2 - LINE**2 + 2j * h * LINE) * np.exp(1j * (LINE * t + phase))
+        x = amplitude * np.cos(pace * t) + steady.real + NOISE * np.random.default_rng(i).standard_normal(t.size)
+        runs.append(Recording(f"run {i}", FS, x))
+    data = data_of(runs, FREE, lines=(LINE,))
+    fixed = ("cubic", "preload", "dry")
+    return Structure(FREE, data, fixed).fit(settle=True, tolerance=0.01), data
+
+
+def test_a_drag_is_found_on_decays_and_gains_what_it_promises():
+    fitted, data = decays(drag=0.5)
+    asked = []
+    laws = [find(name) for name in ("quadratic-drag", "quadratic-stiffness")]
+    drag, other = Screen(fitted, data).starts(laws, lambda: asked.append(1))
+    assert (drag.effect, other.effect, len(asked)) == ("quadratic-drag", "quadratic-stiffness", 2)
+    assert drag.model.values()["quadratic-drag.coefficient"] == pytest.approx(0.5, rel=0.15)
+    assert drag.model.values()["viscous"] == pytest.approx(LINEAR["viscous"], rel=0.02)
+    assert drag.gain > 50.0 > 10.0 > other.gain
+    assert drag.promise == pytest.approx(drag.gain, rel=0.5)
+    # the gain is that of the whole likelihood, over the model that left something over
+    structure = Structure(drag.model, data)
+    residuals = structure.problem.residuals(structure.state(drag.initial))
+    assert drag.gain == pytest.approx(likelihood(residuals, drag.model, data) - fitted.likelihood, abs=1e-6)
+
+
+def test_a_tone_is_found_on_decays_with_its_phase_in_each():
+    fitted, data = decays(tone=TONE)
+    (start,) = Screen(fitted, data).starts([find("tonal-disturbance")])
+    values = start.model.values()
+    assert abs(values["tonal-disturbance.amplitude"]) == pytest.approx(TONE, rel=0.15)
+    assert start.gain > 100.0
+    turned = start.initial[:, 2] + (np.pi if values["tonal-disturbance.amplitude"] > 0 else 0.0)
+    begins = np.array([segment.time for segment in data.segments]) * LINE
+    off = np.angle(np.exp(1j * (turned - begins - PHASES)))
+    assert min(np.max(np.abs(off)), np.max(np.abs(np.abs(off) - np.pi))) < 0.2
+
+
+def test_a_law_that_is_there_is_not_asked_for_again(monkeypatch):
+    """Nor is its twin under the same name; without laws the whole library is asked."""
+    fitted, data = decays()
+    grown = with_term(fitted.model, "quadratic-drag", {"coefficient": 1e-3})
+    screened = Screen(replace(fitted, model=grown, free=(*fitted.free, "quadratic-drag.coefficient")), data)
+    two = {name: LIBRARY[name] for name in ("quadratic-drag", "cubic-damping")}
+    monkeypatch.setattr("dashpot.diagnose.search.score_test.LIBRARY", two)
+    assert [start.effect for start in screened.starts()] == ["cubic-damping"]
+    assert screened.starts([]) == []
+
+
+@pytest.mark.parametrize(("force", "seen"), [(None, False), (np.ones(3), True)])
+def test_an_actuator_is_asked_for_where_there_is_a_force(force, seen):
+    made = screen(CHANGE, KNOWN)
+    made.data.segments = (SimpleNamespace(force=None), SimpleNamespace(force=force))
+    assert made.applies(find("actuator-lag")) is seen
+    assert made.applies(find("quadratic-drag"))
+
+
+def test_of_each_law_the_two_places_that_promise_most_are_simulated(monkeypatch):
+    made = screen(CHANGE, KNOWN)
+    made.fitted.model = FREE
+    promises = iter((3.0, 9.0, None, 1.0, 7.0, 5.0, 0.0, 2.0, 4.0))
+    simulated = []
+
+    def promised(law, probe):
+        promise = next(promises, None)
+        return None if promise is None else _Step(law, {}, np.zeros(1), promise)
+
+    def kept(step):
+        simulated.append(step.promise)
+        return Start(step.law.effect, FREE, np.zeros((1, 2)), step.promise, -step.promise)
+
+    monkeypatch.setattr(made, "_promised", promised)
+    monkeypatch.setattr(made, "_concentrated", lambda step: step)
+    monkeypatch.setattr(made, "_kept", kept)
+    (start,) = made.starts([find("one-sided-stop")])
+    assert simulated == [9.0, 7.0]
+    assert start.promise == 7.0  # the better once simulated
+
+
+def test_what_cannot_be_simulated_promises_nothing_and_gains_nothing(monkeypatch):
+    fitted, data = decays()
+    made = Screen(fitted, data)
+    law = find("quadratic-drag")
+    here = np.array(list(FREE.values().values()))
+    assert made._simulated(law, {"coefficient": 1.0}, here, 1.0) is not None
+    assert made._simulated(law, {"coefficient": -1e6}, here, 1.0) is None  # pushed beyond all numbers
+
+    def fails(*_):
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr(made, "_change", fails)
+    assert made._promised(law, {"coefficient": 0.0}) is None
+
+
+def test_what_the_states_of_a_segment_imitate_is_projected_out():
+    random = np.random.default_rng(0)
+    rows = random.standard_normal((3, 50))
+    basis = _orthonormal(np.vstack([rows, 2.0 * rows[0], np.zeros(50)]))
+    assert basis @ basis.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert _off(basis, rows) == pytest.approx(np.zeros((3, 50)), abs=1e-12)
+    other = random.standard_normal((2, 50))
+    assert _off(basis, other) @ basis.T == pytest.approx(np.zeros((2, 3)), abs=1e-12)
+    nothing = _orthonormal(np.zeros((2, 50)))
+    assert np.array_equal(_off(nothing, other), other)
+
+
+@pytest.mark.parametrize(("apart", "directions"), [(3e-9, 1), (1e-7, 2)])
+def test_directions_that_only_roundings_tell_apart_are_one(apart, directions):
+    """Two rows at an angle: the smaller singular value over the larger is half of it."""
+    rows = np.array([[1.0, 0.0, 0.0], [np.cos(apart), np.sin(apart), 0.0]])
+    assert len(_orthonormal(rows)) == directions

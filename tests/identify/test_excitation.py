@@ -1,0 +1,59 @@
+"""What kind of force a recording holds."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify.decay import Decay
+from dashpot.identify.excitation import band_of, kind_of
+from dashpot.recording import Recording
+
+FS, SECONDS = 200.0, 24.0
+TIME = np.arange(round(FS * SECONDS)) / FS
+
+
+def under(force):
+    return Recording("run", FS, np.cos(TIME), force)
+
+
+def sweep(first, last):
+    return np.sin(2 * np.pi * (first * TIME + 0.5 * (last - first) / SECONDS * TIME**2))
+
+
+@pytest.mark.parametrize(
+    ("force", "kind"),
+    [
+        (None, "decay"),
+        (np.zeros(TIME.size), "decay"),
+        (sweep(10.0, 10.0), "sine"),
+        (sweep(10.0, 11.5), "sine"),  # a line that wanders by less than a fifth
+        (sweep(10.0, 13.0), "sweep"),
+        (sweep(30.0, 10.0), "sweep"),
+        (np.random.default_rng(0).standard_normal(TIME.size), "broadband"),
+        (sweep(10.0, 10.0) + sweep(30.0, 30.0), "broadband"),
+    ],
+)
+def test_the_kind_is_told_by_the_signal(force, kind):
+    assert kind_of(under(force), ()) == kind
+
+
+@pytest.mark.parametrize(("part", "broad"), [(0.75, True), (0.85, False)])
+def test_four_fifths_of_what_is_no_noise_are_narrow(part, broad):
+    noise = np.random.default_rng(0).standard_normal(TIME.size)
+    assert (kind_of(under(np.where(part * SECONDS > TIME, sweep(10.0, 10.0), noise)), ()) == "broadband") is broad
+
+
+def test_pauses_count_for_nothing():
+    assert kind_of(under(np.where(TIME < 12.0, sweep(10.0, 10.0), 0.0)), ()) == "sine"
+
+
+def test_what_is_driven_and_let_go_is_in_bursts():
+    assert kind_of(under(sweep(10.0, 10.0)), [Decay(100, 200)]) == "bursts"
+    assert kind_of(under(None), [Decay(100, 200)]) == "decay"
+
+
+def test_a_force_has_a_band_and_free_motion_none():
+    assert band_of(under(None)) is None
+    assert band_of(under(np.zeros(TIME.size))) is None
+    band = band_of(under(sweep(10.0, 20.0)))
+    assert band == pytest.approx((10.0, 20.0), rel=0.05)

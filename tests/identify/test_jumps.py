@@ -1,0 +1,97 @@
+"""Where a response has no derivative: differences that disagree, on either side of what is allowed."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from dashpot.identify.jumps import _jumps, _longest, left_out, smooth_stretches
+
+N, CYCLE = 400, 20
+
+
+def jumping(disagree: float, *, size: float = 1.0, visible: float = 0.0) -> np.ndarray:
+    """Where a derivative of that size jumps whose differences disagree at one sample by that part of the larger."""
+    forward = np.full((1, N), 1.0)
+    forward[0, 200:] = size
+    backward = forward.copy()
+    backward[0, 300] -= disagree * size
+    return _jumps(forward, backward, CYCLE, np.array([visible]))
+
+
+@pytest.mark.parametrize(("disagree", "jumps"), [(0.295, False), (0.305, True)])
+def test_differences_that_disagree_by_three_tenths_are_no_derivative(disagree, jumps):
+    where = np.flatnonzero(jumping(disagree))
+    assert where.size == (CYCLE if jumps else 0)
+    assert not jumps or (abs(where[0] - 290) <= 1 and abs(where[-1] - 309) <= 1)  # half a cycle on either side
+
+
+@pytest.mark.parametrize(("size", "jumps"), [(0.9e-3, False), (2e-3, True)])
+def test_what_is_small_beside_the_largest_effect_is_no_jump(size, jumps):
+    """A thousandth of it, and three tenths of itself."""
+    assert bool(np.any(jumping(1.0, size=size))) is jumps
+
+
+@pytest.mark.parametrize(("visible", "jumps"), [(0.71, False), (0.69, True)])
+def test_what_rounding_makes_is_no_jump(visible, jumps):
+    assert bool(np.any(jumping(1.0, visible=visible - 1e-3))) is jumps
+
+
+def test_the_longest_run_is_kept():
+    good = np.array([1, 1, 0, 1, 1, 1, 0, 1], bool)
+    assert _longest(good) == (3, 6)
+    assert _longest(np.ones(4, bool)) == (0, 4)
+    assert _longest(np.zeros(4, bool)) == (0, 0)
+
+
+class Segment(SimpleNamespace):
+    def part(self, begin, end):
+        return Segment(**(vars(self) | {"begin": begin, "n": end - begin}))
+
+
+def smoothed(jump_at: int | None, n: int = 30 * CYCLE):
+    """The stretch that is kept of a segment of thirty cycles whose derivative jumps at one sample."""
+    segment = Segment(n=n, dt=2 * np.pi / CYCLE, pace=1.0, response=np.ones(n), recording=0, begin=0)
+    forward = np.ones((1, n))
+    backward = forward.copy()
+    if jump_at is not None:
+        backward[0, jump_at] = 0.0
+
+    problem = SimpleNamespace(
+        segments=(segment,),
+        free=(0,),
+        scale=np.ones(1),
+        residuals=lambda _: None,
+        derivatives=lambda *_, backward_=backward, **how: [backward_ if how.get("backward") else forward],
+        states=lambda i, state: np.arange(n)[:, None],
+        core=SimpleNamespace(initial=lambda along: along + 0.5),
+    )
+    from dashpot.identify.output_error import State
+
+    state = State(np.ones(1), np.zeros((1, 1)), np.zeros(0))
+    kept, after = smooth_stretches(problem, state)  # pyright: ignore[reportArgumentType]
+    return kept[0].begin, kept[0].n, float(after.initial[0, 0])
+
+
+def test_of_a_segment_the_longest_smooth_stretch_is_kept_with_the_state_it_begins_in():
+    assert smoothed(None) == (0, 600, 0.0)
+    begin, n, state = smoothed(5 * CYCLE)
+    assert begin == pytest.approx(5.5 * CYCLE, abs=2)
+    assert (begin + n, state) == (600, begin + 0.5)
+    begin, n, state = smoothed(25 * CYCLE)
+    assert (begin, state) == (0, 0.0)
+    assert n == pytest.approx(24.5 * CYCLE, abs=2)
+
+
+@pytest.mark.parametrize(("cycles", "kept"), [(19, False), (22, True)])
+def test_a_smooth_stretch_has_ten_cycles_or_all_stays_as_it_was(cycles, kept):
+    n = cycles * CYCLE
+    assert (smoothed(n // 2, n)[1] < n) is kept
+
+
+def test_what_was_left_out_is_said_of_its_recording():
+    before = [SimpleNamespace(n=100, dt=0.1, recording=0), SimpleNamespace(n=50, dt=0.1, recording=1)]
+    after = [SimpleNamespace(n=60, dt=0.1, recording=0), before[1]]
+    (sentence,) = left_out(before, after, ["a", "b"])  # pyright: ignore[reportArgumentType]
+    assert sentence.startswith("a: 4 of 10 s were left out")
