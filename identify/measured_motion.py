@@ -192,13 +192,17 @@ class Regression:
 
     def _begun(self, law: Law) -> Guess | None:
         """The best place of a law after a while; one with side valleys is searched from several of its probes."""
+        probed = self._probed(law)[: _VALLEYS if law.rugged else 1]
+        return min(
+            (self._refined(law, guess, _FIRST) for guess in probed), key=lambda guess: guess.misfit, default=None
+        )
+
+    def _probed(self, law: Law) -> list[Guess]:
+        """Those of a law's probes that the regression can carry, the best first."""
         if law.record is not None or (law.drive is not None and not self.forced) or not self.rows:
-            return None
-        scales = self.data.scales
-        guesses = [guess for probe in probes(law, scales) if (guess := self._solve(law, probe)) is not None]
-        guesses.sort(key=lambda guess: guess.misfit)
-        begun = [self._refined(law, guess, _FIRST) for guess in guesses[: _VALLEYS if law.rugged else 1]]
-        return min(begun, key=lambda guess: guess.misfit, default=None)
+            return []
+        solved = [self._solve(law, probe) for probe in probes(law, self.data.scales)]
+        return sorted((guess for guess in solved if guess is not None), key=lambda guess: guess.misfit)
 
     def _refined(self, law: Law, guess: Guess, tries: int) -> Guess:
         """The best place around a guess: onsets, speeds and times move by factors (Nelder and Mead 1965)."""

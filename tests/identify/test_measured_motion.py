@@ -77,12 +77,31 @@ def test_only_where_a_law_gains_half_of_the_best_its_place_is_searched_to_the_en
     monkeypatch.setattr(Regression, "_refined", refined)
     # what cannot be put on the motion at all is left out
     monkeypatch.setattr(
-        Regression, "_probed", lambda self, law: Guess(law.name, {}, 1 / gains[law.name]) if law.name in gains else None
+        Regression, "_probed", lambda self, law: [Guess(law.name, {}, 1 / gains[law.name])] if law.name in gains else []
     )
     laws = [find(name) for name in ("stribeck", "sensor-lag", "quadratic-drag")]
     guesses = Regression().guesses(laws)  # pyright: ignore[reportCallIssue]
     assert [guess.effect for guess in guesses] == ["quadratic-drag", "stribeck"]
     assert solved == {"quadratic-drag": 40, "stribeck": tries}
+
+
+@pytest.mark.parametrize(("law", "begun"), [("actuator-backlash", 3), ("quadratic-drag", 1)])
+def test_a_law_with_side_valleys_is_begun_at_its_three_best_probes(monkeypatch, law, begun):
+    """The best of them may turn out to lie in a side valley."""
+    refined = {4.0: 4.0, 3.0: 0.1, 2.0: 2.0, 1.0: 1.5, 5.0: 0.01}
+    asked = []
+
+    def further(self, law, guess, most):
+        asked.append((guess.misfit, most))
+        return Guess(guess.effect, {}, refined[guess.misfit])
+
+    monkeypatch.setattr(Regression, "__init__", lambda self: None)
+    monkeypatch.setattr(Regression, "_probed", lambda self, law: [Guess(law.name, {}, m) for m in sorted(refined)])
+    monkeypatch.setattr(Regression, "_refined", further)
+    guess = Regression()._begun(find(law))  # pyright: ignore[reportCallIssue]
+    assert guess is not None
+    assert asked == [(1.0, 10), (2.0, 10), (3.0, 10)][:begun]
+    assert guess.misfit == (0.1 if begun == 3 else 1.5)
 
 
 # --- motions by Runge and Kutta's rule, with a force along them that the test chooses
@@ -182,8 +201,7 @@ def test_a_law_that_would_do_the_opposite_is_none():
 def test_a_stop_between_two_probes_is_found_where_it_is():
     regression = of(run("stop"))
     law = find("one-sided-stop")
-    probed, guess = regression._probed(law), regression.best(law)
-    assert probed is not None
+    probed, guess = regression._probed(law)[0], regression.best(law)
     assert guess is not None
     natural = regression.data.scales.length
     assert min(abs(PLACE / natural - probe) for probe in law.parameters[1].probes) > 0.02
