@@ -16,7 +16,7 @@ import click
 
 from . import __version__
 from .errors import BadInput, DashpotError
-from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings
+from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings, with_time_limit
 from .several_values import CommandOfSeveral, SeveralValues
 
 if TYPE_CHECKING:
@@ -348,18 +348,19 @@ def _progress() -> Iterator[Callable[[str, float], None]]:
 @click.argument("fmu", type=FILE)
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
 @click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result.")
+@with_time_limit
 @with_recordings
-def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **options: Any) -> None:
+def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time_limit: float, **options: Any) -> None:
     """Run an FMU under FMPy with recorded forces and compare response and backbone; exit code 1 where they differ."""
     from .verify.verification import verify as check
     from .writing import replacing
 
     if json_file is not None:
         _outputs([json_file], [fmu, *recordings])
-    result = check(fmu, read_all(recordings, options, _say), progress=_say)
+    result = check(fmu, read_all(recordings, options, _say), limit=time_limit, progress=_say)
     if json_file is not None:
         with replacing(json_file) as temporary:
-            temporary.write_text(json.dumps(result.as_json(), indent=2) + "\n", encoding="utf-8")
+            temporary.write_text(json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
     click.echo(result.sentence())
     if not result.passed:
         sys.exit(1)

@@ -50,6 +50,18 @@ def with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
     return functools.reduce(lambda wrapped, option: option(wrapped), reversed(_RECORDING_OPTIONS), command)
 
 
+def with_time_limit(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option that says how long an FMU may take."""
+    return click.option(
+        "--time-limit",
+        type=click.FloatRange(min=0, min_open=True, max=1e6),
+        default=30.0,
+        show_default=True,
+        metavar="S",
+        help="Longest time without a step that the FMU finished.",
+    )(command)
+
+
 def with_mode(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option that says which of several modes is meant."""
     return click.option(
