@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import __version__
-from .errors import BadInput, DashpotError
+from .endings import ended
+from .errors import BadInput
 from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings, with_time_limit
 from .several_values import CommandOfSeveral, SeveralValues
 
@@ -44,7 +45,8 @@ def _say(line: str) -> None:
 
 
 def _print_json(value: Any) -> None:
-    click.echo(json.dumps(value, indent=2, ensure_ascii=False))
+    encoding = (sys.stdout.encoding or "ascii").lower().replace("-", "")
+    click.echo(json.dumps(value, indent=2, ensure_ascii=encoding != "utf8"))
 
 
 class _Commands(click.Group):
@@ -366,27 +368,10 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point: expected errors become one line on stderr and exit code 2."""
+    """Entry point: whatever happens has one of the ends that ``endings`` knows."""
     # the simulations have threads of their own; those of the linear algebra would only stand in their way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    try:
-        cli(arguments, prog_name="dashpot", standalone_mode=False)
-    except click.exceptions.Abort:
-        sys.exit(130)
-    except click.exceptions.NoArgsIsHelpError as problem:  # `dashpot` alone: the help
-        problem.show()
-        sys.exit(problem.exit_code)
-    except click.ClickException as problem:
-        context = getattr(problem, "ctx", None)
-        _say(
-            f"dashpot: {problem.format_message().rstrip('.')}; see {context.command_path if context else 'dashpot'} -h"
-        )
-        sys.exit(problem.exit_code)
-    except DashpotError as problem:
-        _say(f"dashpot: {problem}")
-        sys.exit(2)
-    except BrokenPipeError:
-        sys.exit(0)
+    ended(lambda: cli(arguments, prog_name="dashpot", standalone_mode=False))
 
 
 if __name__ == "__main__":

@@ -105,12 +105,25 @@ def write(target: Path, content: str | bytes) -> None:
     Raises:
         BadInput: where it cannot be written: no room, no permission, or the place holds what is no regular file.
     """
-    data = content.encode("utf-8") if isinstance(content, str) else content
     with replacing(target) as temporary:
-        with temporary.open("wb") as file:
+        fill(temporary, content, target)
+
+
+def fill(path: Path, content: str | bytes, shown: Path | None = None) -> None:
+    """Write a file for our own use, at once, and read it back; ``shown`` is its name in messages.
+
+    Raises:
+        BadInput: where it cannot be written.
+    """
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    try:
+        with path.open("wb") as file:
             file.write(data)
-        if temporary.read_bytes() != data:
-            raise BadInput(f"{target}: what was written there does not read back the same; choose another place")
+        same = path.read_bytes() == data
+    except OSError as problem:
+        raise _refused(shown or path, problem) from problem
+    if not same:
+        raise BadInput(f"{shown or path}: what was written there does not read back the same; choose another place")
 
 
 def remove(target: Path) -> None:

@@ -21,7 +21,7 @@ from ..model.equations import Equations
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_output, exact_step
 from ..templates import template
-from ..writing import write
+from ..writing import fill
 from .casadi_functions import serialised
 from .contents import further_contents
 from .description import Description, Variable
@@ -52,11 +52,11 @@ def python_entries(facts: Facts, description: Description) -> dict[str, bytes]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         script = folder / f"{module}.py"
-        write(script, text)
+        fill(script, text)
         resources = [folder / "step.casadi", folder / "output.casadi", folder / "model.json"]
-        write(resources[0], serialised(exact_step(facts.oscillator, longest, longest)))
-        write(resources[1], serialised(output_function(facts.equations)))
-        write(resources[2], _model_json(description))
+        fill(resources[0], serialised(exact_step(facts.oscillator, longest, longest)))
+        fill(resources[1], serialised(output_function(facts.equations)))
+        fill(resources[2], _model_json(description))
         built = folder / "built.fmu"
         with _imports_undone(module):
             pythonfmu.FmuBuilder.build_FMU(script, built, project_files=resources)
