@@ -37,6 +37,14 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
     click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
     click.option(
+        "--max-size",
+        type=click.FloatRange(min=0, min_open=True, max=1e6),
+        default=500.0,
+        show_default=True,
+        metavar="MB",
+        help="Largest recording that is read, unpacked.",
+    ),
+    click.option(
         "--hold",
         type=click.Choice(["zero", "linear", "smooth"]),
         help="How the force runs between samples: held from one to the next (as behind a converter), in straight "
