@@ -206,6 +206,7 @@ def check_ours(target: Path, mark: bytes, maker: str = "dashpot") -> None:
         BadInput: where ``target`` is there and its beginning does not hold ``mark``.
     """
     try:
+        _place(target)  # a pipe would be waited for
         with target.open("rb") as file:
             ours = mark in file.read(4096)
     except FileNotFoundError:

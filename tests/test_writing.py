@@ -232,6 +232,8 @@ OVERWRITING = [
     ({"d/model.yaml": "name: theirs"}, "demo -o d", "model.yaml: is there and was not made by a demo"),
     ({"start.yaml": None}, "identify r.csv --from start.yaml -o start.yaml", "start.yaml: is an input"),
     ({}, "export rig.yaml /dev/null.c /dev/null", "cannot tell what to make"),
+    ({"p.c": os.mkfifo}, "export rig.yaml p.c", "p.c: is a device or a pipe, which cannot be replaced"),
+    ({"p.h": os.mkfifo}, "export rig.yaml p.c", "p.h: is a device or a pipe, which cannot be replaced"),
     ({"p.fmu": os.mkfifo}, "export rig.yaml p.fmu", "p.fmu: is a device or a pipe, which cannot be replaced"),
 ]  # fmt: skip
 
