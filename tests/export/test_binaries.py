@@ -246,7 +246,7 @@ def test_what_takes_long_the_first_time_is_said_then_and_only_then(everywhere, m
     def fake(compiler, sources, main, name, *, flags, before):
         before()
         (tmp_path / name).touch()
-        return tmp_path / name
+        return tmp_path / name, b""
 
     monkeypatch.setattr("dashpot.export.binaries.build", fake)
     monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path))
