@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import __version__
-from .errors import BadInput, DashpotError
-from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings
+from .endings import ended
+from .errors import BadInput
+from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings, with_time_limit
 from .several_values import CommandOfSeveral, SeveralValues
 
 if TYPE_CHECKING:
@@ -44,7 +45,8 @@ def _say(line: str) -> None:
 
 
 def _print_json(value: Any) -> None:
-    click.echo(json.dumps(value, indent=2, ensure_ascii=False))
+    encoding = (sys.stdout.encoding or "ascii").lower().replace("-", "")
+    click.echo(json.dumps(value, indent=2, ensure_ascii=encoding != "utf8"))
 
 
 class _Commands(click.Group):
@@ -114,9 +116,9 @@ def identify(
     from .model.laws import find as find_law
     from .model.show import as_json as model_json
     from .model.show import describe
-    from .writing import replacing
+    from .writing import together, write
 
-    _outputs([output] if report is None else [output, report], recordings)
+    _outputs([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
     if output.suffix in (".fmu", ".casadi", ".c", ".ssp", ".csv", ".html"):
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
@@ -139,13 +141,12 @@ def identify(
     )
     for note in identification.notes:
         _say(f"note: {note}")
-    if report is not None:
-        from .report.page import identification_page
+    with together():
+        if report is not None:
+            from .report.page import identification_page
 
-        page = identification_page(identification, files=(output.name,))
-        with replacing(report) as temporary:
-            temporary.write_text(page, encoding="utf-8")
-    save(identification.oscillator, output)
+            write(report, identification_page(identification, files=(output.name,)))
+        save(identification.oscillator, output)
     if as_json:
         _print_json(model_json(identification.oscillator))
     else:
@@ -248,24 +249,25 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
 @with_laws
 def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: int | None, **options: Any) -> None:
     """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp)."""
-    from .export import check_suffix
     from .export import export as write
+    from .export import files
     from .export.platforms import parse_platforms
     from .export.ssp import note
     from .model.file import load
+    from .writing import together
 
     oscillator = load(model)
     platforms = None if platform is None else parse_platforms(platform)
     if not 0 < options["step"] < float("inf"):
         raise BadInput(f"--step {options['step']}: the sample time must be a positive number of seconds")
-    for output in outputs:
-        check_suffix(output)
-    _outputs(outputs, [model])
-    for output in outputs:
-        if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
-            _say(f"note: {remark}")
-        for path in write(oscillator, output, platforms=platforms, draws=draws, progress=_say, **options):
-            _say(f"written: {path}")
+    _outputs([file for output in outputs for file in files(output)], [model])
+    with together():
+        for output in outputs:
+            if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
+                _say(f"note: {remark}")
+            write(oscillator, output, platforms=platforms, draws=draws, progress=_say, **options)
+    for path in (file for output in outputs for file in files(output)):
+        _say(f"written: {path}")
 
 
 @cli.command(cls=CommandOfSeveral)
@@ -348,45 +350,28 @@ def _progress() -> Iterator[Callable[[str, float], None]]:
 @click.argument("fmu", type=FILE)
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
 @click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result.")
+@with_time_limit
 @with_recordings
-def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, **options: Any) -> None:
+def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time_limit: float, **options: Any) -> None:
     """Run an FMU under FMPy with recorded forces and compare response and backbone; exit code 1 where they differ."""
     from .verify.verification import verify as check
-    from .writing import replacing
+    from .writing import write
 
     if json_file is not None:
         _outputs([json_file], [fmu, *recordings])
-    result = check(fmu, read_all(recordings, options, _say), progress=_say)
+    result = check(fmu, read_all(recordings, options, _say), limit=time_limit, progress=_say)
     if json_file is not None:
-        with replacing(json_file) as temporary:
-            temporary.write_text(json.dumps(result.as_json(), indent=2) + "\n", encoding="utf-8")
+        write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
     click.echo(result.sentence())
     if not result.passed:
         sys.exit(1)
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point: expected errors become one line on stderr and exit code 2."""
+    """Entry point: whatever happens has one of the ends that ``endings`` knows."""
     # the simulations have threads of their own; those of the linear algebra would only stand in their way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    try:
-        cli(arguments, prog_name="dashpot", standalone_mode=False)
-    except click.exceptions.Abort:
-        sys.exit(130)
-    except click.exceptions.NoArgsIsHelpError as problem:  # `dashpot` alone: the help
-        problem.show()
-        sys.exit(problem.exit_code)
-    except click.ClickException as problem:
-        context = getattr(problem, "ctx", None)
-        _say(
-            f"dashpot: {problem.format_message().rstrip('.')}; see {context.command_path if context else 'dashpot'} -h"
-        )
-        sys.exit(problem.exit_code)
-    except DashpotError as problem:
-        _say(f"dashpot: {problem}")
-        sys.exit(2)
-    except BrokenPipeError:
-        sys.exit(0)
+    ended(lambda: cli(arguments, prog_name="dashpot", standalone_mode=False))
 
 
 if __name__ == "__main__":

@@ -5,9 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
-from .writing import replacing, writable
+from .writing import check_ours, together, writable, write
 
 if TYPE_CHECKING:
     from .model import Parameter
@@ -31,6 +32,7 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
     from .examples import recordings as built_in
     from .examples.truth import TRUTH
     from .export import export
+    from .export import files as export_files
     from .identify import identify
     from .model.file import save
     from .recording import read
@@ -42,29 +44,28 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
     def step(text: str) -> None:
         say(f"[{time.perf_counter() - began:5.1f} s] {text}")
 
-    writable(folder / "model.yaml")
+    model, fmu, functions, page = (folder / name for name in ("model.yaml", "rig.fmu", "rig.casadi", "report.html"))
+    for place in (model, fmu, *export_files(functions), page):
+        writable(place)
+    check_ours(model, b"name: paper-stand", "a demo")
     files = built_in()
     step("the paper's stand: four bursts with free decays, two sweeps; a multisine held out")
     train = [read(files[kind]) for kind in _TRAIN]
     held_out = [read(files[kind]) for kind in _HELD_OUT]
     identification = identify(train, name="paper-stand", progress=step)
-    model = folder / "model.yaml"
-    save(identification.oscillator, model)
-    step(f"written: {model}")
     say(comparison(identification.oscillator.parameters(), TRUTH))
-    fmu = folder / "rig.fmu"
-    written = [model]
-    for output in (fmu, folder / "rig.casadi"):
-        made = export(identification.oscillator, output, progress=step)
-        written += made
-        step(f"written: {', '.join(path.name for path in made)}")
-    step("the FMU under FMPy, with the force of every recording")
-    proof = verify(fmu, [*train, *held_out], progress=step)
-    page = folder / "report.html"
-    with replacing(page) as temporary:
-        text = identification_page(identification, proof, TRUTH, files=tuple(path.name for path in written))
-        temporary.write_text(text, encoding="utf-8")
-    step(f"written: {page}")
+    with TemporaryDirectory() as scratch:
+        artefact = Path(scratch) / fmu.name
+        export(identification.oscillator, artefact, progress=step)
+        step("the FMU under FMPy, with the force of every recording")
+        proof = verify(artefact, [*train, *held_out], progress=step)
+        with together():
+            save(identification.oscillator, model)
+            write(fmu, artefact.read_bytes())
+            written = [model, fmu, *export(identification.oscillator, functions, progress=step)]
+            names = tuple(path.name for path in written)
+            write(page, identification_page(identification, proof, TRUTH, files=names))
+    step(f"written: {', '.join(str(path) for path in (*written, page))}")
     step(proof.sentence())
     return proof.passed
 

@@ -37,6 +37,14 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
     click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
     click.option(
+        "--max-size",
+        type=click.FloatRange(min=0, min_open=True, max=1e6),
+        default=500.0,
+        show_default=True,
+        metavar="MB",
+        help="Largest recording that is read, unpacked.",
+    ),
+    click.option(
         "--hold",
         type=click.Choice(["zero", "linear", "smooth"]),
         help="How the force runs between samples: held from one to the next (as behind a converter), in straight "
@@ -48,6 +56,18 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
 def with_recordings(command: Callable[..., Any]) -> Callable[..., Any]:
     """The options that say how a recording is to be read."""
     return functools.reduce(lambda wrapped, option: option(wrapped), reversed(_RECORDING_OPTIONS), command)
+
+
+def with_time_limit(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option that says how long an FMU may take."""
+    return click.option(
+        "--time-limit",
+        type=click.FloatRange(min=0, min_open=True, max=1e6),
+        default=30.0,
+        show_default=True,
+        metavar="S",
+        help="Longest time without a step that the FMU finished.",
+    )(command)
 
 
 def with_mode(command: Callable[..., Any]) -> Callable[..., Any]:

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -10,7 +12,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model.file import dumps
-from ..writing import replacing, writable
+from ..writing import check_ours, remove, together, writable, write
 from .result import Diagnosis, Experiment
 
 DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT = (
@@ -23,11 +25,28 @@ DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT = (
 
 
 def check_folder(folder: Path) -> None:
-    """Make sure that the files can be written, before long work is done for them; raises BadInput."""
+    """Make sure that the files can be written, before long work is done for them.
+
+    Raises:
+        BadInput: where they cannot be, or one of them is there and no diagnosis made it.
+    """
     if folder.exists() and not folder.is_dir():
         raise BadInput(f"{folder}: is a file; name a folder for the diagnosis")
+    check_ours(folder / DIAGNOSIS, b'"dashpot-diagnosis/', "a diagnosis")
+    before = (folder / DIAGNOSIS).exists()
     for name in (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT):
         writable(folder / name)
+        if (folder / name).exists() and not (before and (name != FMU or _is_ours(folder / name))):
+            raise BadInput(f"{folder / name}: is there and was not made by a diagnosis; choose another folder")
+
+
+def _is_ours(fmu: Path) -> bool:
+    """Whether an FMU says that dashpot made it."""
+    try:
+        with zipfile.ZipFile(fmu) as archive, archive.open("modelDescription.xml") as description:
+            return b'generationTool="dashpot' in description.read(100_000)
+    except (OSError, KeyError, ValueError, RuntimeError, EOFError, zlib.error, zipfile.BadZipFile):
+        return False
 
 
 def write_folder(folder: Path, diagnosis: Diagnosis, report: str, fmu: bytes | None) -> list[Path]:
@@ -47,13 +66,13 @@ def write_folder(folder: Path, diagnosis: Diagnosis, report: str, fmu: bytes | N
         REPORT: report,
     }
     written = []
-    for name, text in texts.items():
-        if text is None:
-            (folder / name).unlink(missing_ok=True)  # that of an earlier diagnosis would not belong to this one
-            continue
-        with replacing(folder / name) as temporary:
-            temporary.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8"))
-        written.append(folder / name)
+    with together():
+        for name, text in texts.items():
+            if text is None:
+                remove(folder / name)  # that of an earlier diagnosis would not belong to this one
+                continue
+            write(folder / name, text)
+            written.append(folder / name)
     return written
 
 

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from ..model import Oscillator
     from .platforms import Platform
 
-__all__ = ["SUFFIXES", "check_suffix", "export"]
+__all__ = ["SUFFIXES", "check_suffix", "export", "files"]
 
 #: What a model can be made into.
 SUFFIXES = (".fmu", ".casadi", ".c", ".ssp")
@@ -23,6 +23,32 @@ def check_suffix(path: Path) -> None:
     if Path(path).suffix not in SUFFIXES:
         known = f"{', '.join(SUFFIXES[:-1])} and {SUFFIXES[-1]}"
         raise BadInput(f"{path}: cannot tell what to make from the suffix {Path(path).suffix!r}; known are {known}")
+
+
+def files(path: Path) -> tuple[Path, ...]:
+    """All files that ``export`` writes for ``path``: itself, and what goes beside it.
+
+    Raises:
+        BadInput: for an unknown suffix, or where one of them that is not plainly meant to be replaced is there and was
+            not made by dashpot: a file beside ``path``, or a C source.
+    """
+    from ..writing import check_ours
+
+    path = Path(path)
+    check_suffix(path)
+    if path.suffix == ".c":
+        both = path, path.with_suffix(".h")
+        for place in both:
+            check_ours(place, b"made by dashpot")
+        return both
+    if path.suffix == ".casadi":
+        from .casadi_functions import DESCRIPTION, FUNCTIONS
+
+        beside = [path.with_name(f"{path.name.removesuffix('.casadi')}.{end}") for end in (*FUNCTIONS[1:], DESCRIPTION)]
+        for place in beside:
+            check_ours(place, b'"dashpot-casadi/' if place.suffix == ".json" else b"jhpnnagiieah")  # CasADi's own
+        return path, *beside
+    return (path,)
 
 
 def export(
@@ -59,7 +85,7 @@ def export(
         ToolchainMissing: where the compiler for a native FMU or one of the platforms is missing or fails.
     """
     path = Path(path)
-    check_suffix(path)
+    files(path)
     how: dict[str, Any] = {"backend": backend, "platforms": platforms, "progress": progress}
     if path.suffix == ".fmu":
         from .fmu import export_fmu

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import io
 import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..writing import replacing
+from ..writing import write
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the first date that zip can hold
 _UNIX = 3
@@ -23,11 +24,18 @@ def write_archive(path: Path, entries: Mapping[str, bytes]) -> Path:
     Raises:
         BadInput: where the folder cannot be written.
     """
-    with replacing(path) as temporary, zipfile.ZipFile(temporary, "w", zipfile.ZIP_DEFLATED) as archive:
+    write(path, archived(entries))
+    return path
+
+
+def archived(entries: Mapping[str, bytes]) -> bytes:
+    """The archive itself."""
+    content = io.BytesIO()
+    with zipfile.ZipFile(content, "w", zipfile.ZIP_DEFLATED) as archive:
         for name in sorted(entries):
             info = zipfile.ZipInfo(name, _EPOCH)
             info.create_system = _UNIX
             info.external_attr = _REGULAR_FILE
             info.compress_type = zipfile.ZIP_DEFLATED
             archive.writestr(info, entries[name])
-    return path
+    return content.getvalue()

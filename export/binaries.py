@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 
 from ..errors import ToolchainMissing
 from ..simulate import zig
@@ -75,7 +74,7 @@ def binaries(
     """
     contents: dict[str, list[bytes]] = {}
     for platform in platforms:
-        content = _built(sources, main, identifier, platform, progress).read_bytes()
+        content = _built(sources, main, identifier, platform, progress)
         for folder in folders(platform, platforms, version):
             contents.setdefault(f"binaries/{folder}/{identifier}{platform.suffix}", []).append(content)
     return {name: universal(thin) if len(thin) > 1 else thin[0] for name, thin in contents.items()}
@@ -111,7 +110,7 @@ def _built(
     identifier: str,
     platform: Platform,
     progress: Callable[[str], None] | None,
-) -> Path:
+) -> bytes:
     compiler = _compiler(platform)
     if compiler is None:
         raise ToolchainMissing(f"no compiler for {platform.name} was found; get one for all platforms with: {MORE}")
@@ -132,7 +131,7 @@ def _built(
             progress(f"compiling for {platform.words}; the first time this takes some seconds")
 
     try:
-        library = build(compiler, sources, main, name, flags=flags, before=before)
+        _, library = build(compiler, sources, main, name, flags=flags, before=before)
     except ToolchainMissing as problem:
         raise ToolchainMissing(f"the binary for {platform.name}: {problem}") from problem
     if slow and built:

@@ -28,13 +28,16 @@ from ..model.equations import Equations, signed
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_output, exact_step, with_defaults
 from ..simulate.runge_kutta import dormand_prince
-from ..writing import replacing
+from ..writing import together, write
 from .facts import Facts
 from .smoothing import Sample, Surface, check_step, surfaces
 
 if TYPE_CHECKING:
     from ..model import Oscillator
 
+#: What follows the name of each file.
+FUNCTIONS = ("casadi", "step.casadi", "output.casadi", "smooth.casadi", "smooth.step.casadi")
+DESCRIPTION = "casadi.json"
 #: Internal steps of the smooth step per period of the fastest motion, and per time constant of what merely decays.
 _SMOOTH_STEPS = 60.0
 _SMOOTH_STEPS_PER_DECAY = 2.0
@@ -154,16 +157,23 @@ def export_casadi(oscillator: Oscillator, path: Path, *, dt: float = 1e-3) -> tu
     written = []
     facts = Facts(oscillator)
     made = functions(facts, dt)
-    for suffix, function in made.by_suffix.items():
-        target = path.with_name(f"{stem}.{suffix}")
-        with replacing(target) as temporary:
-            function.save(str(temporary))
-        written.append(target)
-    target = path.with_name(f"{stem}.casadi.json")
-    with replacing(target) as temporary:
-        text = json.dumps(describe(facts, stem, dt, made), indent=2, ensure_ascii=False)
-        temporary.write_text(text + "\n", encoding="utf-8")
+    with together():
+        for suffix, function in made.by_suffix.items():
+            target = path.with_name(f"{stem}.{suffix}")
+            write(target, serialised(function))
+            written.append(target)
+        target = path.with_name(f"{stem}.{DESCRIPTION}")
+        write(target, json.dumps(describe(facts, stem, dt, made), indent=2, ensure_ascii=False) + "\n")
     return (*written, target)
+
+
+def serialised(function: Expression) -> bytes:
+    """What ``function.save`` writes to a file, without a word where the disk is full."""
+    import casadi as ca
+
+    serializer = ca.StringSerializer()
+    serializer.pack(function)
+    return serializer.encode().encode("ascii")
 
 
 def describe(facts: Facts, stem: str, dt: float, made: Functions) -> dict[str, Any]:

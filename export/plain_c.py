@@ -19,7 +19,7 @@ from ..model.equations import Equations
 from ..model.show import value_and_error
 from ..simulate.law_source import law_source
 from ..templates import template
-from ..writing import replacing, writable
+from ..writing import together, write
 from .description import Description, describe_fmu
 from .facts import Facts
 
@@ -57,10 +57,9 @@ def export_plain_c(oscillator: Oscillator, path: str | Path) -> tuple[Path, Path
     if not header.name.isprintable() or any(mark in header.name for mark in ('"', "\\", "??")):
         raise BadInput(f"{source}: this name cannot stand in an #include of C; choose letters, digits and hyphens")
     texts = plain_c(Facts(oscillator), header.name)
-    writable(header)  # both or none
-    for target, text in zip((source, header), texts, strict=True):
-        with replacing(target) as temporary:
-            temporary.write_text(text, encoding="utf-8", newline="\n")
+    with together():
+        for target, text in zip((source, header), texts, strict=True):
+            write(target, text)
     return source, header
 
 

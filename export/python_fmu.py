@@ -21,6 +21,8 @@ from ..model.equations import Equations
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_output, exact_step
 from ..templates import template
+from ..writing import fill
+from .casadi_functions import serialised
 from .contents import further_contents
 from .description import Description, Variable
 from .documentation import documentation, guid_of
@@ -50,11 +52,11 @@ def python_entries(facts: Facts, description: Description) -> dict[str, bytes]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         script = folder / f"{module}.py"
-        script.write_text(text, encoding="utf-8")
+        fill(script, text)
         resources = [folder / "step.casadi", folder / "output.casadi", folder / "model.json"]
-        exact_step(facts.oscillator, longest, longest).save(str(resources[0]))
-        output_function(facts.equations).save(str(resources[1]))
-        resources[2].write_text(_model_json(description), encoding="utf-8")
+        fill(resources[0], serialised(exact_step(facts.oscillator, longest, longest)))
+        fill(resources[1], serialised(output_function(facts.equations)))
+        fill(resources[2], _model_json(description))
         built = folder / "built.fmu"
         with _imports_undone(module):
             pythonfmu.FmuBuilder.build_FMU(script, built, project_files=resources)

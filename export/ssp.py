@@ -12,7 +12,6 @@ they follow a binding to a file (Modelica Association Project SSP, System Struct
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..errors import BadInput
 from ..model.display import pretty_unit
-from .archive import write_archive
+from .archive import archived, write_archive
 from .description import Description, Variable
 from .draws import draws as drawn
 from .facts import Facts
@@ -69,9 +68,7 @@ def export_ssp(
     made = drawn(oscillator, count, seed) if count else []
     sets |= {f"draw_{i:0{max(width, 2)}d}": values for i, values in enumerate(made, start=1)}
     description, contents = fmu_entries(Facts(oscillator), **fmu)
-    with tempfile.TemporaryDirectory() as folder:
-        inner = write_archive(Path(folder) / "rig.fmu", contents).read_bytes()
-    return write_archive(Path(path), _entries(description, sets, seed, note(oscillator, draws), inner))
+    return write_archive(Path(path), _entries(description, sets, seed, note(oscillator, draws), archived(contents)))
 
 
 def note(oscillator: Oscillator, draws: int | None = None) -> str | None:

@@ -19,6 +19,9 @@ from .yaml_loader import Document, Path
 
 _EXAMPLE = "{value: 1.0, std: null, unit: m/s2}"
 
+#: Standard errors are written with four digits, and a covariance with all.
+_SAME_STD = 2e-3
+
 
 def shown(value: Any) -> str:
     """A value as it may stand in a message."""
@@ -175,6 +178,26 @@ class Meaning:
         text = covariance_problem(rows, [str(name) for name in order])
         if text:
             self.report(("identified", "covariance"), text)
+            return
+        for i, name in enumerate(order):
+            std, own = self._std(str(name)), rows[i][i] ** 0.5
+            if std is not None and order.count(name) == 1 and abs(std - own) > _SAME_STD * max(std, own):
+                self.report(
+                    ("identified", "covariance", i),
+                    f"{name} has the standard error {own:.4g} here and std: {std:.4g} where it stands; "
+                    "give both the same, or leave the covariance out",
+                )
+
+    def _std(self, name: str) -> float | None:
+        """The standard error that stands beside a parameter's value; None where there is none."""
+        effect, _, own = name.rpartition(".")
+        raw: Any = self.raw
+        if effect:
+            terms = raw.get("terms")
+            found = [t for t in terms if _item(t, "effect") == effect] if isinstance(terms, list) else []
+            raw = _item(found[0], "parameters") if found else None
+        std = _item(_item(raw, own), "std")
+        return float(std) if _number(std) else None
 
 
 def _item(raw: Any, key: str | int) -> Any:

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
-from ..writing import replacing
+from ..writing import write
 from .laws import BASE
 from .oscillator import Band, Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter
@@ -85,8 +85,7 @@ def save(oscillator: Oscillator, path: str | os.PathLike[str]) -> None:
     """
     target, text = Path(path), dumps(oscillator)
     loads(text, str(target))  # a file that could not be read again is never written
-    with replacing(target) as temporary:
-        temporary.write_text(text, encoding="utf-8", newline="\n")
+    write(target, text)
 
 
 def _reason(error: Exception) -> str:

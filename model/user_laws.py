@@ -17,6 +17,7 @@ from typing import Any
 
 from ..errors import BadInput
 from .law import Law, LawParameter, Motion, Scales
+from .law_trial import fault, wrong_types
 from .laws import BASE, LIBRARY
 
 #: Where in the rig a law may live.
@@ -74,6 +75,8 @@ def load_law_file(path: str | os.PathLike[str]) -> tuple[Law, ...]:
         raise BadInput(f"{where}: defines no Law; write LAW = Law(name=..., ...) as docs/laws.md shows")
     taken = {law.name for law in BASE} | set(LIBRARY)
     for law in laws:
+        if wrong := next(wrong_types(law), None):
+            raise BadInput(f"{where}: law {law.name!r:.60}: {wrong}")
         if law.name in taken:
             raise BadInput(f"{where}: law {law.name!r}: there is one of that name already; choose another name")
         taken.add(law.name)
@@ -147,7 +150,11 @@ def _parameter_problems(p: LawParameter, equation: str) -> Iterator[str]:
         yield f"its bounds {p.lower:g} and {p.upper:g} hold nothing; give lower below upper"
     if not (p.strength or p.probes):
         yield "give probes, the values at which to look for it first, or strength=True"
-    size = p.natural(_SCALES)
+    try:
+        size = float(p.natural(_SCALES))
+    except Exception as error:  # the user's own function
+        yield f"its size cannot be computed ({_said(error)}); give a function of the scales, or leave it out"
+        return
     if not (math.isfinite(size) and size > 0):
         yield f"its natural size comes out as {size:g}; it must be a positive number"
 
@@ -190,7 +197,8 @@ def _try(law: Law, where: str) -> None:
     values |= {"mass": 1.0, **{f"{law.name}.{p.name}": p.natural(_SCALES) for p in law.parameters}}
     try:
         made: Any = law.force or law.drive or law.record
-        results = [ca.SX(made(motion, own) if law.force else made(motion, own, ca.SX.sym("signal")))]
+        signal = ca.SX.sym("signal")
+        results = [ca.SX(made(motion, own) if law.force else made(motion, own, signal))]
         rateless = [s.name for s, rate in zip(motion.states, motion.rates, strict=True) if rate is None]
         results += [ca.SX(law.stored(motion, own))] if law.stored else []
         for result in results:
@@ -198,6 +206,8 @@ def _try(law: Law, where: str) -> None:
                 raise BadInput(f"it gives {result.shape[0]} by {result.shape[1]} numbers; return a single expression")
         if rateless:
             raise BadInput(f"its state {rateless[0]!r} has no rate; call motion.rate(state, expression)")
+        if wrong := fault(law, motion, own, signal, results[0], _SCALES):
+            raise BadInput(wrong)
         equations(Oscillator.from_values(values, effects=(law.name,)))
     except BadInput as problem:
         raise BadInput(f"{where}: law {law.name!r}: {problem}") from None

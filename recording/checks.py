@@ -9,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from .clipping import Clipping, clipping, measured, noise_of
+from .magnitude import impossible
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
 from .plausibility import ROTATIONS, implausible
 from .polarity import REVERSED, power_cosine
@@ -38,7 +39,7 @@ def check(recording: Recording, *, stated: bool = False) -> list[Problem]:
     A signal that holds no numbers or never moves is judged no further. Where the unit of the response was `stated` by
     the user, a rotation by many turns is what it is: a shaft turns so far, and a torsion wire.
     """
-    problems = not_a_number(recording) or constant(recording)
+    problems = not_a_number(recording) or out_of_range(recording) or constant(recording)
     if not problems:
         motion = oscillation_of(recording)
         for judge in _JUDGES:
@@ -62,6 +63,17 @@ def not_a_number(recording: Recording) -> list[Problem]:
                     "cut that part out or record again",
                 )
             )
+    return problems
+
+
+def out_of_range(recording: Recording) -> list[Problem]:
+    """Find values that no sensor gives."""
+    problems = []
+    for signal, name, unit in _signals(recording):
+        if (found := impossible(signal)) is not None:
+            at = recording.start + found[0] / recording.fs
+            sentence = f"the {name} is {signal[found[0]]:.3g} {unit} at {at:.6g} s, {found[1]}"
+            problems.append(_error(recording, f"{sentence}; mend or cut out that sample"))
     return problems
 
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import gzip
+import io
 from pathlib import Path
 
 import numpy as np
 
-from ..writing import replacing
+from ..writing import write
 from .recording import Recording
 
 
@@ -25,9 +26,7 @@ def write_response(path: Path, recording: Recording, simulated: np.ndarray) -> N
         columns[f"force_{recording.force_unit}"] = recording.force
     columns[f"{recording.quantity}_{unit}"] = recording.response
     columns[f"simulated_{recording.quantity}_{unit}"] = simulated
-    with replacing(path) as temporary:
-        opener = gzip.open if path.suffix == ".gz" else open
-        with opener(temporary, "wt", encoding="utf-8") as file:
-            np.savetxt(
-                file, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments=""
-            )
+    text = io.StringIO()
+    np.savetxt(text, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")
+    content = text.getvalue().encode("utf-8")
+    write(path, gzip.compress(content, mtime=0) if path.suffix == ".gz" else content)

@@ -4,36 +4,39 @@ from __future__ import annotations
 
 import codecs
 import csv
-import gzip
 import re
-import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
 from ..errors import BadInput
+from .content import MOST_MB, unpacked
+from .numerals import Numerals, numerals_of
 from .table import Table
 from .units import find_unit
 
 _COMMENT = ("#", "%")
+_GROUPED = re.compile("[-+]?[0-9.,'\u2019\u00a0\u202f\u2009]+([eE][-+]?[0-9]+)?")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 
 
-def read_delimited(where: str, content: bytes) -> Table:
-    """Return the table that the bytes of a text file hold; `where` names the file in messages.
+def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
+    """Return the table that the bytes of a text file hold, at most `most` MB; `where` names the file in messages.
 
     Delimiter and decimal comma are found from the data; lines that begin with # or % are comments, of which the last
     one above the data may hold the column names; a second header row may hold units. Raises BadInput for a file that
     is empty, binary, a broken gzip, without numbers, or whose rows differ in length.
     """
-    numbered = [(i, line) for i, line in enumerate(_text(where, content).splitlines(), start=1) if line.strip()]
+    numbered = [(i, line) for i, line in enumerate(_text(where, content, most).splitlines(), start=1) if line.strip()]
     lines = [(i, line) for i, line in numbered if not line.lstrip().startswith(_COMMENT)]
     if not lines:
         raise BadInput(f"{where} has no rows of numbers; it needs a header line and one row for each sample")
     delimiter = _delimiter([line for _, line in lines[:20]])
-    decimal_comma = delimiter != "," and any("," in line for _, line in lines[1:20])
+    numerals = Numerals()
+    if delimiter != "," and any("," in line for _, line in lines[1:20]):
+        numerals = numerals_of(where, "\n".join(line for _, line in lines[2:]) or lines[-1][1])
     header, units = [], []
-    if not _numeric(_cells(lines[0][1], delimiter), decimal_comma):
+    if not _numeric(_cells(lines[0][1], delimiter), numerals):
         header = _cells(lines.pop(0)[1], delimiter)
         if lines and _is_unit_row(_cells(lines[0][1], delimiter)):
             units = [cell.strip("[]() ") for cell in _cells(lines.pop(0)[1], delimiter)]
@@ -54,19 +57,15 @@ def read_delimited(where: str, content: bytes) -> Table:
     units = tuple([*units, *[""] * width][:width])
 
     def numbers(indices: Sequence[int]) -> np.ndarray:
-        return _numbers(where, lines, delimiter, decimal_comma, names, indices)
+        return _numbers(where, lines, delimiter, numerals, names, indices)
 
     return Table(where, names, units, numbers)
 
 
-def _text(where: str, content: bytes) -> str:
-    if content[:2] == b"\x1f\x8b":
-        try:
-            content = gzip.decompress(content)
-        except (EOFError, zlib.error, gzip.BadGzipFile):
-            raise BadInput(f"{where} is a gzip file that is cut short or damaged; copy it again") from None
-    elif content and where.lower().endswith(".gz"):
+def _text(where: str, content: bytes, most: float) -> str:
+    if content and content[:2] != b"\x1f\x8b" and where.lower().endswith(".gz"):
         raise BadInput(f"{where} ends in .gz but is not a gzip file; rename it or compress it")
+    content = unpacked(where, content, most)
     if not content.strip():
         raise BadInput(f"{where} is empty; record or copy it again")
     if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
@@ -109,9 +108,9 @@ def _is_number(text: str) -> bool:
     return True
 
 
-def _numeric(cells: list[str], decimal_comma: bool) -> bool:
+def _numeric(cells: list[str], numerals: Numerals) -> bool:
     """Whether this is a row of data: a header has no number in it."""
-    return any(_is_number(cell.replace(",", ".") if decimal_comma else cell) for cell in cells)
+    return any(_is_number(numerals.plain(cell)) for cell in cells)
 
 
 def _is_unit_row(cells: list[str]) -> bool:
@@ -143,18 +142,23 @@ def _numbers(
     where: str,
     lines: list[tuple[int, str]],
     delimiter: str | None,
-    decimal_comma: bool,
+    numerals: Numerals,
     names: Sequence[str],
     indices: Sequence[int],
 ) -> np.ndarray:
-    def rows() -> Iterator[str]:
-        return (line.replace(",", ".") for _, line in lines) if decimal_comma else (line for _, line in lines)
-
+    rows = [line if numerals == Numerals() else numerals.plain(line) for _, line in lines]
     try:
-        return np.loadtxt(rows(), delimiter=delimiter, usecols=list(indices), ndmin=2, comments=None, quotechar='"')
+        return np.loadtxt(rows, delimiter=delimiter, usecols=list(indices), ndmin=2, comments=None, quotechar='"')
     except ValueError:
         pass  # numpy's message does not know our line numbers and names
-    for (number, _), row in zip(lines, rows(), strict=True):
+    if numerals == Numerals() and delimiter is not None:  # digits in groups, in quotes where the delimiter is a comma
+        cells = [[_cells(line, delimiter)[i] for i in indices] for _, line in lines]
+        if all(_GROUPED.fullmatch(cell) for row in cells for cell in row):
+            grouped = numerals_of(where, "\n".join(cell for row in cells for cell in row))
+            cells = [[grouped.plain(cell) for cell in row] for row in cells]
+            if all(_is_number(cell) for row in cells for cell in row):
+                return np.array(cells, float)
+    for (number, _), row in zip(lines, rows, strict=True):
         cells = _cells(row, delimiter)
         for i in indices:
             if not _is_number(cells[i]):

@@ -7,18 +7,24 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from ..errors import BadInput
 from .columns import Choice, choose_columns, parse_column
+from .content import MOST_MB, content_of
 from .delimited import read_delimited
 from .fact import changed
 from .part import cut_out
 from .recording import QUANTITIES, Recording
 from .sampling import uniform_sampling
 from .table import Table
+from .time_stamps import in_seconds
 from .units import Unit, parse_unit
 
-# A further format is one module with a function (where, content) -> Table, and its suffixes here.
-READERS: dict[str, Callable[[str, bytes], Table]] = dict.fromkeys((".csv", ".txt", ".tsv", ".dat"), read_delimited)
+# A further format is one module with a function (where, content, most) -> Table, and its suffixes here.
+READERS: dict[str, Callable[[str, bytes, float], Table]] = dict.fromkeys(
+    (".csv", ".txt", ".tsv", ".dat"), read_delimited
+)
 
 
 def read(
@@ -33,6 +39,7 @@ def read(
     fs: float | None = None,
     part: tuple[float, float] | None = None,
     hold: str | None = None,
+    max_size: float = MOST_MB,
     checked: bool = True,
 ) -> Recording:
     """Read one recording and convert it to SI.
@@ -40,7 +47,8 @@ def read(
     `time`, `force`, `response` name a column or give its number from 1 ("none" leaves time or force out); `quantity` is
     displacement, velocity or acceleration; `unit` and `force_unit` overrule the header; `fs` in Hz stands in for a
     time column; `part` keeps the stretch from and to so many seconds after the first sample; `hold` says how
-    the force runs between samples (zero, linear, smooth; None: not said). With `checked`, the errors
+    the force runs between samples (zero, linear, smooth; None: not said); `max_size`, in MB, limits what is
+    read. With `checked`, the errors
     that `check` finds are raised and its notes kept in `Recording.notes`.
 
     Raises BadInput with one sentence for each thing that is wrong.
@@ -48,8 +56,8 @@ def read(
     path = Path(path)
     if quantity is not None and quantity not in QUANTITIES:
         raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
-    content = _content(path)
-    table = _reader(path)(path.name, content)
+    content = content_of(path, max_size)
+    table = _reader(path)(path.name, content, max_size)
     choice = choose_columns(table, time, force, response, quantity)
     recording = _recording(table, choice, quantity, unit, force_unit, fs, hashlib.sha256(content).hexdigest())
     recording = replace(recording, hold=hold)
@@ -58,18 +66,7 @@ def read(
     return _checked(recording, stated=unit is not None) if checked else recording
 
 
-def _content(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise BadInput(f"{path} does not exist; check the name and the folder") from None
-    except IsADirectoryError:
-        raise BadInput(f"{path} is a folder, not a recording; name a file in it") from None
-    except OSError as error:
-        raise BadInput(f"{path} cannot be read ({error.strerror or error}); check its permissions") from None
-
-
-def _reader(path: Path) -> Callable[[str, bytes], Table]:
+def _reader(path: Path) -> Callable[[str, bytes, float], Table]:
     suffixes = [suffix.lower() for suffix in path.suffixes]
     if suffixes and suffixes[-1] == ".gz":
         suffixes.pop()
@@ -108,7 +105,10 @@ def _recording(
     indices = [i for i in (choice.response, choice.force, choice.time) if i is not None]
     numbers = table.numbers(indices)
     signals = numbers[:, : 1 if choice.force is None else 2]
-    stamps = None if choice.time is None else numbers[:, -1] * _time_factor(table, choice.time)
+    stamps = None
+    if choice.time is not None:
+        stamps, said = _stamps(table, choice.time, numbers[:, -1], fs)
+        notes += said
     sampling = uniform_sampling(table.where, stamps, table.fs if fs is None else fs, signals)
     columns = sampling.columns
     return Recording(
@@ -151,16 +151,19 @@ def _quantity(table: Table, index: int, unit: Unit | None, option: str | None) -
     return option or measured or (kind if kind in QUANTITIES else "displacement")
 
 
-def _time_factor(table: Table, index: int) -> float:
+def _stamps(
+    table: Table, index: int, stamps: np.ndarray, fs: float | None
+) -> tuple[np.ndarray | None, tuple[str, ...]]:
+    """The time column in seconds, and what is to be said of it; None where it is none."""
     column = parse_column(table.names[index], table.units[index])
-    if not column.unit_text:
-        return 1.0
-    unit = parse_unit(column.unit_text, where=f"{table.where}, column {table.label(index)}")
-    if unit.quantity != "time":
-        raise BadInput(
-            f"{table.where}: the time column {table.label(index)} has the unit '{column.unit_text}'; choose with --time"
-        )
-    return unit.factor
+    where, label = table.where, table.label(index)
+    if column.unit_text:
+        unit = parse_unit(column.unit_text, where=f"{where}, column {label}")
+        if unit.quantity != "time":
+            raise BadInput(f"{where}: the time column {label} has the unit '{column.unit_text}'; choose with --time")
+        return in_seconds(where, label, stamps * unit.factor, stated=True, fs=fs)
+    named = table.names[index].strip().lower() in ("s", "sec", "seconds")
+    return in_seconds(where, label, stamps, stated=named, fs=fs)
 
 
 def _checked(recording: Recording, *, stated: bool) -> Recording:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import ctypes
-import tempfile
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from .. import engine
 from ..model.law import Expression, Law, Motion
-from .compiler import shared_library
+from .compiler import loaded_library
+from .generated_c import generated_c
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 #: Rate of an inner state times the step: Heun's method is then good to a few per cent of that state.
@@ -62,14 +61,12 @@ class Along:
         generator = ca.CodeGenerator("law.c", {"casadi_int": "int", "with_header": False})
         generator.add(ca.Function("dp_value", arguments, [ca.densify(values)]))
         generator.add(ca.Function("dp_rates", arguments, [ca.densify(rates)]))
-        with tempfile.TemporaryDirectory() as folder:
-            generator.generate(folder + "/")
-            body = (Path(folder) / "law.c").read_text(encoding="utf-8")
+        body = generated_c(generator)
         sizes = f"#define DP_INNER {inner.numel()}\n#define DP_VALUES {self.values}\n"
         head = '#define CASADI_SYMBOL_EXPORT static\n#include "law.c"\n'
         main = head + sizes + engine.included(engine.ALONG)
         sources = {"law.c": body, engine.ALONG: engine.text(engine.ALONG), "all.c": main}
-        library = ctypes.CDLL(str(shared_library(sources, "all.c")))
+        library = loaded_library(sources, "all.c")
         self._along = library.dp_along
         self._along.restype = None
         self._along.argtypes = [

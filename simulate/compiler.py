@@ -1,20 +1,20 @@
-"""C compilers, and shared libraries built once and kept in a cache."""
+"""C compilers, and shared libraries built once and kept in the store."""
 
 from __future__ import annotations
 
+import ctypes
 import hashlib
 import os
 import platform
 import shutil
-import subprocess
-import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import ToolchainMissing
-from . import zig
+from ..errors import BadInput, ToolchainMissing
+from . import store, zig
 from .cache import cache_folder
+from .compiler_run import LONGEST_SECONDS, LONGEST_SECONDS_OF_ZIG, call, library_made
 
 #: No fused multiply-add and no reordering: the same model gives the same bits on every machine. Numbers are not packed
 #: in pairs: a law has few that are alike, and packing them takes longer than it saves.
@@ -72,7 +72,7 @@ def machine_compiler() -> Compiler | None:
 
 
 def shared_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, ...] = ()) -> Path:
-    """Compile C texts into a shared library for this machine, or take it from the cache when it was built before.
+    """Compile C texts into a shared library for this machine, or take it from the store when it was built before.
 
     Args:
         sources: file name to text; written side by side.
@@ -80,7 +80,7 @@ def shared_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, .
         flags: further compiler flags.
 
     Returns:
-        Path of the library in the cache.
+        Path of the library in the store, its content checked.
 
     Raises:
         ToolchainMissing: where no C compiler is found, or it fails.
@@ -88,7 +88,23 @@ def shared_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, .
     compiler = machine_compiler()
     if compiler is None:
         raise ToolchainMissing(NO_COMPILER)
-    return build(compiler, sources, main, f"core{SUFFIX}", flags=flags)
+    return build(compiler, sources, main, f"core{SUFFIX}", flags=flags)[0]
+
+
+def loaded_library(sources: Mapping[str, str], main: str) -> ctypes.CDLL:
+    """The same, loaded into this process.
+
+    Raises:
+        ToolchainMissing: as ``shared_library``, and where the library does not load.
+    """
+    path = shared_library(sources, main)
+    try:
+        return ctypes.CDLL(str(path))
+    except OSError as problem:
+        raise ToolchainMissing(
+            f"what was compiled does not load ({problem}); check the C compiler, and that programs may run from "
+            f"{path.parent}, or set DASHPOT_CACHE to another folder"
+        ) from problem
 
 
 def build(
@@ -99,8 +115,8 @@ def build(
     *,
     flags: tuple[str, ...] = (),
     before: Callable[[], None] | None = None,
-) -> Path:
-    """Build a shared library with a compiler, or take it from the cache; it appears there whole or not at all.
+) -> tuple[Path, bytes]:
+    """Build a shared library with a compiler, or take it from the store; it appears there whole or not at all.
 
     Args:
         compiler: what to build with.
@@ -111,41 +127,52 @@ def build(
         before: called when it has to be built.
 
     Returns:
-        Path of the library in the cache.
+        Path of the library in the store, and its content.
 
     Raises:
-        ToolchainMissing: where the compiler fails.
+        BadInput: where there is no room to build in.
+        ToolchainMissing: where the compiler fails, does nothing, or does not end.
     """
     steps = compiler.steps([*FLAGS, *flags], main, name)
     texts = {**sources, **(zig.zig_sources(compiler.target) if compiler.path is None else {})}
     # without the first words, which are paths
-    key = hashlib.sha256(repr((compiler.identity, [step[1:] for step in steps], sorted(texts.items()))).encode())
-    kept = cache_folder() / f"{Path(name).stem[:40]}-{key.hexdigest()[:24]}{Path(name).suffix}"
-    if kept.exists():
+    made_of = repr((compiler.identity, [step[1:] for step in steps], sorted(texts.items())))
+    entry = Path(name).stem[:40], hashlib.sha256(made_of.encode()).hexdigest()[:24], Path(name).suffix
+    kept = store.find(*entry)
+    if kept is not None:
         return kept
     if before is not None:
         before()
-    kept.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=kept.parent) as scratch:
-        folder = Path(scratch) / "build"
-        folder.mkdir()
-        for file, text in texts.items():
-            (folder / file).write_text(text, encoding="utf-8", newline="\n")
-        for step in steps:
-            run = subprocess.run(
-                step,
-                cwd=folder,
-                env=zig.zig_environment(Path(scratch) / "zig") if compiler.path is None else None,
-                capture_output=True,
-                text=True,
-                errors="replace",
-                check=False,
-            )
-            if run.returncode != 0:
-                said = run.stderr.strip()[-400:] or f"it ended with code {run.returncode} and said nothing"
-                raise ToolchainMissing(_failed(compiler, said))
-        (folder / name).replace(kept)  # atomic: two processes may build the same library at once
-    return kept
+    try:
+        with store.scratch() as scratch:
+            folder = Path(scratch) / "build"
+            folder.mkdir()
+            for file, text in texts.items():
+                (folder / file).write_text(text, encoding="utf-8", newline="\n")
+            _compile(compiler, steps, folder)
+            try:
+                content = library_made(folder / name)
+            except ToolchainMissing as problem:
+                raise ToolchainMissing(_failed(compiler, str(problem))) from problem
+            return store.put(folder / name, *entry, content), content
+    except OSError as problem:
+        raise BadInput(
+            f"{problem.filename or store.private_folder('compiled')}: nothing can be compiled there "
+            f"({problem.strerror or problem}); make room, or set DASHPOT_CACHE to another folder"
+        ) from problem
+
+
+def _compile(compiler: Compiler, steps: Sequence[Sequence[str]], folder: Path) -> None:
+    environment, usual = None, LONGEST_SECONDS
+    if compiler.path is None:
+        environment, usual = zig.zig_environment(folder.parent / "zig"), LONGEST_SECONDS_OF_ZIG
+    for step in steps:
+        try:
+            code, said = call(step, folder, environment, usual)
+        except ToolchainMissing as problem:
+            raise ToolchainMissing(_failed(compiler, str(problem))) from problem
+        if code != 0:
+            raise ToolchainMissing(_failed(compiler, said or f"it ended with code {code} and said nothing"))
 
 
 def _failed(compiler: Compiler, said: str) -> str:

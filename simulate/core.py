@@ -13,7 +13,7 @@ from .. import engine
 from ..errors import BadInput
 from ..model.equations import Equations, Structure, equations, equations_of, structure_of
 from ..model.law import Expression
-from .compiler import shared_library
+from .compiler import loaded_library
 from .force import Force, straight_lines
 from .law_source import law_source
 
@@ -40,7 +40,7 @@ class Core:
             engine.RECORD: engine.text(engine.RECORD),
             "core.c": engine.included("law.c", engine.ENGINE[-1], engine.RECORD),
         }
-        self._library = ctypes.CDLL(str(shared_library(sources, "core.c")))
+        self._library = loaded_library(sources, "core.c")
         self._record = self._library.dp_record
         self._record.restype = ctypes.c_long
         self._record.argtypes = [

@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
-
 from ..model.equations import Equations, rates_feel_rest
 from ..model.law import Expression
+from .generated_c import generated_c
 
 _HEADER = """\
 /* Generated: the equation of motion of one oscillator. */
@@ -137,10 +135,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
     for name, inputs, outputs in functions:
         # dense: a structural zero would otherwise be left out of the result array
         generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
-    with tempfile.TemporaryDirectory() as folder:
-        generator.generate(folder + "/")
-        body = (Path(folder) / "law.c").read_text(encoding="utf-8")
-    body = body.replace("static int casadi_f", "DP_INLINE int casadi_f")
+    body = generated_c(generator).replace("static int casadi_f", "DP_INLINE int casadi_f")
     body = body.replace("=pow(", "=dp_raised(")
     uses_force = bool(eq.kinds) and bool(ca.depends_on(eq.surfaces, eq.u))
     return (

@@ -15,7 +15,7 @@ from importlib import metadata, util
 from pathlib import Path
 
 from .. import engine
-from .cache import cache_folder
+from .store import private_folder
 
 #: How to have it, as all messages say it.
 MORE = 'pip install "dashpot[platforms]"'
@@ -104,4 +104,5 @@ def _mark(target: str) -> Path:
 
 def _kept() -> Path:
     """``$ZIG_GLOBAL_CACHE_DIR`` where zig is in use already, else a folder in our own cache."""
-    return Path(os.environ.get("ZIG_GLOBAL_CACHE_DIR") or cache_folder() / "zig")
+    given = os.environ.get("ZIG_GLOBAL_CACHE_DIR")
+    return Path(given) if given else private_folder("zig")

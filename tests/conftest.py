@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 #: Tests run on all cores. Threads of the linear algebra besides those would wait for one another in a loop: the
 #: matrices are small, and on busy cores a factorisation of 2400 x 22 takes a hundred times the time.
@@ -154,6 +155,28 @@ def this_platform_alone() -> Iterator[None]:
         if "ZIG_GLOBAL_CACHE_DIR" not in os.environ:  # also for tests with a cache of their own
             patch.setenv("ZIG_GLOBAL_CACHE_DIR", str(cache_folder() / "zig"))
         yield
+
+
+@pytest.fixture
+def opened_fmu(tmp_path: Path) -> Iterator[Callable[[Path], tuple[dict[str, int], list[str], Any]]]:
+    """``opened_fmu(path)``: value references by name, names of the start values, FMPy's object, in this process."""
+    from dashpot.verify.fmu_run import FmuRun
+    from dashpot.verify.slave import opened
+    from dashpot.verify.unpack import unpack
+
+    slaves, here = [], Path.cwd()
+
+    def make(path: Path) -> tuple[dict[str, int], list[str], Any]:
+        unpack(path, tmp_path / "unpacked")
+        description, slave = opened(tmp_path / "unpacked", str(path))
+        slaves.append(slave)
+        with FmuRun(path) as run:
+            return {v.name: v.valueReference for v in description.modelVariables}, run.starts, slave.fmu
+
+    yield make
+    for slave in slaves:
+        slave.close()
+    os.chdir(here)
 
 
 @pytest.fixture

@@ -1,13 +1,11 @@
-"""An FMU held open under FMPy and run over recordings, one call a sample."""
+"""An FMU held open under FMPy, in a process of its own, and run over recordings, one call a sample."""
 
 from __future__ import annotations
 
-import os
 import re
 import shutil
-import zipfile
-import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from tempfile import mkdtemp
 from types import TracebackType
@@ -17,46 +15,42 @@ import numpy as np
 
 from ..errors import BadInput
 from ..export.description import OWN
-from ..export.platforms import library_for_here
 from ..model.law import InnerState
 from ..model.oscillator import HOLDS
-from ..model.yaml_loader import read_yaml
+from ..model.yaml_loader import MAX_CHARACTERS, read_yaml
 from ..recording.recording import Recording
 from ..simulate.force import Force
-from .slave import FACTORIAL, SLAVES, Slave
+from .fmu_process import TIME_LIMIT, FmuProcess
+from .unpack import stated_version, unpack
 
 #: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
 _LINES = 8
 
 
-def _fmi_version(fmu: Path) -> str | None:
-    """The FMI version that an FMU states; None where it states none that can be read."""
-    try:
-        with zipfile.ZipFile(fmu) as archive:
-            text = archive.read("modelDescription.xml").decode("utf-8", errors="replace")
-    except (OSError, zipfile.BadZipFile, KeyError, EOFError, zlib.error, NotImplementedError, RuntimeError):
-        return None
-    match = re.search(r"""<fmiModelDescription\b[^>]*?\bfmiVersion\s*=\s*["']([^"']*)["']""", text)
-    return match.group(1) if match else None
+@dataclass(frozen=True)
+class FmuVariable:
+    """A variable as the FMU describes it; ``unit`` and ``start`` (as text) are None where it states none."""
+
+    name: str
+    reference: int
+    causality: str
+    variability: str
+    unit: str | None
+    description: str | None
+    start: str | None
 
 
-def _short(problem: Exception) -> str:
-    """What another library says, on one line: FMPy lists every finding of its XML schema."""
-    words = " ".join(str(problem).split()).rstrip(".")
-    return words if len(words) <= 200 else f"{words[:200]} ..."
-
-
-def _starts(variables: Sequence[Any]) -> list[str]:
+def _starts(variables: Iterable[FmuVariable]) -> list[str]:
     """Names of the start values that an FMU lets one set: x0, v0, then those of inner states in their order."""
     fixed = [v.name for v in variables if v.causality == "parameter" and v.variability == "fixed"]
     inner = [name for name in fixed if "." in name and name.endswith("0")]
     return [*(name for name in ("x0", "v0") if name in fixed), *inner]
 
 
-def _inner(variables: Mapping[str, Any], name: str) -> InnerState:
+def _inner(variables: Mapping[str, FmuVariable], name: str) -> InnerState:
     """What a start value is, from what the FMU says of it: its size by its unit, and whether each run has its own."""
-    unit = _unit(variables[name])
-    known = {_unit(variables[of]): template for of, template in (("F", "Q"), ("v0", "X/s"), ("x0", "X"))}
+    unit = variables[name].unit
+    known = {variables[of].unit: template for of, template in (("F", "Q"), ("v0", "X/s"), ("x0", "X"))}
     free = str(variables[name].description or "").endswith(OWN)
     return InnerState(name, "rad" if free else known.get(unit, "1"), free=free)
 
@@ -64,6 +58,8 @@ def _inner(variables: Mapping[str, Any], name: str) -> InnerState:
 def _hold(file: Path) -> str | None:
     """What a model file says of its force between samples; None where there is no such file, or it says nothing."""
     try:
+        if not file.is_file() or file.stat().st_size > MAX_CHARACTERS:
+            return None
         content = read_yaml(file.read_text(encoding="utf-8"), file.name).data
     except (OSError, UnicodeDecodeError, BadInput):
         return None  # an FMU of another make may hold anything under that name
@@ -72,76 +68,58 @@ def _hold(file: Path) -> str | None:
     return hold if hold in HOLDS else None
 
 
-def _unit(variable: Any) -> str | None:
-    """Unit of a variable; None where the FMU states none."""
-    return variable.unit or (variable.declaredType.unit if variable.declaredType else None)
-
-
 class FmuRun:
-    """A co-simulation FMU (FMI 2.0 or 3.0) with input ``F``, unpacked once and instantiated once.
+    """A co-simulation FMU (FMI 2.0 or 3.0) with input ``F``, unpacked once and instantiated once, in its own process.
+
+    Args:
+        fmu: the file.
+        limit: longest time, s, without a step that it finished.
 
     Raises:
         BadInput: where the file is not such an FMU or cannot be loaded on this machine.
     """
 
-    def __init__(self, fmu: Path) -> None:
+    def __init__(self, fmu: Path, *, limit: float = TIME_LIMIT) -> None:
         self.path = fmu
         if fmu.is_dir():
             raise BadInput(f"{fmu}: is a folder; name an FMU, for example one made by dashpot export")
-        if not fmu.is_file():
+        if not fmu.exists():
             raise BadInput(f"{fmu}: there is no such file; name an FMU, for example one made by dashpot export")
-        version = _fmi_version(fmu)
-        if version is not None and version.partition(".")[0] not in SLAVES:
-            raise BadInput(f"{fmu}: verify runs FMUs of FMI 2.0 and 3.0; this one is of FMI {version[:20]}")
-        self._folder = mkdtemp()
-        here = Path.cwd()  # FMPy goes to the library's folder to load it, and stays there when that fails
+        if not fmu.is_file():
+            raise BadInput(f"{fmu}: is a pipe or a device; name an FMU, for example one made by dashpot export")
+        self._folder = Path(mkdtemp(prefix="fmu-"))
+        self._process: FmuProcess | None = None
         try:
-            description = self._described()
-            self._slave = self._loaded(description)
+            self._process = FmuProcess(self._folder, str(fmu), limit)  # which starts while the archive is unpacked
+            unpack(fmu, self._folder)
+            version = stated_version(self._folder)
+            if version is not None and version.partition(".")[0] not in ("2", "3"):
+                raise BadInput(f"{fmu}: verify runs FMUs of FMI 2.0 and 3.0; this one is of FMI {version[:20]}")
+            found = self._ask({"do": "open"}, doing="while it was loaded")[0]
+            variables = [FmuVariable(**entry) for entry in found["variables"]]
+            self._orders = int(found["orders"])
         except BaseException:
-            os.chdir(here)
-            shutil.rmtree(self._folder, ignore_errors=True)
+            self.__exit__(None, None, None)
             raise
-        self.variables = {variable.name: variable for variable in description.modelVariables}
+        self.variables = {variable.name: variable for variable in variables}
         #: Names of the start values: x0, v0, then those of the inner states.
-        self.starts = _starts(description.modelVariables)
+        self.starts = _starts(variables)
         #: What the start values of the inner states are.
         self.inner = tuple(_inner(self.variables, name) for name in self.starts[2:])
         #: Units of the outputs in their order, by name; None where the FMU states none.
-        self.outputs = {v.name: _unit(v) for v in description.modelVariables if v.causality == "output"}
+        self.outputs = {v.name: v.unit for v in variables if v.causality == "output"}
         #: How the force ran between the samples that the model inside was identified from; None where it holds none.
-        self.hold = _hold(Path(self._folder) / "resources" / "model.yaml")
+        self.hold = _hold(self._folder / "resources" / "model.yaml")
+        self._said: list[str] = []
 
-    def _described(self) -> Any:
-        """What the FMU says of itself, read where it was unpacked: FMPy leaves an archive open that it cannot read."""
-        import fmpy
-
-        fmu = self.path
-        try:
-            fmpy.extract(str(fmu), self._folder)
-            description = fmpy.read_model_description(self._folder)
-        except Exception as problem:  # a damaged archive, or one that would unpack outside its folder, or damaged XML
-            raise BadInput(f"{fmu}: not a readable FMU ({self._said(problem)}); export it again") from problem
-        if description.coSimulation is None:
-            raise BadInput(f"{fmu}: verify runs FMUs for co-simulation; this one is for model exchange alone")
-        names = [variable.name for variable in description.modelVariables]
-        if "F" not in names or not any(variable.causality == "output" for variable in description.modelVariables):
-            raise BadInput(f"{fmu}: the FMU needs an input named F and an output; found {', '.join(names[:8])}")
-        return description
-
-    def _loaded(self, description: Any) -> Slave:
-        """The FMU's binary for this machine, with an instance of it."""
-        library = library_for_here(Path(self._folder), description.coSimulation.modelIdentifier or "")
-        try:
-            return SLAVES[str(description.fmiVersion).partition(".")[0]](description, self._folder, library)
-        except Exception as problem:
+    def _ask(self, head: dict[str, Any], numbers: bytes = b"", *, doing: str) -> tuple[dict[str, Any], bytes]:
+        assert self._process is not None
+        answer = self._process.ask(head, numbers, doing=doing)
+        if "failed" in answer[0]:
             raise BadInput(
-                f"{self.path}: it does not load on this machine ({self._said(problem)}); export it here again"
-            ) from problem
-
-    def _said(self, problem: Exception) -> str:
-        """What another library says, with the FMU's name in place of the folder that it was unpacked into."""
-        return _short(problem).replace(self._folder, self.path.name)
+                f"{self.path}: the FMU stopped ({answer[0]['failed']}) {doing}; check the units of the force"
+            )
+        return answer
 
     def __enter__(self) -> FmuRun:
         """The run itself."""
@@ -151,8 +129,11 @@ class FmuRun:
         self, kind: type[BaseException] | None, value: BaseException | None, trace: TracebackType | None
     ) -> None:
         """Ends the FMU and removes what was unpacked."""
-        self._slave.close()
-        shutil.rmtree(self._folder, ignore_errors=True)
+        try:
+            if self._process is not None:
+                self._process.close()
+        finally:
+            shutil.rmtree(self._folder, ignore_errors=True)
 
     def output_for(self, recording: Recording) -> str:
         """Name of the output that shows what a recording does: the first of its unit.
@@ -171,8 +152,8 @@ class FmuRun:
 
     def heard(self) -> list[str]:
         """What the FMU has said since the last time; of messages that differ by their numbers alone, the first."""
-        kinds = {re.sub(r"[-+.\d]+(e[-+]?\d+)?", "#", text): text for text in reversed(self._slave.said)}
-        self._slave.said.clear()
+        kinds = {re.sub(r"[-+.\d]+(e[-+]?\d+)?", "#", text): text for text in reversed(self._said)}
+        self._said.clear()
         return list(reversed(kinds.values()))
 
     def record(
@@ -202,33 +183,36 @@ class FmuRun:
                 )
             given = dict(zip(self.starts, (float(value) for value in initial), strict=False))
         given["F"] = float(force.pieces[0, 0]) if force is not None else 0.0
-        self._slave.show(output or next(iter(self.outputs)))
-        self._slave.start(start, given)
-        out = np.empty(n)
-        out[0] = self._slave.read()
-        try:
-            self._steps(force, n, dt, start, out)
-        except Exception as problem:
-            said = self._slave.said[-1] if self._slave.said else problem
-            raise BadInput(f"{self.path}: the FMU stopped ({said}); check the units of the force") from problem
-        finally:
-            self._slave.stop()
-        return out
-
-    def _steps(self, force: Force | None, n: int, dt: float, start: float, out: np.ndarray) -> None:
-        slave = self._slave
         pieces, step = self._points(force, n, dt)
-        rows = iter([] if pieces is None else (pieces[:, : 1 + slave.orders] * FACTORIAL[: 1 + slave.orders]).tolist())
-        per_sample = 1 if pieces is None else round(dt / step)
-        jumps = force is not None and force.hold == "zero"
-        for i in range(1, n):
-            for k in range((i - 1) * per_sample, i * per_sample):
-                if pieces is not None:
-                    slave.push(next(rows))
-                slave.step(start + k * step, step)
-            if jumps and force is not None and i < force.pieces.shape[0]:
-                slave.push([float(force.pieces[i, 0]), 0.0, 0.0, 0.0][: 1 + slave.orders])  # it acts on this sample
-            out[i] = slave.read()
+        width = 1 + self._orders
+        rows = np.empty(0) if pieces is None else np.ascontiguousarray(pieces[:, :width] * FACTORIAL[:width], float)
+        jumps = np.empty(0)
+        if force is not None and force.hold == "zero":
+            jumps = np.ascontiguousarray(force.pieces[1:n, 0], float)
+        head = {
+            "do": "record",
+            "output": output or next(iter(self.outputs)),
+            "given": given,
+            "time": start,
+            "n": n,
+            "step": step,
+            "per_sample": 1 if pieces is None else round(dt / step),
+            "pushed": pieces is not None,
+            "jumps": jumps.size,
+        }
+        head, numbers = self._ask(head, rows.tobytes() + jumps.tobytes(), doing="while it ran")
+        self._said += head["said"]
+        out = np.frombuffer(numbers, float).copy()
+        if out.size != n:
+            raise BadInput(
+                f"{self.path}: the FMU gave {out.size} values where {n} were due; such an FMU cannot be used"
+            )
+        if (bad := np.flatnonzero(~np.isfinite(out))).size:
+            raise BadInput(
+                f"{self.path}: the FMU gives {out[bad[0]]} at {start + bad[0] * dt:.4g} s and says that all is well; "
+                "check its parameters and the units of the force"
+            )
+        return out
 
     def _points(self, force: Force | None, n: int, dt: float) -> tuple[np.ndarray | None, float]:
         """Cubics per communication step, or straight lines fine enough to stand for them."""
@@ -236,7 +220,7 @@ class FmuRun:
             return None, dt
         pieces = force.pieces[: (n - 1) * force.fine]
         step = dt / force.fine
-        if self._slave.orders == 3 or force.hold == "zero":  # what is held needs no derivatives
+        if self._orders == 3 or force.hold == "zero":  # what is held needs no derivatives
             return pieces, step
         tau = np.arange(_LINES + 1) * (step / _LINES)
         points = pieces @ np.vander(tau, 4, increasing=True).T
@@ -244,3 +228,7 @@ class FmuRun:
         lines[:, 0] = points[:, :-1].ravel()
         lines[:, 1] = np.diff(points, axis=1).ravel() / (step / _LINES)
         return lines, step / _LINES
+
+
+#: The factors between the coefficients of a polynomial and its derivatives.
+FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0])

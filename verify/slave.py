@@ -5,12 +5,17 @@ from __future__ import annotations
 import ctypes
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
+from ..export.platforms import library_for_here
+
+#: What is kept of an FMU that never stops talking.
+_MOST_SAID, _LONGEST_SAID = 1000, 2000
 
 
 class Slave(ABC):
@@ -27,7 +32,8 @@ class Slave(ABC):
     Attributes:
         orders: derivatives of the input that a step takes; 0 where the input is held.
         fmu: FMPy's own object.
-        said: messages of the FMU.
+        said: messages of the FMU, the first ``_MOST_SAID`` of them.
+        made: steps made so far.
     """
 
     def __init__(self, description: Any, folder: str, library: Path | None) -> None:
@@ -42,6 +48,7 @@ class Slave(ABC):
             libraryPath=None if library is None else str(library),
         )
         self.said: list[str] = []
+        self.made = 0
         try:
             self._instantiate()
         except Exception as problem:
@@ -63,7 +70,8 @@ class Slave(ABC):
 
     def _log(self, *arguments: Any) -> None:
         """The callback of both versions: the message is its last argument."""
-        self.said.append((arguments[-1] or b"").decode("utf-8", errors="replace"))
+        if len(self.said) < _MOST_SAID:
+            self.said.append((arguments[-1] or b"")[:_LONGEST_SAID].decode("utf-8", errors="replace"))
 
     @abstractmethod
     def _begin(self, time: float, values: Mapping[int, float]) -> None:
@@ -148,6 +156,7 @@ class Slave2(Slave):
     def step(self, time: float, length: float) -> None:
         """By the version's doStep."""
         self.fmu.fmi2DoStep(self.fmu.component, time, length, 1)
+        self.made += 1
 
     def read(self) -> float:
         """The output that is shown."""
@@ -180,6 +189,7 @@ class Slave3(Slave):
     def step(self, time: float, length: float) -> None:
         """By the version's doStep."""
         self.fmu.doStep(time, length)
+        self.made += 1
 
     def read(self) -> float:
         """The output that is shown."""
@@ -190,5 +200,69 @@ class Slave3(Slave):
 #: By the number before the point of the FMI version that an FMU states.
 SLAVES: Mapping[str, type[Slave]] = {"2": Slave2, "3": Slave3}
 
-#: The factors between the coefficients of a polynomial and its derivatives.
-FACTORIAL = np.array([1.0, 1.0, 2.0, 6.0])
+
+def opened(folder: Path, shown: str) -> tuple[Any, Slave]:
+    """What an unpacked FMU says of itself, and an instance of it by its binary for this machine.
+
+    Raises:
+        BadInput: where it is no co-simulation FMU with an input ``F`` and an output, or does not load.
+    """
+    import fmpy
+
+    def said(problem: Exception) -> str:
+        # FMPy lists every finding of its XML schema
+        words = " ".join(str(problem).split()).rstrip(".")
+        return (words if len(words) <= 200 else f"{words[:200]} ...").replace(str(folder), Path(shown).name)
+
+    try:
+        description = fmpy.read_model_description(str(folder))
+    except Exception as problem:  # damaged XML
+        raise BadInput(f"{shown}: not a readable FMU ({said(problem)}); export it again") from problem
+    if description.coSimulation is None:
+        raise BadInput(f"{shown}: verify runs FMUs for co-simulation; this one is for model exchange alone")
+    names = [variable.name for variable in description.modelVariables]
+    if "F" not in names or not any(variable.causality == "output" for variable in description.modelVariables):
+        raise BadInput(f"{shown}: the FMU needs an input named F and an output; found {', '.join(names[:8])}")
+    library = library_for_here(folder, description.coSimulation.modelIdentifier or "")
+    try:
+        made = SLAVES[str(description.fmiVersion).partition(".")[0]](description, str(folder), library)
+    except Exception as problem:
+        raise BadInput(
+            f"{shown}: it does not load on this machine ({said(problem)}); export it here again"
+        ) from problem
+    return description, made
+
+
+def run(
+    slave: Slave, how: Mapping[str, Any], rows: Sequence[Sequence[float]] | None, jumps: Sequence[float] | None
+) -> np.ndarray:
+    """(n,) the output of one run from its start.
+
+    Args:
+        slave: the FMU.
+        how: ``output`` by its name, ``time`` of the first sample, values to be ``given`` at the start by their names,
+            ``n`` samples, ``step`` between two rows, ``per_sample`` of them.
+        rows: the input and its derivatives at the start of each step; None: it stays as it is.
+        jumps: the input that acts on each sample itself, from the second on, where it is held in between.
+    """
+    start, step, per_sample = how["time"], how["step"], how["per_sample"]
+    slave.show(how["output"])
+    slave.start(start, how["given"])
+    out = np.empty(how["n"])
+    try:
+        out[0] = slave.read()
+        pushed = iter(rows or ())
+        for i in range(1, how["n"]):
+            for k in range((i - 1) * per_sample, i * per_sample):
+                if rows is not None:
+                    slave.push(next(pushed))
+                slave.step(start + k * step, step)
+            if jumps is not None and i <= len(jumps):
+                slave.push([jumps[i - 1], 0.0, 0.0, 0.0][: 1 + slave.orders])  # it acts on this sample
+            out[i] = slave.read()
+    except Exception:
+        with suppress(Exception):
+            slave.stop()
+        raise
+    slave.stop()
+    return out

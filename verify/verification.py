@@ -26,6 +26,7 @@ from ..identify.signals import Signal, drive_of, noise_levels
 from ..model import Response
 from ..recording.fact import changed
 from ..recording.recording import Recording
+from .fmu_process import TIME_LIMIT
 from .fmu_run import FmuRun
 from .noise_floor import floor_of_fmu, pieces
 
@@ -106,9 +107,9 @@ class Verification:
             "recordings": [
                 {
                     "file": check.file,
-                    "nrmse": check.nrmse,
-                    "noise_floor": check.noise_floor,
-                    "backbone_max_error_hz": check.backbone_max_error_hz,
+                    "nrmse": _finite(check.nrmse),
+                    "noise_floor": _finite(check.noise_floor),
+                    "backbone_max_error_hz": _finite(check.backbone_max_error_hz),
                     "besides": list(check.besides),
                     "pass": check.passed,
                 }
@@ -118,11 +119,17 @@ class Verification:
         }
 
 
+def _finite(value: float | None) -> float | None:
+    """JSON has no number for what is not finite."""
+    return value if value is not None and np.isfinite(value) else None
+
+
 def verify(
     fmu: Path,
     recordings: Sequence[Recording],
     *,
     noise_ratio: float = NOISE_RATIO,
+    limit: float = TIME_LIMIT,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verification:
     """Run the FMU with the force of each recording and compare response and backbone.
@@ -132,13 +139,14 @@ def verify(
             the first output of its own unit.
         recordings: what it should reproduce.
         noise_ratio: largest NRMSE over noise floor that passes.
+        limit: longest time, s, that the FMU may take without finishing a step.
         progress: called with one line per recording.
 
     Raises:
         BadInput: where the file is no such FMU, or it cannot simulate, or none of its outputs has a recording's unit.
     """
     checks = []
-    with FmuRun(Path(fmu)) as run:
+    with FmuRun(Path(fmu), limit=limit) as run:
         for recording in held_as(recordings, run.hold):
             check = _check(run, recording, noise_ratio)
             progress(
@@ -263,7 +271,8 @@ def _largest_error(backbones: Sequence[tuple[Backbone, Backbone]]) -> float | No
             continue
         grid = np.linspace(low, high, 200)
         difference = _at(recorded, grid) - _at(simulated, grid)
-        worst = max(worst, float(np.max(np.abs(difference))))
+        error = float(np.max(np.abs(difference)))
+        worst = max(worst, error if np.isfinite(error) else np.inf)
     return worst
 
 

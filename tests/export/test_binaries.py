@@ -220,7 +220,7 @@ def test_fmi_3_has_a_folder_for_each(contents, models):
 def test_same_model_same_bytes_and_no_trace_of_where(everywhere, contents, models, tmp_path, monkeypatch):
     again = tmp_path / "rig.fmu"
     with monkeypatch.context() as patch:
-        patch.setattr(subprocess, "run", None)  # nothing is compiled twice
+        patch.setattr(subprocess, "Popen", None)  # nothing is compiled twice
         export_fmu(models["base"](), again, platforms=PLATFORMS)
     assert again.read_bytes() == everywhere().read_bytes()
     monkeypatch.setenv("DASHPOT_CACHE", str(tmp_path / "cache"))
@@ -239,14 +239,14 @@ def test_a_build_that_fails_names_its_platform_and_leaves_nothing(everywhere, mo
     with pytest.raises(ToolchainMissing, match=r"binary for win64: .*the disk is full"):
         export_fmu(models["base"](), tmp_path / "out/rig.fmu", platforms=parse_platforms("win64"))
     assert not (tmp_path / "out").exists()
-    assert list((tmp_path / "cache").iterdir()) == []
+    assert list((tmp_path / "cache" / "compiled").iterdir()) == []
 
 
 def test_what_takes_long_the_first_time_is_said_then_and_only_then(everywhere, models, tmp_path, monkeypatch):
     def fake(compiler, sources, main, name, *, flags, before):
         before()
         (tmp_path / name).touch()
-        return tmp_path / name
+        return tmp_path / name, b""
 
     monkeypatch.setattr("dashpot.export.binaries.build", fake)
     monkeypatch.setenv("ZIG_GLOBAL_CACHE_DIR", str(tmp_path))

@@ -11,7 +11,6 @@ from dashpot.export.description import describe_fmu
 from dashpot.export.facts import Facts
 from dashpot.export.fmu import export_fmu
 from dashpot.model.laws import LIBRARY
-from dashpot.verify.fmu_run import FmuRun
 from fmpy import read_model_description
 from fmpy.validation import validate_fmu
 
@@ -86,31 +85,26 @@ def test_what_rides_along_depends_on_where_the_mass_starts(structure):
 
 
 @pytest.mark.parametrize("backend", ["native", "python"])
-def test_a_kept_state_holds_the_memory(with_law, tmp_path, backend):
+def test_a_kept_state_holds_the_memory(with_law, tmp_path, backend, opened_fmu):
     path = export_fmu(with_law("hysteresis", "actuator-lag"), tmp_path / "rig.fmu", backend=backend)
-    with FmuRun(path) as run:
-        fmu, force, x = (
-            run._slave.fmu,
-            [run.variables["F"].valueReference],
-            [run.variables["acceleration"].valueReference],
-        )
+    references, starts, fmu = opened_fmu(path)
 
-        def on(steps):
-            samples = []
-            for k in steps:
-                fmu.setReal(force, [float(np.sin(80 * k * DT))])
-                fmu.doStep(k * DT, DT)
-                samples += fmu.getReal(x)
-            return samples
+    def on(steps):
+        samples = []
+        for k in steps:
+            fmu.setReal([references["F"]], [float(np.sin(80 * k * DT))])
+            fmu.doStep(k * DT, DT)
+            samples += fmu.getReal([references["acceleration"]])
+        return samples
 
-        fmu.setupExperiment(startTime=0.0)
-        fmu.enterInitializationMode()
-        fmu.setReal([run.variables[name].valueReference for name in run.starts], [2e-3, 0.1, 0.2, 5e-4])
-        fmu.exitInitializationMode()
-        on(range(40))
-        kept = fmu.getFMUstate()
-        expected = on(range(40, 80))
-        fmu.setFMUstate(kept)
-        assert on(range(40, 80)) == expected
-        fmu.freeFMUstate(kept)
-        fmu.terminate()
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.setReal([references[name] for name in starts], [2e-3, 0.1, 0.2, 5e-4])
+    fmu.exitInitializationMode()
+    on(range(40))
+    kept = fmu.getFMUstate()
+    expected = on(range(40, 80))
+    fmu.setFMUstate(kept)
+    assert on(range(40, 80)) == expected
+    fmu.freeFMUstate(kept)
+    fmu.terminate()

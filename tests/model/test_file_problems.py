@@ -26,7 +26,7 @@ valid:
 identified:
   recordings: [{file: a.csv, sha256: null, kind: sweep}]
   parameters: [preload, dry]
-  covariance: [[2.0, 1.0], [1.0, 2.0]]
+  covariance: [[6.4e-7, 1.0e-7], [1.0e-7, 2.5e-7]]
 """
 
 
@@ -163,26 +163,32 @@ def test_the_good_file_is_good():
             "name its rows in identified.parameters",
         ),
         (
-            "[1.0, 2.0]]",
-            "[1.5, 2.0]]",
+            "[1.0e-7, 2.5e-7]]",
+            "[1.5e-7, 2.5e-7]]",
             "line 18: $.identified.covariance: is not symmetric: preload with dry differs from the other way round",
         ),
         (
-            "[[2.0",
-            "[[-2.0",
+            "[[6.4e-7",
+            "[[-6.4e-7",
             "line 18: $.identified.covariance: the variance of preload is negative; a variance is a square",
         ),
         (
-            "[[2.0, 1.0], [1.0, 2.0]]",
+            "[[6.4e-7, 1.0e-7], [1.0e-7, 2.5e-7]]",
             "[[1.0, 3.0], [3.0, 1.0]]",
             "line 18: $.identified.covariance: a covariance is larger than the two variances allow (correlation above "
             "1); check the numbers",
         ),
         (
-            "[preload, dry]\n  covariance: [[2.0, 1.0], [1.0, 2.0]]",
+            "[preload, dry]\n  covariance: [[6.4e-7, 1.0e-7], [1.0e-7, 2.5e-7]]",
             "[cubic, preload, dry]\n  covariance: [[1, 0.9, 0.9], [0.9, 1, -0.9], [0.9, -0.9, 1]]",
             "line 18: $.identified.covariance: is not positive semidefinite, so no set of measurements has it; "
             "check the numbers",
+        ),
+        (
+            "[[6.4e-7, 1.0e-7]",
+            "[[6.4, 1.0e-7]",
+            "line 18: $.identified.covariance[0]: preload has the standard error 2.53 here and std: 0.0008 where it "
+            "stands; give both the same, or leave the covariance out",
         ),
     ],
 )

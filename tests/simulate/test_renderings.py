@@ -171,20 +171,19 @@ def test_several_laws_on_every_path_at_once(with_law, offsets, tmp_path):
         assert error(run.record(straight_lines(CHIRP, DT), N, DT, initial, START), expected) < 1e-6
 
 
-def test_a_jump_of_the_force_switches_what_depends_on_it(with_law, tmp_path):
+def test_a_jump_of_the_force_switches_what_depends_on_it(with_law, tmp_path, opened_fmu):
     """An importer that holds the input makes it jump: the dead zone must see it at once, its output too."""
     model = with_law("actuator-dead-zone", quantity="acceleration", dry=0.0, preload=0.0)
-    with FmuRun(export_fmu(model, tmp_path / "rig.fmu")) as run:
-        fmu, force = run._slave.fmu, run.variables["F"].valueReference
-        fmu.setupExperiment(startTime=0.0)
-        fmu.enterInitializationMode()
-        fmu.exitInitializationMode()
-        threshold, mass = model.values()["actuator-dead-zone.threshold"], model.values()["mass"]
-        for value in (0.5, -0.5, 0.0, 1.0):
-            fmu.setReal([force], [value])
-            reached = np.sign(value) * max(abs(value) - threshold, 0.0)
-            assert fmu.getReal([run.variables["x"].valueReference])[0] == pytest.approx(reached / mass)
-        fmu.doStep(0.0, DT)
-        reached = (1.0 - threshold) / mass
-        assert fmu.getReal([run.variables["velocity"].valueReference])[0] == pytest.approx(reached * DT, rel=1e-2)
-        fmu.terminate()
+    references, _, fmu = opened_fmu(export_fmu(model, tmp_path / "rig.fmu"))
+    fmu.setupExperiment(startTime=0.0)
+    fmu.enterInitializationMode()
+    fmu.exitInitializationMode()
+    threshold, mass = model.values()["actuator-dead-zone.threshold"], model.values()["mass"]
+    for value in (0.5, -0.5, 0.0, 1.0):
+        fmu.setReal([references["F"]], [value])
+        reached = np.sign(value) * max(abs(value) - threshold, 0.0)
+        assert fmu.getReal([references["x"]])[0] == pytest.approx(reached / mass)
+    fmu.doStep(0.0, DT)
+    reached = (1.0 - threshold) / mass
+    assert fmu.getReal([references["velocity"]])[0] == pytest.approx(reached * DT, rel=1e-2)
+    fmu.terminate()

@@ -1,0 +1,123 @@
+"""How a command ends: done (0; 1: bad news), refused in a sentence (2) or interrupted (130), never in a traceback."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import traceback
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from typing import Any, NoReturn
+
+import click
+
+from .errors import DashpotError
+
+REFUSED, INTERRUPTED = 2, 130
+#: Set to anything, it shows where in the program a fault was.
+TRACEBACK = "DASHPOT_TRACEBACK"
+_HERE = Path(__file__).parent
+
+
+def ended(command: Callable[[], Any]) -> None:
+    """Run a command; whatever happens in it becomes one of its ends.
+
+    Raises:
+        SystemExit: where the end is another than "done".
+    """
+    for stream in (sys.stdout, sys.stderr):  # a terminal of another encoding must not undo what was done
+        with suppress(AttributeError, ValueError, OSError):
+            stream.reconfigure(errors="replace")
+    with _terminated_as_interrupted():
+        try:
+            command()
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        except BaseException as problem:
+            _end(problem)
+
+
+def _end(problem: BaseException) -> NoReturn:
+    if os.environ.get(TRACEBACK) and not isinstance(problem, (SystemExit, click.exceptions.Exit)):
+        traceback.print_exception(problem)
+    if isinstance(problem, SystemExit):
+        raise problem
+    if isinstance(problem, click.exceptions.Exit):
+        sys.exit(problem.exit_code)
+    if isinstance(problem, (KeyboardInterrupt, click.exceptions.Abort)):
+        sys.exit(INTERRUPTED)
+    if isinstance(problem, click.exceptions.NoArgsIsHelpError):  # `dashpot` alone: the help
+        problem.show()
+        sys.exit(problem.exit_code)
+    if isinstance(problem, click.ClickException):
+        context = getattr(problem, "ctx", None)
+        where = context.command_path if context else "dashpot"
+        _say(f"{problem.format_message().rstrip('.')}; see {where} -h")
+        sys.exit(problem.exit_code)
+    if isinstance(problem, BrokenPipeError):  # whoever read has read enough
+        with suppress(OSError, ValueError, AttributeError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(0)
+    _say(sentence(problem))
+    if isinstance(problem, OSError):  # what is still to be written cannot be
+        with suppress(OSError, ValueError, AttributeError):
+            sys.stdout.flush()
+        with suppress(OSError, ValueError, AttributeError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(REFUSED)
+
+
+def sentence(problem: BaseException) -> str:
+    """What a user is told of a problem."""
+    if isinstance(problem, DashpotError):
+        return str(problem)
+    if isinstance(problem, MemoryError):
+        return "there is not enough memory for this; use a part of the recordings (--part), or a lower sampling rate"
+    if isinstance(problem, OSError) and problem.strerror:
+        what = problem.filename if isinstance(problem.filename, str) else "the system"
+        return f"{what}: {problem.strerror}; check the room, the permissions and the limits there"
+    words = " ".join(str(problem).split())[:200]
+    return (
+        f"this is a fault of dashpot and not of your input ({type(problem).__name__}{f': {words}' if words else ''}; "
+        f"{_place(problem)}); please write to those who make dashpot, with the command, its files and what "
+        f"{TRACEBACK}=1 before it shows"
+    )
+
+
+def _place(problem: BaseException) -> str:
+    """The last line of ours that a problem passed through."""
+    for frame in reversed(traceback.extract_tb(problem.__traceback__)):
+        file = Path(frame.filename)
+        if file.is_relative_to(_HERE) and ".venv" not in file.parts:
+            return f"{file.relative_to(_HERE).as_posix()}, line {frame.lineno}"
+    return "outside of it"
+
+
+def _say(line: str) -> None:
+    with suppress(OSError, ValueError):
+        click.echo(f"dashpot: {line}", err=True)
+
+
+@contextmanager
+def _terminated_as_interrupted() -> Iterator[None]:
+    """A request to end (SIGTERM, SIGHUP) is taken like Ctrl-C, so that nothing half-written stays."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def interrupt(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    before = {}
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)
+        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
+            before[number] = signal.signal(number, interrupt)
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)

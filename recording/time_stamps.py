@@ -1,0 +1,59 @@
+"""The unit of time stamps where a file does not say it: seconds, ticks since 1970, or the numbers of the samples."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..errors import BadInput
+
+#: Seconds of the years 2001 to 2096 since 1970: ticks of which fraction of a second fall there says what they are.
+_EARLIEST, _LATEST = 1e9, 4e9
+_TICKS = {"milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9}
+#: No recorder that dates its samples in seconds is of a later year: ticks are taken for seconds there.
+_NO_SECONDS = 1e11
+
+
+def in_seconds(
+    where: str, label: str, stamps: np.ndarray, *, stated: bool, fs: float | None
+) -> tuple[np.ndarray | None, tuple[str, ...]]:
+    """Time stamps, (n,), in seconds, and what was noticed; None in their place where they only count the samples.
+
+    Args:
+        where: name of the file.
+        label: the column's.
+        stamps: as the file has them, in seconds where it says their unit.
+        stated: whether it does.
+        fs: sampling rate that the user gave, Hz.
+
+    Raises:
+        BadInput: where they cannot be seconds, or it cannot be known.
+    """
+    if stamps.size < 2 or not np.all(np.isfinite(stamps)):
+        return stamps, ()  # which is said elsewhere
+    first = float(stamps[0])
+    if stated:
+        if abs(first) > _NO_SECONDS:
+            raise BadInput(
+                f"{where}: the time column {label} begins at {first:.6g} s, thousands of years from now; check the unit"
+            )
+        return stamps, ()
+    for name, tick in _TICKS.items():
+        if _EARLIEST <= first * tick <= _LATEST:
+            return (stamps - stamps[0]) * tick, (
+                f"{where}: the time column {label} holds {name} since 1970; counted from the first sample",
+            )
+    if abs(first) > _NO_SECONDS:
+        raise BadInput(
+            f"{where}: the time column {label} begins at {first:.6g}, which is no time in seconds; write its unit into "
+            "its name (time_ms), or leave it out with --time none and give --fs"
+        )
+    steps = np.diff(stamps)
+    if np.all(stamps == np.round(stamps)) and np.all(steps == steps[0]) and steps[0] >= 1:
+        if steps[0] == 1 and fs is not None and abs(fs - 1.0) > 1e-3:
+            return None, (f"{where}: the time column {label} counts the samples; their time is that of --fs",)
+        raise BadInput(
+            f"{where}: the time column {label} holds the whole numbers {first:g}, {stamps[1]:g}, ... without a unit; "
+            "write that into its name (time_s, time_ms), or give the sampling rate with --fs and --time none where it "
+            "counts the samples"
+        )
+    return stamps, ()

@@ -1,0 +1,115 @@
+"""Each fault ends in one of the ends that a command has: never in a traceback."""
+
+from __future__ import annotations
+
+import errno
+import io
+import json
+import os
+import re
+import signal
+import sys
+from pathlib import Path
+
+import pytest
+from dashpot import cli
+from dashpot.errors import BadInput, ToolchainMissing
+from dashpot.examples.truth import TRUTH
+from dashpot.model import Oscillator
+from dashpot.model.file import save
+
+
+@pytest.fixture
+def rig(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("DASHPOT_TRACEBACK", raising=False)
+    save(Oscillator.from_values(TRUTH, name="ω₀ → π"), tmp_path / "rig.yaml")
+    return "rig.yaml"
+
+
+def raiser(problem):
+    def load(*_, **__):
+        raise problem
+
+    return load
+
+
+OURS = (
+    r"dashpot: this is a fault of dashpot and not of your input \({}; \S+\.py, line \d+\); please write to those who "
+    r"make dashpot, with the command, its files and what DASHPOT_TRACEBACK=1 before it shows\n"
+)
+#: What happens, the exit code, and all that is said.
+ENDS = [
+    (BadInput("a.csv: is odd; mend it"), 2, r"dashpot: a\.csv: is odd; mend it\n"),
+    (ToolchainMissing("no compiler"), 2, r"dashpot: no compiler\n"),
+    (MemoryError(), 2, r"dashpot: there is not enough memory for this; use a part of the recordings .*\n"),
+    (
+        OSError(errno.ENOSPC, "No space left on device", "x"),
+        2,
+        r"dashpot: x: No space left on device; check the room.*\n",
+    ),
+    (PermissionError(errno.EACCES, "Permission denied"), 2, r"dashpot: the system: Permission denied; check .*\n"),
+    (TypeError("a\nb"), 2, OURS.format("TypeError: a b")),
+    (ZeroDivisionError(), 2, OURS.format("ZeroDivisionError")),
+    (RecursionError("too deep"), 2, OURS.format("RecursionError: too deep")),
+    (OSError("no number"), 2, OURS.format("OSError: no number")),
+    (KeyboardInterrupt(), 130, r"\s*"),
+    (BrokenPipeError(), 0, ""),
+    (SystemExit(1), 1, ""),
+]
+
+
+@pytest.mark.parametrize(("problem", "code", "says"), ENDS, ids=[repr(end[0])[:40] for end in ENDS])
+def test_every_problem_has_an_end(rig, capfd, monkeypatch, problem, code, says):
+    monkeypatch.setattr("dashpot.model.file.load", raiser(problem))
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["show", rig])
+    out, err = capfd.readouterr()
+    assert (stop.value.code, out) == (code, "")
+    assert re.fullmatch(says, err), err
+
+
+def test_a_developer_sees_the_traceback(rig, capsys, monkeypatch):
+    monkeypatch.setenv("DASHPOT_TRACEBACK", "1")
+    monkeypatch.setattr("dashpot.model.file.load", raiser(TypeError("odd")))
+    with pytest.raises(SystemExit):
+        cli.main(["show", rig])
+    assert "Traceback (most recent call last)" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.name != "posix", reason="of POSIX")
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGINT])
+def test_a_signal_is_an_interruption(rig, capsys, monkeypatch, number):
+    monkeypatch.setattr("dashpot.model.file.load", lambda path: os.kill(os.getpid(), number))
+    before = signal.getsignal(number)
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["show", rig])
+    assert stop.value.code == 130
+    assert signal.getsignal(number) == before
+    assert capsys.readouterr().out == ""
+
+
+@pytest.mark.parametrize("encoding", ["latin-1", "ascii", "cp1252", "utf-8"])
+@pytest.mark.parametrize("options", [[], ["--json"]])
+def test_a_terminal_of_another_encoding_shows_what_it_can(rig, monkeypatch, encoding, options):
+    out = io.BytesIO()
+    monkeypatch.setattr(sys, "stdout", io.TextIOWrapper(out, encoding=encoding))
+    cli.main(["show", rig, *options])
+    text = out.getvalue().decode("utf-8" if encoding == "ascii" else encoding)  # which click takes for a mistake
+    assert "omega0" in text
+    if options:
+        assert json.loads(text)["name"] == "ω₀ → π"  # nothing is lost: JSON has escapes
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="a device of Linux")
+def test_an_output_that_takes_nothing_is_said(rig, capsys, monkeypatch):
+    with Path("/dev/full").open("w") as full:
+        monkeypatch.setattr(sys, "stdout", full)
+        monkeypatch.setattr(os, "dup2", lambda *_: None)
+        with pytest.raises(SystemExit) as stop:
+            cli.main(["show", rig])
+        assert stop.value.code == 2
+        assert "No space left on device" in capsys.readouterr().err
+        monkeypatch.undo()
+        with pytest.raises(OSError, match="No space"):
+            full.close()
