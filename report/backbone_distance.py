@@ -32,7 +32,7 @@ def distance_figure(identification: Identification, verification: Verification |
     measure; the exact backbone is drawn against it, where there is one (no law has a memory).
     """
     model = identification.oscillator
-    curves = identification.hilbert.curves
+    curves = identification.measured.curves
     top = max((float(c.amplitude.max()) for c in curves), default=0.0)
     scale = scale_of(model.response.displacement_unit, top)
     pairs = [p for c in verification.recordings for p in c.backbones] if verification else []
