@@ -10,7 +10,7 @@ import numpy as np
 #: Stretches across a picture: more than a screen or a printer shows, few enough for a small file.
 _BINS = 900
 #: So few cycles can be seen one by one.
-_FEW_CYCLES = 300
+_FEW_CYCLES = 60
 
 
 @dataclass(frozen=True, eq=False)

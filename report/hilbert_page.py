@@ -100,7 +100,7 @@ def _parameters(analysis: HilbertAnalysis, unit: str, truth: Mapping[str, float]
 def _backbones(analysis: HilbertAnalysis, recordings: Sequence[Recording], unit: str) -> list[Block]:
     caption = (
         "The paper's Fig. 4. Dash-dot: backbones of the decays by FREEVIB (Eq. 12); dotted: those of the driven "
-        "stretches by FORCEVIB; dashed: Eq. 14 with the measured curves in it, at the recorded levels of the force; thin: the "
+        "stretches by FORCEVIB; dashed: Eq. 14 with the measured curves, at the recorded levels of force; thin: the "
         f"amplitude of the sweep as measured. Bands: ± {BAND:g} standard errors."
     )
     return [picture(lambda: curves_figure(analysis, unit, levels(analysis, recordings)), caption)]

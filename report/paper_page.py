@@ -53,8 +53,10 @@ def paper_page(
         Section("Parameters", tuple(filter(None, [modal_table(analysis, _UNIT, truth=truth)]))),
     ]
     lead = Text(
-        "The figures of Feldman, Bucher and Rotberg (2009), remade from simulated recordings of their stand: Eq. 17 with the "
-        "printed parameters in SI, 1 µm of sensor noise and 0.1 % of force noise. docs/paper.md has the equations and errata."
+        "The figures of Feldman, Bucher and Rotberg (2009), remade from simulated recordings of "
+        "their stand: Eq. 17 with "
+        "the printed parameters in SI, 1 µm of sensor noise and 0.1 % of force noise. docs/paper.md has the equations "
+        "and errata."
     )
     return page("The paper's figures", sections, lead=[lead], footer=f"Made by dashpot {__version__}.")
 
@@ -77,7 +79,7 @@ def _preload(forced: ModalFit) -> Block:
     values, mass = forced.both.values, forced.mass or 1.0
     caption = (
         f"With FORCEVIB's omega0 and preload: F0 = {number(mass * values['preload'])} N, F0/k = "
-        f"{number(forced.derived['F0/k'])} m. The frequency doubles at 0.414 F0/k, not at half of F0/k as the text has it."
+        f"{number(forced.derived['F0/k'])} m. The frequency doubles at 0.414 F0/k, not at half of F0/k as in the text."
     )
     return picture(lambda: preload_figure(values["omega0"], values["preload"], mass), caption)
 
@@ -91,8 +93,9 @@ def _history(recording: Recording, decays: Sequence[Decay], key: str) -> Block:
 
 def _backbones(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> list[Block]:
     caption = (
-        f"Dash-dot: the decays, each by FREEVIB (Eq. 12); dotted: driven stretches by FORCEVIB; bands: ± {BAND:g} standard "
-        "errors. Dashed: Eq. 14 with the measured curves in it; thin: the amplitude of the sweep as measured. Along the sweep "
-        f"Eq. 13 is within {number(100 * sweep_is_slow(analysis), 2)} % of the largest amplitude, rms: it is slow enough."
+        f"Dash-dot: the decays, each by FREEVIB (Eq. 12); dotted: driven stretches by FORCEVIB; bands: ± {BAND:g} "
+        "standard errors. Dashed: Eq. 14 with the measured curves in it; thin: the amplitude of the sweep as measured. "
+        f"Along the sweep Eq. 13 is within {number(100 * sweep_is_slow(analysis), 2)} % of the "
+        f"largest amplitude, rms: it is slow enough."
     )
     return [picture(lambda: curves_figure(analysis, _UNIT, levels(analysis, recordings), "fig-4"), caption)]
