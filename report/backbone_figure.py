@@ -159,7 +159,7 @@ def _curves(axes: Any, identification: Identification, scale: Scale) -> None:
 
 
 def _fmu(axes: Any, verification: Verification, scale: Scale, *, even: bool) -> None:
-    styles = {"FREEVIB": ("s", 3.6), "FORCEVIB": ("o", 4.4)}
+    styles = {"FREEVIB": ("s", 3.6), "regression": ("o", 4.4)}
     pairs = [pair for check in verification.recordings for pair in check.backbones]
     count = int(np.clip(24 // max(len(pairs), 1), 2, 8))
     for i, (_, own) in enumerate(pairs):
