@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
 import sys
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -19,34 +17,7 @@ from .endings import ended
 from .errors import BadInput
 from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings, with_time_limit
 from .several_values import CommandOfSeveral, SeveralValues
-
-if TYPE_CHECKING:
-    pass
-
-
-def _outputs(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
-    """Check the files to write before any work is done: each can be written, none is an input or named twice."""
-    from .writing import same_place, writable
-
-    seen: list[Path] = []
-    read = list(inputs)
-    for output in outputs:
-        writable(output)
-        if any(same_place(output, source) for source in read):
-            raise BadInput(f"{output}: is an input and would be overwritten; name another file to write")
-        if any(same_place(output, other) for other in seen):
-            raise BadInput(f"{output}: is to be written twice; name a file for each")
-        seen.append(output)
-
-
-def _say(line: str) -> None:
-    """Progress and remarks go to stderr, so that what a program reads from stdout stays clean."""
-    click.echo(line, err=True)
-
-
-def _print_json(value: Any) -> None:
-    encoding = (sys.stdout.encoding or "ascii").lower().replace("-", "")
-    click.echo(json.dumps(value, indent=2, ensure_ascii=encoding != "utf8"))
+from .terminal import outputs_checked, print_json, progress_shown, say
 
 
 class _Commands(click.Group):
@@ -73,6 +44,33 @@ def demo(output: Path) -> None:
 
     if not run(output, click.echo):
         sys.exit(1)
+
+
+@cli.command()
+@click.option("-o", "--output", type=FILE, default=Path("paper"), show_default=True, help="Folder for the page.")
+def paper(output: Path) -> None:
+    """The paper's Figs. 1 and 3 to 7, remade from the built-in rig."""
+    from .paper import run
+
+    run(output, say)
+
+
+@cli.command()
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="Folder for curves (CSV), laws (JSON) and the page.")
+@click.option("--json", "as_json", is_flag=True, help="Print the laws as JSON.")
+@with_mode
+@with_recordings
+def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str | None, **options: Any) -> None:
+    """FREEVIB and FORCEVIB as results: curves over time and amplitude, laws fitted to them, each with its error."""
+    from .hilbert import FILES, run
+
+    outputs_checked([output / name for name in FILES], recordings)
+    result, words = run(read_all(recordings, options, say), mode, output, say)
+    if as_json:
+        print_json(result)
+    else:
+        click.echo(words)
 
 
 @cli.command()
@@ -118,7 +116,7 @@ def identify(
     from .model.show import describe
     from .writing import together, write
 
-    _outputs([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
+    outputs_checked([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
     if output.suffix in (".fmu", ".casadi", ".c", ".ssp", ".csv", ".html"):
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
@@ -129,7 +127,7 @@ def identify(
         raise BadInput(f"a mass of {fix['mass']:g} kg moves nowhere; give a positive number")
     laws = [find_law(effect).name for effect in effects]
     begin = None if start is None else load(start)
-    given, band = mode_alone(read_all(recordings, options, _say), mode, begin, _say)
+    given, band = mode_alone(read_all(recordings, options, say), mode, begin, say)
     identification = find(
         given,
         name=name or output.stem,
@@ -137,10 +135,10 @@ def identify(
         fixed=fix,
         start=begin,
         band=band,
-        progress=_say,
+        progress=say,
     )
     for note in identification.notes:
-        _say(f"note: {note}")
+        say(f"note: {note}")
     with together():
         if report is not None:
             from .report.page import identification_page
@@ -148,12 +146,12 @@ def identify(
             write(report, identification_page(identification, files=(output.name,)))
         save(identification.oscillator, output)
     if as_json:
-        _print_json(model_json(identification.oscillator))
+        print_json(model_json(identification.oscillator))
     else:
         click.echo(describe(identification.oscillator))
-    _say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
+    say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
     if identification.useless:
-        _say(f"{output}: {identification.useless}")
+        say(f"{output}: {identification.useless}")
         sys.exit(1)
 
 
@@ -169,7 +167,7 @@ def show(model: Path, as_json: bool) -> None:
 
     oscillator = load(model)
     if as_json:
-        _print_json(model_json(oscillator))
+        print_json(model_json(oscillator))
     else:
         click.echo(describe(oscillator))
 
@@ -194,11 +192,11 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     oscillator = load(model)
     if not output.name.endswith((".csv", ".csv.gz")):
         raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
-    _outputs([output], [model, recording])
+    outputs_checked([output], [model, recording])
     if len(options["response"]) > 1:
         raise BadInput("simulate writes one response; name one column with --response")
     (measured,) = in_the_same_band(
-        held_as(read_all((recording,), options, _say), oscillator.hold), oscillator.identified.band
+        held_as(read_all((recording,), options, say), oscillator.hold), oscillator.identified.band
     )
     if not of_one_motion(measured, oscillator.response):
         raise BadInput(
@@ -208,11 +206,11 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
         )
     simulated = replay(oscillator, measured)
     write_response(output, measured, simulated)
-    _say(f"written: {output}")
+    say(f"written: {output}")
     lost = np.flatnonzero(~np.isfinite(simulated))
     if lost.size:
         at = measured.time[lost[0]]
-        _say(f"{model}: the simulation runs away; from {at:.4g} s on {output} holds nan: check units and parameters")
+        say(f"{model}: the simulation runs away; from {at:.4g} s on {output} holds nan: check units and parameters")
         sys.exit(1)
 
 
@@ -260,14 +258,14 @@ def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: 
     platforms = None if platform is None else parse_platforms(platform)
     if not 0 < options["step"] < float("inf"):
         raise BadInput(f"--step {options['step']}: the sample time must be a positive number of seconds")
-    _outputs([file for output in outputs for file in files(output)], [model])
+    outputs_checked([file for output in outputs for file in files(output)], [model])
     with together():
         for output in outputs:
             if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
-                _say(f"note: {remark}")
-            write(oscillator, output, platforms=platforms, draws=draws, progress=_say, **options)
+                say(f"note: {remark}")
+            write(oscillator, output, platforms=platforms, draws=draws, progress=say, **options)
     for path in (file for output in outputs for file in files(output)):
-        _say(f"written: {path}")
+        say(f"written: {path}")
 
 
 @cli.command(cls=CommandOfSeveral)
@@ -304,12 +302,12 @@ def diagnose(
 
     check_folder(output)
     files = (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT)
-    _outputs([output / name for name in files], [model, *recordings, *holdout])
+    outputs_checked([output / name for name in files], [model, *recordings, *holdout])
     oscillator = load(model)
-    training, held = read_all(recordings, options, _say), read_all(holdout, options, _say)
-    training, band = mode_alone(training, mode, oscillator, _say)
+    training, held = read_all(recordings, options, say), read_all(holdout, options, say)
+    training, band = mode_alone(training, mode, oscillator, say)
     held = in_the_same_band(held, band)
-    with tempfile.TemporaryDirectory() as scratch, _progress() as progress:
+    with tempfile.TemporaryDirectory() as scratch, progress_shown() as progress:
         artefact = Path(scratch) / FMU
         diagnosis = find(oscillator, training, held, fmu=artefact, progress=progress)
         diagnosis = replace(diagnosis, model=in_band_of(diagnosis.model, band))
@@ -317,33 +315,12 @@ def diagnose(
     page = diagnosis_page(diagnosis, files=tuple(name for name in files if name != REPORT and (fmu or name != FMU)))
     written = write_folder(output, diagnosis, page, fmu)
     if as_json:
-        _print_json(diagnosis.as_json())
+        print_json(diagnosis.as_json())
     else:
         click.echo(describe(diagnosis))
-    _say(f"written: {', '.join(str(path) for path in written)}")
+    say(f"written: {', '.join(str(path) for path in written)}")
     if diagnosis.verdict == "unexplained":
         sys.exit(1)
-
-
-@contextlib.contextmanager
-def _progress() -> Iterator[Callable[[str, float], None]]:
-    """A bar on a terminal, one line a stage elsewhere; yields what takes the stage and the part that is done."""
-    if sys.stderr.isatty():
-        bar: Any = click.progressbar(
-            length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or "")
-        )
-        with bar:
-            yield lambda what, part: bar.update(max(0, round(1000 * part) - bar.pos), what)
-    else:
-        said: list[str] = []
-
-        def say(what: str, part: float) -> None:
-            line = f"{round(100 * part):3d} % {what}"
-            if not said or said[-1] != line:
-                said.append(line)
-                _say(line)
-
-        yield say
 
 
 @cli.command()
@@ -358,8 +335,8 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time
     from .writing import write
 
     if json_file is not None:
-        _outputs([json_file], [fmu, *recordings])
-    result = check(fmu, read_all(recordings, options, _say), limit=time_limit, progress=_say)
+        outputs_checked([json_file], [fmu, *recordings])
+    result = check(fmu, read_all(recordings, options, say), limit=time_limit, progress=say)
     if json_file is not None:
         write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
     click.echo(result.sentence())

@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from .hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman
+from .hilbert import KERNEL_CYCLES, blackman
+from .instantaneous import free_modal_parameters
+from .modal_stretch import free_stretch
 from .signals import Signal
-
-CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
 
 
 @dataclass(frozen=True)
@@ -41,26 +41,12 @@ def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: flo
     `undecay`: 1/s, see `analytic_signal`. `low_pass_cycles`: length of the kernel that low-passes both results.
     Raises BadInput when the decay is shorter than eight cycles or has fewer than five samples a cycle.
     """
-    x, fs = decay.samples, decay.fs
-    signal = analytic_signal(x, fs, undecay=undecay, frequency=decay.frequency)
-    middle = float(np.median(signal.omega))
-    period = 2 * np.pi / middle * fs if middle > 0 else float("inf")
-    cut = int(np.ceil(CUT_CYCLES * period)) if np.isfinite(period) else x.size
-    if x.size - 2 * cut < 4 * period:
-        raise BadInput(
-            f"The decay has {x.size / period:.1f} cycles; FREEVIB needs at least 8, two of them cut from each end: "
-            "let it ring longer or release it from a larger amplitude."
-        )
-    inside = slice(cut, x.size - cut)
-    omega0_squared, h0 = instantaneous(signal)
-    kernel = blackman(int(low_pass_cycles * period))[0]
-    half = kernel.size // 2
-
-    def low_pass(a: np.ndarray) -> np.ndarray:
-        return np.convolve(a[inside], kernel, mode="valid")
-
+    fs = decay.fs
+    stretch = free_stretch(decay, undecay=undecay, low_pass_cycles=low_pass_cycles)
+    signal, kernel, low_pass, keep = stretch.signal, stretch.low_pass_kernel, stretch.low_pass, stretch.keep
+    period = 2 * np.pi / float(np.median(signal.omega)) * fs
+    omega0_squared, h0 = free_modal_parameters(signal)
     squared, damping = low_pass(omega0_squared), low_pass(h0)
-    keep = slice(cut + half, x.size - cut - half)
     amplitude = signal.amplitude[keep]
     omega = low_pass(signal.omega)
     good = (squared > 0) & (amplitude > 0) & (omega > 0)
@@ -83,13 +69,6 @@ def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: flo
         damping_std=np.hypot(slope, bias * _bend(damping, fs))[good],
         per_point=min(1.0, 3.0 / span),  # the kernels' effective length is a third of their joint length
     )
-
-
-def instantaneous(signal: AnalyticSignal) -> tuple[np.ndarray, np.ndarray]:
-    """Eq. 12: instantaneous omega0^2 (n,) in rad2/s2 and h0 (n,) in 1/s of a free vibration, not yet low-passed."""
-    growth, omega = signal.growth, np.where(np.abs(signal.omega) > 1e-12, signal.omega, 1e-12)
-    squared = omega**2 - signal.curvature + 2 * growth**2 + growth * signal.chirp / omega
-    return squared, -growth - signal.chirp / (2 * omega)
 
 
 def _second_moment(period: float, low_pass_cycles: float) -> float:

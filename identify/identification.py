@@ -1,12 +1,14 @@
 """From recordings to a model: a regression for the start, maximum likelihood for the answer.
 
-The Hilbert transform's curves are for the pictures, and for the start where the regression fails.
+FREEVIB and FORCEVIB stand beside them (``hilbert_result``), for pictures and comparison; their curves start the search
+only where the regression fails.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Protocol
 
@@ -24,6 +26,7 @@ from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
 from .excitation import band_of, kind_of
 from .further_laws import with_laws
+from .hilbert_result import HilbertAnalysis, hilbert_analysis
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
 from .likelihood import Fit, maximum_likelihood
 from .offset import FoundOffset
@@ -46,7 +49,7 @@ class Identification:
 
     Attributes:
         oscillator: parameters with standard errors, validity and provenance.
-        hilbert: start values, and the curves of FREEVIB and FORCEVIB.
+        hilbert: start values, by regression where it works, and the curves that are their fallback.
         fit: maximum likelihood: covariance, simulated responses.
         recordings: what was identified from.
         notes: one sentence each on what a user should know.
@@ -57,6 +60,14 @@ class Identification:
     fit: Fit
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
+
+    @cached_property
+    def measured(self) -> HilbertAnalysis:
+        """What FREEVIB and FORCEVIB say of the same recordings; empty, with a note, where they cannot be used."""
+        try:
+            return hilbert_analysis(self.recordings)
+        except BadInput as problem:
+            return HilbertAnalysis((), None, None, (str(problem),))
 
     @property
     def useless(self) -> str | None:
@@ -102,7 +113,7 @@ def identify(
             not known.
     """
     belong_together(recordings)
-    progress("free motion, FREEVIB, FORCEVIB, start values by regression")
+    progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
     base = _hilbert_model(hilbert, recordings, name) if start is None else replace(start, name=name)
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing

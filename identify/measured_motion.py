@@ -39,8 +39,7 @@ _NEAR = 0.02
 _TRIES = 40
 #: ... of many laws so often for each of them, and on for those that then gain this part of what the best does.
 _FIRST, _HALF = 10, 0.5
-#: A law with side valleys is searched from so many of its probes.
-_VALLEYS = 3
+_VALLEYS = 3  # a law with side valleys is searched from so many of its probes
 #: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
 _BASE = 6
 _ABSURD = 1e100
@@ -187,8 +186,7 @@ class Regression:
 
     def best(self, law: Law) -> Guess | None:
         """The best place of a law, searched from all its probes; None where the regression cannot carry it."""
-        guess = self._begun(law)
-        return None if guess is None else self._refined(law, guess, _TRIES - _FIRST)
+        return None if (guess := self._begun(law)) is None else self._refined(law, guess, _TRIES - _FIRST)
 
     def _begun(self, law: Law) -> Guess | None:
         """The best place of a law after a while; one with side valleys is searched from several of its probes."""

@@ -2,9 +2,9 @@
 
 One regression over all recordings (`regression`), the Hilbert transform in a windowed form, needs no detour over an
 amplitude. Where it works its values are the start, because it loses nothing at the ends of a decay, where the cubic and
-the preload show themselves. Every decay also gives a FREEVIB backbone and damping curve, every forced record FORCEVIB's
-mass and curves; Eq. 17 fitted to all curves together is the start where the regression fails, and the largest line of
-the spectrum where there is no curve either.
+the preload show themselves. Every decay also gives a FREEVIB backbone and damping curve, every forced record
+mass and curves by a regression over its amplitude (`forced_regression`); Eq. 17 fitted to all curves together is the
+start where the regression fails, and the largest line of the spectrum where there is no curve either.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..errors import BadInput
 from .curves import BackboneFit, DampingFit, backbone_omega0, fit_backbone, fit_damping
 from .decays import Decay, find_free_motion
 from .displacement import displacement
-from .forcevib import forcevib
+from .forced_regression import forced_regression
 from .freevib import freevib
 from .regression import RegressionStart, Rows, Segment, regress_rows, segment_rows
 from .signals import Signal, drive_of, response_of
@@ -36,10 +36,10 @@ _SAME_SPRING = 0.05
 
 @dataclass(frozen=True)
 class Curve:
-    """Backbone and damping curve from one decay (`freevib`) or forced record (`forcevib`); arrays of shape (n,)."""
+    """Backbone and damping curve from one decay (`freevib`) or forced record (`forced_regression`); arrays are (n,)."""
 
     recording: str
-    method: str  # "freevib" | "forcevib"
+    method: str  # "freevib" | "regression"
     start: int  # the samples it comes from
     stop: int
     amplitude: np.ndarray
@@ -48,7 +48,7 @@ class Curve:
     omega0_std: np.ndarray
     damping_std: np.ndarray
     per_point: float  # independent values per point
-    mass: float | None = None  # FORCEVIB's
+    mass: float | None = None  # the regression's
     mass_std: float = float("inf")
 
 
@@ -116,7 +116,7 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
             segments.append(motions[-1])
             # with much free ringing in it the force says little, and the decays have told their part
             if sum(d.stop - d.start for d in free_decays) < r.n / 2:
-                curves += _forcevib_curve(r, x, drive, notes)
+                curves += _regressed_curve(r, x, drive, notes)
         else:
             segments += [Segment(x.part(d.start, d.stop), None) for d in free_decays]
     if not motions:
@@ -153,14 +153,14 @@ def _freevib_curve(r: Recording, x: Signal, d: Decay, notes: list[str]) -> list[
     return [Curve(r.name, "freevib", d.start, d.stop, *shape)]
 
 
-def _forcevib_curve(r: Recording, x: Signal, drive: Signal, notes: list[str]) -> list[Curve]:
+def _regressed_curve(r: Recording, x: Signal, drive: Signal, notes: list[str]) -> list[Curve]:
     try:
-        f = forcevib(x, drive)
+        f = forced_regression(x, drive)
     except BadInput as problem:
         notes.append(f"{r.name}: {problem}")
         return []
     shape = (f.amplitude, f.omega0, f.damping, f.omega0_std, f.damping_std, f.per_point)
-    return [Curve(r.name, "forcevib", 0, r.n, *shape, f.mass, f.mass_std)]
+    return [Curve(r.name, "regression", 0, r.n, *shape, f.mass, f.mass_std)]
 
 
 def _fit_curves(curves: list[Curve], notes: list[str]) -> tuple[BackboneFit | None, DampingFit | None]:

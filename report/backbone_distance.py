@@ -32,13 +32,15 @@ def distance_figure(identification: Identification, verification: Verification |
     measure; the exact backbone is drawn against it, where there is one (no law has a memory).
     """
     model = identification.oscillator
-    curves = identification.hilbert.curves
+    curves = identification.measured.curves
     top = max((float(c.amplitude.max()) for c in curves), default=0.0)
     scale = scale_of(model.response.displacement_unit, top)
     pairs = [p for c in verification.recordings for p in c.backbones] if verification else []
     seen = [a for a in (*(c.amplitude for c in curves), *(own.amplitude for _, own in pairs)) if a.size]
-    low = min((float(a.min()) for a in seen), default=top / 100)
-    mean = mean_frequency(model, low, max(top, *(float(a.max()) for a in seen)))
+    if not curves:
+        raise BadInput("neither a decay nor a slow sweep gave a backbone that the model could be held against")
+    low = min(float(a.min()) for a in seen)
+    mean = mean_frequency(model, low, max(float(a.max()) for a in seen))
     drawn: list[tuple[np.ndarray, np.ndarray]] = []
     with drawing(height=3.0) as figure:
         axes = figure.subplots()
@@ -51,7 +53,7 @@ def distance_figure(identification: Identification, verification: Verification |
             axes.plot(drawn[-1][0] * scale.factor, drawn[-1][1], **styles[curve.method])
         for _, own in pairs:
             a, distance = _thin(own.amplitude, own.frequency - mean(own.amplitude), 16)
-            look: dict[str, Any] = {"marker": "o" if own.method == "FORCEVIB" else "s", "linestyle": "none"}
+            look: dict[str, Any] = {"marker": "o" if own.method == "regression" else "s", "linestyle": "none"}
             label = f"FMU's output, {own.method}"
             axes.plot(
                 a * scale.factor, distance, markersize=3.6, color=MODEL, markerfacecolor="white", label=label, **look

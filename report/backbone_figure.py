@@ -36,7 +36,7 @@ def backbone_figure(identification: Identification, verification: Verification |
     rig was driven (dashed), the model's exact backbone (thin), and where an FMU was verified its backbones (markers).
     """
     model = identification.oscillator
-    curves = identification.hilbert.curves
+    curves = identification.measured.curves
     amplitudes = [c.amplitude for c in curves]
     if verification is not None:
         amplitudes += [b.amplitude for check in verification.recordings for pair in check.backbones for b in pair]
@@ -144,7 +144,7 @@ def _level_for(model: Oscillator, amplitude: float) -> float:
 
 def _curves(axes: Any, identification: Identification, scale: Scale) -> None:
     styles = {"freevib": (FREE, "-.", "decays, FREEVIB"), "forcevib": (FORCED, ":", "forced records, FORCEVIB")}
-    for curve in identification.hilbert.curves:
+    for curve in identification.measured.curves:
         color, line, label = styles[curve.method]
         step = max(1, curve.amplitude.size // _POINTS)
         order = np.argsort(curve.amplitude)[::step]
@@ -159,7 +159,7 @@ def _curves(axes: Any, identification: Identification, scale: Scale) -> None:
 
 
 def _fmu(axes: Any, verification: Verification, scale: Scale, *, even: bool) -> None:
-    styles = {"FREEVIB": ("s", 3.6), "FORCEVIB": ("o", 4.4)}
+    styles = {"FREEVIB": ("s", 3.6), "regression": ("o", 4.4)}
     pairs = [pair for check in verification.recordings for pair in check.backbones]
     count = int(np.clip(24 // max(len(pairs), 1), 2, 8))
     for i, (_, own) in enumerate(pairs):
@@ -191,7 +191,7 @@ def _window(responses: list[tuple[str, FrequencyResponse]], identification: Iden
     for _, response in responses:
         omega, amplitude = response.curve()
         seen += [float(w) for w in omega[amplitude > _SKIRT * peak]]
-    for curve in identification.hilbert.curves:
+    for curve in identification.measured.curves:
         seen += [float(w) for w in curve.omega0[curve.amplitude > 0.05 * np.max(curve.amplitude)]]
     low, high = min(seen) / _TWO_PI, max(seen) / _TWO_PI
     margin = 0.04 * (high - low) + 0.005 * high
@@ -206,6 +206,6 @@ def _once(axes: Any) -> tuple[list[Any], list[str]]:
 
 
 def _sources(identification: Identification, verification: Verification | None) -> str:
-    methods = {c.method.upper() for c in identification.hilbert.curves}
+    methods = {c.method.upper() for c in identification.measured.curves}
     words = [*sorted(methods), "the model", *(["the FMU"] if verification is not None else [])]
     return ", ".join(words)

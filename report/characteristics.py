@@ -7,16 +7,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import BadInput
+from ..identify.static_force import Characteristic, static_force
 from ..model import units
 from ..model.describing import equivalent_damping, natural_motion
 from ..model.display import Scale, scale_of
 from ..model.inner_force import InnerForce, without_memory
-from .static_force import Characteristic, static_force
 from .style import FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
-    from ..identify.start import Curve
+    from ..identify.modal_result import ModalCurve
     from ..model import Oscillator
 
 _MARKS = {"freevib": (FREE, "s", "from FREEVIB"), "forcevib": (FORCED, "o", "from FORCEVIB")}
@@ -139,7 +139,7 @@ def _characteristic(
 def _damping_curve(axes: Any, identification: Identification, top: float) -> None:
     model = identification.oscillator
     across = scale_of(model.response.displacement_unit, top)
-    low = min((float(c.amplitude.min()) for c in identification.hilbert.curves), default=top / 100)
+    low = min((float(c.amplitude.min()) for c in identification.measured.curves), default=top / 100)
     a = np.geomspace(min(low, top / 3), top, 160 if without_memory(model)[1] is None else _CURVE)
     h = damping(model, a)
     for method in _MARKS:
@@ -166,7 +166,7 @@ def damping(model: Oscillator, amplitude: np.ndarray) -> np.ndarray:
 
 def _reach(identification: Identification) -> float:
     model = identification.oscillator
-    tops = [float(c.amplitude.max()) for c in identification.hilbert.curves if c.amplitude.size]
+    tops = [float(c.amplitude.max()) for c in identification.measured.curves if c.amplitude.size]
     if model.amplitude is not None:
         tops.append(model.amplitude.max)
     return max(tops, default=1.0) or 1.0
@@ -182,7 +182,7 @@ def _joined(
     identification: Identification, method: str, fundamental: Any, *, by_speed: bool = False
 ) -> tuple[np.ndarray, np.ndarray]:
     """Amplitude (of displacement, or of velocity) and fundamental of all curves of one method."""
-    curves = [c for c in identification.hilbert.curves if c.method == method]
+    curves = [c for c in identification.measured.curves if c.method == method]
     if not curves:
         return np.empty(0), np.empty(0)
     at = [c.amplitude * c.omega0 if by_speed else c.amplitude for c in curves]
@@ -192,7 +192,7 @@ def _joined(
     return np.concatenate(at), np.concatenate(force)
 
 
-def _sure(curve: Curve) -> np.ndarray:
+def _sure(curve: ModalCurve) -> np.ndarray:
     return curve.damping_std < _UNSURE * np.abs(curve.damping)
 
 
@@ -217,7 +217,7 @@ def _draw(axes: Any, measured: Characteristic, slope: float, method: str, across
 def _draw_damping(axes: Any, identification: Identification, method: str, across: float) -> None:
     color, _, label = _MARKS[method]
     line = {"freevib": "-.", "forcevib": ":"}[method]
-    for curve in (c for c in identification.hilbert.curves if c.method == method):
+    for curve in (c for c in identification.measured.curves if c.method == method):
         step = max(1, curve.amplitude.size // 200)
         order = np.argsort(curve.amplitude)[::step]
         h = np.where(_sure(curve), curve.damping, np.nan)[order]

@@ -10,7 +10,7 @@ import numpy as np
 #: Stretches across a picture: more than a screen or a printer shows, few enough for a small file.
 _BINS = 900
 #: So few cycles can be seen one by one.
-_FEW_CYCLES = 300
+_FEW_CYCLES = 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,10 @@ def draw_signal(axes: Any, time: np.ndarray, signal: np.ndarray, color: str) -> 
         axes.plot(time, signal, color=color, linewidth=0.9)
     else:
         e = _smooth_band(time, signal)
-        axes.fill_between(e.time, e.low, e.high, color=color, linewidth=0.4)
+        # its outline, lightly filled: a solid block hides the grid, and what is laid over it
+        axes.fill_between(e.time, e.low, e.high, color=color, alpha=0.25, linewidth=0)
+        for edge in (e.low, e.high):
+            axes.plot(e.time, edge, color=color, linewidth=0.8)
     axes.set_xlim(time[0], 2 * time[-1] - time[-2])  # a sample lasts until the next
 
 

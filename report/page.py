@@ -16,6 +16,7 @@ from .backbone_figure import backbone_figure, backbone_kind
 from .blocks import Block, Items, Section, Table, Text, page, picture
 from .characteristics import friction_figure, stiffness_figure
 from .comparison import comparisons
+from .modal_table import modal_table
 from .parameters import correlation_table, equation_blocks, parameter_table
 from .provenance import files_text, recordings_table
 from .time_history import recording_figure
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 
 #: Where the estimates that need no simulation came from.
 _SOURCES = {
-    "regression": "a regression over all recordings",
+    "regression": "a regression in weak form over all recordings, not from the Hilbert transform",
     "curves": "the Hilbert transform's curves",
     "spectrum": "the largest line of the spectrum",
 }
@@ -50,7 +51,7 @@ def identification_page(
     model = identification.oscillator
     shown = comparisons(identification, verification)
     sections = [
-        Section("Parameters", (parameter_table(model, truth), *equation_blocks(model))),
+        Section("Parameters", (parameter_table(model, truth), *equation_blocks(model), *_methods(identification))),
         Section("Backbones and frequency response", tuple(_backbones(identification, verification))),
         agreement_section(identification, shown, "FMU" if verification is not None else "model"),
         Section("Spring and damping", tuple(_characteristics(identification))),
@@ -64,6 +65,13 @@ def identification_page(
     return page(f"Identification of {model.name}", sections, lead=[verdict(identification, shown)], footer=footer)
 
 
+def _methods(identification: Identification) -> tuple[Table, ...]:
+    """FREEVIB, FORCEVIB and maximum likelihood beside one another; nothing where neither of the former has a result."""
+    model = identification.oscillator
+    table = modal_table(identification.measured, model.response.displacement_unit, model)
+    return () if table is None else (table,)
+
+
 def _backbones(identification: Identification, verification: Verification | None) -> list[Block]:
     kind = backbone_kind(identification.oscillator)
     fmu = "; markers: the same taken from the FMU's output" if verification is not None else ""
@@ -73,7 +81,7 @@ def _backbones(identification: Identification, verification: Verification | None
         f"sine of the recorded level{fmu}. Right: the backbones alone, over a logarithmic amplitude."
     )
     blocks = [picture(lambda: backbone_figure(identification, verification), caption)]
-    if identification.hilbert.curves:
+    if identification.measured.curves:
         caption = (
             "The same backbones as their distance from the model's mean natural frequency, which is what FREEVIB and "
             "FORCEVIB measure. A model that lacks something shows as a bend that all curves share."

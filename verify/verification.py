@@ -18,7 +18,7 @@ from ..errors import BadInput
 from ..identify.decays import Decay, find_decays
 from ..identify.displacement import displacement
 from ..identify.excitation import kind_of
-from ..identify.forcevib import forcevib
+from ..identify.forced_regression import forced_regression
 from ..identify.freevib import freevib
 from ..identify.hold import held_as
 from ..identify.replay import Replay, force_of, natural_frequency, run_along
@@ -255,8 +255,8 @@ def _free(decay: Signal) -> Backbone:
 
 
 def _forced(x: Signal, drive: Signal) -> Backbone:
-    curve = forcevib(x, drive)
-    return Backbone("FORCEVIB", curve.amplitude, curve.omega0 / (2 * np.pi))
+    curve = forced_regression(x, drive)
+    return Backbone("regression", curve.amplitude, curve.omega0 / (2 * np.pi))
 
 
 def _largest_error(backbones: Sequence[tuple[Backbone, Backbone]]) -> float | None:

@@ -36,7 +36,7 @@ def test_reference_rig(rigs, burst, reference_sweeps):
     for name, rel in tolerances.items():
         assert getattr(estimate, name) == pytest.approx(getattr(rig, name), rel=rel), name
     assert estimate.notes == ()
-    assert [c.method for c in estimate.curves] == ["freevib", "freevib", "forcevib", "forcevib"]
+    assert [c.method for c in estimate.curves] == ["freevib", "freevib", "regression", "regression"]
     # the curve fits say the same without the regression
     assert estimate.backbone.omega0 == pytest.approx(rig.omega0, rel=1e-4)
     assert estimate.backbone.cubic == pytest.approx(rig.cubic, rel=0.02)

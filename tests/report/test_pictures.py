@@ -11,6 +11,7 @@ import matplotlib
 import numpy as np
 import pytest
 from dashpot.identify import Identification
+from dashpot.identify.static_force import static_force
 from dashpot.recording import Recording
 from dashpot.report.backbone_distance import distance_figure
 from dashpot.report.backbone_figure import backbone_figure
@@ -19,7 +20,6 @@ from dashpot.report.comparison import comparisons
 from dashpot.report.decimate import envelope
 from dashpot.report.levels import sine_level, sine_levels
 from dashpot.report.residual import spectrum_figure
-from dashpot.report.static_force import static_force
 from dashpot.report.time_history import agreement_figure, recording_figure
 
 LABEL = re.compile(
@@ -31,7 +31,8 @@ TITLES = {"Friction force", "Restoring force", "Damping curve"}
 def pictures(identification: Identification, verified: Callable[..., object] | None = None) -> Iterator[str]:
     proof = verified(identification) if verified else None
     yield backbone_figure(identification, proof)  # pyright: ignore[reportArgumentType]
-    yield distance_figure(identification, proof)  # pyright: ignore[reportArgumentType]
+    if identification.measured.curves:  # noise alone gives no backbone to be held against
+        yield distance_figure(identification, proof)  # pyright: ignore[reportArgumentType]
     yield stiffness_figure(identification)
     yield friction_figure(identification)
     for r, decays in zip(identification.recordings, identification.hilbert.decays, strict=True):

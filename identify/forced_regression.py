@@ -1,11 +1,12 @@
-"""FORCEVIB: absolute mass, backbone and damping curve of a forced record whose amplitude changes slowly (a sweep).
+"""Mass, backbone and damping curve of a forced record by one regression over windows: for the start of the search.
 
-Feldman 1994 (as used in Feldman, Bucher, Rotberg 2009, section 6.2): for the analytic signals of response and force
+The equation is FORCEVIB's (Feldman 1994), for the analytic signals of response and force
 
-    X'' + 2 h0(A) X' + omega0^2(A) X = F_a / m.
+    X'' + 2 h0(A) X' + omega0^2(A) X = F_a / m,
 
-Instead of guessing the mass from one pair of instants, 1/m and the two curves, each a sum of functions of the envelope,
-come out of one linear regression over the whole record; products with windows (`weakform`) stand for the derivatives.
+but nothing is instantaneous: 1/m and the two curves, each a sum of functions of the envelope, come out of one linear
+regression over the whole record, and products with windows (`weakform`) stand for the derivatives. FORCEVIB itself is
+in `forcevib`.
 The functions: powers of A, and the part of a preload in the backbone, 4 preload / (pi A), and of dry friction in the
 damping, 4 dry / (pi V) with V the envelope of the velocity. Only the fundamental counts, because a harmonic of the
 response obeys another equation.
@@ -28,7 +29,7 @@ CURVE_POINTS = 60
 
 
 @dataclass(frozen=True)
-class ForceVib:
+class ForcedRegression:
     """Mass and curves of one forced record; the curves have shape (n,), amplitudes ascending."""
 
     mass: float
@@ -42,15 +43,15 @@ class ForceVib:
     misfit: float  # weighted mean square of the residual; 1 when noise explains it
 
 
-def forcevib(displacement: Signal, drive: Signal) -> ForceVib:
-    """FORCEVIB on a displacement and the force that drives it, sampled alike.
+def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
+    """Regress mass and curves on a displacement and the force that drives it, sampled alike.
 
     Raises BadInput when the force is constant, the record has fewer than ten cycles above its noise, or no positive
     mass comes out (then force and response do not belong together, or their signs or units differ).
     """
     x, force, fs = displacement.samples, drive.samples, displacement.fs
     if np.ptp(force) == 0:
-        raise BadInput("FORCEVIB needs a force; this record has none: treat it as a free decay.")
+        raise BadInput("The regression needs a force; this record has none: treat it as a free decay.")
     signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
     sigma = max(displacement.noise, 1e-6 * float(np.std(x)))
     f = float(np.median(np.abs(signal.omega[signal.amplitude > 0.3 * np.max(signal.amplitude)]))) / (2 * np.pi)
@@ -67,8 +68,8 @@ def forcevib(displacement: Signal, drive: Signal) -> ForceVib:
     velocity = np.gradient(x, 1 / fs, edge_order=2)
     correction = _gradient_gain(view.omega, fs)  # what the central difference does to each bin
 
-    backbone = [view.project(b * x) for b in _backbone_basis(amplitude / level)]
-    damping = [view.project(d * velocity) / correction for d in _damping_basis(amplitude / level, speed / top_speed)]
+    backbone = [view.project(b * x) for b in backbone_basis(amplitude / level)]
+    damping = [view.project(d * velocity) / correction for d in damping_basis(amplitude / level, speed / top_speed)]
     columns = np.stack([view.project(force), *backbone, *damping], axis=-1)
     acceleration = view.project(x, 2)
 
@@ -80,7 +81,7 @@ def forcevib(displacement: Signal, drive: Signal) -> ForceVib:
     clear = near & moving[:, None] & (np.abs(columns[..., 1]) > 5 * noise)
     if np.count_nonzero(clear) < 5 * columns.shape[-1]:
         raise BadInput(
-            "The forced record has too little motion above its noise for FORCEVIB; force it harder or longer."
+            "The forced record has too little motion above its noise to be regressed; force it harder or longer."
         )
     omega = np.broadcast_to(view.omega, clear.shape)[clear]
     force_noise = max(drive.noise, 1e-6 * float(np.std(force))) * np.sqrt(view.energy / fs)
@@ -93,10 +94,10 @@ def forcevib(displacement: Signal, drive: Signal) -> ForceVib:
         result = solve(columns, target, std, 1.0 / OVERLAP)
         inverse_mass = -float(result.value[0])
         half = np.array([0.5])
-        stiffness = float((_backbone_basis(half).T @ result.value[1 : 1 + len(backbone)])[0])
-        viscous = float((_damping_basis(half, half).T @ result.value[1 + len(backbone) :])[0])
+        stiffness = float((backbone_basis(half).T @ result.value[1 : 1 + len(backbone)])[0])
+        viscous = float((damping_basis(half, half).T @ result.value[1 + len(backbone) :])[0])
     if not inverse_mass > 0:
-        raise BadInput("FORCEVIB finds no positive mass: check the signs and units of force and response.")
+        raise BadInput("The regression finds no positive mass: check the signs and units of force and response.")
 
     # the curves, where the windows that were used have been
     seen = np.zeros(x.size, bool)
@@ -104,18 +105,18 @@ def forcevib(displacement: Signal, drive: Signal) -> ForceVib:
         seen[start + view.length // 4 : start + 3 * view.length // 4] = True
     smallest, largest = (float(q) for q in np.quantile(amplitude[seen], (0.005, 0.995)))
     grid = np.linspace(smallest, largest, CURVE_POINTS)
-    rows = _backbone_basis(grid / level).T
+    rows = backbone_basis(grid / level).T
     k = slice(1, 1 + len(backbone))
     squared = rows @ result.value[k]
     good = squared > 0
     if not np.any(good):
-        raise BadInput("FORCEVIB finds no positive stiffness: check that force and response belong together.")
+        raise BadInput("The regression finds no positive stiffness: check that force and response belong together.")
     grid, rows, squared = grid[good], rows[good], squared[good]
     omega0 = np.sqrt(squared)
     squared_std = np.sqrt(np.einsum("ij,jk,ik->i", rows, result.covariance[k, k], rows))
     d = slice(1 + len(backbone), None)
-    rows = _damping_basis(grid / level, omega0 * grid / top_speed).T
-    return ForceVib(
+    rows = damping_basis(grid / level, omega0 * grid / top_speed).T
+    return ForcedRegression(
         mass=1 / inverse_mass,
         mass_std=float(np.sqrt(result.covariance[0, 0])) / inverse_mass**2,
         amplitude=grid,
@@ -128,13 +129,13 @@ def forcevib(displacement: Signal, drive: Signal) -> ForceVib:
     )
 
 
-def _backbone_basis(a: np.ndarray) -> np.ndarray:
+def backbone_basis(a: np.ndarray) -> np.ndarray:
     """Functions of the relative amplitude that omega0^2(A) is made of, shape (8, n): a cubic spline and 1/A."""
     bends = [np.clip(a - knot, 0, None) ** 3 for knot in (0.2, 0.4, 0.6, 0.8)]
     return np.stack([np.ones_like(a), 1 / a, a, a**2, *bends])
 
 
-def _damping_basis(a: np.ndarray, speed: np.ndarray) -> np.ndarray:
+def damping_basis(a: np.ndarray, speed: np.ndarray) -> np.ndarray:
     """Functions of relative amplitude and relative speed that 2 h0 is made of, shape (6, n)."""
     bends = [np.clip(a - knot, 0, None) ** 2 for knot in (0.33, 0.67)]
     return np.stack([np.ones_like(a), 1 / speed, a, a**2, *bends])

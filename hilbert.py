@@ -1,0 +1,51 @@
+"""FREEVIB's and FORCEVIB's results as files: curves over time, fitted laws, a page."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from .writing import together, write
+
+if TYPE_CHECKING:
+    from .recording import Recording
+
+FILES = ("curves.csv", "hilbert.json", "report.html")
+
+
+def run(
+    recordings: Sequence[Recording], mode: str | None, folder: Path, say: Callable[[str], None]
+) -> tuple[dict[str, Any], str]:
+    """Analyse recordings and write ``FILES`` into a folder; returns what stands in the JSON file, and a summary.
+
+    Args:
+        recordings: of one rig.
+        mode: which of several modes, as ``--mode`` has it; None: the strongest where others would be in its way.
+        folder: made where it does not exist.
+        say: called with one line per remark.
+
+    Raises:
+        BadInput: nothing can be evaluated, or a file cannot be written.
+    """
+    from .identify import hilbert_analysis
+    from .identify.hilbert_files import as_json, curves_csv, describe
+    from .identify.modes import mode_alone
+    from .report.hilbert_page import hilbert_page
+
+    given, _ = mode_alone(list(recordings), mode, None, say)
+    analysis = hilbert_analysis(given)
+    for note in analysis.notes:
+        say(f"note: {note}")
+    result = as_json(analysis, given)
+    texts = (
+        curves_csv(analysis, given),
+        json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+        hilbert_page(analysis, given, FILES[:2]),
+    )
+    with together():
+        for name, text in zip(FILES, texts, strict=True):
+            write(folder / name, text)
+    say(f"written: {', '.join(str(folder / name) for name in FILES)}")
+    return result, describe(analysis, given)

@@ -1,0 +1,145 @@
+"""FREEVIB and FORCEVIB as results: curves over time, laws fitted to them, errors; one call for a rig's recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..errors import BadInput
+from .decays import find_free_motion
+from .displacement import displacement
+from .excitation import kind_of
+from .modal_curve import modal_curve
+from .modal_fit import modal_fit
+from .modal_mass import mass_fit
+from .modal_result import ModalCurve, ModalFit
+from .modal_stretch import Stretch, forced_stretch, free_stretch
+from .signals import Signal, drive_of
+
+if TYPE_CHECKING:
+    from ..recording.recording import Recording
+
+#: So many decays show a spread that means something.
+_SEVERAL = 3
+
+
+@dataclass(frozen=True, eq=False)
+class HilbertAnalysis:
+    """What the Hilbert transform alone says of a rig.
+
+    Attributes:
+        curves: one of each decay (FREEVIB) and of each driven stretch (FORCEVIB), in order of the recordings.
+        freevib: Eqs. 1, 6, 7 fitted to all decays together; None without one.
+        forcevib: the same of all driven stretches, with the mass; None without one.
+        notes: one sentence each on what was left aside and why.
+    """
+
+    curves: tuple[ModalCurve, ...]
+    freevib: ModalFit | None
+    forcevib: ModalFit | None
+    notes: tuple[str, ...]
+
+    def of(self, method: str) -> tuple[ModalCurve, ...]:
+        """The curves of ``freevib`` or ``forcevib``."""
+        return tuple(curve for curve in self.curves if curve.method == method)
+
+    def spread(self, method: str) -> dict[str, float]:
+        """Standard deviation of each parameter from stretch to stretch; empty below three of them.
+
+        It owes nothing to what is known of the noise: beside the standard error of a single stretch it shows whether
+        that error is right, and whether the rig stays the same.
+        """
+        fits = [curve.fit.values for curve in self.of(method) if curve.fit is not None]
+        if len(fits) < _SEVERAL:
+            return {}
+        return {name: float(np.std([fit[name] for fit in fits], ddof=1)) for name in fits[0]}
+
+
+def hilbert_analysis(recordings: Sequence[Recording]) -> HilbertAnalysis:
+    """FREEVIB on every free decay and FORCEVIB on every driven stretch of recordings of one rig.
+
+    Feldman, Bucher, Rotberg 2009: Eqs. 9-12 for the curves, Eqs. 1, 6, 7 for the laws; with a force Feldman 1994.
+    Arrays make a recording: ``hilbert_analysis([Recording("decay", 1000.0, x)])`` with x (n,) in m, sampled at 1000 Hz.
+
+    Args:
+        recordings: displacement, velocity or acceleration, free or forced, in any mixture.
+
+    Returns:
+        Curves with arrays of shape (n,) in SI, and the laws fitted to them with standard errors.
+
+    Raises:
+        BadInput: no recording is given, or none holds a decay or a driven stretch that can be evaluated.
+    """
+    if not recordings:
+        raise BadInput("No recording given; give at least one free decay or forced record.")
+    notes: list[str] = []
+    free: list[tuple[Stretch, ModalCurve]] = []
+    forced: list[tuple[Stretch, ModalCurve]] = []
+    for r in recordings:
+        try:
+            x = displacement(r)
+        except BadInput as problem:
+            notes.append(f"{r.name}: {problem}")
+            continue
+        motion = find_free_motion(r)
+        notes += motion.notes
+        for d in motion.decays:
+            _evaluate(r, x, None, (d.start, d.stop), free, notes)
+        drive = drive_of(r)
+        if drive is None or np.ptp(drive.samples) == 0 or drive.is_silent:
+            if not motion.decays:
+                notes.append(f"{r.name}: no force and no free decay found in it; it was left aside.")
+            continue
+        if motion.blows:
+            notes.append(f"{r.name}: the blows are too short for FORCEVIB; what rings after them is evaluated.")
+        elif kind_of(r, motion.decays) == "broadband":
+            notes.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
+        else:
+            for start, stop in _between(motion.decays, r.n):
+                _evaluate(r, x, drive, (start, stop), forced, notes)
+    if not free and not forced:
+        raise BadInput("Nothing can be evaluated by the Hilbert transform. " + " ".join(notes))
+    return HilbertAnalysis(
+        curves=tuple(curve for _, curve in (*free, *forced)),
+        freevib=_together([s for s, _ in free], None, notes),
+        forcevib=_together([s for s, _ in forced], mass_fit, notes),
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
+    """What lies between the decays: start and stop of each driven stretch."""
+    edges = [0, *(edge for d in decays for edge in (d.start, d.stop)), n]
+    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
+
+
+def _evaluate(
+    r: Recording,
+    x: Signal,
+    drive: Signal | None,
+    samples: tuple[int, int],
+    found: list[tuple[Stretch, ModalCurve]],
+    notes: list[str],
+) -> None:
+    begin = r.start + samples[0] / r.fs
+    try:
+        part = x.part(*samples)
+        stretch = free_stretch(part) if drive is None else forced_stretch(part, drive.part(*samples))
+        mass = None if drive is None else mass_fit([stretch])
+        found.append((stretch, modal_curve(stretch, mass, r.name, samples, begin)))
+    except BadInput as problem:
+        what = "decay" if drive is None else "driven stretch"
+        notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
+
+
+def _together(stretches: list[Stretch], mass: Callable | None, notes: list[str]) -> ModalFit | None:
+    if not stretches:
+        return None
+    try:
+        return modal_fit(stretches, None if mass is None else mass(stretches))
+    except BadInput as problem:
+        notes.append(str(problem))
+        return None

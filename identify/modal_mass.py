@@ -1,0 +1,88 @@
+"""FORCEVIB's mass: that of which instants of one amplitude show one stiffness and one damping, whatever the force.
+
+Feldman 1994 takes two instants of the same amplitude: omega0² and h0 are the same at both, and the mass is all that is
+unknown. Here all pairs count at once: in the equation of motion over X,
+
+    X''/X + 2 h0(A) X'/X + omega0²(A) - (1/m) F/X = 0,
+
+omega0² and h0 are any smooth functions of the amplitude, and 1/m is what least squares leave for it beside them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from .forced_regression import backbone_basis, damping_basis
+from .modal_stretch import Stretch
+
+_ROUNDS = 3
+_LEAST = 30
+
+
+@dataclass(frozen=True, eq=False)
+class MassFit:
+    """1/m from several stretches, and how it follows from the equation's error at each sample of each.
+
+    Attributes:
+        inverse: 1/kg; 0 where there is no force, and the mass is not asked for.
+        std: its standard error.
+        rows: of each stretch (n,), complex: 1/m changes by the real part of their sum with the error.
+    """
+
+    inverse: float = 0.0
+    std: float = 0.0
+    rows: tuple[np.ndarray, ...] = ()
+
+
+def mass_fit(stretches: Sequence[Stretch]) -> MassFit:
+    """The mass that driven stretches agree on, each weighed by what it says.
+
+    Raises:
+        BadInput: too little motion above the noise; no positive mass, where force and response do not belong together.
+    """
+    singles = [_of_stretch(s) for s in stretches]
+    weight = np.array([1 / single.std**2 for single in singles])
+    share = weight / np.sum(weight)
+    inverse = float(sum(w * single.inverse for w, single in zip(share, singles, strict=True)))
+    rows = tuple(w * single.rows[0] for w, single in zip(share, singles, strict=True))
+    return MassFit(inverse, float(1 / np.sqrt(np.sum(weight))), rows)
+
+
+def _of_stretch(stretch: Stretch) -> MassFit:
+    s, ratio, clear = stretch.signal, stretch.ratio, stretch.clear
+    if ratio is None or np.count_nonzero(clear) < _LEAST:
+        raise BadInput(
+            "The forced record has too little motion above its noise for FORCEVIB; force it harder or longer."
+        )
+    first, second = s.equation_first, s.equation_second
+    level = float(np.max(stretch.amplitude[stretch.keep][clear]))
+    top = float(np.max((np.abs(first) * stretch.amplitude)[stretch.keep][clear]))
+    low = 1e-4  # where it is not clear it does not count, and must only stay a number
+    a = np.maximum(stretch.amplitude / level, low)
+    springs, dampers = backbone_basis(a), damping_basis(a, np.maximum(np.abs(first) * stretch.amplitude / top, low))
+    columns = stretch.low_pass(np.concatenate([-ratio[None], stretch.passed(springs), stretch.passed(dampers, first)]))
+    target = stretch.low_pass(second)
+    count, last = len(springs), int(np.count_nonzero(clear))
+    squared, damping, inverse = s.omega**2, np.zeros(s.omega.size), 0.0
+    gain, misfit = np.zeros((1, 1)), 1.0
+    for _ in range(_ROUNDS):
+        weight = np.where(clear, 1 / stretch.point_variance(squared, damping, inverse), 0.0)
+        scale = 1 / np.sqrt(np.sum(np.abs(columns) ** 2 * weight, axis=1))
+        scaled = columns * scale[:, None]
+        normal = np.real((scaled * weight) @ scaled.conj().T)
+        gain = -scale[:, None] * (np.linalg.pinv(normal, rcond=1e-13, hermitian=True) @ (scaled.conj() * weight))
+        value = np.real(gain @ target)
+        left = target + value @ columns
+        misfit = float(np.sum(weight * np.abs(left) ** 2)) / (2 * last)
+        inverse, squared = float(value[0]), value[1 : 1 + count] @ springs
+        damping = 0.5 * value[1 + count :] @ dampers
+    if not inverse > 0:
+        raise BadInput("FORCEVIB finds no positive mass: check the signs and units of force and response.")
+    row = stretch.before_low_pass(gain[0])
+    moved, drive = stretch.noise_weights(row[None], np.zeros((1, row.size)), squared, damping, inverse)
+    variance = stretch.noise**2 * np.sum(moved**2) + stretch.force_noise**2 * np.sum(drive**2)
+    return MassFit(inverse, float(np.sqrt(variance * max(1.0, misfit))), (row,))

@@ -1,0 +1,212 @@
+"""A stretch of motion as the Hilbert transform sees it, and how its sensors' noise reaches what is fitted to it.
+
+Every number that is fitted to the instantaneous modal parameters is, to first order, a weighted sum of the noise of the
+samples. The weights are followed backwards through both low-passes to the samples themselves; the covariance is then
+that of white noise, with no guess at how many independent points a smooth curve holds.
+
+To first order a disturbance dX of the analytic signal (and dF of the force's) leaves in the equation of motion
+
+    de = (dX'' + 2 h dX' + omega0² dX - dF/m) / X,
+    d(omega0²) = -Re de + (A'/A) Im de / omega,    d(2h) = -Im de / omega.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import BadInput
+from .hilbert import AnalyticSignal, analytic_signal, blackman, turned_alike
+from .signals import Signal
+
+CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
+#: A motion this many times its low-passed noise has an amplitude and a phase that follow the noise linearly.
+_CLEAR = 20.0
+#: An amplitude, un-decayed, that changes by more than this part within the kernel is bent by it.
+_STEEP = 0.15
+#: White noise below this part of the largest amplitude is rounding.
+_LEAST_NOISE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A decay or a driven stretch; `inside` are its samples but for the ends, `keep` those that are left low-passed."""
+
+    signal: AnalyticSignal  # of the displacement
+    fs: float
+    noise: float  # standard deviation, unit of the displacement
+    low_pass_kernel: np.ndarray
+    inside: slice
+    ratio: np.ndarray | None = None  # F/X, complex
+    force_noise: float = 0.0
+
+    @property
+    def keep(self) -> slice:
+        """The samples at which low-passed values are known."""
+        half = self.low_pass_kernel.size // 2
+        return slice(self.inside.start + half, self.inside.stop - half)
+
+    def low_pass(self, values: np.ndarray) -> np.ndarray:
+        """(..., n) by sample to (..., k) at `keep`."""
+        from scipy.signal import fftconvolve
+
+        kernel = self.low_pass_kernel.reshape((1,) * (values.ndim - 1) + (-1,))
+        return np.asarray(fftconvolve(values[..., self.inside], kernel, mode="valid", axes=-1))
+
+    def before_low_pass(self, weights: np.ndarray) -> np.ndarray:
+        """Weights (..., k) of low-passed values as weights (..., n) of the values by sample."""
+        from scipy.signal import fftconvolve
+
+        kernel = self.low_pass_kernel.reshape((1,) * (weights.ndim - 1) + (-1,))
+        out = np.zeros((*weights.shape[:-1], self.signal.time.size), weights.dtype)
+        out[..., self.inside] = fftconvolve(weights, kernel, mode="full", axes=-1)
+        return out
+
+    @cached_property
+    def clear(self) -> np.ndarray:
+        """Where, of `keep`, the motion stands clear of its noise and changes slowly: (k,) of bool.
+
+        A decay that came down to its noise is not clear again.
+        """
+        s, keep = self.signal, self.keep
+        level = _CLEAR * self.noise * float(np.sqrt(2 * np.sum(blackman(s.kernel)[0] ** 2)))
+        steep = np.abs(s.growth + s.undecay)[keep] * s.kernel / self.fs
+        clear = (s.amplitude[keep] > level) & (steep < _STEEP) & (s.omega[keep] > 0)
+        if self.ratio is None and not np.all(clear):
+            first = int(np.argmax(clear))
+            clear[first + int(np.argmin(clear[first:])) :] = False
+        return clear
+
+    @cached_property
+    def width(self) -> float:
+        """Mean square width, s², of the kernel that the analytic signal was low-passed with."""
+        w = blackman(self.signal.kernel)[0]
+        return float(np.sum(w * (np.arange(w.size) - w.size // 2) ** 2)) / self.fs**2
+
+    @cached_property
+    def _unbent(self) -> np.ndarray:
+        """(n,) what the low-pass took off the motion by its (un-decayed) curvature, as a factor to put it back."""
+        s = self.signal
+        bent = s.curvature + 2 * s.undecay * s.growth + s.undecay**2
+        bent[self.keep] = self.low_pass(bent)  # the second derivative is the noisiest of all
+        return 1 - 0.5 * self.width * bent
+
+    @cached_property
+    def amplitude(self) -> np.ndarray:
+        """(n,) envelope by sample, before the low-pass."""
+        return self.signal.amplitude * np.maximum(self._unbent, 0.5)
+
+    def passed(self, factor: np.ndarray, motion: np.ndarray | float = 1.0) -> np.ndarray:
+        """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X."""
+        from scipy.signal import fftconvolve
+
+        s = self.signal
+        kernel = blackman(s.kernel)[0][None]
+        whole = fftconvolve(factor * (motion * s.slow * self._unbent), kernel, mode="same", axes=-1)
+        return np.asarray(whole) / s.slow
+
+    def point_variance(
+        self, squared: np.ndarray, damping: np.ndarray, inverse_mass: float, slope: np.ndarray | float = 0.0
+    ) -> np.ndarray:
+        """Variance (k,) of low-passed omega0² at `keep` from the sensors' noise; of 2 h it is this over omega².
+
+        Args:
+            squared, damping: omega0² (n,) and h (n,), by sample.
+            inverse_mass: 1/kg; 0 without a force.
+            slope: d(omega0²)/d ln A, or 1j omega d(2 h)/d ln A, (n,) of the law to which the value is to be compared.
+        """
+        first, zeroth = (values[self.keep] for values in self._of_displacement(squared, damping))
+        zeroth = zeroth + (slope[self.keep] if isinstance(slope, np.ndarray) else slope)
+        w, dw, ddw = blackman(self.signal.kernel)
+        w, dw, ddw = (np.convolve(kernel, self.low_pass_kernel) for kernel in (w, dw * self.fs, ddw * self.fs**2))
+        moved = np.sum(ddw**2) + np.abs(first) ** 2 * np.sum(dw**2) + np.abs(zeroth) ** 2 * np.sum(w**2)
+        moved = moved + 2 * np.real(zeroth) * np.sum(ddw * w)
+        drive = (self.force_noise * inverse_mass) ** 2 * np.sum(w**2)
+        return 2 * (self.noise**2 * moved + drive) / self.signal.amplitude[self.keep] ** 2
+
+    def _of_displacement(self, squared: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The factors (n,) of the un-decayed z' and z itself in the equation of motion, that of z'' being 1."""
+        s = self.signal
+        u, w = s.undecay, s.omega
+        first = 2j * w - 2 * u + 2 * damping
+        zeroth = -(w**2) + 1j * s.chirp + u**2 - 2j * w * u + 2 * damping * (1j * w - u) + squared
+        return first, zeroth
+
+    def noise_weights(
+        self,
+        equation: np.ndarray,
+        amplitude: np.ndarray,
+        squared: np.ndarray,
+        damping: np.ndarray,
+        inverse_mass: float = 0.0,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """How the noise of each sample of displacement and force, (p, n) both, enters p numbers.
+
+        Args:
+            equation: (p, n), complex; each number changes by the real part of its sum with de.
+            amplitude: (p, n), real; and by its sum with dA/A.
+            squared, damping: omega0² (n,) and h (n,), by sample.
+            inverse_mass: 1/kg.
+        """
+        s = self.signal
+        first, zeroth = self._of_displacement(squared, damping)
+        kernels = blackman(s.kernel)
+        back = np.exp(s.undecay * s.time - 1j * s.carrier)
+
+        def to_samples(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+            from scipy.signal import fftconvolve
+
+            return np.asarray(fftconvolve(weights / s.slow, kernel[None, ::-1], mode="same", axes=-1))
+
+        moved = to_samples(equation * zeroth + amplitude, kernels[0])
+        moved = moved + to_samples(equation * first, kernels[1]) * self.fs
+        moved = moved + to_samples(equation, kernels[2]) * self.fs**2
+        drive = np.zeros(equation.shape)
+        if self.ratio is not None:
+            drive = 2 * np.real(to_samples(-inverse_mass * equation, kernels[0]) * back)
+        return 2 * np.real(moved * back), drive
+
+
+def free_stretch(decay: Signal, *, undecay: float | None = None, low_pass_cycles: float = 2.0) -> Stretch:
+    """The displacement of a free decay.
+
+    Args:
+        decay: displacement.
+        undecay: 1/s, see ``analytic_signal``.
+        low_pass_cycles: length of the kernel of the last low-pass.
+
+    Raises:
+        BadInput: fewer than eight cycles, or fewer than five samples a cycle.
+    """
+    signal = analytic_signal(decay.samples, decay.fs, undecay=undecay, frequency=decay.frequency)
+    return _stretch(
+        signal, decay, low_pass_cycles, "FREEVIB", "let it ring longer or release it from a larger amplitude"
+    )
+
+
+def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: float = 2.0) -> Stretch:
+    """The displacement of a driven stretch and the force on it, sampled alike; arguments and errors as above."""
+    if np.ptp(drive.samples) == 0:
+        raise BadInput("FORCEVIB needs a force; this record has none: treat it as a free decay.")
+    x, fs = displacement.samples, displacement.fs
+    signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
+    stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer")
+    force_noise = max(drive.noise, _LEAST_NOISE * float(np.max(np.abs(drive.samples))))
+    return replace(stretch, ratio=turned_alike(drive.samples, fs, signal), force_noise=force_noise)
+
+
+def _stretch(signal: AnalyticSignal, displacement: Signal, cycles: float, method: str, advice: str) -> Stretch:
+    n, fs = displacement.n, displacement.fs
+    middle = float(np.median(signal.omega))
+    period = 2 * np.pi / middle * fs if middle > 0 else float("inf")
+    cut = int(np.ceil(CUT_CYCLES * period)) if np.isfinite(period) else n
+    if n - 2 * cut < 4 * period:
+        what = "decay" if method == "FREEVIB" else "driven stretch"
+        raise BadInput(
+            f"The {what} has {n / period:.1f} cycles; {method} needs at least 8, two of them cut from each end: "
+            f"{advice}."
+        )
+    noise = max(displacement.noise, _LEAST_NOISE * float(np.max(np.abs(signal.amplitude))))
+    return Stretch(signal, fs, noise, blackman(int(cycles * period))[0], slice(cut, n - cut))

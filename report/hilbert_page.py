@@ -1,0 +1,137 @@
+"""The page of a Hilbert analysis: FREEVIB and FORCEVIB, their parameters, curves and characteristics."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from .. import __version__
+from ..export.render import plain_text
+from ..identify.hilbert_files import UNITS
+from ..model import Response, units
+from ..model.display import full_stop, number, pretty_unit
+from .blocks import Block, Items, Section, Table, Text, page, picture
+from .hilbert_figures import BAND, characteristic_figure, curves_figure, time_figure
+from .levels import sine_levels
+from .modal_table import laws_table, modal_table
+from .provenance import files_text
+
+if TYPE_CHECKING:
+    from ..identify.hilbert_result import HilbertAnalysis
+    from ..recording.recording import Recording
+
+_NAMES = {"freevib": "FREEVIB", "forcevib": "FORCEVIB"}
+
+
+def hilbert_page(
+    analysis: HilbertAnalysis,
+    recordings: Sequence[Recording],
+    files: Sequence[str] = (),
+    truth: Mapping[str, float] | None = None,
+) -> str:
+    """The page as HTML text: no script, nothing loaded from elsewhere, the same text for the same results.
+
+    Args:
+        analysis: of these recordings.
+        recordings: as they were read.
+        files: names of the files made beside the page.
+        truth: true values by parameter name, where they are known.
+    """
+    unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
+    sections = [
+        Section("Parameters", tuple(_parameters(analysis, unit, truth))),
+        Section("Backbones and response", tuple(_backbones(analysis, recordings, unit))),
+        Section("Spring and friction", tuple(characteristics(analysis, recordings, unit))),
+        Section("Over time", tuple(_over_time(analysis, unit))),
+        Section("Left aside", (Items(tuple(full_stop(note) for note in analysis.notes)),) if analysis.notes else ()),
+        Section("Where the numbers come from", (*_recordings(recordings), *files_text(files))),
+    ]
+    count = {name: len(analysis.of(method)) for method, name in _NAMES.items()}
+    lead = Text(
+        f"{count['FREEVIB']} free decays by FREEVIB, {count['FORCEVIB']} driven stretches by FORCEVIB. All numbers "
+        "here are those of the Hilbert transform alone; dashpot identify fits the motion itself."
+    )
+    return page("Hilbert analysis", sections, lead=[lead], footer=f"Made by dashpot {__version__}.")
+
+
+def characteristics(analysis: HilbertAnalysis, recordings: Sequence[Recording], unit: str) -> list[Block]:
+    """Figs. 5 and 7 with what stands below them."""
+    mass = None if analysis.forcevib is None else analysis.forcevib.mass
+    force_unit = next((r.force_unit for r in recordings if r.force is not None), "N")
+    sentence = (
+        f" Bands: ± {BAND:g} standard errors. Thick: the describing function inverted, so that it is a force. Thin: "
+        "Eq. 15 as printed, which is the force's fundamental."
+    )
+    return [
+        picture(
+            lambda: characteristic_figure(analysis, unit, force_unit, mass, "spring", "spring"),
+            "Static characteristic of the spring (the paper's Fig. 5), whole and without its linear part." + sentence,
+        ),
+        picture(
+            lambda: characteristic_figure(analysis, unit, force_unit, mass, "friction", "friction"),
+            "Damping curve h(A) and friction over velocity (the paper's Fig. 7); as printed, Eq. 15 has h for 2 h."
+            + sentence,
+        ),
+    ]
+
+
+def _parameters(analysis: HilbertAnalysis, unit: str, truth: Mapping[str, float] | None) -> list[Block]:
+    blocks: list[Block] = []
+    table = modal_table(analysis, unit, truth=truth)
+    if table is not None:
+        blocks.append(table)
+    for method, name in _NAMES.items():
+        fit = getattr(analysis, method)
+        if fit is None:
+            continue
+        caption = f"{name}'s own fits, one law at a time. Misfit: mean square of what is left over that of the noise."
+        blocks.append(laws_table(fit, unit, caption))
+        spread = analysis.spread(method)
+        if spread:
+            rows = tuple(
+                (key, number(value), number(fit.stds[key]), pretty_unit(units.compose(UNITS[key], unit)))
+                for key, value in spread.items()
+            )
+            head = ("Parameter", "Spread of single stretches", "± of all together", "Unit")
+            blocks.append(Table(head, rows, (1, 2), f"{name} on each stretch by itself: standard deviation."))
+    return blocks
+
+
+def _backbones(analysis: HilbertAnalysis, recordings: Sequence[Recording], unit: str) -> list[Block]:
+    caption = (
+        "The paper's Fig. 4. Dash-dot: backbones of the decays by FREEVIB (Eq. 12); dotted: those of the driven "
+        "stretches by FORCEVIB; dashed: Eq. 14 with the measured curves, at the recorded levels of force; thin: the "
+        f"amplitude of the sweep as measured. Bands: ± {BAND:g} standard errors."
+    )
+    return [picture(lambda: curves_figure(analysis, unit, levels(analysis, recordings)), caption)]
+
+
+def levels(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> tuple[float, ...]:
+    """Amplitudes of the recorded sines per unit mass; none where the mass is not known."""
+    if analysis.forcevib is None or analysis.forcevib.mass is None:
+        return ()
+    mass = analysis.forcevib.mass
+    return tuple(level / mass for level in sine_levels(recordings))
+
+
+def _over_time(analysis: HilbertAnalysis, unit: str) -> list[Block]:
+    blocks = []
+    for i, curve in enumerate(analysis.curves):
+        what = "free decay, FREEVIB" if curve.method == "freevib" else "driven stretch, FORCEVIB"
+        caption = f"{plain_text(curve.recording)}, stretch {i + 1}: {what}. Bands: ± {BAND:g} standard errors."
+        if curve.fit is not None:
+            terms = [f"F0/k {number(curve.fit.derived['F0/k'])} {unit}"]
+            if curve.fit.mass is not None:
+                terms.insert(0, f"mass {number(curve.fit.mass, 5)} ± {number(curve.fit.mass_std, 2)} kg")
+            caption += f" By itself: {', '.join(terms)}."
+        low, high = curve.decrement[curve.amplitude.argmin()], curve.decrement[curve.amplitude.argmax()]
+        caption += (
+            f" Logarithmic decrement {number(float(high))} at the largest amplitude, {number(float(low))} at the least."
+        )
+        blocks.append(picture(lambda c=curve, i=i: time_figure(c, unit, f"time-{i + 1}"), caption))
+    return blocks
+
+
+def _recordings(recordings: Sequence[Recording]) -> tuple[Table, ...]:
+    rows = tuple((r.name, f"{number(r.duration, 4)} s", r.sha256 or "not read from a file") for r in recordings)
+    return (Table(("Recording", "Length", "SHA-256 of the file"), rows, (1,)),)

@@ -1,0 +1,91 @@
+"""FREEVIB, FORCEVIB and maximum likelihood in one table, each parameter with its standard error."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from ..identify.hilbert_files import UNITS
+from ..model import units
+from ..model.display import number, pretty_unit, value_text
+from ..model.parameter import Parameter
+from .blocks import Cell, Table
+
+if TYPE_CHECKING:
+    from ..identify.hilbert_result import HilbertAnalysis
+    from ..identify.modal_result import LawFit, ModalFit
+    from ..model import Oscillator
+
+_FROM = {"freevib": "FREEVIB", "forcevib": "FORCEVIB"}
+
+
+def modal_table(
+    analysis: HilbertAnalysis, unit: str, model: Oscillator | None = None, truth: Mapping[str, float] | None = None
+) -> Table | None:
+    """One row a parameter; None where neither method has a result.
+
+    Args:
+        analysis: FREEVIB's and FORCEVIB's fits.
+        unit: of the displacement.
+        model: by maximum likelihood, for a column of its own.
+        truth: true values, where they are known.
+    """
+    fits = {name: fit for method, name in _FROM.items() if (fit := getattr(analysis, method)) is not None}
+    if not fits:
+        return None
+    columns = [({**fit.values, **fit.derived}, {**fit.stds, **fit.derived_std}) for fit in fits.values()]
+    head = ["Parameter", *fits]
+    if model is not None:
+        known = model.parameters()
+        columns.append(({n: p.value for n, p in known.items()}, {n: p.std for n, p in known.items()}))
+        head.append("Maximum likelihood")
+    rows: list[tuple[str | Cell, ...]] = []
+    for name, of in UNITS.items():
+        if not any(name in values for values, _ in columns):
+            continue
+        row: list[str | Cell] = [name]
+        row += [_cell(values.get(name), stds.get(name)) for values, stds in columns]
+        if truth is not None:
+            row.append(number(truth[name], 6) if name in truth else "")
+        rows.append((*row, pretty_unit(units.compose(of, unit))))
+    if truth is not None:
+        head.append("True value")
+    caption = (
+        "Each with one standard error. FREEVIB and FORCEVIB: Eqs. 1, 6, 7 together, fitted to all curves of the method"
+        + ("; maximum likelihood: the motion itself, simulated." if model is not None else ".")
+    )
+    return Table((*head, "Unit"), tuple(rows), tuple(range(1, len(head))), caption)
+
+
+def laws_table(fit: ModalFit, unit: str, caption: str) -> Table:
+    """The laws of one method, each by itself: what it says, and how far it misses the curves."""
+    rows: list[tuple[str | Cell, ...]] = []
+    for law in (fit.preload, fit.polynomial, fit.both, fit.damping):
+        if law is None:
+            continue
+        words = ", ".join(
+            f"{name} {_text(law.values[name], law.stds[name])} {pretty_unit(units.compose(UNITS[name], unit))}"
+            for name in law.values
+        )
+        tone = "good" if law.misfit < 4 else "bad"
+        rows.append((_name(law), words, Cell(number(law.misfit, 3), tone)))
+    return Table(("Law", "Parameters", "Misfit"), tuple(rows), (2,), caption)
+
+
+def _name(law: LawFit) -> str:
+    equation = {
+        "preload": "Eq. 1",
+        "polynomial": "Eq. 6",
+        "preload and polynomial": "Eqs. 1 and 6",
+        "viscous and dry": "Eq. 7",
+    }
+    return f"{law.law} ({equation[law.law]})"
+
+
+def _cell(value: float | None, std: float | None) -> str | Cell:
+    return Cell("–", "quiet") if value is None else _text(value, std)
+
+
+def _text(value: float, std: float | None) -> str:
+    shown, error = value_text(Parameter(value, std, ""))
+    return f"{shown} ± {error}" if error else shown

@@ -1,0 +1,101 @@
+"""The paper's figures on one page, from recordings of a stand whose parameters are known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .. import __version__
+from ..identify.measured_response import quasi_steady_amplitude
+from ..identify.modal_result import ModalFit
+from ..model.display import number
+from .blocks import Block, Section, Text, page, picture
+from .hilbert_figures import BAND, curves_figure
+from .hilbert_page import characteristics, levels
+from .modal_table import modal_table
+from .preload_figure import preload_figure
+from .time_history import recording_figure
+
+if TYPE_CHECKING:
+    from ..identify.decay import Decay
+    from ..identify.hilbert_result import HilbertAnalysis
+    from ..recording.recording import Recording
+
+_UNIT = "m"
+
+
+def paper_page(
+    analysis: HilbertAnalysis,
+    free: Recording,
+    decays: Sequence[Decay],
+    sweep: Recording,
+    truth: Mapping[str, float],
+) -> str:
+    """The page as HTML text: Figs. 1 and 3 to 7 of Feldman, Bucher, Rotberg 2009.
+
+    Args:
+        analysis: of both recordings.
+        free: bursts with free decays.
+        decays: these.
+        sweep: slow, through the resonance.
+        truth: the stand's parameters.
+    """
+    recordings = (free, sweep)
+    forced = analysis.forcevib
+    sections = [
+        Section("Fig. 1: preloaded spring", (_preload(forced),) if forced is not None else ()),
+        Section("Fig. 3: bursts and free decays", (_history(free, decays, "fig-3"),)),
+        Section("Fig. 4: backbones and frequency response", tuple(_backbones(analysis, recordings))),
+        Section("Figs. 5 and 7: static characteristics", tuple(characteristics(analysis, recordings, _UNIT))),
+        Section("Fig. 6: sweep", (_history(sweep, (), "fig-6"),)),
+        Section("Parameters", tuple(filter(None, [modal_table(analysis, _UNIT, truth=truth)]))),
+    ]
+    lead = Text(
+        "The figures of Feldman, Bucher and Rotberg (2009), remade from simulated recordings of "
+        "their stand: Eq. 17 with "
+        "the printed parameters in SI, 1 µm of sensor noise and 0.1 % of force noise. docs/paper.md has the equations "
+        "and errata."
+    )
+    return page("The paper's figures", sections, lead=[lead], footer=f"Made by dashpot {__version__}.")
+
+
+def sweep_is_slow(analysis: HilbertAnalysis) -> float:
+    """How far Eq. 13 along the sweeps is from the amplitudes measured there: rms of the difference over the largest.
+
+    Small where the sweep may be read as a frequency response. NaN without a sweep.
+    """
+    parts, top = [], 0.0
+    for curve in analysis.of("forcevib"):
+        if curve.fit is None or curve.fit.mass is None or np.ptp(curve.omega) < 0.2 * np.median(curve.omega):
+            continue
+        parts.append(quasi_steady_amplitude(curve, curve.fit.mass) - curve.amplitude)
+        top = max(top, float(curve.amplitude.max()))
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2))) / top if parts else float("nan")
+
+
+def _preload(forced: ModalFit) -> Block:
+    values, mass = forced.both.values, forced.mass or 1.0
+    caption = (
+        f"With FORCEVIB's omega0 and preload: F0 = {number(mass * values['preload'])} N, F0/k = "
+        f"{number(forced.derived['F0/k'])} m. The frequency doubles at 0.414 F0/k, not at half of F0/k as in the text."
+    )
+    return picture(lambda: preload_figure(values["omega0"], values["preload"], mass), caption)
+
+
+def _history(recording: Recording, decays: Sequence[Decay], key: str) -> Block:
+    caption = "Force and displacement as recorded, by their envelopes where there are too many cycles to see."
+    if decays:
+        caption += " Shaded: the free decays that FREEVIB evaluates."
+    return picture(lambda: recording_figure(recording, decays, key), caption)
+
+
+def _backbones(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> list[Block]:
+    caption = (
+        f"Dash-dot: the decays, each by FREEVIB (Eq. 12); dotted: driven stretches by FORCEVIB; bands: ± {BAND:g} "
+        "standard errors. Dashed: Eq. 14 with the measured curves in it; thin: the amplitude of the sweep as measured. "
+        f"Along the sweep Eq. 13 is within {number(100 * sweep_is_slow(analysis), 2)} % of the "
+        f"largest amplitude, rms: it is slow enough."
+    )
+    return [picture(lambda: curves_figure(analysis, _UNIT, levels(analysis, recordings), "fig-4"), caption)]

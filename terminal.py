@@ -1,0 +1,61 @@
+"""What commands say, where, and what they check before they work."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from .errors import BadInput
+
+
+def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Check the files to write before any work is done: each can be written, none is an input or named twice."""
+    from .writing import same_place, writable
+
+    seen: list[Path] = []
+    read = list(inputs)
+    for output in outputs:
+        writable(output)
+        if any(same_place(output, source) for source in read):
+            raise BadInput(f"{output}: is an input and would be overwritten; name another file to write")
+        if any(same_place(output, other) for other in seen):
+            raise BadInput(f"{output}: is to be written twice; name a file for each")
+        seen.append(output)
+
+
+def say(line: str) -> None:
+    """Progress and remarks go to stderr, so that what a program reads from stdout stays clean."""
+    click.echo(line, err=True)
+
+
+def print_json(value: Any) -> None:
+    """A result for another program, on stdout."""
+    encoding = (sys.stdout.encoding or "ascii").lower().replace("-", "")
+    click.echo(json.dumps(value, indent=2, ensure_ascii=encoding != "utf8"))
+
+
+@contextlib.contextmanager
+def progress_shown() -> Iterator[Callable[[str, float], None]]:
+    """A bar on a terminal, one line a stage elsewhere; yields what takes the stage and the part that is done."""
+    if sys.stderr.isatty():
+        bar: Any = click.progressbar(
+            length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or "")
+        )
+        with bar:
+            yield lambda what, part: bar.update(max(0, round(1000 * part) - bar.pos), what)
+    else:
+        said: list[str] = []
+
+        def stage(what: str, part: float) -> None:
+            line = f"{round(100 * part):3d} % {what}"
+            if not said or said[-1] != line:
+                said.append(line)
+                say(line)
+
+        yield stage

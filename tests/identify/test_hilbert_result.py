@@ -1,0 +1,158 @@
+"""FREEVIB and FORCEVIB as results, against the parameters that the independent integrator was given."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.examples import recordings
+from dashpot.examples.truth import TRUTH
+from dashpot.identify import HilbertAnalysis, hilbert_analysis
+from dashpot.identify.hilbert_files import as_json, curves_csv, describe
+from dashpot.identify.measured_response import measured_response, quasi_steady_amplitude
+from dashpot.identify.static_characteristic import friction_characteristic, spring_characteristic
+from dashpot.model.backbone import damping_curve
+from dashpot.recording import Recording, read
+
+FREE = ("omega0", "cubic", "preload", "viscous", "dry")
+
+
+@pytest.fixture(scope="module")
+def given() -> list[Recording]:
+    files = recordings("paper-stand")
+    return [read(files["bursts"]), read(files["sweep_high"])]
+
+
+@pytest.fixture(scope="module")
+def found(given: list[Recording]) -> HilbertAnalysis:
+    return hilbert_analysis(given)
+
+
+def test_each_decay_and_each_driven_stretch_has_curves(found: HilbertAnalysis):
+    assert len(found.of("freevib")) == 4
+    assert len(found.of("forcevib")) == 5
+    for curve in found.curves:
+        sizes = {getattr(curve, name).size for name in ("time", "phase", "omega", "damping", "omega0_std", "force")}
+        assert sizes == {curve.amplitude.size}
+        assert np.all(np.diff(curve.time) > 0)
+
+
+@pytest.mark.parametrize("method", ["freevib", "forcevib"])
+def test_parameters_are_true_within_their_errors(found: HilbertAnalysis, method: str):
+    fit = getattr(found, method)
+    z = {name: (value - TRUTH[name]) / fit.stds[name] for name, value in fit.values.items()}
+    assert max(abs(value) for value in z.values()) < 4, z
+    assert fit.values["omega0"] == pytest.approx(TRUTH["omega0"], rel=2e-5)
+    assert fit.values["preload"] == pytest.approx(TRUTH["preload"], rel=2e-3)
+    assert fit.values["viscous"] == pytest.approx(TRUTH["viscous"], rel=3e-4)
+    assert fit.values["dry"] == pytest.approx(TRUTH["dry"], rel=5e-3)
+    assert fit.values["cubic"] == pytest.approx(TRUTH["cubic"], rel=0.03)
+    assert fit.derived["F0/k"] == pytest.approx(TRUTH["preload"] / TRUTH["omega0"] ** 2, rel=2e-3)
+
+
+def test_the_mass_and_what_follows_from_it(found: HilbertAnalysis):
+    assert found.freevib is not None
+    assert found.freevib.mass is None
+    fit = found.forcevib
+    assert fit is not None
+    assert fit.mass == pytest.approx(TRUTH["mass"], rel=1e-4)
+    assert fit.derived["k"] == pytest.approx(TRUTH["mass"] * TRUTH["omega0"] ** 2, rel=1e-4)
+    assert fit.derived["F0"] == pytest.approx(0.02, rel=5e-3)
+
+
+@pytest.mark.parametrize("level", [10, 100])
+def test_errors_are_as_large_as_said_at_more_noise(given: list[Recording], level: int):
+    z = []
+    for seed in range(6):
+        noise = np.random.default_rng(seed)
+        loud = [
+            Recording(
+                f"decay {i}", 1000.0, given[0].response[a : a + 2500] + level * 1e-6 * noise.standard_normal(2500)
+            )
+            for i, a in enumerate(range(1502, 20000, 5000))
+        ]
+        fit = hilbert_analysis(loud).freevib
+        assert fit is not None
+        z.append([(fit.values[name] - TRUTH[name]) / fit.stds[name] for name in FREE])
+    assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.6
+
+
+def test_each_law_by_itself(found: HilbertAnalysis):
+    fit = found.freevib
+    assert fit is not None
+    assert fit.preload is not None
+    # alone, each law takes for itself what belongs to the other, and the misfit tells it
+    assert fit.preload.misfit > 10 * fit.both.misfit
+    assert fit.polynomial.misfit > 1000 * fit.both.misfit
+    assert fit.both.misfit < 4
+    assert fit.damping.misfit < 4
+
+
+def test_curves_lie_on_the_laws(found: HilbertAnalysis):
+    for curve in found.curves:
+        a = curve.amplitude
+        squared = TRUTH["omega0"] ** 2 + 0.75 * TRUTH["cubic"] * a**2 + 4 * TRUTH["preload"] / (np.pi * a)
+        np.testing.assert_allclose(curve.omega0, np.sqrt(squared), rtol=2e-3)
+        damping = damping_curve(TRUTH["viscous"], TRUTH["dry"], a, curve.omega)
+        np.testing.assert_allclose(curve.damping, damping, rtol=0.08)
+        np.testing.assert_allclose(curve.decrement, 2 * np.pi * curve.damping / curve.omega0, rtol=2e-3)
+
+
+def test_characteristics_are_forces_and_as_printed_fundamentals(found: HilbertAnalysis):
+    curves = found.of("freevib")
+    spring = spring_characteristic(curves, TRUTH["mass"])
+    x = spring.at
+    true = TRUTH["mass"] * (TRUTH["omega0"] ** 2 * x + TRUTH["cubic"] * x**3 + TRUTH["preload"])
+    np.testing.assert_allclose(spring.force, true, rtol=2e-3)
+    assert spring.in_newton
+    assert np.all(spring.force_std > 0)
+    a = spring.amplitude
+    printed = TRUTH["omega0"] ** 2 * a + 0.75 * TRUTH["cubic"] * a**3 + 4 / np.pi * TRUTH["preload"]
+    np.testing.assert_allclose(spring.literal, TRUTH["mass"] * printed, rtol=1e-3)
+    friction = friction_characteristic(curves)
+    v = friction.at
+    np.testing.assert_allclose(friction.force, TRUTH["viscous"] * v + TRUTH["dry"], rtol=0.01)
+    assert not friction.in_newton
+    v = friction.amplitude
+    np.testing.assert_allclose(friction.literal, 0.5 * TRUTH["viscous"] * v + 2 / np.pi * TRUTH["dry"], rtol=0.01)
+
+
+def test_responses_from_the_measured_curves(found: HilbertAnalysis):
+    sweep = found.of("forcevib")[-1]
+    response = measured_response([sweep], 1.0 / TRUTH["mass"])
+    middle = response.amplitude > 1e-3
+    measured = np.interp(
+        response.amplitude[middle], sweep.amplitude[: sweep.amplitude.argmax()], sweep.omega[: sweep.amplitude.argmax()]
+    )
+    np.testing.assert_allclose(response.lower[middle][:-1], measured[:-1], rtol=0.01)
+    steady = quasi_steady_amplitude(sweep, TRUTH["mass"])
+    assert np.sqrt(np.mean((steady - sweep.amplitude) ** 2)) < 0.02 * sweep.amplitude.max()
+    with pytest.raises(BadInput, match="curve"):
+        measured_response([], 1.0)
+
+
+def test_files_are_strict_and_whole(found: HilbertAnalysis, given: list[Recording]):
+    result = json.loads(json.dumps(as_json(found, given), allow_nan=False))
+    assert result["format"] == "dashpot-hilbert/1"
+    assert [law["law"] for law in result["freevib"]["laws"]] == [
+        "preload",
+        "polynomial",
+        "preload and polynomial",
+        "viscous and dry",
+    ]
+    assert result["forcevib"]["mass"]["unit"] == "kg"
+    assert result["forcevib"]["k"]["unit"] in ("N/m", "kg/s2")
+    rows = curves_csv(found, given).splitlines()
+    assert rows[0].startswith("recording,method,stretch,time_s,amplitude_m,frequency_Hz")
+    assert {row.split(",")[1] for row in rows[1:]} == {"freevib", "forcevib"}
+    assert {len(row.split(",")) for row in rows} == {13}
+    assert "FREEVIB, 4 free decays" in describe(found, given)
+
+
+def test_what_cannot_be_evaluated_is_said():
+    with pytest.raises(BadInput, match="No recording"):
+        hilbert_analysis([])
+    with pytest.raises(BadInput, match="Nothing can be evaluated"):
+        hilbert_analysis([Recording("still", 1000.0, np.random.default_rng(0).standard_normal(3000))])
