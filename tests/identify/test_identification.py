@@ -51,8 +51,8 @@ def test_nothing_is_remarked_where_the_model_is_complete(identification):
 def test_every_method_has_left_its_curve(identification):
     methods = [(curve.recording, curve.method) for curve in identification.hilbert.curves]
     assert methods.count(("bursts.csv.gz", "freevib")) == 4
-    assert ("sweep_low.csv.gz", "forcevib") in methods
-    assert ("sweep_high.csv.gz", "forcevib") in methods
+    assert ("sweep_low.csv.gz", "regression") in methods
+    assert ("sweep_high.csv.gz", "regression") in methods
 
 
 def test_the_model_file_holds_the_result(identification):

@@ -33,6 +33,8 @@ HARD = {
     "hysteresis.stiffness": 2e3,
     "viscoelastic.stiffness": 2e3,
     "attached-resonator.mass-ratio": 0.2,
+    "actuator-backlash.gap": 4.8e-4,
+    "actuator-backlash.mass": 0.0405,
 }
 
 
