@@ -33,4 +33,6 @@ def test_the_backlash_that_the_paper_leaves_out_is_named_and_mended(tmp_path, ca
     assert (folder / "model.fmu").stat().st_size > 0
     found = document["effects"][0]["parameters"]
     for name, true in (("gap", ACTUATOR["half_gap"]), ("mass", ACTUATOR["moving_mass"])):
-        assert found[name]["value"] == pytest.approx(true, rel=0.2), name
+        assert found[name]["value"] == pytest.approx(true, rel=0.3), name
+    # how far that is from its errors is said
+    assert any("side valleys" in note for note in document["notes"])
