@@ -135,10 +135,11 @@ def diagnose(
     with TemporaryDirectory() as folder:
         artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
         records += record_fits(before, after, holdout, holdout=True, fmu=artefact)
-    if after is not None and any(find(law).rugged for law in selected.laws) and remainder_sentence(left):
+    rugged = [law for law in selected.laws if find(law).rugged]
+    if after is not None and rugged and remainder_sentence(left):
         notes.append(
-            "the likelihood of play has many side valleys and this fit rests in one of them, above the noise: its "
-            "parameters may be off by far more than their errors"
+            f"the likelihood of {' + '.join(rugged)} has many side valleys and this fit rests in one of them, above the "
+            "noise: its parameters may be off by far more than their errors"
         )
     if after is None:
         left = before_left
