@@ -138,8 +138,8 @@ def diagnose(
     rugged = [law for law in selected.laws if find(law).rugged]
     if after is not None and rugged and remainder_sentence(left):
         notes.append(
-            f"the likelihood of {' + '.join(rugged)} has many side valleys and this fit rests in one of them, above the "
-            "noise: its parameters may be off by far more than their errors"
+            f"the likelihood of {' + '.join(rugged)} has many side valleys and this fit rests in one of them, above "
+            "the noise: its parameters may be off by far more than their errors"
         )
     if after is None:
         left = before_left
