@@ -122,7 +122,8 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float
 
     The phase is that of the analytic signal (Gabor 1946), so that amplitude and frequency may be what they will; offset
     and each harmonic may have one part that is constant and one that goes with the amplitude. Share and order are zero
-    where noise of the residual's own spectrum would often reach that share; chance is the largest that it would reach.
+    where noise of the residual's own spectrum would often reach that share; chance is what it may reach in the
+    harmonics.
 
     Args:
         motion: (n,) simulated response.
@@ -143,16 +144,23 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float
     share = float(np.sum(on_basis**2)) / power
     density = estimate(residual).density
     chance = np.sum(np.abs(np.fft.rfft(basis, axis=0)) ** 2 * density[:, None], axis=0) * 2 / residual.size / power
-    limit = float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
+    limit = _reached(chance)
+    # noise that drifts slowly lies at the offset alone, and that is no step of the motion's
+    by_chance = _reached(np.delete(chance, [0, len(columns)]))
     if share <= max(_IN_STEP, limit):
-        return 0.0, 0, limit
+        return 0.0, 0, by_chance
     sizes = np.linalg.lstsq(triangle, on_basis, rcond=None)[0].reshape(2, -1)
     first = [0, *(2 * k - 1 for k in _ORDERS)]  # place of each order among the columns
     made = [
         float(np.sum((sizes[0, place] @ wave + (sizes[1, place] @ wave) * growing) ** 2))
         for wave, place in ((wave, slice(at, at + len(wave))) for wave, at in zip(orders, first, strict=True))
     ]
-    return share, int(np.argmax(made[1:])) + 1 if max(made[1:]) >= made[0] else 0, limit
+    return share, int(np.argmax(made[1:])) + 1 if max(made[1:]) >= made[0] else 0, by_chance
+
+
+def _reached(chance: np.ndarray) -> float:
+    """Share of the power that noise may reach by chance, from what it has on the mean along each of a basis."""
+    return float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
 
 
 def expected(fitted: Fitted, data: Data, index: int) -> float:
