@@ -40,7 +40,7 @@ def forced_modal_parameters(signal: AnalyticSignal, ratio: np.ndarray, mass: flo
     Args:
         signal: of the displacement.
         ratio: F/X (n,), complex, N/m: the force's analytic signal over the displacement's (``hilbert.turned_alike``).
-        mass: kg; it comes from two instants of one amplitude, or from many (``forcevib``).
+        mass: kg; it comes from two instants of one amplitude, or from many (``modal_mass``).
     """
     squared, h0 = free_modal_parameters(signal)
     omega = _moving(signal.omega)

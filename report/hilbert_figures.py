@@ -105,7 +105,7 @@ def curves_figure(analysis: HilbertAnalysis, unit: str, forces: Sequence[float] 
         handles: dict[str, Any] = {}
         for handle, label in zip(*main.get_legend_handles_labels(), strict=True):
             handles.setdefault(label, handle)
-        legend_below(figure, list(handles.values()), list(handles), columns=4)
+        legend_below(figure, list(handles.values()), list(handles), columns=2)
         return svg(figure, key, f"Natural frequency in Hz over amplitude in {scale.unit}, with bands")
 
 
@@ -169,7 +169,7 @@ def characteristic_figure(
             other.set_title(f"… without {number(common, 4)} {of_force}/{unit} · x")
         else:
             _damping(other, analysis, unit)
-        legend_below(figure, *whole.get_legend_handles_labels(), columns=4)
+        legend_below(figure, *whole.get_legend_handles_labels(), columns=2)
         return svg(figure, key, f"{'Restoring' if spring else 'Friction'} force in {up.unit} over {across.unit}")
 
 

@@ -120,7 +120,8 @@ def _over_time(analysis: HilbertAnalysis, unit: str) -> list[Block]:
         what = "free decay, FREEVIB" if curve.method == "freevib" else "driven stretch, FORCEVIB"
         caption = f"{plain_text(curve.recording)}, stretch {i + 1}: {what}. Bands: ± {BAND:g} standard errors."
         if curve.fit is not None:
-            terms = [f"F0/k {number(curve.fit.derived['F0/k'])} {unit}"]
+            value, std = curve.fit.derived["F0/k"], curve.fit.derived_std["F0/k"]
+            terms = [f"F0/k {number(value)} ± {number(std, 2)} {unit}"]
             if curve.fit.mass is not None:
                 terms.insert(0, f"mass {number(curve.fit.mass, 5)} ± {number(curve.fit.mass_std, 2)} kg")
             caption += f" By itself: {', '.join(terms)}."
