@@ -103,8 +103,10 @@ class Search:
         if any(find(law).rugged for law in leader.laws):
             return []  # what it leaves may be a side valley's, and no sign of a second law
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
-        # a law with side valleys is simulated slowly and from many places: it is asked for where all others have failed
-        return ways if self.asked_rugged else [self._rugged, *ways] if leader.laws else [*ways, self._rugged]
+        if self.asked_rugged:
+            return ways
+        # a law with side valleys is simulated slowly, from many places: asked for where each other has failed by itself
+        return [self._rugged, *ways] if leader.laws else [*ways, self._rugged]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
