@@ -10,17 +10,15 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 
-from .. import __version__
 from ..errors import BadInput
-from ..identify.data import Data, noise_spectra
-from ..identify.excitation import band_of
+from ..identify.data import Data, data_of
+from ..identify.delivered import delivered
 from ..identify.hold import hold_of_recordings
 from ..identify.identification import belong_together
-from ..identify.normal_equations import pseudo_inverse
 from ..identify.prediction import FREE
-from ..identify.scatter import scatter
-from ..identify.structure import Fitted, Structure, renamed
-from ..model import Oscillator, Provenance, Range
+from ..identify.provenance import with_provenance
+from ..identify.structure import Fitted, renamed
+from ..model import Oscillator
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
 from ..recording.recording import Recording
@@ -37,12 +35,13 @@ from .search.candidate import STAGES, Candidate, key
 from .search.judgement import names_of, only_a_name, standing, why_not
 from .search.residual_test import leftovers
 from .search.residual_test import sentence as remainder_sentence
-from .search.search import SENSOR_OFFSET, Search
+from .search.search import Search
 from .search.weigh import forget
 from .search.weigh import judged as judged_by
 from .verdict import sentence_of, verdict_of
 
-_DRAWS = 30
+#: The law of a sensor that sits elsewhere all the time.
+_SENSOR_OFFSET = "sensor-offset"
 
 
 def diagnose(
@@ -97,7 +96,7 @@ def diagnose(
     data = cut_for(best, recordings, model)
     # cut as the training was, whatever the fit made of the spring
     judged = cut_for(best, holdout, model, judged=True) if holdout else None
-    laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != SENSOR_OFFSET]
+    laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != _SENSOR_OFFSET]
     search = Search(data, judged, laws, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     family = first_fit(search, best.model)
     memory = search.data.memory
@@ -123,9 +122,10 @@ def diagnose(
     if other_rig:
         notes.append(other_rig)
     progress("standard errors", 0.86)
-    before = _with_errors(family, replace(data, memory=memory), recordings)
-    named = _named(fitted, selected.laws)
-    after = _with_errors(named, search.data, recordings) if selected.laws and not other_rig else None
+    fine = data_of(recordings, model, coarse=False)
+    before, after = _delivered(family, fine, memory, recordings, []), None
+    if selected.laws and not other_rig:
+        after = _delivered(_named(fitted, selected.laws), fine, search.data.memory, recordings, notes)
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     records = record_fits(before, after, recordings, holdout=False)
     if after is not None and (why := no_finding(records)):
@@ -186,38 +186,23 @@ def _survivors(selected: Candidate, search: Search, best: Oscillator) -> dict[st
     return models
 
 
-def _with_errors(fitted: Fitted, data: Data, recordings: Sequence[Recording]) -> Oscillator:
-    """The model with standard errors, validity and provenance."""
+def _delivered(
+    fitted: Fitted, data: Data, memory: float, recordings: Sequence[Recording], notes: list[str]
+) -> Oscillator:
+    """The model of a search as identify delivers it, with standard errors, validity and provenance."""
     shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
-    structure = Structure(fitted.model, data, shapes)
-    noise = noise_spectra(fitted.residuals, fitted.model, data)
-    state = structure.state(fitted.initial, fitted.offsets)
-    spread = scatter(structure.problem, state, noise, data.force, _DRAWS)
-    derivatives = structure.problem.derivatives(state, fitted.residuals)
-    information = structure.problem.information(derivatives, noise)
-    inverse = pseudo_inverse(information)
-    covariance = inverse @ spread @ inverse
-    errors = dict(zip(structure.free, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
-    known = fitted.model.parameters()
-    model = fitted.model.with_parameters(
-        {name: replace(p, std=float(errors[name]) if errors.get(name) else None) for name, p in known.items()}
-    )
-    peak = max(float(np.max(np.abs(segment.response))) / segment.pace**segment.order for segment in data.segments)
-    bands = [edge for recording in recordings if (band := band_of(recording)) for edge in band]
-    bands = bands or [model.omega0.value / (2 * math.pi)]
+    try:
+        fit = delivered(fitted.model, data, shapes, initial=fitted.initial, memory=memory)
+    except BadInput as problem:  # a finer simulation may turn over where a coarser did not
+        notes.append(f"the errors of the parameters are not known: {problem}")
+        return replace(fitted.model, hold=hold_of_recordings(recordings))
+    notes += [note for note in fit.notes if note not in notes]
+    model = with_provenance(fit, recordings)
     return replace(
         model,
-        amplitude=model.amplitude or Range(0.0, peak, model.response.displacement_unit),
-        frequency=model.frequency or Range(min(bands), max(bands), "Hz"),
+        amplitude=fitted.model.amplitude or model.amplitude,
+        frequency=fitted.model.frequency or model.frequency,
         hold=hold_of_recordings(recordings),
-        identified=Provenance(
-            recordings=tuple({"file": r.name, "sha256": r.sha256} for r in recordings),
-            method="maximum-likelihood",
-            software=f"dashpot {__version__}",
-            parameters=structure.free,
-            covariance=tuple(tuple(float(c) for c in row) for row in covariance),
-            log_likelihood=fitted.likelihood,
-        ),
     )
 
 

@@ -14,6 +14,7 @@ from ..identify.from_prediction import keeps_step, memories
 from ..identify.hold import held_as
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
+from ..identify.odds import BEYOND_ERRORS
 from ..identify.offset import FoundOffset, Offset
 from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
@@ -27,19 +28,20 @@ from .result import ChainFact
 from .search.residual_test import Leftover, leftovers
 from .search.search import Search
 
-#: A rig whose natural frequency or mass is off by more than this factor is another rig ...
+#: Physical limit: a rig whose natural frequency or mass is off by more than these is another rig. What is left out (a
+#: spring that softens, mass that moves along) bends a fitted frequency by a few per cent, a mass by some ten ...
 _OTHER_FREQUENCY = 1.3
 _OTHER_MASS = 2.0
-#: ... where the model knows its own to this part; else its file is of no use, and the recordings answer.
+#: ... error rate: where the model knows its own to this part, so that the least of these factors is three of its
+#: errors; else its file is of no use, and the recordings answer.
 _KNOWN = 0.1
-#: Training recordings told this well, and held-out ones that are not by far, are not of one rig.
+#: Physical limit: training recordings told this well, and held-out ones not to its square, are not of one rig.
 _STRANGE = 1.5
-#: Frequency and mass of one rig stay within this part of themselves from one recording to the next.
+#: Physical limit: frequency and mass of one rig stay within this part from one recording to the next (the modulus of
+#: steel falls by about 0.03 % a kelvin: its springs keep their frequency to this over 7 K).
 _KEPT = 1e-3
 #: Size of an offset for finite differences, in the motion's.
 _FEELER = 1e-2
-#: Offsets of several recordings that agree to this many of their errors have one cause, and are looked for among laws.
-_AGREE = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +168,7 @@ def _agree(offsets: Sequence[FoundOffset], count: int) -> bool:
     values = np.array([offset.value for offset in offsets])
     errors = np.array([max(offset.std, 1e-300) for offset in offsets])
     mean = np.average(values, weights=errors**-2)
-    return bool(np.all(np.abs(values - mean) < _AGREE * errors))
+    return bool(np.all(np.abs(values - mean) < BEYOND_ERRORS * errors))
 
 
 def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, float]:

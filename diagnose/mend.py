@@ -12,12 +12,12 @@ from ..export.fmu import export_fmu
 from ..export.platforms import own_platform
 from ..identify.climb import POOR_NRMSE
 from ..identify.replay import force_of, replay, replayed
+from ..identify.weighed import ABOVE_NOISE
 from ..model import Oscillator, Response
 from ..recording.recording import Recording
 from ..verify.fmu_run import FmuRun
 from ..verify.noise_floor import floor_of_model, pieces
 from .result import RecordFit
-from .search.residual_test import ABOVE_NOISE
 
 #: What a model leaves of a measured record is its noise at least; less than this part of it was computed.
 _COMPUTED = 0.5

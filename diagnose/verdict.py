@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from ..identify.weighed import ABOVE_NOISE
 from ..model.effect_words import effect_in_words
 from .result import Effect, RecordFit, Verdict
-from .search.residual_test import ABOVE_NOISE, FAR_ABOVE_NOISE, Leftover
+from .search.residual_test import FAR_ABOVE_NOISE, Leftover
 from .wording import effects_in_words, figure, spoken
 
 #: So many effects and rivals can be put into words in one sentence.

@@ -22,19 +22,18 @@ from ..recording.recording import HOLDS, Recording
 from ..simulate.force import force_between, smooth_force
 from .blows import ContactForce
 from .data import measured, noise_of
-from .likelihood import Fit
+from .delivered import Fit
 from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from .normal_equations import pseudo_inverse
+from .odds import DECISIVE
 from .offset import Offset
 from .output_error import Outcome, OutputError, State
 from .segments import FORCE_BAND, Segment
 from .structure import Structure
 
-#: A hold is believed at these odds against a smooth force; "decisive" begins at 100 (Jeffreys 1961, appendix B). Of
-#: right holds one in as many shows a further lag or loss by chance.
-ODDS = 1000.0
-#: ... which does not speak against it where it is smaller than this part of the hold's own (half a sample: a twentieth
-#: of a sample): no model is exact, and what it lacks leaves a trace of everything.
+#: A further lag or loss, which one in a thousand right holds shows by chance, does not speak against a hold where it is
+#: smaller than this part of the hold's own (half a sample: a twentieth of a sample): no model is exact, and what it
+#: lacks leaves a trace of everything.
 _NEAR = 0.1
 #: It matters where it moves a parameter by this many of its standard errors.
 _MATTERS = 1.0
@@ -62,7 +61,7 @@ class HoldFound:
         """Whether the hold is all that the records ask for; ``further`` stands in for that of another fit."""
         shown = self.further if further is None else further
         # a gain grows with the square of what it is gained by
-        return shown < max(math.log(ODDS), _NEAR**2 * self.log_odds.get(self.hold, 0.0))
+        return shown < max(DECISIVE, _NEAR**2 * self.log_odds.get(self.hold, 0.0))
 
     def spread(self, hold: str) -> np.ndarray | float:
         """(k, k) mean square of the parameters' distance from those under ``hold``, every hold by its likelihood.
@@ -120,7 +119,7 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     if not moving:
         return unknown
     best = max(moving, key=lambda trial: trial.likelihood)
-    decisive = best.likelihood - smooth.likelihood > math.log(ODDS)
+    decisive = best.likelihood - smooth.likelihood > DECISIVE
     return HoldFound(
         best.hold if decisive else "smooth",
         {trial.hold: trial.likelihood - smooth.likelihood for trial in trials},

@@ -14,23 +14,23 @@ from typing import Protocol
 
 import numpy as np
 
-from .. import __version__
 from ..errors import BadInput
-from ..model import Oscillator, Provenance, Range, Response
+from ..model import Oscillator, Response
 from ..model.oscillator import Band
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
-from .blows import ContactForce
 from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
-from .excitation import band_of, kind_of
+from .delivered import Fit
+from .excitation import kind_of
 from .further_laws import with_laws
 from .hilbert_result import HilbertAnalysis, hilbert_analysis
 from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
-from .likelihood import Fit, maximum_likelihood
+from .likelihood import maximum_likelihood
 from .offset import FoundOffset
 from .prediction import FREE
+from .provenance import with_provenance
 from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
@@ -145,8 +145,9 @@ def identify(
 
     fit = answer(recordings, None, doubted=doubted)
     fit, recordings, chain = _with_hold(fit, recordings, answer, doubted=doubted)
+    kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     return Identification(
-        oscillator=_with_provenance(fit, hilbert, recordings, band),
+        oscillator=with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band),
         hilbert=hilbert,
         fit=fit,
         recordings=tuple(recordings),
@@ -292,46 +293,6 @@ def _same_signals(recording: Recording, other: Recording) -> bool:
     if recording.force is None or other.force is None:
         return recording.force is other.force
     return np.array_equal(recording.force, other.force)
-
-
-def _with_provenance(
-    fit: Fit, hilbert: HilbertEstimate, recordings: Sequence[Recording], band: Band | None
-) -> Oscillator:
-    model = fit.oscillator
-    unit = model.response.displacement_unit
-    amplitudes = [curve.amplitude for curve in hilbert.curves if curve.amplitude.size]
-    floor = min((float(a.min()) for a in amplitudes), default=0.0)
-    # by the pace of the motion, which omega0 is not where a law is the spring; less what the sensor shows at zero
-    shown = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
-    peak = max(
-        float(np.max(np.abs(s.simulated - shown.get(s.segment.recording, 0.0)))) / s.segment.pace**s.segment.order
-        for s in fit.segments
-    )
-    # a hammer's force reaches far beyond what it sets going
-    struck = {s.segment.recording for s in fit.segments if isinstance(s.segment.force, ContactForce)}
-    bands = [band_of(r) for i, r in enumerate(recordings) if i not in struck]
-    frequencies = [f for band in bands if band for f in band]
-    if not frequencies:
-        frequencies = [float(f) / (2 * np.pi) for c in hilbert.curves for f in (c.omega0.min(), c.omega0.max())]
-    if not frequencies:
-        frequencies = [model.omega0.value / (2 * np.pi)]
-    return replace(
-        model,
-        amplitude=Range(min(floor, peak), peak, unit),
-        frequency=Range(min(frequencies), max(frequencies), "Hz"),
-        identified=Provenance(
-            recordings=tuple(
-                {"file": r.name, "sha256": r.sha256, "kind": kind_of(r, hilbert.decays[i])}
-                for i, r in enumerate(recordings)
-            ),
-            method="maximum-likelihood",
-            software=f"dashpot {__version__}",
-            parameters=fit.names,
-            covariance=tuple(tuple(float(c) for c in row) for row in fit.covariance),
-            log_likelihood=fit.log_likelihood,
-            band=band,
-        ),
-    )
 
 
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:

@@ -18,6 +18,7 @@ from ..errors import BadInput
 from ..recording.recording import Recording
 from .decays import find_decays
 from .hilbert import dominant_frequency, noise_level
+from .odds import DECISIVE
 
 #: Cycles of the strongest motion in a window: short ones follow a frequency that moves, long ones show slow modes.
 _WINDOWS = (16.0, 64.0)
@@ -29,8 +30,6 @@ _LOBE = 4.0
 _LEAK = 1e-6
 #: Beyond this part of half the sampling rate there is noise, and what harmonics leave.
 _TOP = 0.75
-#: Above the logarithm of the number of lines by this much, one of a periodogram is no chance (one in 400).
-_BEYOND_CHANCE = 6.0
 #: From this order on a harmonic so many times as strong as each before it belongs to no series.
 _SERIES, _ABOVE_SERIES = 4, 10.0
 #: Sums and differences of two modes' frequencies up to these multiples, which a nonlinear joint or sensor makes ...
@@ -115,7 +114,7 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
         [np.abs(np.fft.rfft((x[a : a + size] - np.mean(x[a : a + size])) * window)) ** 2 for a in starts]
     )
     white = noise**2 * float(np.sum(window**2))
-    least = white * (np.log(spectra.size) + _BEYOND_CHANCE)
+    least = white * (np.log(spectra.size) + DECISIVE)
     main = _followed(spectra, strongest * size / fs)
     heights = spectra[np.arange(main.size), main]
     main, spectra = main[heights > least], spectra[heights > least]

@@ -18,13 +18,11 @@ from .data import Data, noise_of
 from .force_off import FEWEST_MEANS, zero_of
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
+from .odds import BEYOND_ERRORS
 from .offset import FoundOffset, Offset
 from .output_error import OutputError, State
 from .segments import Segment
 
-#: An offset stays where it is this many of its standard errors from zero: a thousand times as likely with it as
-#: without (a gain of ln 1000 is half the square of 3.7), by chance once in five thousand recordings.
-_STANDS_OUT = float(np.sqrt(2.0 * np.log(1000.0)))
 #: Laws that move the zero themselves: beside them an offset would be the same thing twice.
 _SAME_THING = ("sensor-offset", "constant-force")
 
@@ -86,7 +84,7 @@ def zero_of_load_cell(force: np.ndarray, fs: float, omega: float) -> float:
     """
     period = max(2, round(2 * np.pi / omega * fs))
     zero, error = zero_of(force, period)
-    return zero if abs(zero) > _STANDS_OUT * error else 0.0
+    return zero if abs(zero) > BEYOND_ERRORS * error else 0.0
 
 
 def kept_offsets(problem: OutputError, state: State, start: Oscillator) -> tuple[OutputError, State]:
@@ -110,7 +108,7 @@ def _without_those_of_chance(
     information = judged.shared_information(state, residuals, _noise(judged, residuals, state, start))
     errors = np.sqrt(np.maximum(np.diag(pseudo_inverse(information))[free:], 0.0))
     asked = np.array([offset.channel == channel for offset in problem.offsets])
-    stays = ~asked | (np.abs(state.offsets) > _STANDS_OUT * errors)
+    stays = ~asked | (np.abs(state.offsets) > BEYOND_ERRORS * errors)
     if np.all(stays):
         return problem, state
     # the others take over what those that go have told: the maximum of the likelihood under that they are zero
@@ -151,7 +149,7 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
     stands = {
         tried.offsets[i].recording
         for i in range(len(tried.offsets))
-        if tried.offsets[i].channel == "drift" and abs(step[first + i]) > _STANDS_OUT * errors[first + i]
+        if tried.offsets[i].channel == "drift" and abs(step[first + i]) > BEYOND_ERRORS * errors[first + i]
     }
     pace = start.omega0.value
     stands = {index for index in stands if _goes_on(index, problem.segments, residuals, pace)}
@@ -200,7 +198,7 @@ def drift_of(parts: Sequence[tuple[float, float, np.ndarray, np.ndarray]], omega
     inverse = pseudo_inverse(columns @ columns.T)
     fitted = inverse @ (columns @ mean)
     scatter = np.sum((mean - fitted @ columns) ** 2) / max(mean.size - len(columns), 1)
-    stands = abs(fitted[1]) > _STANDS_OUT * np.sqrt(scatter * inverse[1, 1])
+    stands = abs(fitted[1]) > BEYOND_ERRORS * np.sqrt(scatter * inverse[1, 1])
     return float(fitted[1] / scale[1, 0]) if stands else 0.0
 
 

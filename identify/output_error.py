@@ -31,7 +31,7 @@ T = TypeVar("T")
 
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
-_MOST_ITERATIONS = 40
+MOST_STEPS = 40
 #: Harmonics and a motion beside its pace may add this much to what a parameter can do.
 _MOST_TURN = 2.0
 
@@ -355,7 +355,7 @@ class OutputError:
         noise: Sequence[NoiseSpectrum] | None = None,
         *,
         tolerance: float = 1e-3,
-        most: int = _MOST_ITERATIONS,
+        most: int = MOST_STEPS,
         informed: bool = True,
     ) -> Outcome:
         """Minimise the negative log-likelihood from ``state``.

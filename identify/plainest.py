@@ -10,10 +10,9 @@ import numpy as np
 from ..model import Oscillator
 from .linear_fit import linear_fit
 from .noise_spectrum import NoiseSpectrum
+from .odds import BY_CHANCE
 from .output_error import Outcome, OutputError, State
 
-#: A right model's own values leave more than least squares does by chance; so seldom by more than what is allowed.
-_BY_CHANCE = 1e-3
 #: Steps from the linear rig's closed form to its simulation; the force between samples is a little different there.
 _STEPS = 8
 _LINEAR = ("mass", "omega0", "viscous")
@@ -107,4 +106,4 @@ def by_chance(problem: OutputError, plain: Outcome, remainders: Sequence[NoiseSp
         square += float(np.sum(parts**2))
     if not mean > 0.0:
         return 0.0
-    return 0.5 * square / mean * float(chdtri(mean**2 / square, _BY_CHANCE))
+    return 0.5 * square / mean * float(chdtri(mean**2 / square, BY_CHANCE))

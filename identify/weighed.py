@@ -11,12 +11,13 @@ from ..model import Oscillator
 from ..recording.recording import Recording
 from .data import equivalent_resonance, expected_noise, noise_of
 from .noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, white
-from .output_error import Outcome, OutputError, State
+from .output_error import MOST_STEPS, Outcome, OutputError, State
 from .plainest import by_chance, plain_cost
 from .prediction import FREE
 from .signals import noise_levels
 
-#: Residuals this many times the noise are more than the noise's own estimate leaves open.
+#: Physical limit: residuals this many times the noise are more than its own estimate leaves open, which comes from the
+#: highest frequencies alone and is good to a tenth.
 ABOVE_NOISE = 1.1
 
 
@@ -34,7 +35,12 @@ class Answer:
 
 
 def weighed(
-    problem: OutputError, state: State, start: Oscillator, recordings: Sequence[Recording], linear: float = np.inf
+    problem: OutputError,
+    state: State,
+    start: Oscillator,
+    recordings: Sequence[Recording],
+    linear: float = np.inf,
+    most: int = MOST_STEPS,
 ) -> tuple[Answer, int]:
     """The maximum with every frequency weighed, or unweighed least squares where that has led away from the motion.
 
@@ -47,8 +53,9 @@ def weighed(
         start: structure.
         recordings: of the segments.
         linear: ``plain_cost`` of a linear rig, which the answer must not exceed.
+        most: steps that each search may take.
     """
-    answer, steps = whitened(problem, state, start)
+    answer, steps = whitened(problem, state, start, most=most)
     residuals = problem.residuals(state)
     if not np.isfinite(answer.likelihood):
         return answer, steps
@@ -57,7 +64,7 @@ def weighed(
     nearer = min(
         (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda point: plain_cost(point[1])
     )
-    plain = problem.search(nearer[0], tolerance=1e-3)
+    plain = problem.search(nearer[0], tolerance=1e-3, most=most)
     steps += plain.iterations
     remainders = _remainders(problem, plain, start, recordings)
     cost = plain_cost(answer.outcome.residuals)
@@ -70,21 +77,27 @@ def weighed(
 
 
 def whitened(
-    problem: OutputError, state: State, start: Oscillator, *, tolerance: float = 1e-3, informed: bool = True
+    problem: OutputError,
+    state: State,
+    start: Oscillator,
+    *,
+    tolerance: float = 1e-3,
+    most: int = MOST_STEPS,
+    informed: bool = True,
 ) -> tuple[Answer, int]:
     """The maximum with every frequency weighed by the noise that is left there, and the steps to it.
 
-    ``tolerance`` and ``informed`` are as in ``OutputError.search``.
+    ``tolerance``, ``most`` and ``informed`` are as in ``OutputError.search``.
     """
     residuals, steps = problem.residuals(state), 0
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         nothing = np.zeros((len(problem.free), len(problem.free)))
         return Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
     noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=100.0 * tolerance, informed=False)
+    outcome = problem.search(state, noise, tolerance=100.0 * tolerance, most=most, informed=False)
     state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
     noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=tolerance, informed=informed)
+    outcome = problem.search(state, noise, tolerance=tolerance, most=most, informed=informed)
     likelihood = concentrated_likelihood(_noise(problem, outcome.residuals, outcome.state, start))
     return Answer(outcome, noise, likelihood), steps + outcome.iterations
 

@@ -15,9 +15,6 @@ Stage = Literal["not started", "simulated", "left", "judged"]
 
 STAGES: tuple[Stage, ...] = ("not started", "simulated", "left", "judged")
 
-#: Odds at which something is settled (Jeffreys 1961 calls 100 decisive; several tens of laws are tried at a time).
-DECISIVE = float(np.log(1000.0))
-
 
 @dataclass(frozen=True, eq=False)
 class Candidate:

@@ -8,15 +8,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...identify.data import Data
+from ...identify.odds import DECISIVE
+from ...identify.weighed import ABOVE_NOISE
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from ...model.oscillator import Term
-from .candidate import DECISIVE, Candidate
-from .residual_test import ABOVE_NOISE, CYCLES, HARMONICS, times_the_noise
+from .candidate import Candidate
+from .residual_test import CYCLES, HARMONICS, times_the_noise
 
-#: A law matters where it takes away this part of the power of what is left: a tenth of its size.
+#: Physical limit: a law matters where it takes away this part of the power of what is left, a tenth of its size. No
+#: simulation is exact, and a longer record makes ever smaller parts significant that no engineer asks for.
 MATTERS = 0.01
-#: What cannot be told apart is the smallest set that holds this share of the odds.
+#: Odds: what cannot be told apart is the smallest set that holds this share of them, the usual credible set.
 GROUP = 0.95
 
 

@@ -19,7 +19,8 @@ from ...identify.structure import Fitted
 from ...model import Oscillator
 from .residual_test import leftovers, times_the_noise
 
-#: What is left within this many times the noise is near it; beyond, it has to be shown that it is noise at all.
+#: Physical limit: what is left within this many times the noise is near it (the levels of sensor and force noise,
+#: each good to a tenth, enter it together); beyond, it has to be shown that it is noise at all.
 NEAR = 1.2
 
 

@@ -17,11 +17,11 @@ import numpy as np
 from ...errors import DashpotError
 from ...identify.data import Data, likelihood
 from ...identify.descent import Descent
+from ...identify.odds import DECISIVE
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.terms import with_values
-from .candidate import DECISIVE
 from .measure import Measure, measure_by
 
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.

@@ -15,29 +15,32 @@ import numpy as np
 
 from ...identify.data import Data, expected_noise
 from ...identify.noise_spectrum import estimate
+from ...identify.odds import BY_CHANCE
 from ...identify.structure import Fitted
+from ...identify.weighed import ABOVE_NOISE
 from ...model import Oscillator
 from ..wording import figure
 
-#: What is left may exceed the noise by this factor: the noise itself is estimated.
-ABOVE_NOISE = 1.1
-#: Where a segment is too short to see whether it moves with the rig: coloured noise of a sensor stays below this.
+#: Physical limit: where a segment is too short to see whether it moves with the rig, more than this is a mismatch: a
+#: hundred times the power that the highest frequencies have is more than the colour of sensors' noise.
 FAR_ABOVE_NOISE = 10.0
-#: Windows of this many cycles are compared ...
+#: Physical limit: the noise of a lightly damped rig under force noise keeps its phase for a few cycles, so that windows
+#: of this many are told apart; what a mismatch does repeats itself from one to the next (White 1982).
 CYCLES = 6.0
-#: ... at this level of significance (one record in two thousand).
-_CHANCE = 5e-4
-#: A window with this many times the median power is a burst: no noise of a few degrees of freedom gets there.
+#: Error rate: a window with this many times the median power is a burst. Noise of two degrees of freedom a window gets
+#: there once in 1e9 windows, of a single one in 5000.
 _BURST = 30.0
 _FEWEST = 6
-#: Harmonics of the motion that what keeps step with it is looked for in ...
+#: Physical limit: harmonics of the motion that what keeps step with it is looked for in; forces of a cubic and a
+#: quintic have three and five ...
 HARMONICS = 5
 _ORDERS = range(1, HARMONICS + 1)
-#: ... its least share of the power ...
+#: ... physical limit: its least share of the power, a fifth of the size ...
 _IN_STEP = 0.05
-#: ... and how many standard deviations it lies above what noise of the same spectrum has by chance.
+#: ... and error rate: how many standard deviations it lies above what noise of the same spectrum has by chance.
+#: Whatever that spectrum, fewer than one in 2000 get there (one degree of freedom: a chi-square of 12.3).
 _BEYOND_CHANCE = 8.0
-#: Where noise of the same spectrum would have more than this share by chance, keeping step tells nothing.
+#: Odds: where noise of the same spectrum may have more than this share by chance, keeping step tells nothing.
 _UNTOLD = 0.5
 
 
@@ -98,7 +101,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
         if np.ptp(power) > 0 and np.ptp(moved) > 0:
             ranked = spearmanr(power, moved)
             correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
-        significant = correlation > 0 and chance < _CHANCE
+        significant = correlation > 0 and chance < BY_CHANCE
         loudest = int(np.argmax(power))
         burst = power[loudest] > _BURST * float(np.median(power))
         share, order, by_chance = in_step(segment.response - residual, residual)

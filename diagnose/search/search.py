@@ -17,12 +17,13 @@ import numpy as np
 from ...errors import BadInput
 from ...identify.data import Data
 from ...identify.from_prediction import keeps_step
+from ...identify.odds import DECISIVE
 from ...identify.prediction import FREE
 from ...identify.structure import Fitted, renamed, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
-from .candidate import DECISIVE, Candidate, key
+from .candidate import Candidate, key
 from .judgement import leading, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
@@ -30,15 +31,13 @@ from .race import PATIENCE, Entry, Start, in_the_best_valleys, race, started
 from .starts import Proposal, by_motion, by_score, unseen_in_motion, without
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
-#: The law of a sensor that sits elsewhere all the time.
-SENSOR_OFFSET = "sensor-offset"
 #: Of what the best law gains on the measured motion others must gain this part there to be simulated.
 _HALF = 0.5
 #: A law is exchanged for the two that act most like it, and for more where they act nearly as much like it ...
 _ALIKE, _MOST_ALIKE = 2, 4
 #: ... far from the noise with the steps that quadratic convergence takes, before what they promise counts against them.
 _CONVERGES = 10
-#: More laws than these missing at once are not told apart by any recording that we know of.
+#: Physical limit: more laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
 
 

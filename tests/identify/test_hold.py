@@ -13,7 +13,8 @@ from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import hold as module
 from dashpot.identify import identify
-from dashpot.identify.hold import ODDS, HoldFound, _Trial, find_hold, held_as, hold_of_recordings
+from dashpot.identify.hold import HoldFound, _Trial, find_hold, held_as, hold_of_recordings
+from dashpot.identify.odds import DECISIVE
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
 
@@ -105,13 +106,13 @@ def test_where_the_hold_cannot_be_known_it_is_in_the_errors():
 
 
 def test_a_hold_is_believed_up_to_a_tenth_of_it():
-    gain = 100.0 * np.log(ODDS)
+    gain = 100.0 * DECISIVE
     held = HoldFound("zero", {"smooth": 0.0, "zero": 4 * gain}, {}, further=0.0)
     assert held.believed(0.039 * gain)
     assert not held.believed(0.041 * gain)
     little = replace(held, log_odds={"smooth": 0.0, "zero": 10.0})
-    assert little.believed(0.99 * np.log(ODDS))
-    assert not little.believed(1.01 * np.log(ODDS))
+    assert little.believed(0.99 * DECISIVE)
+    assert not little.believed(1.01 * DECISIVE)
 
 
 def test_holds_are_told_apart_at_odds_of_a_thousand():

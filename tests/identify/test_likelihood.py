@@ -11,8 +11,9 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of, noise_spectra
+from dashpot.identify.delivered import _said_otherwise
 from dashpot.identify.from_prediction import memories
-from dashpot.identify.likelihood import _said_otherwise, maximum_likelihood
+from dashpot.identify.likelihood import maximum_likelihood
 from dashpot.identify.prediction import FREE
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
-import pytest
-from dashpot.diagnose.search.candidate import DECISIVE, STAGES, Candidate, key
+from dashpot.diagnose.search.candidate import STAGES, Candidate, key
 from dashpot.identify.structure import Fitted
 from dashpot.model import Oscillator
 
@@ -15,11 +12,6 @@ MODEL = Oscillator.from_values({"mass": 1.0, "omega0": 1.0, "cubic": 0.0, "prelo
 
 def leaving(*residuals: list[float]) -> Fitted:
     return Fitted(MODEL, np.zeros((len(residuals), 2)), tuple(np.array(r) for r in residuals), 0.0, ())
-
-
-@pytest.mark.parametrize(("odds", "settled"), [(999.0, False), (1001.0, True)])
-def test_a_thousand_to_one_settles_it(odds, settled):
-    assert (math.log(odds) > DECISIVE) is settled
 
 
 def test_all_recordings_together_speak_for_it():

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.candidate import DECISIVE, Candidate, key
+from dashpot.diagnose.search.candidate import Candidate, key
 from dashpot.diagnose.search.judgement import (
     accepted,
     leading,
@@ -18,6 +18,7 @@ from dashpot.diagnose.search.judgement import (
     why_not,
 )
 from dashpot.identify.data import Data
+from dashpot.identify.odds import DECISIVE
 from dashpot.identify.segments import Segment
 from dashpot.identify.structure import Fitted
 from dashpot.model import Oscillator

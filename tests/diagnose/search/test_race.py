@@ -7,7 +7,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.candidate import DECISIVE
 from dashpot.diagnose.search.measure import NEAR, Measure
 from dashpot.diagnose.search.race import PATIENCE, Entry, in_the_best_valleys, race, started
 from dashpot.diagnose.search.residual_test import times_the_noise
@@ -15,6 +14,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import probes
+from dashpot.identify.odds import DECISIVE
 from dashpot.identify.structure import shapes_of
 from dashpot.model import Oscillator
 from dashpot.model.laws import find

@@ -1,0 +1,71 @@
+"""What a model file says of where its values come from and how far they have been seen to hold."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from .. import __version__
+from ..model import Oscillator, Provenance, Range
+from ..model.oscillator import Band
+from ..recording.recording import Recording
+from .blows import ContactForce
+from .delivered import Fit
+from .excitation import band_of
+from .start import Curve
+
+
+def with_provenance(
+    fit: Fit,
+    recordings: Sequence[Recording],
+    *,
+    curves: Sequence[Curve] = (),
+    kinds: Sequence[str] = (),
+    band: Band | None = None,
+) -> Oscillator:
+    """The fitted model with the range that the recordings covered, and with the covariance of its values.
+
+    Args:
+        fit: to these recordings.
+        recordings: what was fitted.
+        curves: measured backbones, for the least amplitude and, where no force has a band, the frequencies.
+        kinds: of each recording, for the model file.
+        band: in which one of several modes was isolated.
+    """
+    model = fit.oscillator
+    unit = model.response.displacement_unit
+    amplitudes = [curve.amplitude for curve in curves if curve.amplitude.size]
+    floor = min((float(a.min()) for a in amplitudes), default=0.0)
+    # by the pace of the motion, which omega0 is not where a law is the spring; less what the sensor shows at zero
+    shown = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
+    peak = max(
+        float(np.max(np.abs(s.simulated - shown.get(s.segment.recording, 0.0)))) / s.segment.pace**s.segment.order
+        for s in fit.segments
+    )
+    # a hammer's force reaches far beyond what it sets going
+    struck = {s.segment.recording for s in fit.segments if isinstance(s.segment.force, ContactForce)}
+    bands = [band_of(r) for i, r in enumerate(recordings) if i not in struck]
+    frequencies = [f for band in bands if band for f in band]
+    if not frequencies:
+        frequencies = [float(f) / (2 * np.pi) for c in curves for f in (c.omega0.min(), c.omega0.max())]
+    if not frequencies:
+        frequencies = [model.omega0.value / (2 * np.pi)]
+    files = [{"file": r.name, "sha256": r.sha256} for r in recordings]
+    for file, kind in zip(files, kinds, strict=False):
+        file["kind"] = kind
+    return replace(
+        model,
+        amplitude=Range(min(floor, peak), peak, unit),
+        frequency=Range(min(frequencies), max(frequencies), "Hz"),
+        identified=Provenance(
+            recordings=tuple(files),
+            method="maximum-likelihood",
+            software=f"dashpot {__version__}",
+            parameters=fit.names,
+            covariance=tuple(tuple(float(c) for c in row) for row in fit.covariance),
+            log_likelihood=fit.log_likelihood,
+            band=band,
+        ),
+    )
