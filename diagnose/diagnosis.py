@@ -12,8 +12,8 @@ import numpy as np
 
 from ..errors import BadInput
 from ..identify.data import Data, data_of
-from ..identify.delivered import delivered
-from ..identify.hold import hold_of_recordings
+from ..identify.delivered import Fit, delivered
+from ..identify.hold import hold_of_recordings, with_hold
 from ..identify.identification import belong_together
 from ..identify.prediction import FREE
 from ..identify.provenance import with_provenance
@@ -21,10 +21,12 @@ from ..identify.structure import Fitted, renamed
 from ..model import Oscillator
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
+from ..recording.fact import changed
 from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, less_offsets, stranger
+from .measuring_chain import hold_of
 from .measuring_chain import zeros as zeros_of
 from .mend import exported, no_finding, record_fits
 from .place.locate import locate
@@ -66,10 +68,11 @@ def diagnose(
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
     notes: list[str] = []
+    given = [*recordings, *holdout]
     recordings, holdout = list(recordings), list(holdout)
-    belong_together([*recordings, *holdout])
-    same_quantity(model, [*recordings, *holdout])
-    unused = [why_unused(r, model) for r in (*recordings, *holdout) if not carries(r, model)]
+    belong_together(given)
+    same_quantity(model, given)
+    unused = [why_unused(r, model) for r in given if not carries(r, model)]
     notes += [f"{why}; it was left out" for why in unused]
     recordings, holdout = ([r for r in group if carries(r, model)] for group in (recordings, holdout))
     if not recordings:
@@ -111,6 +114,8 @@ def diagnose(
     family_free = family if memory == FREE else judged_by(family.model, data)
     left, before_left = leftovers(final, data), leftovers(family_free, data)
     recordings, zeros = less_offsets(recordings, best.shown, data, final.offsets)
+    if best.drifts:  # as the best structure says, and no longer the family
+        chain = [fact for fact in chain if fact.what != "drift"]
     chain += zeros
     if held is not None:
         told = judged_by(fitted.model, held)
@@ -122,10 +127,13 @@ def diagnose(
     if other_rig:
         notes.append(other_rig)
     progress("standard errors", 0.86)
-    fine = data_of(recordings, model, coarse=False)
-    before, after = _delivered(family, fine, memory, recordings, []), None
+    before, after = _delivered(family, model, recordings, memory, []), None
     if selected.laws and not other_rig:
-        after = _delivered(_named(fitted, selected.laws), fine, search.data.memory, recordings, notes)
+        named, free = _named(fitted, selected.laws), all(recording.hold is None for recording in given)
+        after = _delivered(named, model, recordings, search.data.memory, notes, hold_is_free=free)
+        if after.hold != before.hold:  # which was found beside what the family lacks
+            recordings, holdout = ([changed(r, hold=after.hold) for r in group] for group in (recordings, holdout))
+            chain = [fact for fact in chain if fact.what != "hold"] + [hold_of(after.hold, found=True)]
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     records = record_fits(before, after, recordings, holdout=False)
     if after is not None and (why := no_finding(records)):
@@ -187,12 +195,36 @@ def _survivors(selected: Candidate, search: Search, best: Oscillator) -> dict[st
 
 
 def _delivered(
-    fitted: Fitted, data: Data, memory: float, recordings: Sequence[Recording], notes: list[str]
+    fitted: Fitted,
+    cut_by: Oscillator,
+    recordings: Sequence[Recording],
+    memory: float,
+    notes: list[str],
+    *,
+    hold_is_free: bool = False,
 ) -> Oscillator:
-    """The model of a search as identify delivers it, with standard errors, validity and provenance."""
+    """The model of a search as ``identify`` delivers it, with standard errors, validity and provenance.
+
+    Args:
+        fitted: of a search, whose simulations are coarser.
+        cut_by: the model by whose frequency the recordings were cut.
+        recordings: that it was fitted to.
+        memory: how far it predicts.
+        notes: what a user should know; added to.
+        hold_is_free: whether the recordings' hold was found beside a family that lacks something, and is asked anew.
+    """
     shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
+
+    def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
+        data = data_of(recordings, cut_by, coarse=False)
+        return delivered(known or fitted.model, data, shapes, initial=fitted.initial, memory=memory, doubted=doubted)
+
     try:
-        fit = delivered(fitted.model, data, shapes, initial=fitted.initial, memory=memory)
+        if hold_is_free:
+            recordings = [changed(recording, hold=None) for recording in recordings]
+        fit = answer(recordings, None, doubted=True)
+        if hold_is_free:
+            fit, recordings, _ = with_hold(fit, recordings, answer, doubted=True)
     except BadInput as problem:  # a finer simulation may turn over where a coarser did not
         notes.append(f"the errors of the parameters are not known: {problem}")
         return replace(fitted.model, hold=hold_of_recordings(recordings))

@@ -14,7 +14,7 @@ from ..identify.from_prediction import keeps_step, memories
 from ..identify.hold import held_as
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
-from ..identify.odds import BEYOND_ERRORS
+from ..identify.odds import BEYOND_ERRORS, BY_CHANCE
 from ..identify.offset import FoundOffset, Offset
 from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
@@ -22,6 +22,7 @@ from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
+from .measuring_chain import drifts as drifts_of
 from .measuring_chain import drifts_and_loads, hold_of
 from .measuring_chain import zeros as zeros_of
 from .result import ChainFact
@@ -113,9 +114,11 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
     # a law is the shorter answer
     single = len(recordings) == 1
-    if not single and (not shown or _one_cause(identification)):
+    elsewhere = _offsets(best, holdout) if shown or single else {}
+    every = [*shown.values(), *elsewhere.values()]
+    whole = len(every) == len(recordings) + len(holdout)
+    if not single and (not shown or _one_cause(identification) or (whole and _alike(every))):
         return Family(best, memory, tuple(recordings), tuple(holdout), True, False, drifts, tuple(notes), tuple(chain))
-    elsewhere = _offsets(best, holdout)
     return Family(
         best,
         memory,
@@ -169,6 +172,18 @@ def _agree(offsets: Sequence[FoundOffset], count: int) -> bool:
     errors = np.array([max(offset.std, 1e-300) for offset in offsets])
     mean = np.average(values, weights=errors**-2)
     return bool(np.all(np.abs(values - mean) < BEYOND_ERRORS * errors))
+
+
+def _alike(values: Sequence[float]) -> bool:
+    """Whether what sensors show at zero lies too near together for chance.
+
+    What a family lacks shows at zero too, by more than its errors and by nearly as much in each recording. Of sensors
+    that are set anew for each recording a further one comes as near to the common value by chance as rarely as that
+    nearness is small beside the value.
+    """
+    middle = float(np.median(values))
+    apart = np.sort(np.abs(np.asarray(values) - middle))[1:]  # the nearest one says where the others may lie
+    return bool(np.prod(apart) < BY_CHANCE * abs(middle) ** apart.size)
 
 
 def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, float]:
@@ -247,14 +262,16 @@ def less_offsets(
         data: what they were cut to, with their offsets.
         values: of these, as fitted.
     """
-    corrected, zeros = list(recordings), dict(shown)
+    corrected, zeros, rates = list(recordings), dict(shown), {}
     for offset, value in zip(data.offsets, values, strict=True):
         if offset.channel == "response":
             zeros[offset.recording] = zeros.get(offset.recording, 0.0) + float(value)
+        else:
+            rates[offset.recording] = offset.taken + float(value)
         recording = corrected[offset.recording]
         line = np.ones(recording.n) if offset.channel == "response" else np.asarray(recording.time) - offset.middle
         corrected[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - value * line)
-    return corrected, zeros_of(recordings, zeros)
+    return corrected, zeros_of(recordings, zeros) + drifts_of(recordings, rates)
 
 
 def first_fit(search: Search, model: Oscillator) -> Fitted:

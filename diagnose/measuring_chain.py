@@ -25,14 +25,24 @@ def drifts_and_loads(recordings: Sequence[Recording], offsets: Sequence[FoundOff
     for offset in offsets:
         recording = recordings[offset.recording]
         if offset.channel == "drift":
-            unit = f"{recording.unit}/s"
-            sentence = f"{recording.name}: its sensor drifts by {quantity(offset.value, unit)}; taken off"
-            facts.append(ChainFact("drift", recording.name, offset.value, unit, sentence))
+            facts.append(_drift(recording, offset.value))
         elif offset.channel == "force":
             unit = recording.force_unit
             sentence = f"{recording.name}: its load cell shows {quantity(offset.value, unit)} at zero; taken off"
             facts.append(ChainFact("force-offset", recording.name, offset.value, unit, sentence))
     return facts
+
+
+def drifts(recordings: Sequence[Recording], rates: Mapping[int, float]) -> list[ChainFact]:
+    """Each recording along which the zero of the sensor moves by more than its noise; ``rates`` by its place."""
+    moved = {place: rate * recordings[place].duration / 2 for place, rate in rates.items()}
+    return [_drift(recordings[i], rates[i]) for i, by in moved.items() if abs(by) > response_of(recordings[i]).noise]
+
+
+def _drift(recording: Recording, rate: float) -> ChainFact:
+    unit = f"{recording.unit}/s"
+    sentence = f"{recording.name}: its sensor drifts by {quantity(rate, unit)}; taken off"
+    return ChainFact("drift", recording.name, rate, unit, sentence)
 
 
 def zeros(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[ChainFact]:

@@ -98,6 +98,7 @@ def delivered(
     *,
     initial: np.ndarray | None = None,
     memory: float = FREE,
+    doubted: bool = True,
 ) -> Fit:
     """The fit next to where a search that compares structures has left it, simulated as finely as it is delivered.
 
@@ -110,6 +111,7 @@ def delivered(
         fixed: names of parameters that keep their values.
         initial: (segments, states) of each segment; None where they are to be found.
         memory: how far the model predicts, in cycles; see ``prediction``.
+        doubted: see ``maximum_likelihood``.
 
     Raises:
         BadInput: where nothing in the recordings can be simulated.
@@ -121,7 +123,7 @@ def delivered(
     if initial is None and memory == FREE:
         state = settled(problem, state)
     problem, state = kept_offsets(problem, state, start)
-    return ended(problem, state, start, recordings, {}, np.inf, [], most=_LAST_STEPS)
+    return ended(problem, state, start, recordings, {}, np.inf, [], doubted=doubted, most=_LAST_STEPS)
 
 
 def ended(

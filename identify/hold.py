@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -23,6 +24,7 @@ from ..simulate.force import force_between, smooth_force
 from .blows import ContactForce
 from .data import measured, noise_of
 from .delivered import Fit
+from .mismatch import gain_of_mismatch
 from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from .normal_equations import pseudo_inverse
 from .odds import DECISIVE
@@ -30,6 +32,7 @@ from .offset import Offset
 from .output_error import Outcome, OutputError, State
 from .segments import FORCE_BAND, Segment
 from .structure import Structure
+from .weighed import ABOVE_NOISE, over_noise
 
 #: A further lag or loss, which one in a thousand right holds shows by chance, does not speak against a hold where it is
 #: smaller than this part of the hold's own (half a sample: a twentieth of a sample): no model is exact, and what it
@@ -39,6 +42,8 @@ _NEAR = 0.1
 _MATTERS = 1.0
 #: Steps of the search from one hold to another; the difference is small, and each step squares what is left of it.
 _STEPS = 6
+#: A fit that leaves this many times the noise has not run away, whatever another leaves.
+_LEAVES = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,10 +124,11 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     if not moving:
         return unknown
     best = max(moving, key=lambda trial: trial.likelihood)
-    decisive = best.likelihood - smooth.likelihood > DECISIVE
+    log_odds = {trial.hold: _log_odds(trial, smooth, oscillator, recordings) for trial in trials}
+    decisive = log_odds[best.hold] > DECISIVE
     return HoldFound(
         best.hold if decisive else "smooth",
-        {trial.hold: trial.likelihood - smooth.likelihood for trial in trials},
+        log_odds,
         {trial.hold: trial.values for trial in trials},
         _further(best.problem, best.outcome.state, best.noise, recordings, best.hold) if decisive else 0.0,
     )
@@ -131,6 +137,42 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
 def hold_of_fit(fit: Fit, recordings: Sequence[Recording]) -> HoldFound:
     """``find_hold`` at the maximum of the likelihood, with the memory and the offsets found there."""
     return find_hold(*_point(fit, recordings), fit.oscillator, recordings)
+
+
+class _Fitting(Protocol):
+    """Fits recordings, from a model that is known to be near or from none; ``doubted`` as in ``identify``."""
+
+    def __call__(self, recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit: ...
+
+
+def with_hold(
+    fit: Fit, recordings: Sequence[Recording], answer: _Fitting, *, doubted: bool
+) -> tuple[Fit, Sequence[Recording], list[str]]:
+    """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it.
+
+    Args:
+        fit: under a smooth force, or under the hold that was said.
+        recordings: what was fitted.
+        answer: fits them again.
+        doubted: whether the answer is, see ``maximum_likelihood``.
+    """
+    estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
+    if estimate.hold != "smooth":
+        held = held_as(recordings, estimate.hold)
+        # in full where the other, found under a wrong hold, does not keep step
+        again = answer(held, fit.oscillator, doubted=False)
+        if _no_worse(again, fit) and estimate.believed(further_of_fit(again, recordings, estimate.hold)):
+            fit = answer(held, again.oscillator, doubted=doubted)
+            recordings, notes = held, [hold_note(estimate.hold)]
+    hold = hold_of_recordings(recordings)
+    fit = with_hold_unknown(fit, estimate.spread(hold) if fit.names == names else 0.0)
+    return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
+
+
+def _no_worse(fit: Fit, other: Fit) -> bool:
+    """Whether a fit leaves no more than noise, or no more than another does: it has not run away."""
+    ratio, allowed = (max(s.over_noise for s in candidate.segments) for candidate in (fit, other))
+    return ratio <= max(allowed, _LEAVES)
 
 
 def further_of_fit(fit: Fit, recordings: Sequence[Recording], hold: str) -> float:
@@ -174,6 +216,16 @@ class _Trial:
         """Largest distance of a parameter from that of another fit, in standard errors."""
         known = self.errors > 0
         return float(np.max(np.abs(self.values - other.values)[known] / self.errors[known], initial=0.0))
+
+
+def _log_odds(trial: _Trial, other: _Trial, oscillator: Oscillator, recordings: Sequence[Recording]) -> float:
+    """How much likelier one hold is; what a wrong model leaves under it repeats itself, and counts for less."""
+    gain = trial.likelihood - other.likelihood
+    left, state = trial.outcome.residuals, trial.outcome.state
+    if not max(over_noise(trial.problem, left, state, oscillator, recordings)) > ABOVE_NOISE:
+        return gain
+    told = gain_of_mismatch(other.outcome.residuals, left, trial.problem.segments)
+    return math.copysign(min(abs(gain), max(math.copysign(1.0, gain) * told, 0.0)), gain)
 
 
 def _under(problem: OutputError, hold: str, recordings: Sequence[Recording]) -> OutputError:

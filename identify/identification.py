@@ -10,7 +10,6 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
-from typing import Protocol
 
 import numpy as np
 
@@ -26,7 +25,7 @@ from .delivered import Fit
 from .excitation import kind_of
 from .further_laws import with_laws
 from .hilbert_result import HilbertAnalysis, hilbert_analysis
-from .hold import further_of_fit, held_as, hold_note, hold_of_fit, hold_of_recordings, with_hold_unknown
+from .hold import held_as, with_hold
 from .likelihood import maximum_likelihood
 from .offset import FoundOffset
 from .prediction import FREE
@@ -144,7 +143,7 @@ def identify(
         return _with_shapes(fit, recordings, data, tuple(fixed), doubted=doubted) if shapes else fit
 
     fit = answer(recordings, None, doubted=doubted)
-    fit, recordings, chain = _with_hold(fit, recordings, answer, doubted=doubted)
+    fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     return Identification(
         oscillator=with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band),
@@ -153,35 +152,6 @@ def identify(
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings)),
     )
-
-
-class _Fitting(Protocol):
-    """Fits recordings, from a model that is known to be near or from none; ``doubted`` as in ``identify``."""
-
-    def __call__(self, recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit: ...
-
-
-def _with_hold(
-    fit: Fit, recordings: Sequence[Recording], answer: _Fitting, *, doubted: bool
-) -> tuple[Fit, Sequence[Recording], list[str]]:
-    """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it."""
-    estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
-    if estimate.hold != "smooth":
-        held = held_as(recordings, estimate.hold)
-        # in full where the other, found under a wrong hold, does not keep step
-        again = answer(held, fit.oscillator, doubted=False)
-        if _no_worse(again, fit) and estimate.believed(further_of_fit(again, recordings, estimate.hold)):
-            fit = answer(held, again.oscillator, doubted=doubted)
-            recordings, notes = held, [hold_note(estimate.hold)]
-    hold = hold_of_recordings(recordings)
-    fit = with_hold_unknown(fit, estimate.spread(hold) if fit.names == names else 0.0)
-    return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
-
-
-def _no_worse(fit: Fit, other: Fit) -> bool:
-    """Whether a fit leaves no more than noise, or no more than another does: it has not run away."""
-    ratio, allowed = (max(s.over_noise for s in candidate.segments) for candidate in (fit, other))
-    return ratio <= max(allowed, _ABOVE_NOISE)
 
 
 def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...identify.data import Data
+from ...identify.mismatch import gain_of_mismatch
 from ...identify.odds import DECISIVE
 from ...identify.weighed import ABOVE_NOISE
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from ...model.oscillator import Term
 from .candidate import Candidate
-from .residual_test import CYCLES, HARMONICS, times_the_noise
+from .residual_test import times_the_noise
 
 #: Physical limit: a law matters where it takes away this part of the power of what is left, a tenth of its size. No
 #: simulation is exact, and a longer record makes ever smaller parts significant that no engineer asks for.
@@ -34,9 +35,11 @@ def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> f
     better = candidate if total >= 0 else other
     if not leaves_mismatch(better, parts):
         return total
+    pairs = [(other.fit, candidate.fit), (other.held_out, candidate.held_out)]
+    both = [(before, after) for before, after in pairs if before is not None and after is not None]
     gained = [
-        HARMONICS * float(np.log(np.mean(before**2) / max(np.mean(after**2), np.finfo(float).tiny)))
-        for before, after in zip(_stretches(other, parts), _stretches(candidate, parts), strict=True)
+        gain_of_mismatch(before.residuals, after.residuals, data.segments)
+        for (before, after), data in zip(both, parts, strict=True)
     ]
     return float(np.sign(total)) * min(abs(total), max(float(np.sign(total)) * sum(gained), 0.0))
 
@@ -46,17 +49,6 @@ def leaves_mismatch(candidate: Candidate, parts: Sequence[Data]) -> bool:
     fits = [fit for fit in (candidate.fit, candidate.held_out) if fit is not None]
     ratios = [r for fit, data in zip(fits, parts, strict=True) for r in times_the_noise(fit.residuals, fit.model, data)]
     return max(ratios) > ABOVE_NOISE
-
-
-def _stretches(candidate: Candidate, parts: Sequence[Data]) -> list[np.ndarray]:
-    """What a structure leaves in each stretch of some cycles."""
-    fits = [fit for fit in (candidate.fit, candidate.held_out) if fit is not None]
-    stretches = []
-    for fit, data in zip(fits, parts, strict=True):
-        for segment, residual in zip(data.segments, fit.residuals, strict=True):
-            count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * CYCLES)))
-            stretches += np.array_split(residual, count)
-    return stretches
 
 
 def accepted(candidate: Candidate, leader: Candidate, parts: Sequence[Data]) -> bool:

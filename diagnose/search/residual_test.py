@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...identify.data import Data, expected_noise
+from ...identify.mismatch import CYCLES, HARMONICS
 from ...identify.noise_spectrum import estimate
 from ...identify.odds import BY_CHANCE
 from ...identify.structure import Fitted
@@ -24,18 +25,12 @@ from ..wording import figure
 #: Physical limit: where a segment is too short to see whether it moves with the rig, more than this is a mismatch: a
 #: hundred times the power that the highest frequencies have is more than the colour of sensors' noise.
 FAR_ABOVE_NOISE = 10.0
-#: Physical limit: the noise of a lightly damped rig under force noise keeps its phase for a few cycles, so that windows
-#: of this many are told apart; what a mismatch does repeats itself from one to the next (White 1982).
-CYCLES = 6.0
 #: Error rate: a window with this many times the median power is a burst. Noise of two degrees of freedom a window gets
 #: there once in 1e9 windows, of a single one in 5000.
 _BURST = 30.0
 _FEWEST = 6
-#: Physical limit: harmonics of the motion that what keeps step with it is looked for in; forces of a cubic and a
-#: quintic have three and five ...
-HARMONICS = 5
 _ORDERS = range(1, HARMONICS + 1)
-#: ... physical limit: its least share of the power, a fifth of the size ...
+#: Physical limit: what keeps step with the motion has at least this share of the power, a fifth of the size ...
 _IN_STEP = 0.05
 #: ... and error rate: how many standard deviations it lies above what noise of the same spectrum has by chance.
 #: Whatever that spectrum, fewer than one in 2000 get there (one degree of freedom: a chi-square of 12.3).
