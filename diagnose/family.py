@@ -14,7 +14,6 @@ from ..identify.from_prediction import keeps_step, memories
 from ..identify.hold import held_as
 from ..identify.identification import Identification, identify
 from ..identify.likelihood import maximum_likelihood
-from ..identify.odds import BEYOND_ERRORS, BY_CHANCE
 from ..identify.offset import FoundOffset, Offset
 from ..identify.prediction import FREE
 from ..identify.structure import Fitted, Structure
@@ -22,8 +21,8 @@ from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
+from .measuring_chain import agree, alike, drifts_and_loads, hold_of
 from .measuring_chain import drifts as drifts_of
-from .measuring_chain import drifts_and_loads, hold_of
 from .measuring_chain import zeros as zeros_of
 from .result import ChainFact
 from .search.residual_test import Leftover, leftovers
@@ -117,7 +116,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     elsewhere = _offsets(best, holdout) if shown or single else {}
     every = [*shown.values(), *elsewhere.values()]
     whole = len(every) == len(recordings) + len(holdout)
-    if not single and (not shown or _one_cause(identification) or (whole and _alike(every))):
+    if not single and (not shown or _one_cause(identification) or (whole and alike(every))):
         return Family(best, memory, tuple(recordings), tuple(holdout), True, False, drifts, tuple(notes), tuple(chain))
     return Family(
         best,
@@ -161,29 +160,7 @@ def _left(identification: Identification) -> float:
 def _one_cause(identification: Identification) -> bool:
     """Whether every recording shows the same at zero: a load or a sensor that sits elsewhere, and no matter of each."""
     used = {s.segment.recording for s in identification.fit.segments}
-    return len(used) > 1 and _agree([o for o in identification.fit.offsets if o.channel == "response"], len(used))
-
-
-def _agree(offsets: Sequence[FoundOffset], count: int) -> bool:
-    """Whether that many offsets were found, and are the same to within their errors."""
-    if len(offsets) < count:
-        return False
-    values = np.array([offset.value for offset in offsets])
-    errors = np.array([max(offset.std, 1e-300) for offset in offsets])
-    mean = np.average(values, weights=errors**-2)
-    return bool(np.all(np.abs(values - mean) < BEYOND_ERRORS * errors))
-
-
-def _alike(values: Sequence[float]) -> bool:
-    """Whether what sensors show at zero lies too near together for chance.
-
-    What a family lacks shows at zero too, by more than its errors and by nearly as much in each recording. Of sensors
-    that are set anew for each recording a further one comes as near to the common value by chance as rarely as that
-    nearness is small beside the value.
-    """
-    middle = float(np.median(values))
-    apart = np.sort(np.abs(np.asarray(values) - middle))[1:]  # the nearest one says where the others may lie
-    return bool(np.prod(apart) < BY_CHANCE * abs(middle) ** apart.size)
+    return len(used) > 1 and agree([o for o in identification.fit.offsets if o.channel == "response"], len(used))
 
 
 def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, float]:
@@ -203,7 +180,7 @@ def _without_drift_and_force(
     """
     forces = [offset for offset in offsets if offset.channel == "force"]
     driven = sum(r.force is not None and bool(np.any(r.force)) for r in recordings)
-    loaded = driven > 1 and _agree(forces, driven)
+    loaded = driven > 1 and agree(forces, driven)
     corrected, taken = list(recordings), []
     for offset in offsets:
         r = corrected[offset.recording]

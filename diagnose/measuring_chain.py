@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+
 from ..identify.hold import hold_note
+from ..identify.odds import BEYOND_ERRORS, BY_CHANCE
 from ..identify.offset import FoundOffset
 from ..identify.signals import response_of
 from ..model.oscillator import HOLDS
@@ -59,3 +62,25 @@ def zeros(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[C
             sentence = f"{recording.name}: its sensor shows {quantity(value, recording.unit)} at zero; taken off"
             facts.append(ChainFact("offset", recording.name, value, recording.unit, sentence))
     return facts
+
+
+def agree(offsets: Sequence[FoundOffset], count: int) -> bool:
+    """Whether that many offsets were found, and are the same to within their errors."""
+    if len(offsets) < count:
+        return False
+    values = np.array([offset.value for offset in offsets])
+    errors = np.array([max(offset.std, 1e-300) for offset in offsets])
+    mean = np.average(values, weights=errors**-2)
+    return bool(np.all(np.abs(values - mean) < BEYOND_ERRORS * errors))
+
+
+def alike(values: Sequence[float]) -> bool:
+    """Whether what sensors show at zero lies too near together for chance.
+
+    What a family lacks shows at zero too, by more than its errors and by nearly as much in each recording. Of sensors
+    that are set anew for each recording a further one comes as near to the common value by chance as rarely as that
+    nearness is small beside the value.
+    """
+    middle = float(np.median(values))
+    apart = np.sort(np.abs(np.asarray(values) - middle))[1:]  # the nearest one says where the others may lie
+    return bool(np.prod(apart) < BY_CHANCE * abs(middle) ** apart.size)

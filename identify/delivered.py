@@ -102,8 +102,8 @@ def delivered(
 ) -> Fit:
     """The fit next to where a search that compares structures has left it, simulated as finely as it is delivered.
 
-    Such a search takes longer steps, and the force in fewer pieces: an error far below any noise, by which a mass is
-    yet off by ten of its standard errors where a record has 100,000 samples.
+    Such a search takes longer steps, and the force in fewer pieces: an error far below any noise, by which a parameter
+    may yet be off by more than its standard error where a record is long and clean.
 
     Args:
         start: structure and values.

@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.family import family_of
-from dashpot.diagnose.measuring_chain import drifts_and_loads, hold_of, zeros
+from dashpot.diagnose.measuring_chain import agree, alike, drifts, drifts_and_loads, hold_of, zeros
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.offset import FoundOffset
+from dashpot.identify.signals import response_of
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 
@@ -56,3 +57,24 @@ def test_one_load_cell_of_two_that_rests_elsewhere_is_taken_off_and_said(recorde
     assert (fact.what, fact.file) == ("force-offset", "1")
     assert fact.value == pytest.approx(0.1, abs=0.01)
     assert np.mean(family.recordings[1].force) == pytest.approx(np.mean(sweeps[1].force) - 0.1, abs=0.01)
+
+
+@pytest.mark.parametrize(("part", "said"), [(0.9, False), (1.1, True)])
+def test_a_drift_is_said_where_it_moves_the_zero_by_more_than_the_noise(part, said):
+    recordings = [quiet(), quiet("second")]
+    rate = part * response_of(recordings[1]).noise * 2 / recordings[1].duration
+    assert [(fact.file, fact.value) for fact in drifts(recordings, {1: rate})] == [("second", rate)] * said
+
+
+@pytest.mark.parametrize(("apart", "same"), [(7.3, True), (7.5, False)])
+def test_zeros_within_as_many_errors_of_their_mean_as_settle_it_have_one_cause(apart, same):
+    found = [FoundOffset(i, "response", value, 1.0) for i, value in enumerate((5.0, 5.0 + apart))]
+    assert agree(found, 2) is same
+    assert not agree(found, 3)  # a recording without one has none
+
+
+@pytest.mark.parametrize(("apart", "near"), [(0.031, True), (0.032, False)])
+def test_zeros_that_are_nearer_together_than_by_chance_have_one_cause(apart, near):
+    """Of two others as near as a part of the value each: by chance once in the square of that, a thousandth."""
+    assert alike([5.0, 5.0 * (1 + apart), 5.0 * (1 - apart)]) is near
+    assert not alike([5.0, 5.0 * (1 + apart)])

@@ -122,8 +122,13 @@ def test_holds_are_told_apart_at_odds_of_a_thousand():
     assert not little.believed(float(np.log(1001.0)))
 
 
-def compared(monkeypatch, *, apart=9.0, moved=(9.0, 9.0), likelier=(0.0, 0.0), further=0.5):
-    """What is found where the two holds move parameters and are likelier than a smooth force by so much."""
+def compared(
+    monkeypatch, *, apart=9.0, moved=(9.0, 9.0), likelier=(0.0, 0.0), further=0.5, times_the_noise=1.0, told=0.0
+):
+    """What is found where the two holds move parameters and are likelier than a smooth force by so much.
+
+    They leave so many ``times_the_noise``, of which a mismatch would have ``told`` so much.
+    """
     moved_by, gained = (dict(zip(("zero", "linear"), pair, strict=True)) for pair in (moved, likelier))
 
     class Trial:
@@ -136,7 +141,9 @@ def compared(monkeypatch, *, apart=9.0, moved=(9.0, 9.0), likelier=(0.0, 0.0), f
             return moved_by[self.hold]
 
     point = SimpleNamespace(residuals=(), state=None)
-    problem = SimpleNamespace(residuals=lambda _: (), search=lambda *_, **__: point)
+    problem = SimpleNamespace(residuals=lambda _: (), search=lambda *_, **__: point, segments=())
+    monkeypatch.setattr(module, "over_noise", lambda *_: [1.0, times_the_noise])
+    monkeypatch.setattr(module, "gain_of_mismatch", lambda *_: told)
     monkeypatch.setattr(module, "_Trial", Trial)
     monkeypatch.setattr(module, "_noise", lambda *_: [])
     monkeypatch.setattr(module, "_under", lambda *_: problem)
@@ -164,6 +171,23 @@ def test_a_hold_is_found_at_odds_of_a_thousand(monkeypatch, odds, hold):
     assert found.hold == hold
     assert found.further == (0.5 if hold == "linear" else 0.0)
     assert set(found.values) == {"smooth", "zero", "linear"}
+
+
+@pytest.mark.parametrize(
+    ("times_the_noise", "told", "hold"),
+    [
+        (1.09, 0.0, "linear"),
+        (1.11, 0.0, "smooth"),
+        (1.11, 6.8, "smooth"),
+        (1.11, 7.0, "linear"),
+        (1.11, -7.0, "smooth"),
+    ],
+)
+def test_beside_a_mismatch_a_hold_is_as_likely_as_that_tells(monkeypatch, times_the_noise, told, hold):
+    """Every sample speaks for it where what is left is noise, and a few numbers a stretch where it is not."""
+    found = compared(monkeypatch, likelier=(1.0, 50.0), times_the_noise=times_the_noise, told=told)
+    assert found.hold == hold
+    assert found.log_odds["linear"] == pytest.approx(50.0 if times_the_noise < 1.1 else max(told, 0.0))
 
 
 def test_a_distance_is_in_standard_errors_of_what_is_known():

@@ -195,7 +195,7 @@ def test_a_structure_that_simulates_nowhere_is_refused():
 @pytest.mark.parametrize(("odds", "counts"), [(999.0, False), (1001.0, True)])
 def test_a_prediction_counts_against_a_simulation_at_odds_of_a_thousand(monkeypatch, odds, counts):
     """Of two memories the likelier is asked; what it says otherwise goes into the standard errors."""
-    module = "dashpot.identify.likelihood"
+    module = "dashpot.identify.delivered"
     likelihoods = iter((-5.0, float(np.log(odds))))
     monkeypatch.setattr(f"{module}.memories", lambda _: [1.0, 8.0])
     monkeypatch.setattr(f"{module}._nearest", lambda *_: None)
@@ -203,5 +203,5 @@ def test_a_prediction_counts_against_a_simulation_at_odds_of_a_thousand(monkeypa
     monkeypatch.setattr(f"{module}._apart", lambda one, other: (one.likelihood, one is not other))
     simulated = SimpleNamespace(likelihood=0.0, outcome=SimpleNamespace(state=None))
     problem = SimpleNamespace(segments=(), predicting=lambda memory: memory)
-    (likelihood, apart), steps = _said_otherwise(problem, simulated, {}, None)
+    (likelihood, apart), steps = _said_otherwise(problem, simulated, {}, None, 5)
     assert (likelihood, apart, steps) == (pytest.approx(np.log(odds)), counts, 6)

@@ -18,5 +18,5 @@ def test_a_thousand_to_one_settles(odds: float, settled: bool) -> None:
 @pytest.mark.parametrize(("errors", "believed"), [(3.7, False), (3.73, True)])
 def test_so_many_errors_from_zero_a_value_is_a_thousand_times_as_likely_as_zero(errors: float, believed: bool) -> None:
     odds = norm.pdf(0.0) / norm.pdf(errors)
-    assert (odds > 1000.0) is believed
+    assert bool(odds > 1000.0) is believed
     assert (errors > BEYOND_ERRORS) is believed

@@ -1,0 +1,82 @@
+"""The end of a fit: as finely simulated as what is delivered, whatever searched before."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.examples.force import chirp
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.data import data_of
+from dashpot.identify.delivered import delivered
+from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.prediction import FREE
+from dashpot.identify.structure import Structure
+from dashpot.model import Oscillator
+from dashpot.recording import Recording
+
+FS, SECONDS = 400.0, 40.0
+MODEL = Oscillator.from_values(TRUTH)
+
+
+@cache
+def recordings(noise=2e-7):
+    """Two sweeps whose force is smooth between its samples, by the reference integrator."""
+    made = []
+    for seed, level in enumerate((0.3, 1.0)):
+        t = np.arange(round(SECONDS * FS)) / FS
+        pieces = chirp(level, 5.0, 15.0 / SECONDS, t, 1 / FS)
+        x = integrate_pieces(dict(TRUTH), pieces[:-1], 1 / FS, 0.0)[0]
+        y = x + noise * np.random.default_rng(seed).standard_normal(t.size)
+        made.append(Recording(name=f"sweep {level}", fs=FS, response=y, force=pieces[:, 0]))
+    return made
+
+
+def z_scores(model):
+    return np.array([(p.value - TRUTH[name]) / (p.std or np.nan) for name, p in model.parameters().items()])
+
+
+def test_what_a_coarse_search_leaves_is_brought_to_the_answer_of_the_fine_one():
+    """The coarse force alone moves a parameter by more than its error; what is delivered is right."""
+    coarse = Structure(MODEL, data_of(recordings(2e-8), MODEL)).fit()
+    fit = delivered(coarse.model, data_of(recordings(2e-8), MODEL, coarse=False), initial=coarse.initial)
+    errors = np.array([p.std for p in fit.oscillator.parameters().values()])
+    far = [coarse.model.values()[name] - value for name, value in TRUTH.items()]
+    assert np.max(np.abs(far) / errors) > 4
+    assert np.max(np.abs(z_scores(fit.oscillator))) < 3.5
+
+
+def test_it_ends_where_the_whole_fit_does():
+    """From a place nearby, with or without the initial states: value and error of maximum likelihood."""
+    known = MODEL.parameters()
+    nearby = MODEL.with_parameters({"omega0": replace(known["omega0"], value=1.000001 * known["omega0"].value)})
+    data = data_of(recordings(), MODEL, coarse=False)
+    whole, fit = maximum_likelihood(nearby, recordings(), data=data), delivered(nearby, data)
+    assert fit.names == whole.names
+    for name, parameter in whole.oscillator.parameters().items():
+        mine = fit.oscillator.parameters()[name]
+        assert mine.std == pytest.approx(parameter.std, rel=0.02)
+        assert mine.value == pytest.approx(parameter.value, abs=0.1 * parameter.std)
+
+
+def test_what_is_fixed_stays_and_has_no_error():
+    fit = delivered(MODEL, data_of(recordings(), MODEL, coarse=False), ("dry",))
+    assert "dry" not in fit.names
+    assert fit.oscillator.dry.value == MODEL.dry.value
+    assert fit.oscillator.dry.std is None
+    assert fit.covariance.shape == (5, 5)
+
+
+@pytest.mark.parametrize("memory", [8.0, FREE])
+def test_it_keeps_the_memory_with_which_the_search_ended(memory):
+    assert delivered(MODEL, data_of(recordings(), MODEL, coarse=False), memory=memory).memory == memory
+
+
+def test_a_place_that_does_not_simulate_is_refused():
+    bad = MODEL.with_parameters({"viscous": replace(MODEL.viscous, value=-1e6)})
+    with pytest.raises(BadInput, match="no model of this structure simulates"):
+        delivered(bad, data_of(recordings(), MODEL, coarse=False))
