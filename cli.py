@@ -49,7 +49,7 @@ def demo(output: Path) -> None:
 @cli.command()
 @click.option("-o", "--output", type=FILE, default=Path("paper"), show_default=True, help="Folder for the page.")
 def paper(output: Path) -> None:
-    """The paper's Figs. 1 and 3 to 7, remade from the built-in rig."""
+    """The figures of the paper, 1 and 3 to 7, remade from the built-in rig."""
     from .paper import run
 
     run(output, say)

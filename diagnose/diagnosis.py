@@ -130,7 +130,7 @@ def diagnose(
     before, after = _delivered(family, model, recordings, memory, []), None
     if selected.laws and not other_rig:
         named, free = _named(fitted, selected.laws), all(recording.hold is None for recording in given)
-        after = _delivered(named, model, recordings, search.data.memory, notes, hold_is_free=free)
+        after = _delivered(named, model, recordings, search.data.memory, notes, named=True, hold_is_free=free)
         if after.hold != before.hold:  # which was found beside what the family lacks
             recordings, holdout = ([changed(r, hold=after.hold) for r in group] for group in (recordings, holdout))
             chain = [fact for fact in chain if fact.what != "hold"] + [hold_of(after.hold, found=True)]
@@ -201,6 +201,7 @@ def _delivered(
     memory: float,
     notes: list[str],
     *,
+    named: bool = False,
     hold_is_free: bool = False,
 ) -> Oscillator:
     """The model of a search as ``identify`` delivers it, with standard errors, validity and provenance.
@@ -211,6 +212,7 @@ def _delivered(
         recordings: that it was fitted to.
         memory: how far it predicts.
         notes: what a user should know; added to.
+        named: whether it is delivered, and its errors hold what predictions say otherwise, or only compared with.
         hold_is_free: whether the recordings' hold was found beside a family that lacks something, and is asked anew.
     """
     shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
@@ -222,9 +224,9 @@ def _delivered(
     try:
         if hold_is_free:
             recordings = [changed(recording, hold=None) for recording in recordings]
-        fit = answer(recordings, None, doubted=True)
+        fit = answer(recordings, None, doubted=named)
         if hold_is_free:
-            fit, recordings, _ = with_hold(fit, recordings, answer, doubted=True)
+            fit, recordings, _ = with_hold(fit, recordings, answer, doubted=named)
     except BadInput as problem:  # a finer simulation may turn over where a coarser did not
         notes.append(f"the errors of the parameters are not known: {problem}")
         return replace(fitted.model, hold=hold_of_recordings(recordings))
