@@ -9,12 +9,14 @@ from typing import Literal
 import numpy as np
 
 from .clipping import Clipping, clipping, measured, noise_of
+from .continuity import leaps, noise_beside, repeated
 from .magnitude import impossible
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
 from .plausibility import ROTATIONS, implausible
 from .polarity import REVERSED, power_cosine
 from .reach import lasting, reach
 from .recording import Recording
+from .resolution import converter_step
 from .short_decay import is_short_decay
 
 FREE_CYCLES = 5  # a decay has to be seen to fall
@@ -23,6 +25,8 @@ SCANT_CYCLES = 10
 FORCE_IS_NOISE = "the force is unrelated noise and the response a free decay; the force is left out"
 LEAST_SAMPLES = 4  # a cycle; Hilbert envelopes and the third harmonic alias below
 SCANT_SAMPLES = 10
+NOISY_STEPS = 2.0  # noise of so many steps of a converter leaves one sample in five as it was, sixteen of sixteen never
+LEVELS = 256  # of eight bits; fewer, and rounding keeps step with the motion instead of averaging out
 
 
 @dataclass(frozen=True)
@@ -84,6 +88,66 @@ def constant(recording: Recording) -> list[Problem]:
         return []
     sentence = f"the response is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another"
     return [_error(recording, f"{sentence} column with --response")]
+
+
+def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
+    """Find places where a displacement goes further in one sample than anything with mass does."""
+    if recording.quantity != "displacement":
+        return []  # an impact turns a velocity round within a sample
+    found = leaps(recording.response, recording.fs / motion.frequency)
+    if not found:
+        return []
+    first, at = found[0], recording.start + found[0].first / recording.fs
+    what = (
+        f"the response leaps by {first.size:.3g} {recording.unit} within one sample at {at:.6g} s"
+        f"{', and back' if first.back else ''}, {first.times:.2g} times as far as in any other of that cycle"
+    )
+    if len(found) > 1:
+        what += f", and {len(found) - 1} more time(s)"
+    if all(leap.back for leap in found):
+        return [_error(recording, f"{what}: no motion does that; mend that sample or cut it out with --part FROM:TO")]
+    return [
+        _error(
+            recording,
+            f"{what}: samples are missing or held there, or the sensor slipped; use the parts before and after as "
+            "recordings of their own (--part FROM:TO)",
+        )
+    ]
+
+
+def written_twice(recording: Recording, _: Oscillation) -> list[Problem]:
+    """Find a block of samples that the recorder wrote twice: with noise on a signal nothing is the same again."""
+    signals = [signal for signal, _, _ in _signals(recording)]
+    response = recording.response
+    if not measured(response) or noise_beside(response) < NOISY_STEPS * converter_step(response):
+        return []  # computed, or rounded so that the noise does not show: either may well repeat
+    if (found := repeated(np.vstack(signals))) is None:
+        return []
+    later, earlier, length = found
+    times = [recording.start + place / recording.fs for place in (later, earlier)]
+    return [
+        _error(
+            recording,
+            f"the {length} samples from {times[0]:.6g} s on are those from {times[1]:.6g} s on once more: the recorder "
+            "wrote a block twice, and what follows is late; use the part before it (--part FROM:TO), or record again",
+        )
+    ]
+
+
+def coarse(recording: Recording, _: Oscillation) -> list[Problem]:
+    """Find signals of so few levels that their rounding keeps step with the motion."""
+    notes = []
+    for signal, name, unit in _signals(recording):
+        step = converter_step(signal)
+        if step and (levels := float(np.ptp(signal)) / step) < LEVELS:
+            notes.append(
+                _note(
+                    recording,
+                    f"the {name} has only {levels:.0f} levels, {step:.3g} {unit} apart: what rounding does to it "
+                    "repeats with the motion, and parameters may be off by more than their errors; use a smaller range",
+                )
+            )
+    return notes
 
 
 def clipped(recording: Recording, motion: Oscillation) -> list[Problem]:
@@ -222,6 +286,9 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
 
 
 _JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
+    leaping,
+    written_twice,
+    coarse,
     clipped,
     undersampled,
     too_few_cycles,

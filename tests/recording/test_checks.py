@@ -344,3 +344,44 @@ def test_force_that_reaches(name, noise):
 def test_a_strongly_nonlinear_response_is_still_reached():
     response = FORCED.response**3 / np.max(FORCED.response**2) + 0.3 * np.abs(FORCED.response)
     assert errors(replace(FORCED, response=response)) == []
+
+
+def test_a_displacement_that_leaps_is_refused_with_the_place():
+    lost = np.delete(FORCED.response, range(6000, 6030)), np.delete(FORCED.force, range(6000, 6030))
+    sentence = the_error(replace(FORCED, response=lost[0], force=lost[1]))
+    assert "leaps by" in sentence
+    assert "within one sample at 5.999 s" in sentence
+    assert "samples are missing" in sentence
+    assert "--part" in sentence
+    velocity = replace(FORCED, response=np.gradient(lost[0], 1 / FS), force=lost[1], quantity="velocity", unit="m/s")
+    assert not any("leaps" in found for found in errors(velocity))
+
+
+def test_a_single_wrong_sample_is_said_to_be_one():
+    response = FORCED.response.copy()
+    response[5000] += 20 * np.std(response)
+    assert any(
+        "and back" in found and "mend that sample" in found for found in errors(replace(FORCED, response=response))
+    )
+
+
+def test_a_block_that_was_written_twice_is_refused():
+    twice = [np.concatenate([signal[:6000], signal[5950:]]) for signal in (FORCED.response, FORCED.force)]
+    found = errors(replace(FORCED, response=twice[0], force=twice[1]))
+    assert any("the 50 samples from 6 s on are those from 5.95 s on once more" in sentence for sentence in found)
+
+
+@pytest.mark.parametrize(("steps", "told"), [(0.45, True), (0.6, False)])
+def test_a_repeat_is_told_of_noise_that_shows_in_the_converters_steps(steps, told):
+    """Noise of two steps and more; of less a rounded signal may well be the same again."""
+    twice = [np.concatenate([signal[:6000], signal[5950:]]) for signal in (FORCED.response, FORCED.force)]
+    step = steps * np.std(NOISE)
+    rounded = replace(FORCED, response=np.round(twice[0] / step) * step, force=twice[1])
+    assert any("once more" in sentence for sentence in errors(rounded)) is told
+
+
+@pytest.mark.parametrize(("levels", "told"), [(250, True), (262, False)])
+def test_rounding_to_fewer_levels_than_eight_bits_is_told(levels, told):
+    step = np.ptp(FORCED.response) / levels
+    problems = check(replace(FORCED, response=np.round(FORCED.response / step) * step))
+    assert [problem.severity for problem in problems if "levels" in problem.sentence] == ["note"] * told

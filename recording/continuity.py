@@ -1,0 +1,102 @@
+"""Samples that cannot be what a sensor saw: a displacement that leaps, and blocks that are written twice.
+
+A recorder that loses, holds or repeats samples without a clock in its file leaves a record that looks whole, and a fit
+that is off by tens of its standard errors: what follows the gap comes too early or too late.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .resolution import converter_step
+
+#: Physical limit: within a cycle no sample of a thing with mass goes this many times as far as every other.
+_LEAP = 3.0
+#: Noise of so many standard deviations is not met in any record.
+_NOISE = 6.0
+#: Leaps that are told; more of them are the way in which the thing moves, or its sensor works.
+_MOST = 5
+#: Samples in a block that is compared; of so many values with noise on them none are the same by chance ...
+_BLOCK = 16
+#: ... where at least this many of them differ: at rest, and between steps of a coarse converter, they repeat.
+_VALUES = 8
+
+
+@dataclass(frozen=True)
+class Leap:
+    """Between which samples a displacement leaps, by how much, and how many times as far as any step that is none.
+
+    ``back`` says that the next step leads back: one sample is wrong.
+    """
+
+    first: int
+    size: float
+    times: float
+    back: bool
+
+
+def leaps(displacement: np.ndarray, cycle: float) -> list[Leap]:
+    """Steps that no motion makes, between motion, in the order of time; none where there are more than a few.
+
+    The speed of a mass is continuous but for impacts, and after these as large as elsewhere in the cycle.
+
+    Args:
+        displacement: (n,) samples.
+        cycle: samples in a cycle of the motion.
+    """
+    from scipy.ndimage import maximum_filter1d
+
+    steps = np.diff(displacement)
+    size, reach = np.abs(steps), max(4, round(cycle))
+    if size.size <= 2 * reach:
+        return []
+    widest = maximum_filter1d(size, reach, mode="constant")
+    before, after = np.zeros_like(size), np.zeros_like(size)
+    near = reach // 2 + 2  # the window of so many samples ends two away
+    before[near:], after[:-near] = widest[:-near], widest[near:]
+    ordinary, noise = np.maximum(before, after), _NOISE * noise_beside(displacement)
+    moving = np.minimum(before, after) > noise  # a file may well begin or end with a rest somewhere else
+    found: list[Leap] = []
+    for place in np.flatnonzero(moving & (size > _LEAP * ordinary)):
+        if found and place == found[-1].first + 1 and steps[place] * steps[place - 1] < 0:
+            found[-1] = replace(found[-1], back=True)
+            continue
+        found.append(Leap(int(place), float(steps[place]), float(size[place] / ordinary[place]), False))
+    return found if len(found) <= _MOST else []
+
+
+def noise_beside(signal: np.ndarray) -> float:
+    """Standard deviation of the noise on a signal (n,), whatever it does at a few instants.
+
+    As ``clipping.noise_of``, by the median of the fourth differences, 0.6745 of their standard deviation.
+    """
+    middle = float(np.median(np.abs(np.diff(signal, 4))))
+    return max(middle / (0.6745 * np.sqrt(70)), converter_step(signal) / np.sqrt(12))
+
+
+def repeated(signals: np.ndarray) -> tuple[int, int, int] | None:
+    """First sample, earlier first sample and length of a block that is written twice in all (channels, n) signals."""
+    channels, n = signals.shape
+    if n < 2 * _BLOCK:
+        return None
+    windows = np.lib.stride_tricks.sliding_window_view(signals, _BLOCK, axis=1)  # (channels, n - 15, 16)
+    mixed = np.random.default_rng(0).standard_normal((channels, _BLOCK))
+    marks = np.einsum("cnk,ck->n", windows, mixed)
+    order = np.argsort(marks, kind="stable")
+    same = np.flatnonzero(np.diff(marks[order]) == 0.0)
+    for first in same:
+        earlier, later = sorted((int(order[first]), int(order[first + 1])))
+        block = signals[:, later : later + _BLOCK]
+        if not np.array_equal(signals[:, earlier : earlier + _BLOCK], block):
+            continue
+        if min(np.unique(block[channel]).size for channel in range(channels)) < _VALUES:
+            continue
+        length = _BLOCK
+        while later + length < n and np.array_equal(signals[:, earlier + length], signals[:, later + length]):
+            length += 1
+        while earlier > 0 and np.array_equal(signals[:, earlier - 1], signals[:, later - 1]):
+            earlier, later, length = earlier - 1, later - 1, length + 1
+        return later, earlier, length
+    return None

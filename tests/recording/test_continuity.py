@@ -1,0 +1,89 @@
+"""Samples that no sensor saw are found where they are; motion with impacts, noise and rest has none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.recording.continuity import leaps, repeated
+
+N, CYCLE = 4000, 80
+PHASE = 2 * np.pi * np.arange(N) / CYCLE
+NOISE = 1e-6 * np.random.default_rng(1).standard_normal(N)
+MOTION = 1e-3 * np.sin(PHASE) + NOISE
+#: Where the sine is fastest and slowest.
+FAST, SLOW = 2000, 2020
+
+
+def places(signal: np.ndarray) -> list[tuple[int, bool]]:
+    return [(leap.first, leap.back) for leap in leaps(signal, CYCLE)]
+
+
+def slipped(times: float, at: int = FAST) -> np.ndarray:
+    """The motion with a sensor that slips by so many times the largest step of a sine."""
+    return MOTION + np.where(np.arange(N) > at, (times - (at == FAST)) * 1e-3 * 2 * np.pi / CYCLE, 0.0)
+
+
+@pytest.mark.parametrize(("times", "found"), [(2.8, []), (3.3, [(FAST, False)])])
+def test_a_step_three_times_as_far_as_any_other_of_its_cycle_is_none_of_a_mass(times, found):
+    assert places(slipped(times)) == found
+
+
+def test_a_leap_bears_its_size_and_how_far_that_is():
+    (leap,) = leaps(slipped(11.0), CYCLE)
+    assert leap.size == pytest.approx(11.0 * 1e-3 * 2 * np.pi / CYCLE, rel=0.02)
+    assert leap.times == pytest.approx(11.0, rel=0.1)
+
+
+@pytest.mark.parametrize("lost", [5, 20])
+def test_samples_that_are_lost_or_held_show_where_it_is_fast(lost):
+    assert places(np.delete(MOTION, range(FAST, FAST + lost))) == [(FAST - 1, False)]
+    held = MOTION.copy()
+    held[FAST : FAST + lost] = held[FAST]
+    assert places(held) == [(FAST + lost - 1, False)]
+
+
+def test_a_sample_that_is_wrong_leads_back_at_once():
+    spike = MOTION.copy()
+    spike[FAST] += 2e-3
+    spike[SLOW + 10 * CYCLE] -= 2e-3
+    assert places(spike) == [(FAST - 1, True), (SLOW + 10 * CYCLE - 1, True)]
+
+
+def test_of_many_leaps_none_is_told():
+    """A sensor that works so, or a thing that does."""
+    spikes = MOTION.copy()
+    spikes[100::700] += 2e-3
+    assert len(places(spikes)) == 0
+    spikes = MOTION.copy()
+    spikes[100::800] += 2e-3
+    assert len(places(spikes)) == 5
+
+
+def test_impacts_rest_and_noise_are_no_leaps():
+    bouncing = 1e-3 * np.abs(np.sin(PHASE / 2)) + NOISE
+    released = np.where(np.arange(N) < FAST, 0.0, 1e-3 * (1 - np.cos(PHASE))) + NOISE
+    struck = np.where(np.arange(N) < FAST, 0.0, 1e-3 * np.sin(PHASE)) + NOISE
+    coarse = np.round(np.where(np.arange(N) < FAST, 0.0, 1e-4 * np.sin(PHASE)) + NOISE, 5)
+    padded = np.where(np.arange(N) < FAST, 5e-3 + NOISE, MOTION)  # before it a rest that is cut from elsewhere
+    for sound in (MOTION, bouncing, released, struck, coarse, padded, NOISE, NOISE[:100]):
+        assert places(sound) == []
+
+
+@pytest.mark.parametrize(("length", "found"), [(15, None), (16, (FAST, FAST - 16, 16)), (70, (FAST, FAST - 70, 70))])
+def test_a_block_that_is_written_twice_is_found_with_its_length(length, found):
+    doubled = np.concatenate([MOTION[:FAST], MOTION[FAST - length :]])
+    assert repeated(doubled[None]) == found
+
+
+def test_both_channels_must_repeat():
+    doubled = np.concatenate([MOTION[:FAST], MOTION[FAST - 40 :]])
+    force = np.random.default_rng(2).standard_normal(doubled.size)
+    assert repeated(np.vstack([doubled, force])) is None
+    assert repeated(np.vstack([doubled, np.concatenate([force[:FAST], force[FAST - 40 : -40]])])) is not None
+
+
+def test_rest_and_few_levels_are_no_block():
+    assert repeated(np.zeros((1, N))) is None
+    assert repeated(np.round(MOTION / 5, 4)[None]) is None
+    assert repeated(MOTION[None]) is None
+    assert repeated(MOTION[None, :20]) is None
