@@ -18,6 +18,7 @@ import numpy as np
 
 from ..model import Oscillator
 from ..model.oscillator import HOLDS as HOLDS_IN_WORDS
+from ..model.show import LACKING
 from ..recording.fact import changed
 from ..recording.recording import HOLDS, Recording
 from ..simulate.force import force_between, smooth_force
@@ -42,8 +43,6 @@ _NEAR = 0.1
 _MATTERS = 1.0
 #: Steps of the search from one hold to another; the difference is small, and each step squares what is left of it.
 _STEPS = 6
-#: A fit that leaves this many times the noise has not run away, whatever another leaves.
-_LEAVES = 1.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,7 +171,7 @@ def with_hold(
 def _no_worse(fit: Fit, other: Fit) -> bool:
     """Whether a fit leaves no more than noise, or no more than another does: it has not run away."""
     ratio, allowed = (max(s.over_noise for s in candidate.segments) for candidate in (fit, other))
-    return ratio <= max(allowed, _LEAVES)
+    return ratio <= max(allowed, LACKING)
 
 
 def further_of_fit(fit: Fit, recordings: Sequence[Recording], hold: str) -> float:

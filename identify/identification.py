@@ -16,6 +16,7 @@ import numpy as np
 from ..errors import BadInput
 from ..model import Oscillator, Response
 from ..model.oscillator import Band
+from ..model.show import LACKING, left_over
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
@@ -36,8 +37,6 @@ from .structure import shapes_of
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
-#: What is left may exceed the noise by this factor before it counts as physics: the noise itself is estimated.
-_ABOVE_NOISE = 1.5
 #: A response less than this many times its noise may be held by friction and says nothing about the gain.
 _MOVES = 30.0
 
@@ -145,12 +144,13 @@ def identify(
     fit = answer(recordings, None, doubted=doubted)
     fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
+    oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band)
     return Identification(
-        oscillator=with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band),
+        oscillator=oscillator,
         hilbert=hilbert,
         fit=fit,
         recordings=tuple(recordings),
-        notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings)),
+        notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings), *left_over(oscillator)),
     )
 
 
@@ -188,7 +188,7 @@ def _with_shapes(
     fit: Fit, recordings: Sequence[Recording], data: Data, fixed: tuple[str, ...], *, doubted: bool
 ) -> Fit:
     """The fit; the shapes of laws, such as the sharpness of a bend, are freed where more than noise is left."""
-    if max(s.over_noise for s in fit.segments) >= _ABOVE_NOISE:
+    if max(s.over_noise for s in fit.segments) >= LACKING:
         freed = maximum_likelihood(fit.oscillator, recordings, fixed, data, doubted=False, near=True)
         fit = freed if _left(freed) < _left(fit) else fit
     if not doubted or fit.memory != FREE:
@@ -277,13 +277,6 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             remarks.append(f"{name} is not distinguishable from zero in these recordings")
-    for index, recording in enumerate(recordings):
-        ratio = _over_noise(fit, index)
-        if ratio > _ABOVE_NOISE:
-            remarks.append(
-                f"{recording.name}: the model leaves {ratio:.2g} times the noise, so the recording holds something "
-                f"that the {family} does not, and the parameters may be off by more than their errors"
-            )
     for segment in fit.segments:
         if segment.nrmse > POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
             start = segment.segment.time
@@ -304,14 +297,6 @@ def _offset_told(offset: FoundOffset, recording: Recording) -> str:
             "constant load on the mass, the other way round, would look the same)"
         )
     return f"{recording.name}: the sensor shows {size} {recording.unit} at zero; it was taken off"
-
-
-def _over_noise(fit: Fit, index: int) -> float:
-    """Rms of what the model leaves of a recording over that of the noise, its stretches together."""
-    parts = [s for s in fit.segments if s.segment.recording == index]
-    if not parts:
-        return 0.0
-    return float(np.sqrt(np.average([s.over_noise**2 for s in parts], weights=[s.segment.n for s in parts])))
 
 
 def _is_quiet(response: np.ndarray, fit: Fit) -> bool:

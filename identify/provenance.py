@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -52,9 +53,11 @@ def with_provenance(
         frequencies = [float(f) / (2 * np.pi) for c in curves for f in (c.omega0.min(), c.omega0.max())]
     if not frequencies:
         frequencies = [model.omega0.value / (2 * np.pi)]
-    files = [{"file": r.name, "sha256": r.sha256} for r in recordings]
+    files: list[dict[str, Any]] = [{"file": r.name, "sha256": r.sha256} for r in recordings]
     for file, kind in zip(files, kinds, strict=False):
         file["kind"] = kind
+    for index, file in enumerate(files):
+        file |= _left(fit, index)
     return replace(
         model,
         amplitude=Range(min(floor, peak), peak, unit),
@@ -69,3 +72,16 @@ def with_provenance(
             band=band,
         ),
     )
+
+
+def _left(fit: Fit, index: int) -> dict[str, float]:
+    """What the model leaves of a recording, its stretches together: as a part of the motion, and in times the noise."""
+    parts = [s for s in fit.segments if s.segment.recording == index]
+    if not parts:
+        return {}
+    samples = [s.segment.n for s in parts]
+    motion = np.average([np.var(s.segment.response) for s in parts], weights=samples)
+    left = np.average([np.mean((s.segment.response - s.simulated) ** 2) for s in parts], weights=samples)
+    noise = np.average([s.over_noise**2 for s in parts], weights=samples)
+    told = {"nrmse": float(np.sqrt(left / motion)) if motion else np.inf, "over_noise": float(np.sqrt(noise))}
+    return {name: float(f"{value:.4g}") for name, value in told.items() if np.isfinite(value)}

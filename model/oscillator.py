@@ -109,7 +109,8 @@ class Provenance:
     """Where the numbers come from.
 
     Attributes:
-        recordings: one mapping a recording with ``file``, ``sha256``, ``kind``.
+        recordings: one mapping a recording with ``file``, ``sha256``, ``kind`` and what the model leaves of it, by its
+            rms: ``nrmse`` over the standard deviation of the motion, ``over_noise`` over the noise.
         method: for example ``maximum-likelihood``.
         software: name and version.
         parameters: names in the order of the covariance's rows.

@@ -91,6 +91,8 @@ class RecordingForm(_Form):
     file: _FilePath
     sha256: Annotated[str, Field(pattern=r"^[0-9a-f]{64}$")] | None = None
     kind: _Words | None = None
+    nrmse: Annotated[float, Field(ge=0)] | None = None
+    over_noise: Annotated[float, Field(ge=0)] | None = None
 
 
 class BandForm(_Form):

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from .oscillator import Oscillator
     from .parameter import Parameter
 
+#: A recording holds more than a model where that leaves so many times its noise, which itself is estimated.
+LACKING = 1.5
 STRONG = 0.9  # correlation above which two parameters are hard to tell apart
 _MEANING = {
     "viscous": "damping that feeds the motion",
@@ -117,7 +119,8 @@ def warnings(oscillator: Oscillator) -> list[str]:
     """What a user should know before using the numbers, one sentence each."""
     o = oscillator
     parameters = o.parameters()
-    noted = [sentence for name, p in parameters.items() if (sentence := _negative(o, name, p))]
+    noted = [f"{sentence}." for sentence in left_over(o)]
+    noted += [sentence for name, p in parameters.items() if (sentence := _negative(o, name, p))]
     for name, p in parameters.items():
         if p.std and p.value > 0 and p.std > 0.5 * p.value:
             share = percent(p)
@@ -130,6 +133,18 @@ def warnings(oscillator: Oscillator) -> list[str]:
     if all(p.std is None for p in parameters.values()):
         noted.append("No parameter has a standard error: the numbers were given, not measured.")
     return noted
+
+
+def left_over(oscillator: Oscillator) -> list[str]:
+    """A sentence for each recording of which the model leaves more than its noise."""
+    family = "model" if oscillator.terms else "Eq. 17 family"
+    return [
+        f"{r['file']}: the model leaves {r['over_noise']:.2g} times the noise, {100 * r['nrmse']:.2g} % of the motion, "
+        f"so the recording holds something that the {family} does not, and the parameters may be off by more than "
+        "their errors"
+        for r in oscillator.identified.recordings
+        if "nrmse" in r and r.get("over_noise", 0.0) > LACKING
+    ]
 
 
 def _negative(o: Oscillator, name: str, p: Parameter) -> str | None:

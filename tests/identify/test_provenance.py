@@ -1,0 +1,67 @@
+"""What a model file says of its recordings: how much the model leaves of each, and the range that they covered."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.examples.force import chirp
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.provenance import _left, with_provenance
+from dashpot.model import Oscillator
+from dashpot.model.file import dumps, loads
+from dashpot.recording import Recording
+
+FS, SECONDS, NOISE = 400.0, 20.0, 5e-6
+
+
+@pytest.fixture(scope="module")
+def recording():
+    t = np.arange(round(SECONDS * FS)) / FS
+    pieces = chirp(0.5, 5.0, 15.0 / SECONDS, t, 1 / FS)
+    x = integrate_pieces(dict(TRUTH), pieces[:-1], 1 / FS, 0.0)[0]
+    return Recording("sweep", FS, x + NOISE * np.random.default_rng(0).standard_normal(t.size), force=pieces[:, 0])
+
+
+@pytest.fixture(scope="module")
+def fit(recording):
+    return maximum_likelihood(Oscillator.from_values(TRUTH), [recording])
+
+
+def test_a_right_model_leaves_the_noise(fit, recording):
+    entry = with_provenance(fit, [recording], kinds=["sweep"]).identified.recordings[0]
+    assert entry["over_noise"] == pytest.approx(1.0, abs=0.03)
+    assert entry["nrmse"] == pytest.approx(NOISE / np.std(recording.response), rel=0.03)
+    assert entry["kind"] == "sweep"
+
+
+def test_it_goes_into_the_file_and_comes_back(fit, recording):
+    model = with_provenance(fit, [recording])
+    assert loads(dumps(model)).identified.recordings == model.identified.recordings
+
+
+def test_of_several_stretches_it_is_the_whole(fit):
+    """Each by its samples: a second one twice as far off and three times as loud."""
+    (first,) = fit.segments
+    segment, left = first.segment, first.segment.response - first.simulated
+    second = replace(
+        first,
+        segment=replace(segment, response=3.0 * segment.response),
+        simulated=3.0 * segment.response - 2.0 * left,
+        over_noise=2.0 * first.over_noise,
+    )
+    both = _left(replace(fit, segments=(first, second)), 0)
+    assert both["over_noise"] == pytest.approx(first.over_noise * np.sqrt(2.5), rel=1e-3)
+    assert both["nrmse"] == pytest.approx(first.nrmse * np.sqrt(5.0 / 10.0), rel=1e-3)
+    assert _left(fit, 1) == {}
+
+
+def test_the_range_is_that_of_motion_and_force(fit, recording):
+    model = with_provenance(fit, [recording])
+    assert model.amplitude.max == pytest.approx(np.max(np.abs(recording.response)), rel=0.02)
+    assert model.amplitude.min == 0.0
+    assert 4.5 < model.frequency.min < 7.0
+    assert 17.0 < model.frequency.max < 20.5
