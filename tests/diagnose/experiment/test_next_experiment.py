@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.experiment.excitations import BEYOND, Limits
-from dashpot.diagnose.experiment.next_experiment import next_experiment
+from dashpot.diagnose.experiment.excitations import BEYOND, Excitation, Limits
+from dashpot.diagnose.experiment.next_experiment import _pace, _separating, _sharpening, next_experiment
 from dashpot.diagnose.experiment.rehearsal import rehearse
+from dashpot.errors import BadInput
 from dashpot.identify.data import data_of
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
@@ -130,3 +132,102 @@ def test_a_model_stiffer_than_any_recording_shows_is_rehearsed_no_more(rivals, t
     plan = next_experiment({"quadratic-drag": models["quadratic-drag"]}, data)
     assert bool(rehearsed) is planned
     assert ("as stiff as no recording shows" in plan.sentence) is not planned
+
+
+def test_a_plain_oscillator_takes_seventy_five_steps_a_period():
+    """The stiffest that is rehearsed is told in these: the rig's own mode is what they are counted against."""
+    plain = Oscillator.from_values(VALUES | {"viscous": 0.0, "dry": 0.0})
+    assert _pace(plain, 1e-3) == pytest.approx(75.0 * 60.0 / (2 * np.pi))
+
+
+@pytest.mark.parametrize(("times", "rehearsed"), [(9.0, True), (11.0, False)])
+def test_a_rival_ten_times_as_slow_as_the_first_model_is_not_rehearsed(rivals, times, rehearsed, monkeypatch):
+    models, data = rivals
+    module = "dashpot.diagnose.experiment.next_experiment"
+    seen = []
+
+    def refuse(model, *_):
+        seen.append(model)
+        raise BadInput("does not simulate")
+
+    def pace(model, reach):
+        return (1.0 if model is models["quadratic-drag"] else times) * data.scales.omega
+
+    monkeypatch.setattr(f"{module}._pace", pace)
+    monkeypatch.setattr(f"{module}.rehearse", refuse)
+    assert "does not simulate beyond the recordings" in next_experiment(models, data).sentence
+    assert [model is models["quadratic-drag"] for model in seen] == [True, False][: 1 + rehearsed]
+
+
+# --- responses put in by hand, whose differences and derivatives are known
+
+
+def sweep(relative: float) -> Excitation:
+    return Excitation("sweep", 0.06 * relative, relative, (7.0, 13.0), 2.0)
+
+
+def answers(*responses: tuple[float, ...], imitates: float = np.inf) -> SimpleNamespace:
+    """A model that answers each plan so, in units of the noise, and has nothing to re-tune."""
+    own = tuple(np.array(response) for response in responses)
+    return SimpleNamespace(responses=own, derivatives=(None,) * len(own), imitates=lambda other, i: imitates)
+
+
+@pytest.mark.parametrize(("beyond", "chosen"), [(0.98, 1.0), (1.02, 1.5)])
+def test_going_beyond_what_was_recorded_has_to_tell_more_by_three_tenths(beyond, chosen):
+    """At one and a half times the level the difference counts as if it were 0.7 times as large."""
+    played = {"first": answers((0.0,), (0.0,)), "rival": answers((10.0,), (beyond * 10.0 / 0.7,))}
+    plans = [sweep(1.0), sweep(1.5)]
+    plan = _separating("first", ["rival"], played, plans, [0, 1], Oscillator.from_values(VALUES), FS)  # type: ignore[arg-type]
+    assert plan.level == pytest.approx(0.06 * chosen)
+    assert ("as much as ever so far" in plan.sentence) is (chosen == 1.0)
+
+
+def test_the_nearest_of_the_rivals_that_are_told_apart_says_by_how_much():
+    """Three responses in a right triangle of 12, 9 and 15; the first rival, re-tuned, comes as near as 8."""
+    played = {"first": answers((0.0, 0.0)), "near": answers((12.0, 0.0), imitates=8.0), "far": answers((0.0, 9.0))}
+    plan = _separating("first", ["near", "far"], played, [sweep(1.0)], [0], Oscillator.from_values(VALUES), FS)  # type: ignore[arg-type]
+    assert plan.separates == (
+        ("first", "near", 8.0),
+        ("first", "far", pytest.approx(9.0)),
+        ("near", "far", pytest.approx(15.0)),
+    )
+    assert "first then differs from near and far by 8 times the noise or more" in plan.sentence
+
+
+def sharpened(information: list[dict[str, float]], plans: list[Excitation], stds: dict[str, float]):
+    """What is chosen where each plan tells of each parameter by itself: 1 / its relative error, squared, from it."""
+    model = Oscillator.from_values(VALUES)
+    model = model.with_parameters(
+        {n: replace(p, std=stds.get(n, 0.01) * (abs(p.value) or 1.0)) for n, p in model.parameters().items()}
+    )
+    parameters = model.parameters()
+    derivatives = [
+        np.diag([np.sqrt(told.get(n, 0.0)) / (abs(p.value) or 1.0) for n, p in parameters.items()])
+        for told in information
+    ]
+    played = SimpleNamespace(derivatives=derivatives)
+    return _sharpening("drag", model, played, plans, range(len(plans)), FS)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("part", "told"), [(0.65, True), (0.75, False)])
+def test_a_poorly_known_parameter_is_named_where_its_error_shrinks_by_three_tenths(part, told):
+    """Precisions add: an error of half the value shrinks to this part of it where (1 / part² - 1) / 0.5² is told."""
+    plan = sharpened([{"dry": (1 / part**2 - 1) / 0.25}], [sweep(1.0)], {"dry": 0.5})
+    assert (f"it brings the error of dry from 50 to about {100 * 0.5 * part:.2g} %" in plan.sentence) is told
+    assert ("sharpens dry most" in plan.sentence) is not told
+
+
+def test_where_all_is_known_well_the_parameter_that_gains_most_is_named():
+    plan = sharpened([{"mass": 1e4, "viscous": 9e4, "dry": 2e4}], [sweep(1.0)], {})
+    assert "this tests it hardest and sharpens viscous most" in plan.sentence
+
+
+@pytest.mark.parametrize(("beyond", "chosen"), [(0.98, 1.0), (1.02, 1.5)])
+def test_going_beyond_has_to_sharpen_more_than_what_stays_within(beyond, chosen):
+    """Logarithms of the determinants: of six errors of 1 %, of which one is halved within."""
+    before = 6 * np.log(1e4)
+    within = before + np.log(4.0)
+    more = beyond * within / 0.7 - before
+    plans = [sweep(1.0), sweep(1.5)]
+    plan = sharpened([{"dry": 3e4}, {"dry": 1e4 * np.expm1(more)}], plans, {})
+    assert plan.level == pytest.approx(0.06 * chosen)

@@ -153,10 +153,19 @@ def test_memories_reach_from_a_fiftieth_to_half_of_the_motion_and_from_slow_to_f
     own = stretch(cycles=200)
     columns = KINDS["memory"](rows_of([own]))
     assert np.max(np.abs(columns[:, :4]), axis=0) == pytest.approx(np.array([0.02, 0.06, 0.18, 0.5]) * SIZE, rel=0.02)
-    parts = np.std(columns[:, 4:], axis=0) / np.std(own.x)
+    # in step with the displacement, and with the velocity a quarter of a cycle ahead of it
+    step = own.time[1] - own.time[0]
+    quarters = np.column_stack([own.x, own.v * step * 16 / (2 * np.pi)])
+    parts = np.array([1.0, 1.0j]) @ np.linalg.lstsq(quarters, columns[:, 4:])[0]
     turn = 2 * np.pi / 16
     poles = np.exp(-turn * np.array([0.2, 1.0, 5.0]))
-    assert parts == pytest.approx(np.abs((1 - np.exp(-1j * turn)) / (1 - poles * np.exp(-1j * turn))), rel=0.05)
+    assert parts == pytest.approx((1 - np.exp(-1j * turn)) / (1 - poles * np.exp(-1j * turn)), rel=0.05)
+
+
+def test_a_constant_is_one_column(stretch):
+    """Two alike would be charged for chance twice and explain no more."""
+    rows = rows_of([stretch(cycles=8), stretch(cycles=12, driven=False)])
+    assert np.array_equal(KINDS["constant"](rows), np.ones((20 * 16, 1)))
 
 
 def test_a_path_that_lags_or_holds_back_at_turns_follows_the_force(stretch):

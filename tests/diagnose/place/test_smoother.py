@@ -62,12 +62,15 @@ def test_it_finds_nothing_where_nothing_is_missing():
     assert np.std(smoother.smooth().force) < 1e-3 * spring
 
 
-def test_its_likelihood_is_that_of_the_kalman_filter():
-    """Against the covariance of all samples written out for a few of them (no signs, so that all is linear)."""
+@pytest.fixture(scope="module")
+def linear():
+    """Of a model without signs, so that all is linear."""
     base = Oscillator.from_values(VALUES | {"cubic": 0.0, "preload": 0.0, "dry": 0.0})
-    smoother = smoother_of(base, recorded(base))
-    first, last = 1500, 1560
-    strength, memory = 0.5, 0.02
+    return smoother_of(base, recorded(base))
+
+
+def written_out(smoother: Smoother, strength: float, memory: float, first: int, last: int):
+    """The penalised system, and mean and covariance of all states before anything is seen, written out in full."""
     n = last - first
     system = smoother._system(strength, memory, first, last)
     phi = smoother._blocks(memory, first, last)
@@ -86,7 +89,66 @@ def test_its_likelihood_is_that_of_the_kalman_filter():
         covariance[: 3 * k + 3, there] = covariance[there, : 3 * k + 3].T
         covariance[there, there] = phi[k] @ covariance[here, here] @ phi[k].T + np.linalg.inv(system.inverse[k])
         mean[there] = phi[k] @ mean[here] + system.given[k]
+    return system, mean, covariance
+
+
+def test_its_likelihood_is_that_of_the_kalman_filter(linear):
+    """Against the covariance of all samples written out for a few of them."""
+    first, last = 1500, 1560
+    system, mean, covariance = written_out(linear, 0.5, 0.02, first, last)
     seen = system.seen - mean[::3]
-    whole = covariance[::3, ::3] + np.eye(n)
+    whole = covariance[::3, ::3] + np.eye(last - first)
     exact = -0.5 * (seen @ np.linalg.solve(whole, seen) + np.linalg.slogdet(whole)[1])
-    assert smoother.log_likelihood(strength, memory, first, last) == pytest.approx(exact, rel=1e-4, abs=0.05)
+    assert linear.log_likelihood(0.5, 0.02, first, last) == pytest.approx(exact, rel=1e-4, abs=0.05)
+
+
+def test_what_it_finds_in_a_part_is_the_posterior_of_a_gaussian(linear):
+    """Conditioned on the samples in one go; of so few, each has its own standard deviation."""
+    first, last = 1500, 1520
+    system, mean, covariance = written_out(linear, 0.5, 0.02, first, last)
+    gain = np.linalg.solve(covariance[::3, ::3] + np.eye(last - first), covariance[::3]).T
+    states = mean + gain @ (system.seen - mean[::3])
+    left = np.diag(covariance - gain @ covariance[::3])
+    unit, dt = linear.sensor, linear.dt
+    part = linear.smooth(first, last, prior=(0.5, 0.02))
+    assert part.time == pytest.approx(linear.time[first:last])
+    assert part.displacement - states[::3] * unit == pytest.approx(linear.x[::4][first:last], abs=1e-5 * unit)
+    assert part.velocity - states[1::3] * unit / dt == pytest.approx(linear.v[::4][first:last], abs=1e-5 * unit / dt)
+    assert part.force == pytest.approx(states[2::3] * unit / dt**2, rel=1e-4, abs=1e-5)
+    assert part.std == pytest.approx(np.sqrt(left[2::3]) * unit / dt**2, rel=1e-4)
+
+
+def test_its_precision_matrix_has_six_bands(linear):
+    """Three states, and those of the next sample: a wider band would only cost time."""
+    system = linear._system(0.5, 0.02, 0, 40)
+    assert system.band.shape == (6, 3 * 40)
+    assert np.all(np.any(system.band, axis=1))
+
+
+@pytest.mark.parametrize("strength", [0.005, 0.05, 0.5])
+def test_where_the_recording_says_nothing_the_force_keeps_its_strength(linear, strength):
+    """Two samples do not show a force: its variance is that of a stationary process, at the first and at the next."""
+    few = linear.smooth(700, 702, prior=(strength, 0.5))
+    assert few.std == pytest.approx(strength, rel=0.01)
+
+
+@pytest.mark.parametrize("samples", range(1200, 1204))
+def test_the_spline_has_fourteen_points_a_cycle_and_none_crowds_the_last(samples, monkeypatch):
+    """A point that noise sets beside another one shows as a speed that never was."""
+    import scipy.interpolate
+
+    whole = recorded(Oscillator.from_values(VALUES), seconds=3.0)
+    short = replace(whole, response=whole.response[:samples], force=np.asarray(whole.force)[:samples])
+    drawn = []
+    spline = scipy.interpolate.make_interp_spline
+    monkeypatch.setattr(
+        scipy.interpolate, "make_interp_spline", lambda x, *y, **k: drawn.append(x) or spline(x, *y, **k)
+    )
+    smoother = smoother_of(Oscillator.from_values(VALUES), short)
+    points = drawn[-1]
+    step = float(np.median(np.diff(points)))
+    assert smoother.period / step >= 14.0
+    assert smoother.period / (step + smoother.dt) < 14.0
+    assert points[0] == 0.0
+    assert points[-1] == pytest.approx((smoother.n - 1) * smoother.dt)
+    assert np.min(np.diff(points)) > 0.5 * step * (1 - 1e-9) - 1e-12

@@ -65,6 +65,27 @@ def test_a_smooth_spring_is_told_by_its_symmetry_and_sign(force, words, stretch)
 
 
 @pytest.mark.parametrize(
+    ("part", "words"),
+    [
+        (0.8, "not alike on both sides (stiffer on the positive one)"),
+        (1.25, "alike on both sides: a spring that stiffens"),
+    ],
+)
+def test_a_spring_both_lopsided_and_stiffening_is_told_by_the_larger(part, words, stretch):
+    """Of what the family cannot tell of either, the fifth power leaves this part of what the square leaves."""
+
+    def left(force):
+        rows = symptoms([stretch(force, cycles=200)]).rows
+        return float(rows.left @ rows.left - rows.silent @ rows.silent)
+
+    level = 4e4 * np.sqrt(left(lambda s: 1e12 * s.x**5) / left(lambda s: 4e4 * s.x**2) / part)
+    statement, narrower = said(stretch, lambda s: 1e12 * s.x**5 + level * s.x**2, kind="displacement")
+    assert words in statement
+    assert ("not alike" in statement) is (part < 1)
+    assert narrower["displacement"] == FULL["displacement"]
+
+
+@pytest.mark.parametrize(
     ("force", "words"),
     [
         (lambda s: 60.0 * s.v * np.abs(s.v), "grows faster with speed than dry and viscous"),
