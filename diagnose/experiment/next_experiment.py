@@ -63,7 +63,7 @@ def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Lim
             pace = _pace(models[name], reach)
             if pace > _STIFFEST * STEPS_PER_PERIOD * natural:
                 continue
-            if name != names[0] and pace > _SLOWER * _pace(first, reach):
+            if pace > _SLOWER * _pace(first, reach):
                 continue
             played[name] = rehearse(models[name], first, plans, data, rate, fs)
         except (DashpotError, np.linalg.LinAlgError):
@@ -160,6 +160,7 @@ def _sharpening(
     size = np.array([abs(p.value) if p.value else 1.0 for p in parameters.values()])
     std = np.array([p.std if p.std else np.inf for p in parameters.values()])
     prior = np.diag(np.where(np.isfinite(std), (size / np.maximum(std, 1e-300)) ** 2, 1e-12))
+    known = float(np.linalg.slogdet(prior)[1])
     best, most, after = -1, -np.inf, std / size
     for i in safe:
         slopes = played.derivatives[i]
@@ -167,7 +168,8 @@ def _sharpening(
             continue
         rows = np.stack([off(row, slopes[count:]) for row in slopes[:count]]) * size[:, None]
         information = prior + rows @ rows.T
-        gain = float(np.linalg.slogdet(information)[1]) * (1.0 if plans[i].relative <= 1.0 else _DARING)
+        # twice what it tells beyond what is known (Lindley 1956), which is never negative
+        gain = (float(np.linalg.slogdet(information)[1]) - known) * (1.0 if plans[i].relative <= 1.0 else _DARING)
         if gain > most:
             best, most = i, gain
             after = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information, hermitian=True)), 0.0))

@@ -224,10 +224,8 @@ def test_where_all_is_known_well_the_parameter_that_gains_most_is_named():
 
 @pytest.mark.parametrize(("beyond", "chosen"), [(0.98, 1.0), (1.02, 1.5)])
 def test_going_beyond_has_to_sharpen_more_than_what_stays_within(beyond, chosen):
-    """Logarithms of the determinants: of six errors of 1 %, of which one is halved within."""
-    before = 6 * np.log(1e4)
-    within = before + np.log(4.0)
-    more = beyond * within / 0.7 - before
+    """What is told beyond what is known: of six errors of 1 % one is halved within."""
+    more = beyond * np.log(4.0) / 0.7
     plans = [sweep(1.0), sweep(1.5)]
     plan = sharpened([{"dry": 3e4}, {"dry": 1e4 * np.expm1(more)}], plans, {})
     assert plan.level == pytest.approx(0.06 * chosen)
