@@ -58,8 +58,8 @@ class RecordingCheck:
         response: what was measured, and in which unit.
         besides: what the sensors show at zero, in words: no part of the motion, and left aside.
         nrmse_limit: NRMSE that noise and the model's own errors exceed once in a thousand.
-        backbone_limit_hz: distance of backbones that they exceed once in a thousand, where it is exceeded most or
-            comes nearest to it; None where there is no backbone.
+        backbone_over_limit: distance of the backbones over what they exceed once in a thousand, at the amplitude where
+            that is largest; None where there is no backbone.
         score: the parameter that the recording asks for most; None where it has failed already, or tells of none, or
             the FMU holds no model that answers as it does.
         failed: of each criterion that failed a sentence with its figures.
@@ -77,7 +77,7 @@ class RecordingCheck:
     response: Response
     besides: tuple[str, ...] = ()
     nrmse_limit: float = np.inf
-    backbone_limit_hz: float | None = None
+    backbone_over_limit: float | None = None
     score: Score | None = None
     failed: tuple[str, ...] = ()
 
@@ -116,7 +116,7 @@ class Verification:
                     "noise_floor": _finite(check.noise_floor),
                     "nrmse_limit": _finite(check.nrmse_limit),
                     "backbone_max_error_hz": _finite(check.backbone_max_error_hz),
-                    "backbone_limit_hz": _finite(check.backbone_limit_hz),
+                    "backbone_over_limit": _finite(check.backbone_over_limit),
                     "score": None if check.score is None else check.score.as_json(),
                     "besides": list(check.besides),
                     "failed": list(check.failed),
@@ -191,7 +191,6 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
     if not failed and run.model is not None and count == DRAWS:
         score = score_of(run.model, recording)
         failed += [] if score is None or score.passed else [score.sentence()]
-    nearest = max(backbones, key=lambda pair: pair.over, default=None)
     return RecordingCheck(
         recording.name,
         nrmse,
@@ -205,7 +204,7 @@ def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCh
         Response(recording.quantity, recording.unit),
         tuple(words for one in runs for words in _besides(one.replay, recording)),
         limit,
-        None if nearest is None else float(nearest.limit[nearest.worst]),
+        max((pair.over for pair in backbones), default=None),
         score,
         tuple(failed),
     )
