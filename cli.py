@@ -330,7 +330,7 @@ def diagnose(
 @with_time_limit
 @with_recordings
 def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time_limit: float, **options: Any) -> None:
-    """Run an FMU under FMPy with recorded forces and compare response and backbone; exit code 1 where they differ."""
+    """Run an FMU under FMPy with recorded forces, compare response and parameters; exit code 1 where they differ."""
     from .verify.verification import verify as check
     from .writing import write
 

@@ -82,7 +82,8 @@ def _fit(
     before: Oscillator, after: Oscillator | None, recording: Recording, holdout: bool, run: FmuRun | None
 ) -> RecordFit | None:
     times, forces, measured, old, new, variances = [], [], [], [], [], []
-    for piece in pieces(recording):
+    for part in pieces(recording):
+        piece = part.recording
         first = replay(before, piece)
         second = first
         model = before
@@ -100,7 +101,7 @@ def _fit(
         forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))
         old.append(first)
         new.append(second)
-        variances.append(np.full(piece.n, floor_of_model(model, piece) ** 2))
+        variances.append(np.full(piece.n, floor_of_model(model, part) ** 2))
     if not times:
         return None
     y, first, second = (np.concatenate(parts) for parts in (measured, old, new))

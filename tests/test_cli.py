@@ -106,7 +106,7 @@ def test_from_recordings_to_a_proven_fmu(capsys, tmp_path, sweep, decay):
     assert code == 0, out + err
     result = json.loads((tmp_path / "v.json").read_text())
     assert list(result) == ["fmu", "recordings", "pass"]
-    assert list(result["recordings"][0]) == ["file", "nrmse", "noise_floor", "backbone_max_error_hz", "besides", "pass"]
+    assert set(result["recordings"][0]) >= {"file", "nrmse", "noise_floor", "backbone_max_error_hz", "besides", "pass"}
     assert result["pass"] is True
 
 
@@ -116,7 +116,7 @@ def test_a_wrong_model_fails_the_proof_with_exit_code_1(capsys, tmp_path, sweep)
     assert run(capsys, "export", wrong, tmp_path / "wrong.fmu")[0] == 0
     code, out, _ = run(capsys, "verify", tmp_path / "wrong.fmu", sweep)
     assert code == 1
-    assert "does not reproduce sweep.csv" in out
+    assert "does not reproduce sweep.csv; sweep.csv: an NRMSE of " in out
 
 
 def test_plain_c_and_a_system_with_its_uncertainty(capsys, tmp_path, model, decay):

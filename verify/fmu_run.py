@@ -21,6 +21,7 @@ from ..model.yaml_loader import MAX_CHARACTERS, read_yaml
 from ..recording.recording import Recording
 from ..simulate.force import Force
 from .fmu_process import TIME_LIMIT, FmuProcess
+from .model_inside import model_inside
 from .unpack import stated_version, unpack
 
 #: Straight lines per sample where an FMU takes no higher derivatives of its input; their error falls with the square.
@@ -110,6 +111,8 @@ class FmuRun:
         self.outputs = {v.name: v.unit for v in variables if v.causality == "output"}
         #: How the force ran between the samples that the model inside was identified from; None where it holds none.
         self.hold = _hold(self._folder / "resources" / "model.yaml")
+        #: The model inside; None where it holds none.
+        self.model = model_inside(self._folder / "resources" / "model.yaml")
         self._said: list[str] = []
 
     def _ask(self, head: dict[str, Any], numbers: bytes = b"", *, doing: str) -> tuple[dict[str, Any], bytes]:

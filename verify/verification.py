@@ -3,6 +3,10 @@
 The force is fed as it ran between its samples: as the recordings say, else as the FMU's own model was identified, else
 smooth. It goes in by input derivatives of up to third order where the FMU takes them (those that dashpot makes),
 else by straight lines between points closer together than the samples; where it is held, by its samples alone.
+
+What "reproduces" means follows from the recording's noise and from the errors that the model inside states of itself:
+what is left, the distance of the backbones, and the parameters that the recording asks for may each be what chance
+makes once in a thousand (``chance``, ``backbones``, ``score``), and no more.
 """
 
 from __future__ import annotations
@@ -15,36 +19,27 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.decays import Decay, find_decays
-from ..identify.displacement import displacement
-from ..identify.excitation import kind_of
-from ..identify.forced_regression import forced_regression
-from ..identify.freevib import freevib
 from ..identify.hold import held_as
-from ..identify.replay import Replay, force_of, natural_frequency, run_along
-from ..identify.signals import Signal, drive_of, noise_levels
+from ..identify.replay import Replay, force_of, run_along
+from ..identify.signals import noise_levels
 from ..model import Response
-from ..recording.fact import changed
 from ..recording.recording import Recording
+from .backbones import Backbone, Compared, compared
+from .chance import Run, by_chance, powers
 from .fmu_process import TIME_LIMIT
 from .fmu_run import FmuRun
-from .noise_floor import floor_of_fmu, pieces
+from .model_inside import Twin, twin_of
+from .noise_floor import Piece, pieces
+from .score import Score, score_of
 
-#: What "reproduces" means: at most this many times the noise floor.
+__all__ = ["NOISE_RATIO", "Backbone", "RecordingCheck", "Verification", "verify"]
+
+#: Noise levels are good to a tenth: they come from the highest frequencies alone.
 NOISE_RATIO = 1.1
-#: Backbones must agree to this part of the natural frequency (0.02 Hz of 12.67 Hz) ...
-BACKBONE_PART = 0.02 / 12.67
-#: ... wherever the amplitude exceeds this part of the largest (0.3 mm of 9 mm).
-AMPLITUDE_PART = 1.0 / 30.0
-
-
-@dataclass(frozen=True, eq=False)
-class Backbone:
-    """Natural frequency over amplitude: (n,) in the displacement's unit and (n,) in Hz; ``method`` made it."""
-
-    method: str
-    amplitude: np.ndarray
-    frequency: np.ndarray
+#: Draws of noise that the model's core runs through ...
+DRAWS = 40
+#: ... and that an FMU does where no core stands in for it: each costs a call a sample.
+_DRAWS_OF_FMU = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,13 +50,19 @@ class RecordingCheck:
         file: the recording's name.
         nrmse: rms(simulated - measured) / std(measured), free run over the whole recording, or over its free decays
             where there is no force.
-        noise_floor: the same of a perfect model: sensor noise, and force noise as the rig passes it on.
+        noise_floor: what a perfect model leaves on average: sensor noise, and force noise as the rig passes it on.
         backbone_max_error_hz: largest distance of the two backbones; None where the recording gives none.
-        passed: whether both are within their limits.
+        passed: whether nothing ``failed``.
         time, measured, simulated: (n,) signals, for pictures.
         backbones: pairs (recording's, FMU's).
         response: what was measured, and in which unit.
         besides: what the sensors show at zero, in words: no part of the motion, and left aside.
+        nrmse_limit: NRMSE that noise and the model's own errors exceed once in a thousand.
+        backbone_over_limit: distance of the backbones over what they exceed once in a thousand, at the amplitude where
+            that is largest; None where there is no backbone.
+        score: the parameter that the recording asks for most; None where it has failed already, or tells of none, or
+            the FMU holds no model that answers as it does.
+        failed: of each criterion that failed a sentence with its figures.
     """
 
     file: str
@@ -75,6 +76,10 @@ class RecordingCheck:
     backbones: tuple[tuple[Backbone, Backbone], ...]
     response: Response
     besides: tuple[str, ...] = ()
+    nrmse_limit: float = np.inf
+    backbone_over_limit: float | None = None
+    score: Score | None = None
+    failed: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,10 +99,10 @@ class Verification:
         if self.passed:
             return f"{self.fmu} reproduces {len(self.recordings)} recording(s) to within their noise"
         bad = [check for check in self.recordings if not check.passed]
-        worst = max(bad, key=lambda check: check.nrmse / check.noise_floor if check.noise_floor > 0 else np.inf)
+        worst = max(bad, key=lambda check: check.nrmse / check.nrmse_limit if check.nrmse_limit > 0 else np.inf)
         return (
-            f"{self.fmu} does not reproduce {', '.join(check.file for check in bad)}: the worst, {worst.file}, has an "
-            f"NRMSE of {worst.nrmse:.3g} where its noise alone makes {worst.noise_floor:.3g}"
+            f"{self.fmu} does not reproduce {', '.join(check.file for check in bad)}; "
+            f"{worst.file}: {' and '.join(worst.failed)}"
         )
 
     def as_json(self) -> dict[str, Any]:
@@ -109,8 +114,12 @@ class Verification:
                     "file": check.file,
                     "nrmse": _finite(check.nrmse),
                     "noise_floor": _finite(check.noise_floor),
+                    "nrmse_limit": _finite(check.nrmse_limit),
                     "backbone_max_error_hz": _finite(check.backbone_max_error_hz),
+                    "backbone_over_limit": _finite(check.backbone_over_limit),
+                    "score": None if check.score is None else check.score.as_json(),
                     "besides": list(check.besides),
+                    "failed": list(check.failed),
                     "pass": check.passed,
                 }
                 for check in self.recordings
@@ -132,13 +141,13 @@ def verify(
     limit: float = TIME_LIMIT,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Verification:
-    """Run the FMU with the force of each recording and compare response and backbone.
+    """Run the FMU with the force of each recording and compare response, backbone and parameters.
 
     Args:
         fmu: a co-simulation FMU of FMI 2.0 or 3.0 with an input ``F``; each recording is held against
             the first output of its own unit.
         recordings: what it should reproduce.
-        noise_ratio: largest NRMSE over noise floor that passes.
+        noise_ratio: how many times what chance makes of the NRMSE may be left, for the noise is not known exactly.
         limit: longest time, s, that the FMU may take without finishing a step.
         progress: called with one line per recording.
 
@@ -150,7 +159,8 @@ def verify(
         for recording in held_as(recordings, run.hold):
             check = _check(run, recording, noise_ratio)
             progress(
-                f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}"
+                f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}, "
+                f"limit {check.nrmse_limit:.3g}"
                 + ("" if check.backbone_max_error_hz is None else f", backbone {check.backbone_max_error_hz:.2g} Hz")
             )
             for words in check.besides:
@@ -162,28 +172,66 @@ def verify(
 
 
 def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCheck:
-    pieces = _pieces(recording)
-    runs = [_run(run, piece) for piece in pieces]
-    measured = np.concatenate([np.asarray(piece.response, float) for piece in pieces])
-    simulated = np.concatenate([replay.response for replay, _ in runs])
+    runs = [_run(run, piece) for piece in _pieces(recording)]
+    parts = [one.piece.recording for one in runs]
+    measured = np.concatenate([np.asarray(part.response, float) for part in parts])
+    simulated = np.concatenate([one.replay.response for one in runs])
     spread = float(np.std(measured))
     if not spread > 0:
         raise BadInput(f"{recording.name}: the response does not move; there is nothing to compare with")
+    count = DRAWS if all(one.twin.values.size for one in runs) else _DRAWS_OF_FMU
+    noise = powers(runs, count, own=False)
+    drawn = noise if all(one.twin.exact for one in runs) else powers(runs, count, own=True)
     nrmse = float(np.sqrt(np.mean((simulated - measured) ** 2))) / spread
-    variance = sum(piece.n * noise**2 for piece, (_, noise) in zip(pieces, runs, strict=True)) / measured.size
-    floor = float(np.sqrt(variance)) / spread
-    backbones = tuple(
-        pair for piece, (replay, _) in zip(pieces, runs, strict=True) for pair in _backbones(piece, replay.response)
-    )
-    error = _largest_error(backbones)
-    frequency = natural_frequency(recording) / (2 * np.pi)
-    passed = nrmse <= noise_ratio * floor and (error is None or error <= BACKBONE_PART * frequency)
-    time = np.concatenate([piece.time for piece in pieces])
-    shown = Response(recording.quantity, recording.unit)
-    besides = [words for replay, _ in runs for words in _besides(replay, recording)]
+    floor = float(np.sqrt(np.mean(noise))) / spread
+    limit = noise_ratio * float(np.sqrt(by_chance(drawn))) / spread
+    backbones = [pair for place, one in enumerate(runs) for pair in compared(one, place)]
+    failed = _of_size(nrmse, floor, limit) + _of_backbones(backbones, recording)
+    score = None
+    if not failed and run.model is not None and count == DRAWS:
+        score = score_of(run.model, recording)
+        failed += [] if score is None or score.passed else [score.sentence()]
     return RecordingCheck(
-        recording.name, nrmse, floor, error, bool(passed), time, measured, simulated, backbones, shown, tuple(besides)
+        recording.name,
+        nrmse,
+        floor,
+        max((float(np.max(pair.distance)) for pair in backbones), default=None),
+        not failed,
+        np.concatenate([part.time for part in parts]),
+        measured,
+        simulated,
+        tuple((pair.recorded, pair.simulated) for pair in backbones),
+        Response(recording.quantity, recording.unit),
+        tuple(words for one in runs for words in _besides(one.replay, recording)),
+        limit,
+        max((pair.over for pair in backbones), default=None),
+        score,
+        tuple(failed),
     )
+
+
+def _of_size(nrmse: float, floor: float, limit: float) -> list[str]:
+    """The sentence of what is left, where that is more than chance."""
+    if nrmse <= limit:
+        return []
+    return [
+        f"an NRMSE of {nrmse:.3g} is left where noise alone leaves {floor:.3g} on average, and noise with the model's "
+        f"own errors more than {limit:.3g} once in a thousand"
+    ]
+
+
+def _of_backbones(backbones: Sequence[Compared], recording: Recording) -> list[str]:
+    """The sentence of the backbones that are farthest apart, where that is more than chance."""
+    worst = max(backbones, key=lambda pair: pair.over, default=None)
+    if worst is None or worst.over <= 1.0:
+        return []
+    there = worst.worst
+    unit = Response(recording.quantity, recording.unit).displacement_unit
+    return [
+        f"the backbones ({worst.recorded.method}) are {worst.distance[there]:.3g} Hz apart at "
+        f"{worst.amplitude[there]:.3g} {unit}, where noise and the model's own errors make more than "
+        f"{worst.limit[there]:.3g} Hz once in a thousand"
+    ]
 
 
 def _besides(replay: Replay, recording: Recording) -> list[str]:
@@ -199,7 +247,7 @@ def _besides(replay: Replay, recording: Recording) -> list[str]:
     return words
 
 
-def _pieces(recording: Recording) -> list[Recording]:
+def _pieces(recording: Recording) -> list[Piece]:
     """Its pieces; raises BadInput where it has none."""
     parts = pieces(recording)
     if not parts:
@@ -209,73 +257,19 @@ def _pieces(recording: Recording) -> list[Recording]:
     return parts
 
 
-def _run(run: FmuRun, recording: Recording) -> tuple[Replay, float]:
-    """The FMU along a recording, and the rms of what noise alone leaves."""
-    force = force_of(recording)
+def _run(run: FmuRun, piece: Piece) -> Run:
+    """The FMU along a piece, and what answers in its place to other forces and parameters."""
+    recording = piece.recording
+    force, output = force_of(recording), run.output_for(recording)
 
     def simulate(state: np.ndarray, n: int, load: float) -> np.ndarray:
         pushed = force.shifted(-load) if force is not None and load else force
         return run.record(pushed, n, recording.dt, state, recording.start, output)
 
-    output = run.output_for(recording)
     replay = run_along(simulate, recording, run.inner)
     pushed = force if force is None else force.shifted(-replay.load)
-    moved = replay.response - replay.shown(recording.dt)
-    return replay, floor_of_fmu(run, recording, pushed, replay.initial, moved)
-
-
-def _backbones(recording: Recording, simulated: np.ndarray) -> tuple[tuple[Backbone, Backbone], ...]:
-    """Backbones by the same method from the recording and from the FMU's response."""
-    twin = changed(recording, response=simulated)
-    pairs = []
-    free = recording.force is None or not np.any(recording.force)
-    decays = (Decay(0, recording.n),) if free else find_decays(recording)
-    for decay in decays:
-        ends = decay.start, decay.stop
-        pairs.append(_pair(lambda r, ends=ends: _free(displacement(r).part(*ends)), recording, twin))
-    # a multisine has no envelope that passes slowly through the amplitudes, so it has no backbone to compare
-    drive = drive_of(recording)
-    if drive is not None and kind_of(recording, decays) in ("sweep", "sine"):
-        pairs.append(_pair(lambda r: _forced(displacement(r), drive), recording, twin))
-    return tuple(pair for pair in pairs if pair is not None)
-
-
-def _pair(
-    make: Callable[[Recording], Backbone], recording: Recording, twin: Recording
-) -> tuple[Backbone, Backbone] | None:
-    try:
-        return make(recording), make(twin)
-    except BadInput:
-        return None  # too few cycles or too little motion for a backbone: then there is none to compare
-
-
-def _free(decay: Signal) -> Backbone:
-    curve = freevib(decay)
-    return Backbone("FREEVIB", curve.amplitude, curve.omega0 / (2 * np.pi))
-
-
-def _forced(x: Signal, drive: Signal) -> Backbone:
-    curve = forced_regression(x, drive)
-    return Backbone("regression", curve.amplitude, curve.omega0 / (2 * np.pi))
-
-
-def _largest_error(backbones: Sequence[tuple[Backbone, Backbone]]) -> float | None:
-    if not backbones:
-        return None
-    largest = max(float(np.max(pair[0].amplitude)) for pair in backbones)
-    worst = 0.0
-    for recorded, simulated in backbones:
-        low = max(recorded.amplitude.min(), simulated.amplitude.min(), AMPLITUDE_PART * largest)
-        high = min(recorded.amplitude.max(), simulated.amplitude.max())
-        if high <= low:
-            continue
-        grid = np.linspace(low, high, 200)
-        difference = _at(recorded, grid) - _at(simulated, grid)
-        error = float(np.max(np.abs(difference)))
-        worst = max(worst, error if np.isfinite(error) else np.inf)
-    return worst
-
-
-def _at(backbone: Backbone, amplitude: np.ndarray) -> np.ndarray:
-    order = np.argsort(backbone.amplitude)
-    return np.interp(amplitude, backbone.amplitude[order], backbone.frequency[order])
+    twin = twin_of(run.model, recording, pushed, replay, piece.sensor)
+    if twin is None:
+        initial, n, dt, start = replay.initial, recording.n, recording.dt, recording.start
+        twin = Twin(np.zeros(0), np.zeros((0, 0)), lambda other, _: run.record(other, n, dt, initial, start, output))
+    return Run(piece, replay, twin)

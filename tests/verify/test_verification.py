@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import zipfile
 from dataclasses import replace
 from functools import cache
 
@@ -9,13 +10,16 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.rig import force, paper_stand
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import acceleration, recording_of
 from dashpot.export import export
 from dashpot.model import Oscillator, Response
+from dashpot.model.file import dumps
 from dashpot.recording import Recording
 from dashpot.simulate.force import smooth_force, straight_lines
 from dashpot.verify.fmu_run import FmuRun
+from dashpot.verify.score import standard_errors
 from dashpot.verify.verification import verify
 from scipy.integrate import solve_ivp
 
@@ -88,6 +92,78 @@ def test_a_wrong_model_fails(tmp_path, changed):
     result = verify(tmp_path / "wrong.fmu", [recording()])
     assert not result.passed
     assert "does not reproduce sweep.csv" in result.sentence()
+
+
+def test_the_criterion_that_failed_is_named_with_its_figures(tmp_path):
+    export(model_of(mass=TRUTH["mass"] * 1.002), tmp_path / "wrong.fmu")
+    result = verify(tmp_path / "wrong.fmu", [recording()])
+    (check,) = result.recordings
+    assert check.failed[0].startswith(f"an NRMSE of {check.nrmse:.3g} is left where noise alone leaves")
+    assert f"more than {check.nrmse_limit:.3g} once in a thousand" in result.sentence()
+    assert check.score is None
+
+
+def test_a_parameter_that_no_rms_tells_is_told_by_the_score(tmp_path):
+    """A mass that is off by six of the standard errors that this recording leaves it."""
+    record = recording(noise=1e-5, force_noise=1e-2)
+    by = 6.0 * standard_errors(model_of(), record)["mass"]
+    export(model_of(mass=TRUTH["mass"] + by), tmp_path / "wrong.fmu")
+    (check,) = verify(tmp_path / "wrong.fmu", [record]).recordings
+    assert check.nrmse < check.nrmse_limit
+    assert not check.passed
+    assert not check.score.passed
+    (sentence,) = check.failed
+    assert sentence == check.score.sentence()
+
+
+def test_bursts_with_ten_micrometres_and_a_per_cent_of_noise_pass(fmu):
+    pieces = force("bursts")[:10_000]
+    x, true, random = paper_stand(pieces), pieces[:, 0], np.random.default_rng(0)
+    shown = true + 1e-2 * np.max(np.abs(true)) * random.standard_normal(x.size)
+    record = Recording(name="bursts.csv", fs=FS, response=x + 1e-5 * random.standard_normal(x.size), force=shown)
+    (check,) = verify(fmu, [record]).recordings
+    assert check.failed == ()
+    assert 0.0 < check.backbone_over_limit < 1.0
+
+
+def test_a_force_column_that_holds_only_noise_does_not_drive_the_fmu(fmu):
+    record = recording(kind="decay", initial=(7e-3, 0.3))
+    noisy = replace(record, force=0.05 * np.random.default_rng(5).standard_normal(N))
+    (check,) = verify(fmu, [noisy]).recordings
+    assert check.passed
+    assert check.nrmse < 1.1 * NOISE / np.std(check.measured)
+
+
+def test_a_model_whose_own_errors_explain_the_difference_passes(tmp_path):
+    wrong = model_of(omega0=TRUTH["omega0"] * 1.002)
+    known = {"omega0": replace(wrong.omega0, std=0.002 * TRUTH["omega0"])}
+    export(wrong, tmp_path / "exact.fmu")
+    export(wrong.with_parameters(known), tmp_path / "honest.fmu")
+    exact, honest = (verify(tmp_path / f"{name}.fmu", [recording()]).recordings[0] for name in ("exact", "honest"))
+    assert not exact.passed
+    assert honest.passed
+    assert honest.noise_floor == pytest.approx(exact.noise_floor, rel=0.05)
+    assert honest.nrmse_limit > 10 * exact.nrmse_limit
+
+
+def test_an_fmu_that_is_not_its_model_file_is_judged_by_its_own_response(tmp_path, fmu):
+    """The file inside says another mass: nothing of it counts, and the FMU itself passes or fails."""
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(tmp_path / "other.fmu", "w") as target:
+        for name in source.namelist():
+            content = source.read(name)
+            target.writestr(name, dumps(model_of(mass=0.4)) if name.endswith("model.yaml") else content)
+    (check,) = verify(tmp_path / "other.fmu", [recording()]).recordings
+    assert check.passed
+    assert check.score is None
+
+
+def test_a_tenth_is_what_the_level_of_noise_is_not_known_by(fmu):
+    record = recording()
+    strict, usual = (verify(fmu, [record], **ratio).recordings[0] for ratio in ({"noise_ratio": 1.0}, {}))
+    assert usual.nrmse_limit == pytest.approx(1.1 * strict.nrmse_limit)
+    just = strict.nrmse / strict.nrmse_limit
+    assert verify(fmu, [record], noise_ratio=1.01 * just).passed
+    assert not verify(fmu, [record], noise_ratio=0.99 * just).passed
 
 
 def test_a_decay_from_an_unknown_state_is_followed_to_its_noise(fmu):
@@ -183,8 +259,6 @@ def test_one_fmu_runs_over_many_recordings_without_remembering(fmu):
 
 
 def test_an_fmu_of_fmi_3_is_refused_by_name(tmp_path, fmu):
-    import zipfile
-
     with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(tmp_path / "three.fmu", "w") as target:
         for entry in source.namelist():
             content = source.read(entry)
@@ -198,7 +272,11 @@ def test_an_fmu_of_fmi_3_is_refused_by_name(tmp_path, fmu):
 def test_the_json_holds_what_the_design_says(fmu):
     result = verify(fmu, [replace(recording(), name="a.csv")]).as_json()
     assert set(result) == {"fmu", "recordings", "pass"}
-    assert set(result["recordings"][0]) == {"file", "nrmse", "noise_floor", "backbone_max_error_hz", "besides", "pass"}
+    (check,) = result["recordings"]
+    before = {"file", "nrmse", "noise_floor", "backbone_max_error_hz", "besides", "pass"}
+    assert set(check) == before | {"nrmse_limit", "backbone_over_limit", "score", "failed"}
+    assert set(check["score"]) == {"parameter", "unit", "value", "asks", "gain", "chance", "pass"}
+    assert check["failed"] == []
 
 
 #: A law's force per unit mass and the rate of its inner state, from displacement, velocity, inner state and parameters.

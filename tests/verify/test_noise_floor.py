@@ -1,0 +1,70 @@
+"""What drives the FMU and what is noise: a force where there is one, none where the motion is free."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.examples.force import chirp
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.signals import noise_levels
+from dashpot.recording import Recording
+from dashpot.verify.noise_floor import pieces
+
+FS, FREE = 1000.0, 1500
+LEVEL = 1e-2
+
+
+def burst(zero=0.0):
+    """A burst and its ringing; the load cell has noise all the way and shows ``zero`` at zero."""
+    force = np.zeros((5000, 11))
+    force[:FREE] = chirp(1.15, 13.0, 0.0, np.arange(FREE) / FS, 1 / FS)
+    x = integrate_pieces(TRUTH, force[:-1], 1 / FS)[0]
+    random = np.random.default_rng(1)
+    shown = force[:, 0] + zero + LEVEL * random.standard_normal(x.size)
+    return Recording(name="burst.csv", fs=FS, response=x + 1e-5 * random.standard_normal(x.size), force=shown)
+
+
+def test_a_free_decay_is_run_without_the_noise_of_the_force_channel():
+    (piece,) = pieces(burst())
+    (decay,) = piece.decays
+    free = slice(decay.start, decay.stop)
+    assert abs(decay.start - FREE) < 20
+    assert not np.any(piece.recording.force[free])
+    assert not np.any(piece.force[free])
+    assert piece.recording.force[: decay.start] == pytest.approx(burst().force[: decay.start])
+    assert piece.force[: decay.start] == pytest.approx(LEVEL, rel=0.1)
+
+
+def test_where_the_load_cell_shows_something_at_zero_a_free_decay_keeps_that():
+    (piece,) = pieces(burst(zero=0.5))
+    (decay,) = piece.decays
+    assert piece.recording.force[decay.start : decay.stop] == pytest.approx(0.5, abs=1e-3)
+    assert np.ptp(piece.recording.force[decay.start : decay.stop]) == 0.0
+
+
+def test_a_column_that_holds_only_noise_drives_nothing(recorded):
+    decay = recorded(begin=(8e-3, 0.1), noise=1e-5)
+    noisy = replace(decay, force=LEVEL * np.random.default_rng(0).standard_normal(decay.n))
+    (piece,) = pieces(noisy)
+    assert piece.recording.force is None
+    assert piece.disturbed(np.random.default_rng(0)) is None
+
+
+def test_the_noise_of_a_decay_is_that_of_its_whole_recording(recorded):
+    decay = recorded(begin=(8e-3, 0.1), fs=1000.0, seconds=5.0, noise=2e-5)
+    (piece,) = pieces(decay)
+    assert piece.recording.n < 0.6 * decay.n
+    assert piece.sensor == noise_levels(decay)[0] == pytest.approx(2e-5, rel=0.05)
+
+
+def test_a_sweep_is_one_piece_with_noise_on_all_of_its_force(recorded):
+    sweep = recorded(sweep=(1.0, 8.0, 18.0), force_noise=LEVEL)
+    (piece,) = pieces(sweep)
+    assert piece.recording is sweep
+    assert piece.force == pytest.approx(LEVEL, rel=0.1)
+    again = piece.disturbed(np.random.default_rng(0))
+    samples = again.pieces[:: again.fine, 0]
+    assert np.std(samples - sweep.force[: samples.size]) == pytest.approx(LEVEL, rel=0.15)
