@@ -7,7 +7,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.residual_test import Leftover, expected, in_step, leftovers, sentence
+from dashpot.diagnose.search import residual_test as module
+from dashpot.diagnose.search.residual_test import Leftover, _reached, expected, in_step, leftovers, sentence
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import Data, data_of
 from dashpot.identify.segments import Segment
@@ -16,6 +17,7 @@ from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.simulate.force import straight_lines
 from scipy.signal import lfilter
+from scipy.stats import chi2
 
 MODEL = Oscillator.from_values(TRUTH)
 OMEGA = TRUTH["omega0"]
@@ -224,6 +226,18 @@ def test_noise_keeps_step_with_nothing():
     for _ in range(40):
         assert in_step(motion, random.standard_normal(motion.size))[0] == 0.0
         assert in_step(motion, coloured(random, motion.size))[0] == 0.0
+
+
+def test_noise_along_one_direction_reaches_the_limit_once_in_two_thousand():
+    """The worst that a spectrum can do: all its power lies along one of the directions (chi-square of one degree)."""
+    assert 1 / 2500 < chi2.sf(_reached(np.array([1.0])), 1) < 1 / 2000
+
+
+@pytest.mark.parametrize(("by_chance", "short"), [(0.49, False), (0.51, True)])
+def test_where_noise_may_have_half_of_it_keeping_step_tells_nothing(monkeypatch, by_chance, short):
+    monkeypatch.setattr(module, "in_step", lambda *_: (0.0, 0, by_chance))
+    (left,) = leftovers(*left_by((motion_of(60)[0], white(60 * PER_CYCLE))))
+    assert left.short is short
 
 
 def test_nothing_is_in_step_with_nothing():
