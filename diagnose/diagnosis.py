@@ -129,7 +129,9 @@ def diagnose(
     progress("standard errors", 0.86)
     before, after = _delivered(family, model, recordings, memory, []), None
     if selected.laws and not other_rig:
-        named, free = _named(fitted, selected.laws), all(recording.hold is None for recording in given)
+        # beside what still lacks something the hold would be asked for in vain once more
+        free = all(recording.hold is None for recording in given) and not remainder_sentence(left)
+        named = _named(fitted, selected.laws)
         after = _delivered(named, model, recordings, search.data.memory, notes, named=True, hold_is_free=free)
         if after.hold != before.hold:  # which was found beside what the family lacks
             recordings, holdout = ([changed(r, hold=after.hold) for r in group] for group in (recordings, holdout))
