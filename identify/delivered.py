@@ -38,7 +38,7 @@ _NEAR_ENOUGH = 0.01
 #: Draws of force noise for the covariance: its standard errors are then good to 9 %.
 _DRAWS = 60
 #: Steps from where a coarser simulation has its maximum: each squares what is left of the way.
-_LAST_STEPS = 5
+_LAST_STEPS = 3
 
 
 @dataclass(frozen=True, eq=False)
