@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from ...identify.data import Data, noise_spectra
-from ...identify.odds import DECISIVE
 from ...identify.structure import Fitted
 
+#: Above the logarithm of the number of frequencies by this much, a line of a periodogram is no chance (one in 400)
+#: and a place where a search may begin, which costs little and decides nothing.
+_BEYOND_CHANCE = 6.0
 _MOST = 4
 #: A segment of fewer samples has too few frequencies for a line to stand out of.
 _FEWEST = 64
@@ -30,7 +32,7 @@ def residual_lines(fitted: Fitted, data: Data) -> tuple[float, ...]:
         power = np.abs(np.fft.rfft(residual * window)) ** 2 / np.sum(window**2) / noise.density
         power[:3] = 0.0
         for place in np.argsort(power)[::-1][:3]:
-            if power[place] < np.log(power.size) + DECISIVE or not 0 < place < power.size - 1:
+            if power[place] < np.log(power.size) + _BEYOND_CHANCE or not 0 < place < power.size - 1:
                 continue
             left, middle, right = np.log(power[place - 1 : place + 2] + 1e-300)
             bend = left - 2 * middle + right
