@@ -95,11 +95,6 @@ def identified(kind: str, times: float) -> Oscillator:
     return identify([recorded(kind, times, 999_999)]).oscillator
 
 
-def errors(model: Oscillator, record: Recording) -> dict[str, float]:
-    """Standard errors of the parameters that a recording tells of, as a fit to it would state them."""
-    return standard_errors(model, record)
-
-
 def passes(model: Oscillator, record: Recording) -> bool:
     """Whether ``verify`` passes an FMU of the model."""
     check = verification._check  # pyright: ignore[reportPrivateUsage]
@@ -121,7 +116,7 @@ def main(arguments: Sequence[str]) -> None:
         kind = KINDS[seed % 3]
         times = float(largest) ** (seed // 3 * 7 % LEVELS / (LEVELS - 1))
         record = recorded(kind, times, seed)
-        error = errors(truth, record)
+        error = standard_errors(truth, record)
         name = NAMES[1:][seed // 3 % 5] if kind == "decay" else NAMES[seed // 3 % 6]
         by = OFF * error[name] * (1 if seed % 2 else -1)
         models = {"true": truth}
