@@ -244,11 +244,10 @@ def _delivered(
 
 def _named(fitted: Fitted, laws: Sequence[str]) -> Fitted:
     """The fit with every law that was added under the name that suits its values."""
+    suiting = {term.effect: names_of(term, fitted.model)[0] for term in fitted.model.terms if term.effect in laws}
     for name in laws:
-        (term,) = [term for term in fitted.model.terms if term.effect == name]
-        suiting = names_of(term, fitted.model.values())[0]
-        if suiting != name:
-            fitted = renamed(fitted, name, find(suiting))
+        if suiting[name] != name:
+            fitted = renamed(fitted, name, find(suiting[name]))
     return fitted
 
 
@@ -256,10 +255,9 @@ def _effects(selected: Candidate, search: Search, model: Oscillator) -> tuple[Ef
     """What is named, the most probable first."""
     effects = []
     assert selected.fit is not None
-    values = selected.fit.model.values()
     for name in selected.laws:
         (fitted,) = [term for term in selected.fit.model.terms if term.effect == name]
-        names = names_of(fitted, values)
+        names = names_of(fitted, selected.fit.model)
         (term,) = [term for term in model.terms if term.effect == names[0]]
         stands = standing(name, selected, list(search.candidates.values()), search.parts)
         law = find(names[0])

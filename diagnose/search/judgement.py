@@ -13,7 +13,7 @@ from ...identify.odds import DECISIVE
 from ...identify.weighed import ABOVE_NOISE
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
-from ...model.oscillator import Term
+from ...model.oscillator import Oscillator, Term
 from .candidate import Candidate
 from .residual_test import times_the_noise
 
@@ -100,15 +100,17 @@ def only_a_name(law: Law) -> bool:
     return law.twin is not None and len(find(law.twin).parameters) == len(law.parameters)
 
 
-def names_of(term: Term, values: dict[str, float]) -> tuple[str, ...]:
+def names_of(term: Term, model: Oscillator) -> tuple[str, ...]:
     """The laws whose name suits a term with its values, the plainest first: laws of one equation, or a case of it.
 
     Args:
         term: as fitted.
-        values: of all the model's parameters.
+        model: of which it is one; the names of its other terms are taken.
     """
-    law = find(term.effect)
-    family = [law, *(other for other in LIBRARY.values() if law.twin == other.name or other.twin == law.name)]
+    law, values = find(term.effect), model.values()
+    taken = {other.effect for other in model.terms} - {term.effect}
+    alike = (other for other in LIBRARY.values() if law.twin == other.name or other.twin == law.name)
+    family = [law, *(other for other in alike if other.effect not in taken)]
     own = list(term.parameters.values())
     suiting = []
     for other in family:

@@ -351,7 +351,7 @@ class Search:
         entries = []
         for name in leader.laws:
             general = find(name).twin
-            if general is None or only_a_name(find(name)):
+            if general is None or general in leader.laws or only_a_name(find(name)):
                 continue
             wider = renamed(leader.fit, name, find(general))
             laws = key([general if law == name else law for law in leader.laws])

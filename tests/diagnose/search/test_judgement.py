@@ -198,7 +198,7 @@ def test_only_what_could_stand_in_its_place_is_a_rival():
 
 def named(effect: str, **values: float) -> tuple[str, ...]:
     model = Oscillator.from_values(BASE | {f"{effect}.{n}": v for n, v in values.items()}, effects=(effect,))
-    return names_of(model.terms[0], model.values())
+    return names_of(model.terms[0], model)
 
 
 def test_a_load_larger_than_the_friction_is_no_friction():
@@ -212,3 +212,11 @@ def test_a_clearance_stiffer_than_the_spring_is_a_stop():
     soft = {"stiffness": 0.5 * 6400.0, "position": 1e-3, "damping": 0.0, "offset": 0.0}
     assert named("two-sided-stop", **soft) == ("clearance",)
     assert named("two-sided-stop", **soft | {"stiffness": 4.0 * 6400.0}) == ("two-sided-stop",)
+
+
+def test_the_name_of_another_law_of_the_structure_is_taken():
+    stop = {"stiffness": 0.5 * 6400.0, "position": 1e-3, "damping": 0.0, "offset": 0.0}
+    values = BASE | {f"two-sided-stop.{name}": value for name, value in stop.items()}
+    values |= {"clearance.stiffness": 4.0 * 6400.0, "clearance.gap": 2e-3}
+    model = Oscillator.from_values(values, effects=("clearance", "two-sided-stop"))
+    assert [names_of(term, model)[0] for term in model.terms] == ["clearance", "two-sided-stop"]

@@ -241,6 +241,13 @@ def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
     ]
 
 
+def test_a_law_becomes_the_more_general_one_where_that_is_not_there():
+    search, leader = leading("clearance")
+    assert [entry.laws for entry in search._generalised(leader)] == [("two-sided-stop",)]
+    search, leader = leading("clearance", "two-sided-stop")
+    assert search._generalised(leader) == []
+
+
 RUGGED = next(law.name for law in LIBRARY.values() if law.rugged)
 
 
