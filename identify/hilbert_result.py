@@ -13,7 +13,7 @@ from .decays import find_free_motion
 from .displacement import displacement
 from .excitation import kind_of
 from .modal_curve import modal_curve
-from .modal_fit import modal_fit
+from .modal_fit import modal_fit, rung_in
 from .modal_mass import mass_fit
 from .modal_result import ModalCurve, ModalFit
 from .modal_stretch import Stretch, decay_stretch, forced_stretch
@@ -127,8 +127,13 @@ def _evaluate(
     begin = r.start + samples[0] / r.fs
     try:
         part = x.part(*samples)
-        stretch = decay_stretch(part) if drive is None else forced_stretch(part, drive.part(*samples))
-        mass = None if drive is None else mass_fit([stretch])
+        mass = None
+        if drive is None:
+            stretch = decay_stretch(part)
+        else:
+            stretch = forced_stretch(part, drive.part(*samples))
+            stretch = rung_in(stretch, mass_fit([stretch]))
+            mass = mass_fit([stretch])
         found.append((stretch, modal_curve(stretch, mass, r.name, samples, begin, part.samples)))
     except BadInput as problem:
         what = "decay" if drive is None else "driven stretch"

@@ -9,7 +9,7 @@ more than that noise, they are as much larger.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,8 @@ from .modal_stretch import Stretch
 _LEAST_POINTS = 8
 _ROUNDS = 3
 _EQ17 = ("omega0", "cubic", "preload", "viscous", "dry")
+#: The beginning of a driven stretch is left out where noise would make it miss the laws as far with this chance.
+_CHANCE = 1 / 400
 _STEP = 1e-4  # of a parameter, for a derivative
 
 #: Columns (p, n) of a law and their slopes with ln A, at a stretch's amplitudes.
@@ -81,6 +83,38 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
         derived=derived,
         derived_std=errors,
     )
+
+
+def rung_in(stretch: Stretch, mass: MassFit) -> Stretch:
+    """A driven stretch without its beginning, as long as that misses the laws that the rest follows.
+
+    A force that comes on sets the rig ringing at its own frequency beside the one that it is driven at: for so long
+    there is no single amplitude. Windows of one independent value each count, one after the other from the beginning.
+
+    Raises:
+        BadInput: as ``modal_fit``.
+    """
+    from scipy.special import gammaincinv
+
+    window = stretch.signal.kernel + stretch.low_pass_kernel.size
+    most = float(gammaincinv(1.0, 1 - _CHANCE))  # the mean of two squares, of stiffness and damping
+    for _ in range(_ROUNDS):
+        spring = _Fit((_spring(stretch, mass, _both, 0.0),), mass)
+        friction = _Fit((_damper(stretch, mass, 0.0),), mass)
+        found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
+        found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
+        further = further_harmonics(stretch, found)
+        left = [fit.curves[0].target - fit.value @ fit.curves[0].columns for fit in (spring, friction)]
+        left = [rest - stretch.low_pass(part) for rest, part in zip(left, further, strict=True)]
+        curve, keep = spring.curves[0], stretch.keep
+        variance = stretch.point_variance(curve.squared, curve.damping, mass.inverse)
+        off = 0.5 * (left[0] ** 2 + (left[1] * stretch.signal.omega[keep]) ** 2) / variance
+        means = np.array([np.mean(off[a : a + window]) for a in range(stretch.rung_in, off.size - window, window)])
+        bad = int(np.argmin(np.append(means, 0.0) > most))
+        if bad == 0 or stretch.rung_in + bad * window > off.size // 2:
+            break
+        stretch = replace(stretch, rung_in=stretch.rung_in + bad * window)
+    return stretch
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,6 +49,7 @@ class Stretch:
     inside: slice
     ratio: np.ndarray | None = None  # F/X, complex
     force_noise: float = 0.0
+    rung_in: int = 0  # so many low-passed values at the beginning hold the rig's own ringing beside the driven motion
 
     @property
     def keep(self) -> slice:
@@ -89,6 +90,7 @@ class Stretch:
         if self.ratio is None and not np.all(clear):
             first = int(np.argmax(clear))
             clear[first + int(np.argmin(clear[first:])) :] = False
+        clear[: self.rung_in] = False
         return clear
 
     @cached_property

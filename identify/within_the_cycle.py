@@ -7,7 +7,8 @@ A low-passed backbone knows the fundamental alone. The harmonics that go with it
 are found as the fundamental is: turned back, by n psi, and low-passed. From them follow
 
 * Eq. 5 of Feldman, Bucher, Rotberg 2009: with X the whole analytic signal,
-  ``omega0²(t) + i delta(t) = -(X'' + 2 h0 X')/X`` swings about its mean (Eq. 6); of a cubic by ``cubic A²/4 cos(2 psi)`` and, but for the harmonics in X, no more;
+  ``omega0²(t) + i delta(t) = -(X'' + 2 h0 X')/X`` swings about its mean (Eq. 6), of
+  a cubic by ``cubic A²/4 cos(2 psi)`` but for the harmonics in X;
 * congruent curves (Feldman 1997, 2007): at the instant at which the harmonics add up to the peak, the forces of all of
   them add up to the static force there: no factor of 3/4 or 4/pi is left to invert;
 * half-waves apart: of an asymmetric rig each side has its own amplitude, and its own frequency, half the inverse of the
