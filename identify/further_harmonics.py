@@ -55,7 +55,7 @@ def further_harmonics(stretch: Stretch, values: Mapping[str, float]) -> tuple[np
 
     omega = seen(s.omega)
     further = fundamental_beyond_a_sine(s.time[at], seen(stretch.amplitude), omega, seen(s.growth), values)
-    real, imaginary = (np.interp(s.time, s.time[at], part) for part in (further.real, further.imag / omega))
+    real, imaginary = (np.interp(s.time, s.time[at], part) for part in (np.real(further), np.imag(further) / omega))
     return real - np.interp(s.time, s.time[at], seen(s.growth)) * imaginary, imaginary
 
 

@@ -24,7 +24,7 @@ from .modal_stretch import Stretch
 
 _LEAST_POINTS = 8
 _ROUNDS = 3
-_EQ17 = ("omega0", "cubic", "preload", "viscous", "dry")
+_EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
 #: The beginning of a driven stretch is left out where noise would make it miss the laws as far with this chance.
 _CHANCE = 1 / 400
 _STEP = 1e-4  # of a parameter, for a derivative

@@ -91,8 +91,8 @@ def within_the_cycle(stretch: Stretch, samples: np.ndarray, good: np.ndarray) ->
     force = (squared + 0j) * fundamental - np.sum((rate**2 + 2 * damping * rate) * turned, axis=0)
     stiffness = force / (fundamental + np.sum(turned, axis=0))
     odd = (orders % 2 == 1)[:, None]
-    amplitude = a + np.sum(np.where(odd, u.real, 0.0), axis=0)
-    restoring = squared * a + np.sum(np.where(odd, (order * omega) ** 2 * u.real, 0.0), axis=0)
+    amplitude = a + np.sum(np.where(odd, np.real(u), 0.0), axis=0)
+    restoring = squared * a + np.sum(np.where(odd, (order * omega) ** 2 * np.real(u), 0.0), axis=0)
     counted = odd & np.any(u != 0, axis=1, keepdims=True)
     of_curve = stretch.point_variance(*by_sample, 0.0)[good] * a**2
     of_harmonics = np.sum(np.where(counted, (order * omega) ** 4, 0.0), axis=0) * spread**2
