@@ -51,11 +51,6 @@ def backbone_omega0(amplitude: np.ndarray, omega0: float, cubic: float, preload:
     return np.sqrt(np.where(squared >= 0, squared, np.nan))
 
 
-def preload_backbone(peak: np.ndarray, omega0: float, preload: float) -> np.ndarray:
-    """Eq. 1: natural frequency (n,) rad/s of a preloaded linear spring at the `peak` displacement (n,)."""
-    return 0.5 * np.pi * omega0 / np.arccos(1 / (1 + np.asarray(peak, float) * omega0**2 / preload))
-
-
 def fit_backbone(
     amplitude: np.ndarray, omega0: np.ndarray, weight: np.ndarray | None = None, independent: float | None = None
 ) -> BackboneFit:

@@ -11,6 +11,8 @@ from .decays import Decay
 from .signals import drive_of
 
 _WINDOWS = 24
+#: A line counts where white noise would make one as large anywhere in a window with this chance.
+_CHANCE = 1 / 400
 
 
 def band_of(recording: Recording) -> tuple[float, float] | None:
@@ -19,8 +21,15 @@ def band_of(recording: Recording) -> tuple[float, float] | None:
     return drive.band if drive is not None and np.any(drive.samples) else None
 
 
-def kind_of(recording: Recording, decays: Sequence[Decay]) -> str:
-    """``decay``, ``bursts``, ``sine``, ``sweep`` or ``broadband``, from the signals alone."""
+def kind_of(recording: Recording, decays: Sequence[Decay], noise: float = 0.0) -> str:
+    """``decay``, ``bursts``, ``sine``, ``sweep`` or ``broadband``, from the signals alone.
+
+    Args:
+        recording: with the force.
+        decays: in it.
+        noise: standard deviation of white noise on the force that is not to count: spread over all frequencies, a per
+            cent of it makes a sine look broad.
+    """
     force = recording.force
     if force is None or not np.any(force):
         return "decay"
@@ -30,7 +39,10 @@ def kind_of(recording: Recording, decays: Sequence[Decay]) -> str:
     centres, narrow = [], 0
     for start in range(0, recording.n - size + 1, size):
         piece = np.asarray(force[start : start + size])
-        power = np.abs(np.fft.rfft((piece - piece.mean()) * np.hanning(size))) ** 2
+        window = np.hanning(size)
+        power = np.abs(np.fft.rfft((piece - piece.mean()) * window)) ** 2
+        if noise:  # the power of white noise in a bin is exponentially distributed
+            power[power < noise**2 * np.sum(window**2) * np.log(power.size / _CHANCE)] = 0.0
         if not np.any(power):
             continue
         frequency = np.fft.rfftfreq(size, recording.dt)

@@ -1,42 +1,104 @@
-"""What the motion's own harmonics do to the fundamental of the force: harmonic balance to the second order.
+"""What the motion's own harmonics do to the fundamental of the force: harmonic balance of several harmonics.
 
-Eqs. 6 and 7 of Feldman, Bucher, Rotberg take the motion for a sine. Preload, dry friction and cubic give it harmonics
+Eqs. 6 and 7 of Feldman, Bucher, Rotberg take the motion for a sine. Preload, dry friction and cubic give it harmonics,
 
-    x = A cos(psi) + sum a_n cos(n psi) + b_n sin(n psi),    n = 3, 5, ...
+    x = Re( A exp(i psi) + sum u_n exp(i n psi) ),    n = 3, 5, ...
 
-whose size follows from the force along the sine; they move the instants at which the signs change, and meet the cubic,
-and so add to the fundamental of the force in turn (Krylov and Bogoliubov 1937, second approximation). Near rest, where
-friction is much of the force, and with a strong cubic this is more than the error of the curves.
+which move the instants at which the signs change, and meet the cubic, and so add to the fundamental of the force in
+turn. Each harmonic follows the force's own, f_n, under the rig's linear part, while amplitude and frequency run on:
+
+    (omega0² - n² omega² + i n (omega' + viscous omega)) u_n + (2 i n omega + viscous) u_n' + f_n = 0.
+
+Solved by repetition (Krylov and Bogoliubov 1937 stop after the first round): every round is smaller than the one before
+by cubic A² / omega², and by preload and friction over the spring's force. Near rest, where friction is much of the
+force, and with a strong cubic the second round is more than the error of the curves.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-_ORDERS = np.arange(3, 400, 2)
+if TYPE_CHECKING:
+    from .modal_stretch import Stretch
+
+#: Of a sign, whose harmonics fall slowly.
+_ORDERS = np.arange(3, 200, 2)
 _SIGNS = np.where(_ORDERS % 4 == 1, 1.0, -1.0)
-#: Sums over the odd harmonics of a sign: of 1/(n² - 1), and of the same over n with alternating sign.
-_SLOPE = float(np.sum(1.0 / (_ORDERS**2 - 1.0)))
 _PLACE = float(np.sum(_SIGNS / (_ORDERS * (_ORDERS**2 - 1.0))))
+#: So many of them meet the cubic, whose own fall by a factor of 20 or more from one to the next.
+_MEET = 6
+_ANGLES = 64  # more than twice three times the highest order that meets the cubic, so that none folds onto another
+_ROUNDS = 8
+_A_CYCLE = 4  # the harmonics are followed at so many instants a cycle: they change as slowly as the amplitude
+_MOST_SHIFT = 0.5  # rad, of the instant at which a sign changes: beyond, the motion is all but at rest
 
 
-def further_harmonics(
-    amplitude: np.ndarray, omega: np.ndarray, cubic: float, preload: float, dry: float
-) -> tuple[np.ndarray, np.ndarray]:
+def further_harmonics(stretch: Stretch, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
     """Further stiffness (n,), 1/s², and further damping 2 h (n,), 1/s, per unit mass, of Eq. 17 beyond Eqs. 6 and 7.
 
     Args:
-        amplitude: of the fundamental (n,), in the displacement's unit.
-        omega: of the motion (n,), rad/s.
-        cubic, preload, dry: of Eq. 17, per unit mass.
+        stretch: of n samples.
+        values: of Eq. 17, per unit mass: omega0, cubic, preload, viscous, dry.
     """
-    a, squared = np.asarray(amplitude, float), np.asarray(omega, float) ** 2
-    p, d = 4 * preload / np.pi, 4 * dry / np.pi
-    third_cosine = (0.25 * cubic * a**3 - p / 3) / (8 * squared)
-    third_sine = -d / (24 * squared)
-    stiffness = 0.75 * cubic * a * third_cosine - d**2 * _SLOPE / (squared * a**2)
-    damping = (p * d * _PLACE / (squared * a**2) - 0.75 * cubic * a * third_sine) / np.sqrt(squared)
-    return stiffness, damping
+    s = stretch.signal
+    clear = np.flatnonzero(stretch.clear) + stretch.keep.start
+    if not clear.size:
+        return np.zeros(s.time.size), np.zeros(s.time.size)
+    margin = stretch.low_pass_kernel.size // 2  # what a clear value leans on
+    at = np.arange(clear[0] - margin, clear[-1] + margin + 1)[:: max(1, int(s.period / _A_CYCLE))]
+
+    def seen(values: np.ndarray) -> np.ndarray:
+        return np.clip(values[at], np.min(values[clear]), np.max(values[clear]))
+
+    omega = seen(s.omega)
+    further = fundamental_beyond_a_sine(s.time[at], seen(stretch.amplitude), omega, seen(s.growth), values)
+    real, imaginary = (np.interp(s.time, s.time[at], part) for part in (np.real(further), np.imag(further) / omega))
+    return real - np.interp(s.time, s.time[at], seen(s.growth)) * imaginary, imaginary
+
+
+def fundamental_beyond_a_sine(
+    time: np.ndarray, amplitude: np.ndarray, omega: np.ndarray, growth: np.ndarray, values: Mapping[str, float]
+) -> np.ndarray:
+    """Fundamental of Eq. 17's force over A (n,), complex, 1/s², less that which a sine of this amplitude meets.
+
+    Args:
+        time: (n,), s, rising.
+        amplitude: of the fundamental, (n,).
+        omega: rad/s, (n,).
+        growth: A'/A, (n,), 1/s.
+        values: of Eq. 17.
+    """
+    cubic, viscous = values["cubic"], values["viscous"]
+    p, d = 4 * values["preload"] / np.pi, 4 * values["dry"] / np.pi
+    n = _ORDERS[:, None]
+    way = (growth + 1j * omega) / np.abs(growth + 1j * omega)  # of the velocity
+    chirp = np.gradient(omega, time) if time.size > 1 else np.zeros(time.size)
+    stiff = values["omega0"] ** 2 - (n * omega) ** 2 + 1j * n * (chirp + viscous * omega)
+    # a driven motion passes where a harmonic meets the rig's own frequency: what it does there is not small
+    stiff = stiff * np.maximum(1.0, omega**2 / np.abs(stiff))
+    turn = np.exp(1j * np.outer(np.arange(1, 2 * _MEET + 2, 2), 2 * np.pi * np.arange(_ANGLES) / _ANGLES))
+    u = np.zeros((_ORDERS.size, time.size), complex)
+    total = np.zeros(time.size, complex)
+    for _ in range(_ROUNDS):
+        x = np.real(np.einsum("ht,ha->at", np.vstack([amplitude[None] + 0j, u[:_MEET]]), turn))
+        met = 2 * np.einsum("at,ha->ht", cubic * x**3, turn.conj()) / _ANGLES
+        # the spring's sign changes where x does, a quarter turn on; friction's where the velocity does
+        slope = amplitude - np.sum(np.real(1j ** (n + 1) * n * u), axis=0)
+        crossing = np.sum(np.real(1j**n * u), axis=0) / slope
+        turning = np.sum(np.real(1j * n * u), axis=0) / (amplitude + np.sum(n**2 * np.real(u), axis=0))
+        crossing, turning = (np.clip(shift, -_MOST_SHIFT, _MOST_SHIFT) for shift in (crossing, turning))
+        force = p * _SIGNS[:, None] / n * np.exp(-1j * n * crossing) + d / n * way**n * (-1j) ** (n - 1) * np.exp(
+            -1j * n * turning
+        )
+        force[:_MEET] += met[1:]
+        change = np.gradient(u, time, axis=1) if time.size > 1 else 0.0
+        u = -(force + (2j * n * omega + viscous) * change) / stiff
+        total = met[0] - 0.75 * cubic * amplitude**3
+        total = total + p * (np.exp(-1j * crossing) - 1) + d * way * (np.exp(-1j * turning) - 1)
+    return total / amplitude
 
 
 def peak_of(amplitude: np.ndarray, omega: np.ndarray, preload: float) -> np.ndarray:

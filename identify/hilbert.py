@@ -91,12 +91,16 @@ def analytic_signal(
     undecay: float | None = None,
     kernel_cycles: float = KERNEL_CYCLES,
     frequency: float | None = None,
+    by_kernel: bool = False,
 ) -> AnalyticSignal:
     """Analytic signal of `x` (n,), sampled at `fs` Hz, with its smoothed derivatives (Eq. 9).
 
     `undecay`: 1/s, the h of the exp(+h t) applied first; None takes it from the fall of the envelope (0 when it does
     not fall). `kernel_cycles`: length of the low-pass kernel in cycles of the dominant frequency.
     `frequency`: that one in Hz, where it is known already.
+    `by_kernel`: the kernel alone, which has no transmission at twice the carrier either, takes the negative frequencies
+    away. The Hilbert transform, whose tails reach the continuation from everywhere, then only makes the carrier; half a
+    kernel from the ends nothing but the recording is left in the result.
     Raises BadInput when there are fewer than five cycles or fewer than five samples a cycle.
     Near the ends, within half a kernel, the values lean on the continuation: cut them before use.
     """
@@ -118,10 +122,14 @@ def analytic_signal(
     X = _hilbert(y, f / fs)
     carrier, rate, turn = _carrier(X, period, fs)
     length = round(kernel_cycles * period)
+    X = 2.0 * y.astype(complex) if by_kernel else X
     # each further pass turns by the phase that the one before found: what is left at last is the envelope alone
     z, first, second = _derivatives(X, carrier, rate, turn, fs, length)
     for _ in range(_FURTHER_PASSES):
-        carrier, rate, turn = _smooth_phase(carrier + np.unwrap(np.angle(z)), fs, length)
+        phase = carrier + np.unwrap(np.angle(z))
+        if by_kernel:
+            phase = _own_ends(phase, pad + length // 2, length)
+        carrier, rate, turn = _smooth_phase(phase, fs, length)
         z, first, second = _derivatives(X, carrier, rate, turn, fs, length)
     phase = carrier + np.unwrap(np.angle(z))
     passed = _passed(X, carrier, rate, turn, fs, length)
@@ -148,7 +156,7 @@ def analytic_signal(
     )
 
 
-def turned_alike(y: np.ndarray, fs: float, signal: AnalyticSignal) -> np.ndarray:
+def turned_alike(y: np.ndarray, fs: float, signal: AnalyticSignal, by_kernel: bool = False) -> np.ndarray:
     """`Y/X` (n,), complex: the analytic signal of `y` (n,), turned and low-passed exactly as that of `signal`, over it.
 
     What holds between the two recordings, such as an equation of motion, then holds between what passed of them.
@@ -157,6 +165,7 @@ def turned_alike(y: np.ndarray, fs: float, signal: AnalyticSignal) -> np.ndarray
     Y = _hilbert(
         _continued((y - np.mean(y)) * np.exp(signal.undecay * signal.time), signal.period, pad), 1 / signal.period
     )
+    Y = 2.0 * Y.real if by_kernel else Y
     turned = Y[pad : pad + y.size] * np.exp(-1j * signal.carrier)
     return _low_pass(turned, fs, signal.kernel)[0] / signal.slow
 
@@ -206,6 +215,20 @@ def _passed(
 def _decaying(first: np.ndarray, second: np.ndarray, undecay: float) -> tuple[np.ndarray, np.ndarray]:
     """X'/X and X''/X of a motion from those of the same times exp(undecay t)."""
     return first - undecay, second - 2 * undecay * first + undecay**2
+
+
+def _own_ends(phase: np.ndarray, edge: int, length: int) -> np.ndarray:
+    """A phase (n,) whose ends, `edge` samples each, go on as a cubic through the next `length`, then straight."""
+    if phase.size < 2 * (edge + length):
+        return phase
+    out = phase
+    for _ in range(2):  # the start, then the end turned round
+        place = np.arange(edge + length, dtype=float)
+        cubic = np.polynomial.Polynomial.fit(place[edge:], out[edge : edge + length], 3)
+        far = float(max(0, edge - length))
+        ahead = np.maximum(place[:edge], far)
+        out = np.concatenate([cubic(ahead) + cubic.deriv()(far) * (place[:edge] - ahead), out[edge:]])[::-1]
+    return out
 
 
 def _smooth_phase(phase: np.ndarray, fs: float, length: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

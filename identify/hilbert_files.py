@@ -33,7 +33,9 @@ UNITS = {
 _A_CYCLE = 8
 _HEAD = (
     "recording,method,stretch,time_s,amplitude_{x},frequency_Hz,phase_rad,omega0_rad_s,omega0_std_rad_s,"
-    "damping_1_s,damping_std_1_s,decrement,force_{f}\n"
+    "damping_1_s,damping_std_1_s,decrement,force_{f},omega0_within_rad_s,hysteresis_1_s2,congruent_amplitude_{x},"
+    "congruent_restoring_{x}_s2,congruent_restoring_std_{x}_s2,peak_above_{x},peak_below_{x},frequency_above_Hz,"
+    "frequency_below_Hz\n"
 )
 
 
@@ -58,6 +60,7 @@ def curves_csv(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> st
                 curve.damping_std,
                 curve.decrement,
                 curve.force,
+                *_within(curve),
             ]
         )[::step]
         name = '"' + curve.recording.replace('"', '""') + '"'
@@ -65,6 +68,15 @@ def curves_csv(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> st
             cells = ",".join(f"{value:.9g}" if math.isfinite(value) else "" for value in row)
             out.write(f"{name},{curve.method},{i + 1},{cells}\n")
     return out.getvalue()
+
+
+def _within(curve: ModalCurve) -> list[np.ndarray]:
+    """Eq. 5, congruent curve and half-waves of a decay, as the header has them; not a number under a force."""
+    cycle = curve.within
+    if cycle is None:
+        return [np.full(curve.time.size, np.nan)] * 9
+    halves = (*cycle.peaks, *(cycle.omega / (2 * np.pi)))
+    return [cycle.omega0, cycle.hysteresis, cycle.amplitude, cycle.restoring, cycle.restoring_std, *halves]
 
 
 def _step(curve: ModalCurve) -> int:
@@ -95,6 +107,7 @@ def as_json(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> dict[
                     "at_min_amplitude": _finite(curve.decrement[low]),
                     "at_max_amplitude": _finite(curve.decrement[high]),
                 },
+                "within_the_cycle": _largest(curve, unit, high),
                 "fit": None if curve.fit is None else _fit(curve.fit, unit, compose),
             }
         )
@@ -108,6 +121,31 @@ def as_json(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> dict[
         fit = getattr(analysis, method)
         result[method] = None if fit is None else _fit(fit, unit, compose) | {"spread": analysis.spread(method)}
     return result | {"notes": list(analysis.notes)}
+
+
+def _largest(curve: ModalCurve, unit: str, at: int) -> dict[str, Any] | None:
+    """What is within a cycle where the amplitude is largest; the CSV file has it at every instant."""
+    cycle = curve.within
+    if cycle is None:
+        return None
+    sizes = np.abs(cycle.harmonics[:, at])
+    return {
+        "at_amplitude": float(curve.amplitude[at]),
+        "harmonics": {str(n): float(size) for n, size in zip(cycle.orders, sizes, strict=True)},
+        "harmonics_std": float(cycle.harmonics_std[at]),
+        "congruent": {
+            "amplitude": {"value": float(cycle.amplitude[at]), "unit": unit},
+            "restoring": {
+                "value": float(cycle.restoring[at]),
+                "std": float(cycle.restoring_std[at]),
+                "unit": f"{unit}/s2",
+            },
+        },
+        "half_waves": {
+            side: {"peak": float(peak[at]), "frequency_hz": float(omega[at] / (2 * np.pi))}
+            for side, peak, omega in zip(("above", "below"), cycle.peaks, cycle.omega, strict=True)
+        },
+    }
 
 
 def _fit(fit: ModalFit, unit: str, compose: Any) -> dict[str, Any]:

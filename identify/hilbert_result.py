@@ -13,10 +13,10 @@ from .decays import find_free_motion
 from .displacement import displacement
 from .excitation import kind_of
 from .modal_curve import modal_curve
-from .modal_fit import modal_fit
+from .modal_fit import modal_fit, rung_in
 from .modal_mass import mass_fit
 from .modal_result import ModalCurve, ModalFit
-from .modal_stretch import Stretch, forced_stretch, free_stretch
+from .modal_stretch import Stretch, decay_stretch, forced_stretch
 from .signals import Signal, drive_of
 
 if TYPE_CHECKING:
@@ -95,7 +95,7 @@ def hilbert_analysis(recordings: Sequence[Recording]) -> HilbertAnalysis:
             continue
         if motion.blows:
             notes.append(f"{r.name}: the blows are too short for FORCEVIB; what rings after them is evaluated.")
-        elif kind_of(r, motion.decays) == "broadband":
+        elif kind_of(r, motion.decays, drive.noise) == "broadband":
             notes.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
         else:
             for start, stop in _between(motion.decays, r.n):
@@ -127,9 +127,14 @@ def _evaluate(
     begin = r.start + samples[0] / r.fs
     try:
         part = x.part(*samples)
-        stretch = free_stretch(part) if drive is None else forced_stretch(part, drive.part(*samples))
-        mass = None if drive is None else mass_fit([stretch])
-        found.append((stretch, modal_curve(stretch, mass, r.name, samples, begin)))
+        mass = None
+        if drive is None:
+            stretch = decay_stretch(part)
+        else:
+            stretch = forced_stretch(part, drive.part(*samples))
+            stretch = rung_in(stretch, mass_fit([stretch]))
+            mass = mass_fit([stretch])
+        found.append((stretch, modal_curve(stretch, mass, r.name, samples, begin, part.samples)))
     except BadInput as problem:
         what = "decay" if drive is None else "driven stretch"
         notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")

@@ -19,10 +19,16 @@ from .modal_fit import modal_fit
 from .modal_mass import MassFit
 from .modal_result import ModalCurve
 from .modal_stretch import Stretch
+from .within_the_cycle import within_the_cycle
 
 
 def modal_curve(
-    stretch: Stretch, mass: MassFit | None, recording: str, samples: tuple[int, int], begin: float
+    stretch: Stretch,
+    mass: MassFit | None,
+    recording: str,
+    samples: tuple[int, int],
+    begin: float,
+    displacement: np.ndarray | None = None,
 ) -> ModalCurve:
     """The curves of one stretch: by FREEVIB where nothing drives it, else by FORCEVIB with the mass given.
 
@@ -32,6 +38,7 @@ def modal_curve(
         recording: name.
         samples: start and stop of the stretch in it.
         begin: time of the stretch's first sample, s.
+        displacement: the samples (m,) that a decay was made from, for what happens within its cycles; None: not asked.
 
     Raises:
         BadInput: nothing in it stands clear of its noise.
@@ -59,14 +66,15 @@ def modal_curve(
         fit = None
     keep = stretch.keep
     omega0 = np.sqrt(low[0][good])
+    amplitude, phase = stretch.smooth_motion if stretch.ratio is None else (stretch.amplitude[keep], s.phase[keep])
     return ModalCurve(
         recording=recording,
         method="freevib" if stretch.ratio is None else "forcevib",
         start=samples[0],
         stop=samples[1],
         time=begin + s.time[keep][good],
-        amplitude=stretch.amplitude[keep][good],
-        phase=s.phase[keep][good],
+        amplitude=amplitude[good],
+        phase=phase[good],
         omega=low[2][good],
         omega0=omega0,
         damping=low[1][good],
@@ -76,4 +84,5 @@ def modal_curve(
         # the kernels' effective length is a third of their joint length
         independent=min(1.0, 3.0 / (s.kernel + stretch.low_pass_kernel.size)),
         fit=fit,
+        within=None if displacement is None or mass is not None else within_the_cycle(stretch, displacement, good),
     )

@@ -9,13 +9,14 @@ more than that noise, they are as much larger.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
 from ..model.backbone import preload_backbone
+from .curve_noise import CurveNoise, curve_noise
 from .further_harmonics import further_harmonics, peak_of
 from .modal_mass import MassFit
 from .modal_result import LawFit, ModalFit
@@ -23,10 +24,13 @@ from .modal_stretch import Stretch
 
 _LEAST_POINTS = 8
 _ROUNDS = 3
+_EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
+#: The beginning of a driven stretch is left out where noise would make it miss the laws as far with this chance.
+_CHANCE = 1 / 400
 _STEP = 1e-4  # of a parameter, for a derivative
 
 #: Columns (p, n) of a law and their slopes with ln A, at a stretch's amplitudes.
-_Law = Callable[[Stretch], tuple[np.ndarray, np.ndarray]]
+_Law = Callable[[Stretch, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
 def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> ModalFit:
@@ -42,8 +46,9 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
         each = list(zip(stretches, further, strict=True))
         spring = _Fit(tuple(_spring(s, given, _both, f[0], spring.value) for s, f in each), given)
         friction = _Fit(tuple(_damper(s, given, f[1], friction.value) for s, f in each), given)
-        (_, cubic, preload), dry = spring.value, friction.value[1]
-        further = [further_harmonics(s.amplitude, s.signal.omega, cubic, preload, dry) for s in stretches]
+        found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
+        found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
+        further = [further_harmonics(s, found) for s in stretches]
     squared = float(spring.value[0])
     if not squared > 0:
         raise BadInput("The backbone leads to no positive stiffness: this is not the motion of one oscillator.")
@@ -80,6 +85,38 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
     )
 
 
+def rung_in(stretch: Stretch, mass: MassFit) -> Stretch:
+    """A driven stretch without its beginning, as long as that misses the laws that the rest follows.
+
+    A force that comes on sets the rig ringing at its own frequency beside the one that it is driven at: for so long
+    there is no single amplitude. Windows of one independent value each count, one after the other from the beginning.
+
+    Raises:
+        BadInput: as ``modal_fit``.
+    """
+    from scipy.special import gammaincinv
+
+    window = stretch.signal.kernel + stretch.low_pass_kernel.size
+    most = float(gammaincinv(1.0, 1 - _CHANCE))  # the mean of two squares, of stiffness and damping
+    for _ in range(_ROUNDS):
+        spring = _Fit((_spring(stretch, mass, _both, 0.0),), mass)
+        friction = _Fit((_damper(stretch, mass, 0.0),), mass)
+        found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
+        found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
+        further = further_harmonics(stretch, found)
+        left = [fit.curves[0].target - fit.value @ fit.curves[0].columns for fit in (spring, friction)]
+        left = [rest - stretch.low_pass(part) for rest, part in zip(left, further, strict=True)]
+        curve, keep = spring.curves[0], stretch.keep
+        variance = stretch.point_variance(curve.squared, curve.damping, mass.inverse)
+        off = 0.5 * (left[0] ** 2 + (left[1] * stretch.signal.omega[keep]) ** 2) / variance
+        means = np.array([np.mean(off[a : a + window]) for a in range(stretch.rung_in, off.size - window, window)])
+        bad = int(np.argmin(np.append(means, 0.0) > most))
+        if bad == 0 or stretch.rung_in + bad * window > off.size // 2:
+            break
+        stretch = replace(stretch, rung_in=stretch.rung_in + bad * window)
+    return stretch
+
+
 @dataclass(frozen=True, eq=False)
 class _Curve:
     """What one stretch gives for a fit: columns and target low-passed, the rest by sample."""
@@ -87,8 +124,9 @@ class _Curve:
     stretch: Stretch
     target: np.ndarray  # (k,)
     columns: np.ndarray  # (p, k)
+    plain: np.ndarray  # (p, k), the columns at an amplitude without noise
     slopes: np.ndarray  # (p, n), the columns' change with ln A
-    weight: np.ndarray  # (k,)
+    noise: CurveNoise
     on_error: np.ndarray  # (n,), complex: the target's change with the equation's error
     on_mass: np.ndarray  # (k,), with 1/m
     squared: np.ndarray  # (n,)
@@ -103,22 +141,23 @@ class _Fit:
         self.value: Any = None
         if not curves:
             return
-        count = sum(int(np.count_nonzero(c.weight)) for c in curves)
+        count = sum(c.noise.count for c in curves)
         if count < _LEAST_POINTS:
             raise BadInput(
                 "Too little of the motion stands clear of its noise and changes slowly enough to fit a curve to it; "
                 "record a larger or longer motion."
             )
-        normal = sum((c.columns * c.weight) @ c.columns.T for c in curves)
-        scale = 1 / np.sqrt(np.diag(normal))
+        normal: Any = sum(c.noise.weigh(c.plain) @ c.columns.T for c in curves)
+        scale = 1 / np.sqrt(np.abs(np.diag(normal)))
         self.inverse = scale[:, None] * np.linalg.pinv(normal * np.outer(scale, scale), rcond=1e-14) * scale
-        self.value = self.inverse @ sum((c.columns * c.weight) @ c.target for c in curves)
-        left = sum(float(np.sum(c.weight * (c.target - self.value @ c.columns) ** 2)) for c in curves)
+        self.value = self.inverse @ sum(c.noise.weigh(c.plain) @ c.target for c in curves)
+        rest = [c.target - self.value @ c.columns for c in curves]
+        left = sum(float(c.noise.weigh(r) @ r) for c, r in zip(curves, rest, strict=True))
         self.misfit = left / count
 
     def rows(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """How the values change with the equation's error, (p, n) complex, and with ln A, (p, n), of each stretch."""
-        gains = [self.inverse @ (c.columns * c.weight) for c in self.curves]
+        gains = [self.inverse @ c.noise.weigh(c.plain) for c in self.curves]
         with_mass = sum(gain @ c.on_mass for gain, c in zip(gains, self.curves, strict=True))
         rows = []
         wide = np.sqrt(max(1.0, self.misfit))
@@ -170,15 +209,17 @@ def _spring(
     rest = s.equation_second - mass.inverse * drive
     growth, omega = np.real(s.equation_first), np.imag(s.equation_first)
     squared, damping = -np.real(rest) + growth * np.imag(rest) / omega, -0.5 * np.imag(rest) / omega
-    columns, slopes = law(stretch)
-    variance = stretch.point_variance(squared, damping, mass.inverse, 0.0 if value is None else value @ slopes)
+    columns, slopes = law(stretch, stretch.amplitude)
+    on_error = -1 - 1j * growth / omega
+    on_amplitude = np.zeros(omega.size) if value is None else -(value @ slopes)
     return _Curve(
         stretch,
         stretch.low_pass(squared - further),
         stretch.low_pass(np.real(stretch.passed(columns))),
+        stretch.low_pass(law(stretch, stretch.smooth_amplitude)[0]),
         slopes,
-        np.where(stretch.clear, 1 / variance, 0.0),
-        -1 - 1j * growth / omega,
+        curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
+        on_error,
         stretch.low_pass(np.real(drive) - np.imag(drive) * growth / omega),
         squared,
         damping,
@@ -194,30 +235,29 @@ def _damper(stretch: Stretch, mass: MassFit, further: np.ndarray | float, value:
     dry = 4 / (np.pi * stretch.amplitude * np.abs(s.equation_first))
     columns = np.stack([np.ones_like(dry), dry])
     slopes = np.stack([np.zeros_like(dry), -dry])
-    variance = stretch.point_variance(
-        squared, damping, mass.inverse, 0.0 if value is None else 1j * omega * (value @ slopes)
-    )
+    on_error = 1j / omega
+    on_amplitude = np.zeros(omega.size) if value is None else -(value @ slopes)
     return _Curve(
         stretch,
         stretch.low_pass(2 * damping - further),
         stretch.low_pass(np.imag(stretch.passed(columns, s.equation_first)) / omega),
+        stretch.low_pass(np.stack([np.ones_like(dry), dry * stretch.amplitude / stretch.smooth_amplitude])),
         slopes,
-        np.where(stretch.clear, s.omega[stretch.keep] ** 2 / variance, 0.0),
-        1j / omega,
+        curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
+        on_error,
         stretch.low_pass(np.imag(drive) / omega),
         squared,
         damping,
     )
 
 
-def _both(stretch: Stretch) -> tuple[np.ndarray, np.ndarray]:
-    a = stretch.amplitude
+def _both(stretch: Stretch, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     columns = np.stack([np.ones_like(a), 0.75 * a**2, 4 / (np.pi * a)])
     return columns, columns * np.array([[0.0], [2.0], [-1.0]])
 
 
-def _polynomial(stretch: Stretch) -> tuple[np.ndarray, np.ndarray]:
-    columns, slopes = _both(stretch)
+def _polynomial(stretch: Stretch, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    columns, slopes = _both(stretch, a)
     return columns[:2], slopes[:2]
 
 
@@ -225,9 +265,9 @@ def _preload_fit(stretches: Sequence[Stretch], mass: MassFit, start: _Fit) -> La
     """Eq. 1, which is not linear in its parameters, by Gauss and Newton; None where no preload is in the curves."""
     theta = start.value[[0, 2]]
 
-    def squares(stretch: Stretch, values: np.ndarray) -> np.ndarray:
+    def squares(stretch: Stretch, amplitude: np.ndarray, values: np.ndarray) -> np.ndarray:
         base = float(np.sqrt(values[0]))
-        peak = peak_of(stretch.amplitude, stretch.signal.omega, float(values[1]))
+        peak = peak_of(amplitude, stretch.signal.omega, float(values[1]))
         out = np.full(peak.size, values[0])
         out[stretch.inside] = preload_backbone(base, float(values[1]), peak[stretch.inside]) ** 2
         return out
@@ -236,18 +276,18 @@ def _preload_fit(stretches: Sequence[Stretch], mass: MassFit, start: _Fit) -> La
         fit = start
         for _ in range(4 * _ROUNDS):
 
-            def law(stretch: Stretch, at: np.ndarray = theta) -> tuple[np.ndarray, np.ndarray]:
+            def law(stretch: Stretch, a: np.ndarray, at: np.ndarray = theta) -> tuple[np.ndarray, np.ndarray]:
                 steps = np.maximum(_STEP * np.abs(at), 1e-12)
                 columns = [
-                    (squares(stretch, at + step * unit) - squares(stretch, at - step * unit)) / (2 * step)
+                    (squares(stretch, a, at + step * unit) - squares(stretch, a, at - step * unit)) / (2 * step)
                     for step, unit in zip(steps, np.eye(2), strict=True)
                 ]
                 return np.stack(columns), np.stack([np.zeros(columns[0].size), -columns[1]])
 
             curves = []
             for s in stretches:
-                columns = law(s)[0]
-                curves.append(_spring(s, mass, law, squares(s, theta) - theta @ columns, theta))
+                columns = law(s, s.amplitude)[0]
+                curves.append(_spring(s, mass, law, squares(s, s.amplitude, theta) - theta @ columns, theta))
             fit = _Fit(tuple(curves), mass)
             done = np.all(np.abs(fit.value - theta) < 1e-9 * np.abs(theta))
             theta = fit.value

@@ -8,6 +8,8 @@ from types import MappingProxyType
 
 import numpy as np
 
+from .within_the_cycle import WithinTheCycle
+
 _NOTHING: Mapping[str, float] = MappingProxyType({})
 
 
@@ -78,6 +80,7 @@ class ModalCurve:
         force: amplitude of the force, in its unit; zero in a decay.
         independent: how many independent values a point stands for: the curves are smoother than they are dense.
         fit: the laws fitted to this curve alone; None where it is too short for that.
+        within: what happens within the cycles of a decay; None under a force.
     """
 
     recording: str
@@ -95,6 +98,7 @@ class ModalCurve:
     force: np.ndarray
     independent: float
     fit: ModalFit | None
+    within: WithinTheCycle | None = None
 
     @property
     def decrement(self) -> np.ndarray:

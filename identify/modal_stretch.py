@@ -18,14 +18,22 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import BadInput
-from .hilbert import AnalyticSignal, analytic_signal, blackman, turned_alike
+from .ends import with_ends
+from .hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
 from .signals import Signal
 
 CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
+#: Length of a decay's last low-pass in cycles: the shortest Blackman kernel without transmission at twice the
+#: frequency, where the signal itself, in the place of its analytic one, leaves a ripple.
+_SHORT_CYCLES = 1.5
+_ADVICE = "let it ring longer or release it from a larger amplitude"
 #: A motion this many times its low-passed noise has an amplitude and a phase that follow the noise linearly.
 _CLEAR = 20.0
-#: An amplitude, un-decayed, that changes by more than this part within the kernel is bent by it.
-_STEEP = 0.15
+#: An amplitude, un-decayed, that changes by more than this part within the kernel is bent by it: a decay's by less, of
+#: which more is asked.
+_STEEP, _STEEP_DECAY = 0.15, 0.1
+#: Degree of the polynomial in time that the logarithm of a decay's amplitude follows closely enough to weigh with.
+_SMOOTH = 6
 #: White noise below this part of the largest amplitude is rounding.
 _LEAST_NOISE = 1e-9
 
@@ -41,6 +49,7 @@ class Stretch:
     inside: slice
     ratio: np.ndarray | None = None  # F/X, complex
     force_noise: float = 0.0
+    rung_in: int = 0  # so many low-passed values at the beginning hold the rig's own ringing beside the driven motion
 
     @property
     def keep(self) -> slice:
@@ -73,10 +82,15 @@ class Stretch:
         s, keep = self.signal, self.keep
         level = _CLEAR * self.noise * float(np.sqrt(2 * np.sum(blackman(s.kernel)[0] ** 2)))
         steep = np.abs(s.growth + s.undecay)[keep] * s.kernel / self.fs
-        clear = (s.amplitude[keep] > level) & (steep < _STEEP) & (s.omega[keep] > 0)
+        clear = (
+            (s.amplitude[keep] > level)
+            & (steep < (_STEEP_DECAY if self.ratio is None else _STEEP))
+            & (s.omega[keep] > 0)
+        )
         if self.ratio is None and not np.all(clear):
             first = int(np.argmax(clear))
             clear[first + int(np.argmin(clear[first:])) :] = False
+        clear[: self.rung_in] = False
         return clear
 
     @cached_property
@@ -90,13 +104,39 @@ class Stretch:
         """(n,) what the low-pass took off the motion by its (un-decayed) curvature, as a factor to put it back."""
         s = self.signal
         bent = s.curvature + 2 * s.undecay * s.growth + s.undecay**2
-        bent[self.keep] = self.low_pass(bent)  # the second derivative is the noisiest of all
+        smooth = self.low_pass(bent)  # the second derivative is the noisiest of all
+        if self.ratio is None:  # a decay bends at its ends as it does beside them
+            bent = np.pad(smooth, (self.keep.start, bent.size - self.keep.stop), mode="edge")
+        else:
+            bent[self.keep] = smooth
         return 1 - 0.5 * self.width * bent
 
     @cached_property
     def amplitude(self) -> np.ndarray:
         """(n,) envelope by sample, before the low-pass."""
         return self.signal.amplitude * np.maximum(self._unbent, 0.5)
+
+    @cached_property
+    def smooth_amplitude(self) -> np.ndarray:
+        """(n,) envelope without the noise of its neighbours: a polynomial of its logarithm over the clear motion.
+
+        What weighs the points must not share their noise: 1/A, noisy, is off to the same side as the point itself.
+        """
+        if self.ratio is not None or not np.any(self.clear):
+            return self.amplitude
+        clear = np.flatnonzero(self.clear) + self.keep.start
+        asked = clear[:: max(1, int(self.signal.period / 4))]
+        fit = np.polynomial.Polynomial.fit(asked, np.log(self.amplitude[asked]), _SMOOTH, w=self.amplitude[asked])
+        half = self.low_pass_kernel.size // 2
+        place = np.clip(np.arange(self.amplitude.size), clear[0] - half, clear[-1] + half)
+        return np.exp(fit(place))
+
+    @cached_property
+    def smooth_motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Envelope and phase (k,) at `keep`, low-passed: without the ripple that the negative frequencies leave."""
+        s, keep = self.signal, self.keep
+        level, beside = self.low_pass(np.stack([self.amplitude * np.exp(s.undecay * s.time), s.phase - s.carrier]))
+        return level * np.exp(-s.undecay * s.time[keep]), beside + s.carrier[keep]
 
     def passed(self, factor: np.ndarray, motion: np.ndarray | float = 1.0) -> np.ndarray:
         """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X."""
@@ -117,7 +157,7 @@ class Stretch:
             inverse_mass: 1/kg; 0 without a force.
             slope: d(omega0²)/d ln A, or 1j omega d(2 h)/d ln A, (n,) of the law to which the value is to be compared.
         """
-        first, zeroth = (values[self.keep] for values in self._of_displacement(squared, damping))
+        first, zeroth = (values[self.keep] for values in self.of_displacement(squared, damping))
         zeroth = zeroth + (slope[self.keep] if isinstance(slope, np.ndarray) else slope)
         w, dw, ddw = blackman(self.signal.kernel)
         w, dw, ddw = (np.convolve(kernel, self.low_pass_kernel) for kernel in (w, dw * self.fs, ddw * self.fs**2))
@@ -126,7 +166,7 @@ class Stretch:
         drive = (self.force_noise * inverse_mass) ** 2 * np.sum(w**2)
         return 2 * (self.noise**2 * moved + drive) / self.signal.amplitude[self.keep] ** 2
 
-    def _of_displacement(self, squared: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def of_displacement(self, squared: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The factors (n,) of the un-decayed z' and z itself in the equation of motion, that of z'' being 1."""
         s = self.signal
         u, w = s.undecay, s.omega
@@ -151,7 +191,7 @@ class Stretch:
             inverse_mass: 1/kg.
         """
         s = self.signal
-        first, zeroth = self._of_displacement(squared, damping)
+        first, zeroth = self.of_displacement(squared, damping)
         kernels = blackman(s.kernel)
         back = np.exp(s.undecay * s.time - 1j * s.carrier)
 
@@ -181,9 +221,7 @@ def free_stretch(decay: Signal, *, undecay: float | None = None, low_pass_cycles
         BadInput: fewer than eight cycles, or fewer than five samples a cycle.
     """
     signal = analytic_signal(decay.samples, decay.fs, undecay=undecay, frequency=decay.frequency)
-    return _stretch(
-        signal, decay, low_pass_cycles, "FREEVIB", "let it ring longer or release it from a larger amplitude"
-    )
+    return _stretch(signal, decay, low_pass_cycles, "FREEVIB", _ADVICE)
 
 
 def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: float = 2.0) -> Stretch:
@@ -197,16 +235,49 @@ def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: floa
     return replace(stretch, ratio=turned_alike(drive.samples, fs, signal), force_noise=force_noise)
 
 
-def _stretch(signal: AnalyticSignal, displacement: Signal, cycles: float, method: str, advice: str) -> Stretch:
+def decay_stretch(decay: Signal, low_pass_cycles: float = _SHORT_CYCLES, cut: float = KERNEL_CYCLES / 2) -> Stretch:
+    """A free decay from as near its beginning as the kernel allows to where it sinks into its noise: FREEVIB's results.
+
+    Nothing but the recording is in its values: half a kernel is cut from each end and no more, the Hilbert transform's
+    tails do not reach the continuation (``analytic_signal``), and what the laws ask of the ends is extrapolated
+    (``with_ends``). Of the noise behind the decay no more is kept than the last values ask for: un-decayed it is the
+    larger part of the recording, and its wandering phase pulls at the whole carrier.
+
+    Args:
+        decay: displacement.
+        low_pass_cycles: length of the kernel of the last low-pass.
+        cut: cycles left out at each end.
+
+    Raises:
+        BadInput: as ``free_stretch``.
+    """
+    whole = free_stretch(decay)
+    part = decay
+    if np.any(whole.clear):
+        last = whole.keep.start + int(np.max(np.flatnonzero(whole.clear)))
+        part = decay.part(0, min(decay.n, last + int(np.ceil((CUT_CYCLES + 1) * whole.signal.period))))
+    signal = analytic_signal(part.samples, decay.fs, frequency=part.frequency, by_kernel=True)
+    stretch = _stretch(signal, part, low_pass_cycles, "FREEVIB", _ADVICE, cut)
+    return replace(stretch, signal=with_ends(signal, decay.fs), noise=whole.noise)
+
+
+def _stretch(
+    signal: AnalyticSignal,
+    displacement: Signal,
+    cycles: float,
+    method: str,
+    advice: str,
+    cut_cycles: float = CUT_CYCLES,
+) -> Stretch:
     n, fs = displacement.n, displacement.fs
     middle = float(np.median(signal.omega))
     period = 2 * np.pi / middle * fs if middle > 0 else float("inf")
-    cut = int(np.ceil(CUT_CYCLES * period)) if np.isfinite(period) else n
+    cut = int(np.ceil(cut_cycles * period)) if np.isfinite(period) else n
     if n - 2 * cut < 4 * period:
         what = "decay" if method == "FREEVIB" else "driven stretch"
         raise BadInput(
-            f"The {what} has {n / period:.1f} cycles; {method} needs at least 8, two of them cut from each end: "
-            f"{advice}."
+            f"The {what} has {n / period:.1f} cycles; {method} needs at least {4 + 2 * cut_cycles:.0f}, of which "
+            f"{cut_cycles:g} are cut from each end: {advice}."
         )
     noise = max(displacement.noise, _LEAST_NOISE * float(np.max(np.abs(signal.amplitude))))
     return Stretch(signal, fs, noise, blackman(int(cycles * period))[0], slice(cut, n - cut))

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from .. import __version__
 from ..export.render import plain_text
 from ..identify.hilbert_files import UNITS
@@ -18,6 +20,7 @@ from .provenance import files_text
 
 if TYPE_CHECKING:
     from ..identify.hilbert_result import HilbertAnalysis
+    from ..identify.modal_result import ModalCurve
     from ..recording.recording import Recording
 
 _NAMES = {"freevib": "FREEVIB", "forcevib": "FORCEVIB"}
@@ -129,8 +132,26 @@ def _over_time(analysis: HilbertAnalysis, unit: str) -> list[Block]:
         caption += (
             f" Logarithmic decrement {number(float(high))} at the largest amplitude, {number(float(low))} at the least."
         )
+        caption += _within(curve, unit)
         blocks.append(picture(lambda c=curve, i=i: time_figure(c, unit, f"time-{i + 1}"), caption))
     return blocks
+
+
+def _within(curve: ModalCurve, unit: str) -> str:
+    """What happens within the largest cycle of a decay, in a sentence; the CSV file has every one."""
+    cycle = curve.within
+    if cycle is None:
+        return ""
+    at = curve.amplitude.argmax()
+    force = f"{number(float(cycle.restoring[at]), 4)} ± {number(float(cycle.restoring_std[at]), 2)} {unit}/s²"
+    sides = " and ".join(
+        f"{number(float(peak[at]), 4)} {unit} at {number(float(omega[at] / (2 * np.pi)), 5)} Hz {side} rest"
+        for side, peak, omega in zip(("above", "below"), cycle.peaks, cycle.omega, strict=True)
+    )
+    return (
+        f" With its harmonics the largest cycle reaches {number(float(cycle.amplitude[at]), 4)} {unit}, where the "
+        f"spring pulls with {force}; its half-waves have {sides}."
+    )
 
 
 def _recordings(recordings: Sequence[Recording]) -> tuple[Table, ...]:

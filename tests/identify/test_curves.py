@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.curves import backbone_omega0, fit_backbone, fit_damping, preload_backbone
+from dashpot.identify.curves import backbone_omega0, fit_backbone, fit_damping
+from dashpot.model.backbone import preload_backbone
 
 
 @pytest.mark.parametrize("peak", [0.3, 1.0, 10.0, 100.0])
@@ -15,7 +16,7 @@ def test_describing_function_is_exact_on_the_fundamental_and_eq_1_on_the_peak(pe
     omega = np.pi / 2 / quarter
     t = np.linspace(0, quarter, 20001)
     fundamental = 2 / quarter * np.trapezoid(((1 + peak) * np.cos(t) - 1) * np.cos(omega * t), t)
-    assert preload_backbone(np.array([peak]), 1.0, 1.0)[0] == pytest.approx(omega, rel=1e-12)
+    assert preload_backbone(1.0, 1.0, peak) == pytest.approx(omega, rel=1e-12)
     assert backbone_omega0(np.array([fundamental]), 1.0, 0.0, 1.0)[0] == pytest.approx(omega, rel=1e-8)
 
 

@@ -43,6 +43,15 @@ def test_four_fifths_of_what_is_no_noise_are_narrow(part, broad):
     assert (kind_of(under(np.where(part * SECONDS > TIME, sweep(10.0, 10.0), noise)), ()) == "broadband") is broad
 
 
+@pytest.mark.parametrize("level", [0.01, 0.1])
+def test_a_sweep_with_noise_on_its_force_is_a_sweep_where_the_noise_is_known(level):
+    noise = level * np.random.default_rng(2).standard_normal(TIME.size)
+    assert kind_of(under(sweep(5.0, 20.0) + noise), (), level) == "sweep"
+    assert kind_of(under(noise), (), level) == "broadband"
+    slow = np.convolve(noise, np.ones(9) / 3, mode="same")
+    assert kind_of(under(slow + 0.001 * noise), (), 0.001 * level) == "broadband"
+
+
 def test_pauses_count_for_nothing():
     assert kind_of(under(np.where(TIME < 12.0, sweep(10.0, 10.0), 0.0)), ()) == "sine"
 

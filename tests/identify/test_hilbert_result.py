@@ -147,7 +147,10 @@ def test_files_are_strict_and_whole(found: HilbertAnalysis, given: list[Recordin
     rows = curves_csv(found, given).splitlines()
     assert rows[0].startswith("recording,method,stretch,time_s,amplitude_m,frequency_Hz")
     assert {row.split(",")[1] for row in rows[1:]} == {"freevib", "forcevib"}
-    assert {len(row.split(",")) for row in rows} == {13}
+    assert {len(row.split(",")) for row in rows} == {22}
+    decay, driven = result["stretches"][0], result["stretches"][-1]
+    assert decay["within_the_cycle"]["half_waves"]["above"]["frequency_hz"] == pytest.approx(12.7, abs=0.1)
+    assert driven["within_the_cycle"] is None
     assert "FREEVIB, 4 free decays" in describe(found, given)
 
 
