@@ -14,7 +14,7 @@ from typing import Any, NoReturn
 
 import click
 
-from .errors import DashpotError
+from .errors import DashpotError, printable
 
 REFUSED, INTERRUPTED = 2, 130
 #: Set to anything, it shows where in the program a fault was.
@@ -98,7 +98,7 @@ def _place(problem: BaseException) -> str:
 
 def _say(line: str) -> None:
     with suppress(OSError, ValueError):
-        click.echo(f"dashpot: {line}", err=True)
+        click.echo(f"dashpot: {printable(line)}", err=True)
 
 
 @contextmanager
