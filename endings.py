@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import _thread
 import os
+import shutil
 import signal
 import sys
+import tempfile
 import threading
 import traceback
 from collections.abc import Callable, Iterator
@@ -14,6 +17,7 @@ from typing import Any, NoReturn
 
 import click
 
+from .aside import signals_held
 from .errors import DashpotError, printable
 
 REFUSED, INTERRUPTED = 2, 130
@@ -31,11 +35,14 @@ def ended(command: Callable[[], Any]) -> None:
     for stream in (sys.stdout, sys.stderr):  # a terminal of another encoding must not undo what was done
         with suppress(AttributeError, ValueError, OSError):
             stream.reconfigure(errors="replace")
-    with _terminated_as_interrupted():
+    with _terminated_as_interrupted() as interrupted:
         try:
-            command()
+            with _own_temporary_folder():
+                command()
             if sys.stdout is not None:
                 sys.stdout.flush()
+        except Exception as problem:  # some libraries make of an interruption a fault of their own
+            _end(KeyboardInterrupt() if interrupted() else problem)
         except BaseException as problem:
             _end(problem)
 
@@ -102,22 +109,59 @@ def _say(line: str) -> None:
 
 
 @contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
-    """A request to end (SIGTERM, SIGHUP) is taken like Ctrl-C, so that nothing half-written stays."""
+def _terminated_as_interrupted() -> Iterator[Callable[[], bool]]:
+    """A request to end (SIGTERM, SIGHUP) is taken like Ctrl-C, so that nothing half-written stays.
+
+    Yields what says whether there was one. One that Python could not deliver, because it came in the middle of what
+    lets no exception through, comes again.
+    """
     if threading.current_thread() is not threading.main_thread():
-        yield
+        yield lambda: False
         return
+    asked = False
 
     def interrupt(*_: Any) -> None:
+        nonlocal asked
+        asked = True
         raise KeyboardInterrupt
 
-    before = {}
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-            before[number] = signal.signal(number, interrupt)
+    def undelivered(what: Any) -> None:
+        if isinstance(what.exc_value, KeyboardInterrupt):
+            _thread.interrupt_main()
+        else:
+            hook(what)
+
+    before, hook = {}, sys.unraisablehook
     try:
-        yield
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+                before[number] = signal.signal(number, interrupt)
+        sys.unraisablehook = undelivered
+        yield lambda: asked
     finally:
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+@contextmanager
+def _own_temporary_folder() -> Iterator[None]:
+    """What is made for a while, by this process or by those it starts, lies in one folder, which goes at the end.
+
+    So nothing is left wherever an interruption comes. Where there is no place for such a folder, all is as it was.
+    """
+    folder, before, variable = None, tempfile.tempdir, os.environ.get("TMPDIR")
+    try:
+        with signals_held(), suppress(OSError):  # which is said by what needs one
+            folder = tempfile.mkdtemp(prefix="dashpot-")
+            tempfile.tempdir = os.environ["TMPDIR"] = folder
+        yield
+    finally:
+        with signals_held():
+            if folder is not None:
+                shutil.rmtree(folder, ignore_errors=True)
+                tempfile.tempdir = before
+                os.environ.pop("TMPDIR", None)
+                if variable is not None:
+                    os.environ["TMPDIR"] = variable

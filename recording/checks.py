@@ -40,8 +40,8 @@ class Problem:
 def check(recording: Recording, *, stated: bool = False) -> list[Problem]:
     """Return everything wrong with a recording, errors first; an empty list means that nothing was found.
 
-    A signal of a few samples, that holds no numbers or never moves, is judged no further. Where the unit of the response was `stated` by
-    the user, a rotation by many turns is what it is: a shaft turns so far, and a torsion wire.
+    A signal of a few samples, that holds no numbers or never moves, is judged no further. Where the unit of the
+    response was `stated` by the user, a rotation by many turns is what it is: a shaft turns so far, and a torsion wire.
     """
     problems = too_few(recording) or not_a_number(recording) or out_of_range(recording) or constant(recording)
     if not problems:
