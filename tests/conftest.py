@@ -22,10 +22,10 @@ os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(Path(__file__).parents
 
 import numpy as np
 import pytest
+from dashpot.errors import DashpotError
 from dashpot.examples.concealed.record import record
 from dashpot.examples.concealed.suite import Spec
 from dashpot.examples.concealed.virtual import draw
-from dashpot.errors import DashpotError
 from dashpot.examples.virtual_recording import UNITS, recording_of
 from dashpot.identify import identify
 from dashpot.model import Oscillator, Response
