@@ -54,8 +54,8 @@ TRAINING = ("sweep_high", "sweep_low", "ringdown")
 HOLDOUT = ("holdout_multisine", "holdout_sweep")
 #: A test of so many laws goes through the library; one of fewer has chosen them itself.
 MANY = 12
-#: Set to a number, so many times as many inputs as in `make test` are tried by each test with ``every``, other ones each
-#: time: DASHPOT_FUZZ=1000 .venv/bin/pytest -k any_
+#: Set to a number, each test with ``every`` tries so many times as many inputs as in `make test`, others each time:
+#: DASHPOT_FUZZ=1000 .venv/bin/pytest -k any_
 FUZZ = "DASHPOT_FUZZ"
 #: What may pass without a result, s, and the longest sentence that anybody reads.
 LONGEST_SECONDS, MOST_WORDS = 30.0, 1500

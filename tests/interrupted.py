@@ -25,6 +25,7 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 
 import casadi  # noqa: F401
@@ -210,10 +211,8 @@ def main(folder: Path, seed: int, count: int, arguments: list[str]) -> None:
         run = Run(folder, cache if cold else first.cache, arguments, "timed" if timed else kind, at)
         if timed:
             time.sleep(dice.uniform(0.0, plain.took))
-            try:
+            with suppress(ProcessLookupError):
                 os.kill(run.process, SIGNALS[kind])
-            except ProcessLookupError:
-                pass
         code = run.end()
         ends[f"{kind}: {code}"] += 1
         for fault in faults_of(run, kind, code, before, asked, loose, usual):

@@ -1,4 +1,4 @@
-"""Model files from anywhere: each is a model that can be shown and written again, or is refused with a line and a path."""
+"""Model files from anywhere: each is a model that can be shown and written again, or is refused with its place."""
 
 from __future__ import annotations
 
@@ -42,89 +42,19 @@ identified:
 """
 #: What stands in a model file, and what should not.
 WORDS = (
-    *("format", "name", "mass", "omega0", "cubic", "terms", "effect", "parameters", "value", "std", "unit", "response"),
-    *(
-        "excitation",
-        "hold",
-        "valid",
-        "amplitude",
-        "min",
-        "max",
-        "identified",
-        "covariance",
-        "recordings",
-        "band",
-        "mode",
-    ),
-    *(
-        "hysteresis",
-        "one-sided-stop",
-        "time-delay",
-        "quadratic-drag",
-        "dashpot-model/1",
-        "dashpot-model/2",
-        "kg",
-        "rad",
-    ),
-    *(
-        "displacement",
-        "acceleration",
-        "m/s2",
-        "m",
-        "V",
-        "N",
-        "N.m",
-        "zero",
-        "smooth",
-        "<<",
-        "=",
-        "y",
-        "no",
-        "null",
-        "~",
-    ),
-)
+    "format", "name", "mass", "omega0", "cubic", "terms", "effect", "parameters", "value", "std", "unit",
+    "response", "excitation", "hold", "valid", "amplitude", "min", "max", "identified", "covariance", "recordings",
+    "band", "mode", "hysteresis", "one-sided-stop", "time-delay", "quadratic-drag", "dashpot-model/1",
+    "dashpot-model/2", "kg", "rad", "displacement", "acceleration", "m/s2", "m", "V", "N", "N.m", "zero", "smooth",
+    "<<", "=", "y", "no", "null", "~",
+)  # fmt: skip
 ODD = (
-    *("0", "-1", "1e308", "1e-320", "-0.0", ".nan", "-.inf", "1_000", "0x10", "0o7", "1:30", "2024-01-01", "9" * 5000),
-    *(
-        "!!python/object:os.system",
-        "!!int 3",
-        "!x",
-        "&a",
-        "*a",
-        "&a [*a]",
-        "|",
-        ">",
-        "|-",
-        "? ",
-        ": ",
-        "- ",
-        "---",
-        "...",
-        "%YAML 1.2",
-    ),
-    *(
-        "{",
-        "}",
-        "[",
-        "]",
-        "{}",
-        "[]",
-        ",",
-        '"',
-        "'",
-        "\\",
-        '"\\UFFFFFFFF"',
-        '"\\x00"',
-        "#",
-        "\t",
-        "\n",
-        "\r",
-        "\0",
-        "\x85",
-    ),
-    *("\u2028", "\ufeff", "\ud7ff", "é", "\x1b[31m", "[" * 40, "{a: " * 40, "- " * 40, "x" * 300, "\u202e", "@", "`"),
-)
+    "0", "-1", "1e308", "1e-320", "-0.0", ".nan", "-.inf", "1_000", "0x10", "0o7", "1:30", "2024-01-01", "9" * 5000,
+    "!!python/object:os.system", "!!int 3", "!x", "&a", "*a", "&a [*a]", "|", ">", "|-", "? ", ": ", "- ", "---",
+    "...", "%YAML 1.2", "{", "}", "[", "]", "{}", "[]", ",", '"', "'", "\\", '"\\UFFFFFFFF"', '"\\x00"', "#", "\t",
+    "\n", "\r", "\0", "\x85", "\u2028", "\ufeff", "\ud7ff", "é", "\x1b[31m", "[" * 40, "{a: " * 40, "- " * 40,
+    "x" * 300, "\u202e", "@", "`",
+)  # fmt: skip
 
 
 @st.composite

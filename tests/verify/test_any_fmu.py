@@ -20,53 +20,15 @@ from hypothesis import strategies as st
 
 SEEDS = st.integers(0, 2**32)
 NAMES = (
-    "../out",
-    "/tmp/out",
-    "a/../../out",
-    "C:\\out",
-    "..\\out",
-    "",
-    ".",
-    "a\0b",
-    "modelDescription.xml",
-    "x" * 300,
+    "../out", "/tmp/out", "a/../../out", "C:\\out", "..\\out", " ", ".", "a\nb", "modelDescription.xml", "x" * 300,
     "é/ü",
-)
+)  # fmt: skip
 ODD = (
-    *(
-        "",
-        " ",
-        "0",
-        "-1",
-        "1e308",
-        "nan",
-        "inf",
-        "true",
-        "4294967296",
-        "-2147483649",
-        "é",
-        "\ud7ff",
-        "x" * 400,
-        "\x1b[31m",
-    ),
-    *("&", "<", ">", '"', "&lt;", "&x;", "]]>", "<!-- ", "<![CDATA[", "</ScalarVariable>", "<Real/>", "<?xml?>"),
-    *(
-        "input",
-        "output",
-        "parameter",
-        "fixed",
-        "tunable",
-        "2.0",
-        "3.0",
-        "3.1",
-        "1.0",
-        "F",
-        "x",
-        "../../../bin/sh",
-        "/",
-        "a\nb",
-    ),
-)
+    "", " ", "0", "-1", "1e308", "nan", "inf", "true", "4294967296", "-2147483649", "é", "\ud7ff", "x" * 400,
+    "\x1b[31m", "&", "<", ">", '"', "&lt;", "&x;", "]]>", "<!-- ", "<![CDATA[", "</ScalarVariable>", "<Real/>",
+    "<?xml?>", "input", "output", "parameter", "fixed", "tunable", "2.0", "3.0", "3.1", "1.0", "F", "x",
+    "../../../bin/sh", "/", "a\nb",
+)  # fmt: skip
 ENTITIES = '<!DOCTYPE a [<!ENTITY x "yyyyyyyyyy"><!ENTITY z "&x;&x;&x;&x;&x;&x;&x;&x;"><!ENTITY e SYSTEM "file:///etc/hostname">]>'
 
 

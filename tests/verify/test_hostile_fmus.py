@@ -251,6 +251,13 @@ def test_an_archive_is_looked_at_before_it_is_unpacked(tmp_path, monkeypatch, en
     assert not (entries and list(folder.iterdir())) or "folder" in says or "cannot be unpacked" in says
 
 
+def test_a_file_without_a_name_is_refused():
+    entry = zipfile.ZipInfo("x")
+    entry.filename = ""  # which zipfile reads, and does not write
+    with pytest.raises(BadInput, match="holds a file named ''"):
+        limits._check(Path("rig.fmu"), [entry])
+
+
 @pytest.mark.parametrize("damage", [lambda b: b[:9000], lambda b: b[:5000] + b"\xff" + b[5001:], lambda b: b""])
 def test_a_damaged_archive_is_said(sound, tmp_path, damage):
     (tmp_path / "rig.fmu").write_bytes(damage(sound.read_bytes()))
