@@ -23,6 +23,8 @@ from .errors import DashpotError, printable
 REFUSED, INTERRUPTED = 2, 130
 #: Set to anything, it shows where in the program a fault was.
 TRACEBACK = "DASHPOT_TRACEBACK"
+#: When an interruption that nothing let through comes again, s.
+_SOON = 0.02
 _HERE = Path(__file__).parent
 
 
@@ -81,7 +83,7 @@ def sentence(problem: BaseException) -> str:
     """What a user is told of a problem."""
     if isinstance(problem, DashpotError):
         return str(problem)
-    if isinstance(problem, MemoryError):
+    if isinstance(problem, MemoryError) or "std::bad_alloc" in str(problem):  # CasADi's is of another class
         return "there is not enough memory for this; use a part of the recordings (--part), or a lower sampling rate"
     if isinstance(problem, OSError) and problem.strerror:
         what = problem.filename if isinstance(problem.filename, str) else "the system"
@@ -118,16 +120,18 @@ def _terminated_as_interrupted() -> Iterator[Callable[[], bool]]:
     if threading.current_thread() is not threading.main_thread():
         yield lambda: False
         return
-    asked = False
+    asked = 0
 
-    def interrupt(*_: Any) -> None:
+    def interrupt(number: int, _: Any) -> None:
         nonlocal asked
-        asked = True
+        asked = number
         raise KeyboardInterrupt
 
     def undelivered(what: Any) -> None:
         if isinstance(what.exc_value, KeyboardInterrupt):
-            _thread.interrupt_main()
+            again = threading.Timer(_SOON, _ask_again, [asked])  # at once, it would come here
+            again.daemon = True
+            again.start()
         else:
             hook(what)
 
@@ -138,11 +142,18 @@ def _terminated_as_interrupted() -> Iterator[Callable[[], bool]]:
             if number is not None and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
                 before[number] = signal.signal(number, interrupt)
         sys.unraisablehook = undelivered
-        yield lambda: asked
+        yield lambda: bool(asked)
     finally:
         sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _ask_again(number: int) -> None:
+    if hasattr(signal, "pthread_kill"):  # which also ends a wait
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+    else:
+        _thread.interrupt_main(number)
 
 
 @contextmanager

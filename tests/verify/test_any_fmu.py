@@ -29,7 +29,10 @@ ODD = (
     "<?xml?>", "input", "output", "parameter", "fixed", "tunable", "2.0", "3.0", "3.1", "1.0", "F", "x",
     "../../../bin/sh", "/", "a\nb",
 )  # fmt: skip
-ENTITIES = '<!DOCTYPE a [<!ENTITY x "yyyyyyyyyy"><!ENTITY z "&x;&x;&x;&x;&x;&x;&x;&x;"><!ENTITY e SYSTEM "file:///etc/hostname">]>'
+ENTITIES = (
+    '<!DOCTYPE a [<!ENTITY x "yyyyyyyyyy"><!ENTITY z "&x;&x;&x;&x;&x;&x;&x;&x;">'
+    '<!ENTITY e SYSTEM "file:///etc/hostname">]>'
+)
 
 
 @pytest.fixture(scope="module", params=[2, 3])
