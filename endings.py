@@ -153,7 +153,7 @@ def _ask_again(number: int) -> None:
     if hasattr(signal, "pthread_kill"):  # which also ends a wait
         signal.pthread_kill(threading.main_thread().ident or 0, number)
     else:
-        _thread.interrupt_main(number)
+        _thread.interrupt_main(signal.Signals(number))
 
 
 @contextmanager

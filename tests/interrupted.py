@@ -33,13 +33,15 @@ import matplotlib.pyplot  # noqa: F401
 import numpy  # noqa: F401
 import scipy.optimize
 import scipy.signal  # noqa: F401
-from dashpot import cli
+from dashpot import cli, writing
 
 SIGNALS = {"SIGKILL": signal.SIGKILL, "SIGTERM": signal.SIGTERM, "SIGINT": signal.SIGINT}
 KINDS = (*SIGNALS, "full disk", "largest file")
 #: Audit events of Python that touch what stays behind.
 WATCHED = ("open", "os.", "shutil.", "tempfile.", "subprocess.", "ctypes.dlopen")
 LONGEST = 300.0
+if os.environ.get("CARELESS"):  # a program that does not do what is tested here, by which the tests are tested
+    writing.aside = lambda work: work()
 
 
 def contents(folder: Path) -> dict[str, bytes | None]:

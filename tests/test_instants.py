@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -55,16 +56,27 @@ LANES = [
 ]
 
 
-@pytest.mark.parametrize(("command", "count"), LANES)
-def test_the_folder_is_the_one_before_or_the_one_asked_for(there, command, count):
+def disturbed(there, command, count, **environment):
     run = subprocess.run(
         [sys.executable, "-P", str(PROGRAM), str(there), "1", str(count), *command.split()],
         capture_output=True,
         text=True,
         check=False,
+        env={**os.environ, **environment},
     )
     assert run.returncode == 0, run.stderr[-2000:]
-    result = json.loads(run.stdout)
+    return json.loads(run.stdout)
+
+
+@pytest.mark.parametrize(("command", "count"), LANES)
+def test_the_folder_is_the_one_before_or_the_one_asked_for(there, command, count):
+    result = disturbed(there, command, count)
     assert not result["faults"], "\n".join(result["faults"])
     assert result["usual"] in (0, 1)
     assert sum(result["ends"].values()) == count
+
+
+@pytest.mark.long
+def test_files_that_are_not_written_aside_are_found(there):
+    faults = disturbed(there, "export rig.yaml old.c new/a.casadi", 100, CARELESS="1")["faults"]
+    assert any("SIGKILL" in fault and "the folder is neither" in fault for fault in faults)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import json
 import random
 import re
@@ -9,6 +10,7 @@ import re
 import pytest
 from dashpot.model.file import dumps, load, loads
 from dashpot.model.show import as_json, describe
+from dashpot.model.yaml_loader import read_yaml
 from hypothesis import strategies as st
 
 GOOD = """\
@@ -100,13 +102,13 @@ TREES = st.recursive(
 )
 
 
+TREE = read_yaml(GOOD, "good").data
+
+
 @st.composite
 def replaced(draw):
     """A good file, as JSON, in which one value is of whatever kind."""
-    import yaml
-
-    tree = yaml.safe_load(GOOD.replace("4.6e5", "460000.0").replace("5.0e3", "5000.0"))
-    here = tree
+    here = tree = copy.deepcopy(TREE)
     while True:
         key = draw(st.sampled_from(sorted(here) if isinstance(here, dict) else range(len(here))))
         if not isinstance(here[key], (dict, list)) or not here[key] or draw(st.integers(0, 4)) == 0:
