@@ -5,11 +5,13 @@
 FOLDER holds the inputs and what was there before. The command is run in copies of it, forked from this process, which
 has loaded all that it needs: undisturbed first, and then COUNT times with one disturbance each. Disturbances are
 SIGKILL, SIGTERM and SIGINT at a random time or at a random one of the command's calls that touch files, folders or
-processes; a disk that is full from such a call on; and one that takes no file beyond a random size. Held: the folder
-is afterwards the one before or the one that was asked for, with nothing beside it; nothing is left among temporary
-files and in the cache, but by SIGKILL: the command's own temporary folder, what a compiler was building in the cache,
-or the file by which Python tries where temporary files can be; the exit code is that of the ends; and nobody sees a
-traceback. Prints as JSON how often each disturbance met which end, and the faults.
+processes; a disk that is full from such a call on; one that takes no file beyond a random size; and memory that ends
+after a random size.
+
+Held: the folder is afterwards the one before or the one that was asked for, with nothing beside it; nothing is left
+among temporary files and in the cache, but by SIGKILL: the command's own temporary folder, what a compiler was building
+in the cache, or the file by which Python tries where temporary files can be; the exit code is that of the ends; and
+nobody sees a traceback. Prints as JSON how often each disturbance met which end, and the faults.
 """
 
 from __future__ import annotations
@@ -36,7 +38,9 @@ import scipy.signal  # noqa: F401
 from dashpot import cli, writing
 
 SIGNALS = {"SIGKILL": signal.SIGKILL, "SIGTERM": signal.SIGTERM, "SIGINT": signal.SIGINT}
-KINDS = (*SIGNALS, "full disk", "largest file")
+KINDS = (*SIGNALS, "full disk", "largest file", "memory")
+#: Bytes that a command may take beyond what it has when it begins, at most: enough for some, too few for others.
+ROOM = 100e6
 #: Audit events of Python that touch what stays behind.
 WATCHED = ("open", "os.", "shutil.", "tempfile.", "subprocess.", "ctypes.dlopen")
 LONGEST = 300.0
@@ -57,6 +61,10 @@ def contents(folder: Path) -> dict[str, bytes | None]:
 
 def disturb(kind: str, at: float, command: int) -> None:
     """In the command's process: see to it that the disturbance comes; ``at`` counts calls, or bytes."""
+    if kind == "memory":
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        resource.setrlimit(resource.RLIMIT_AS, (pages * resource.getpagesize() + int(at), resource.RLIM_INFINITY))
+        return
     if kind == "largest file":
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (int(at), resource.RLIM_INFINITY))
@@ -208,7 +216,8 @@ def main(folder: Path, seed: int, count: int, arguments: list[str]) -> None:
     for number in range(count):
         kind = KINDS[number % len(KINDS)]
         timed = kind in SIGNALS and dice.random() < 0.5
-        at = dice.randrange(1, max(2, plain.calls + 1)) if kind != "largest file" else dice.randrange(1, largest)
+        most = {"largest file": largest, "memory": int(ROOM)}.get(kind, plain.calls + 1)
+        at = dice.randrange(1, max(2, most))
         cold = dice.randrange(20) == 0
         run = Run(folder, cache if cold else first.cache, arguments, "timed" if timed else kind, at)
         if timed:
