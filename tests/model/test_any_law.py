@@ -64,18 +64,22 @@ def test_any_law_is_taken_or_refused(every, unless_refused, tmp_path):
         nonlocal taken
         path.write_text(text, encoding="utf-8", errors="replace")
         user._loaded.clear()
+        LIBRARY.clear()
+        LIBRARY.update(before)
         laws = unless_refused(load_law_file, path)
         if laws is None:
             assert before == LIBRARY
             return
         taken += 1
         values = {"mass": 0.3, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 3.0, "dry": 0.0}
-        values |= {f"{law.name}.{p.name}": p.natural(user._SCALES) for law in laws for p in law.parameters}
+        values |= {
+            f"{law.name}.{p.name}": min(max(p.natural(user._SCALES), p.lower), p.upper)
+            for law in laws
+            for p in law.parameters
+        }
         model = Oscillator.from_values(values, effects=tuple(law.name for law in laws))
         assert describe(model).strip()
         assert loads(dumps(model)).values() == model.values()
-        for law in laws:
-            del LIBRARY[law.name]
 
     every(damaged(), holds)
     assert taken
