@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import _thread
 import os
+import shutil
 import signal
 import sys
+import tempfile
 import threading
 import traceback
 from collections.abc import Callable, Iterator
@@ -14,11 +17,14 @@ from typing import Any, NoReturn
 
 import click
 
-from .errors import DashpotError
+from .aside import signals_held
+from .errors import DashpotError, printable
 
 REFUSED, INTERRUPTED = 2, 130
 #: Set to anything, it shows where in the program a fault was.
 TRACEBACK = "DASHPOT_TRACEBACK"
+#: When an interruption that nothing let through comes again, s.
+_SOON = 0.02
 _HERE = Path(__file__).parent
 
 
@@ -31,11 +37,14 @@ def ended(command: Callable[[], Any]) -> None:
     for stream in (sys.stdout, sys.stderr):  # a terminal of another encoding must not undo what was done
         with suppress(AttributeError, ValueError, OSError):
             stream.reconfigure(errors="replace")
-    with _terminated_as_interrupted():
+    with _terminated_as_interrupted() as interrupted:
         try:
-            command()
+            with _own_temporary_folder():
+                command()
             if sys.stdout is not None:
                 sys.stdout.flush()
+        except Exception as problem:  # some libraries make of an interruption a fault of their own
+            _end(KeyboardInterrupt() if interrupted() else problem)
         except BaseException as problem:
             _end(problem)
 
@@ -74,7 +83,7 @@ def sentence(problem: BaseException) -> str:
     """What a user is told of a problem."""
     if isinstance(problem, DashpotError):
         return str(problem)
-    if isinstance(problem, MemoryError):
+    if isinstance(problem, MemoryError) or "std::bad_alloc" in str(problem):  # CasADi's is of another class
         return "there is not enough memory for this; use a part of the recordings (--part), or a lower sampling rate"
     if isinstance(problem, OSError) and problem.strerror:
         what = problem.filename if isinstance(problem.filename, str) else "the system"
@@ -98,26 +107,72 @@ def _place(problem: BaseException) -> str:
 
 def _say(line: str) -> None:
     with suppress(OSError, ValueError):
-        click.echo(f"dashpot: {line}", err=True)
+        click.echo(f"dashpot: {printable(line)}", err=True)
 
 
 @contextmanager
-def _terminated_as_interrupted() -> Iterator[None]:
-    """A request to end (SIGTERM, SIGHUP) is taken like Ctrl-C, so that nothing half-written stays."""
-    if threading.current_thread() is not threading.main_thread():
-        yield
-        return
+def _terminated_as_interrupted() -> Iterator[Callable[[], bool]]:
+    """A request to end (SIGTERM, SIGHUP) is taken like Ctrl-C, so that nothing half-written stays.
 
-    def interrupt(*_: Any) -> None:
+    Yields what says whether there was one. One that Python could not deliver, because it came in the middle of what
+    lets no exception through, comes again.
+    """
+    if threading.current_thread() is not threading.main_thread():
+        yield lambda: False
+        return
+    asked = 0
+
+    def interrupt(number: int, _: Any) -> None:
+        nonlocal asked
+        asked = number
         raise KeyboardInterrupt
 
-    before = {}
-    for name in ("SIGTERM", "SIGHUP"):
-        number = getattr(signal, name, None)
-        if number is not None and signal.getsignal(number) == signal.SIG_DFL:
-            before[number] = signal.signal(number, interrupt)
+    def undelivered(what: Any) -> None:
+        if isinstance(what.exc_value, KeyboardInterrupt):
+            again = threading.Timer(_SOON, _ask_again, [asked])  # at once, it would come here
+            again.daemon = True
+            again.start()
+        else:
+            hook(what)
+
+    before, hook = {}, sys.unraisablehook
     try:
-        yield
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            if number is not None and signal.getsignal(number) in (signal.SIG_DFL, signal.default_int_handler):
+                before[number] = signal.signal(number, interrupt)
+        sys.unraisablehook = undelivered
+        yield lambda: bool(asked)
     finally:
+        sys.unraisablehook = hook
         for number, handler in before.items():
             signal.signal(number, handler)
+
+
+def _ask_again(number: int) -> None:
+    if hasattr(signal, "pthread_kill"):  # which also ends a wait
+        signal.pthread_kill(threading.main_thread().ident or 0, number)
+    else:
+        _thread.interrupt_main(signal.Signals(number))
+
+
+@contextmanager
+def _own_temporary_folder() -> Iterator[None]:
+    """What is made for a while, by this process or by those it starts, lies in one folder, which goes at the end.
+
+    So nothing is left wherever an interruption comes. Where there is no place for such a folder, all is as it was.
+    """
+    folder, before, variable = None, tempfile.tempdir, os.environ.get("TMPDIR")
+    try:
+        with signals_held(), suppress(OSError):  # which is said by what needs one
+            folder = tempfile.mkdtemp(prefix="dashpot-")
+            tempfile.tempdir = os.environ["TMPDIR"] = folder
+        yield
+    finally:
+        with signals_held():
+            if folder is not None:
+                shutil.rmtree(folder, ignore_errors=True)
+                tempfile.tempdir = before
+                os.environ.pop("TMPDIR", None)
+                if variable is not None:
+                    os.environ["TMPDIR"] = variable

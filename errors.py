@@ -1,11 +1,19 @@
 """The errors a user can meet; the one module that every folder may import."""
 
 
+def printable(text: str) -> str:
+    """The text without what would not print, line breaks kept: what files and names hold must not steer a terminal."""
+    return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in text)
+
+
 class DashpotError(Exception):
     """Base of every error that dashpot raises on purpose.
 
     The text is one sentence for the user: what is wrong, where, and what to do next.
     """
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 class BadInput(DashpotError):

@@ -11,7 +11,7 @@ from typing import Any
 
 import click
 
-from .errors import BadInput
+from .errors import BadInput, printable
 
 
 def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
@@ -31,7 +31,7 @@ def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
 
 def say(line: str) -> None:
     """Progress and remarks go to stderr, so that what a program reads from stdout stays clean."""
-    click.echo(line, err=True)
+    click.echo(printable(line), err=True)
 
 
 def print_json(value: Any) -> None:

@@ -1,7 +1,9 @@
 """Files appear whole or not at all, and those of one command together; like ``errors``, for every folder to use.
 
-All is written under temporary names first and read back; the files take their places when nothing can go wrong any
-more, and where one cannot, those before it are put back. Only regular files are replaced; links are followed.
+What is written is kept in memory to the end of its command. Then it is written under temporary names and read back; the
+files take their places when nothing can go wrong any more, and where one cannot, those before it are put back. This is
+done aside (see there), so that an end by force changes nothing of it. Only regular files are replaced; links are
+followed.
 """
 
 from __future__ import annotations
@@ -15,64 +17,83 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from .aside import aside
 from .errors import BadInput
 
 
 @dataclass
 class _Pending:
-    """What is to take its place when all is well: targets with the temporary file for each; None: it is to go.
+    """What is to lie where when all is well; None: nothing. ``shown`` are the places' names in messages."""
 
-    ``folders`` were made for them, the innermost first.
-    """
+    contents: dict[Path, bytes | None] = field(default_factory=dict)
+    shown: dict[Path, Path] = field(default_factory=dict)
 
-    changes: dict[Path, Path | None] = field(default_factory=dict)
-    folders: list[Path] = field(default_factory=list)
-
-    def add(self, target: Path, temporary: Path | None) -> None:
-        before = self.changes.pop(target, None)
-        if before is not None:
-            before.unlink(missing_ok=True)
-        self.changes[target] = temporary
-
-    def discard(self) -> None:
-        for temporary in self.changes.values():
-            if temporary is not None:
-                with suppress(OSError):
-                    temporary.unlink(missing_ok=True)
-        for folder in self.folders:
-            with suppress(OSError):  # something lies there
-                folder.rmdir()
+    def add(self, target: Path, content: bytes | None) -> None:
+        place = _place(target)
+        self.contents.pop(place, None)
+        self.contents[place], self.shown[place] = content, target
 
     def settle(self) -> None:
-        """Put all in their places; where one cannot be, as it was before."""
-        kept: list[tuple[Path, Path | None]] = []
-        target = Path()
+        """Put all in their places; where one cannot be, all is as it was before."""
+        written: dict[Path, Path | None] = {}
+        folders: list[Path] = []
         try:
-            for target, temporary in self.changes.items():
-                aside = _unused(target) if target.exists() else None
-                kept.append((target, aside))
-                if aside is not None:
-                    _second_name(target, aside)
+            for place, content in self.contents.items():
+                written[place] = None if content is None else self._written(place, content, folders)
+            self._exchange(written)
+        except BaseException:
+            for temporary in written.values():
                 if temporary is not None:
-                    temporary.replace(target)
-                else:
-                    target.unlink(missing_ok=True)
-        except BaseException as problem:
-            for place, aside in reversed(kept):
-                with suppress(OSError):
-                    if aside is None:
-                        place.unlink(missing_ok=True)
-                    elif aside.exists():
-                        aside.replace(place)
-                        aside.unlink(missing_ok=True)  # it stays where both are names of one file still
-            self.discard()
-            if isinstance(problem, OSError):
-                raise _refused(target, problem) from problem
+                    with suppress(OSError):
+                        temporary.unlink(missing_ok=True)
+            _remove(folders)
             raise
-        for _, aside in kept:
-            if aside is not None:
+
+    def _written(self, place: Path, content: bytes, folders: list[Path]) -> Path:
+        """A file beside the place with its content, read back; ``folders`` gets those that were made for it."""
+        temporary = _unused(place)
+        try:
+            _make_parents(place, folders)
+            os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+            fill(temporary, content, self.shown[place])
+            if place.exists():
+                temporary.chmod(stat.S_IMODE(place.stat().st_mode))
+        except BaseException as problem:
+            with suppress(OSError):
+                temporary.unlink(missing_ok=True)
+            if isinstance(problem, OSError):
+                raise _refused(self.shown[place], problem) from problem
+            raise
+        return temporary
+
+    def _exchange(self, written: dict[Path, Path | None]) -> None:
+        kept: list[tuple[Path, Path | None]] = []
+        place = Path()
+        try:
+            for place, temporary in written.items():
+                before = _unused(place) if place.exists() else None
+                kept.append((place, before))
+                if before is not None:
+                    _second_name(place, before)
+                if temporary is not None:
+                    temporary.replace(place)
+                else:
+                    place.unlink(missing_ok=True)
+        except BaseException as problem:
+            for former, before in reversed(kept):
                 with suppress(OSError):
-                    aside.unlink(missing_ok=True)
+                    if before is None:
+                        former.unlink(missing_ok=True)
+                    elif before.exists():
+                        before.replace(former)
+                        before.unlink(missing_ok=True)  # it stays where both are names of one file still
+            if isinstance(problem, OSError):
+                raise _refused(self.shown[place], problem) from problem
+            raise
+        for _, before in kept:
+            if before is not None:
+                with suppress(OSError):
+                    before.unlink(missing_ok=True)
 
 
 _pending: ContextVar[_Pending | None] = ContextVar("pending", default=None)
@@ -91,22 +112,25 @@ def together() -> Iterator[None]:
     token = _pending.set(pending)
     try:
         yield
-    except BaseException:
-        pending.discard()
-        raise
     finally:
         _pending.reset(token)
-    pending.settle()
+    if pending.contents:
+        aside(pending.settle)
 
 
 def write(target: Path, content: str | bytes) -> None:
     """Write a file and read it back, text in UTF-8; folders that are missing are made.
 
+    A new file has the permissions that the user's umask leaves, one that is replaced keeps its own.
+
     Raises:
         BadInput: where it cannot be written: no room, no permission, or the place holds what is no regular file.
     """
-    with replacing(target) as temporary:
-        fill(temporary, content, target)
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    with _refusing(Path(target)), together():
+        pending = _pending.get()
+        assert pending is not None
+        pending.add(Path(target), data)
 
 
 def fill(path: Path, content: str | bytes, shown: Path | None = None) -> None:
@@ -131,51 +155,7 @@ def remove(target: Path) -> None:
     with together():
         pending = _pending.get()
         if pending is not None and target.exists():
-            pending.add(_place(target), None)
-
-
-@contextmanager
-def replacing(target: Path) -> Iterator[Path]:
-    """A temporary path beside ``target`` that takes its name when the block ends well, and goes when it does not.
-
-    Folders that are missing are made. A new file has the permissions that the user's umask leaves, one that is replaced
-    keeps its own.
-
-    Raises:
-        BadInput: where the folder cannot be written, there is no room, or ``target`` is no regular file.
-    """
-    target = Path(target)
-    made: list[Path] = []
-    try:
-        place = _place(target)
-        made = [folder for folder in place.parents if not folder.exists()]
-        place.parent.mkdir(parents=True, exist_ok=True)
-        temporary = _unused(place)
-        os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
-    except (OSError, ValueError, RuntimeError) as problem:
-        for folder in made:
-            with suppress(OSError):
-                folder.rmdir()
-        raise _refused(target, problem) from problem
-    try:
-        yield temporary
-        if temporary.exists():
-            with together():
-                pending = _pending.get()
-                assert pending is not None
-                if place.exists():
-                    temporary.chmod(stat.S_IMODE(place.stat().st_mode))
-                pending.add(place, temporary)
-                pending.folders += made
-    except BaseException as problem:
-        with suppress(OSError):
-            temporary.unlink(missing_ok=True)
-        for folder in made:
-            with suppress(OSError):
-                folder.rmdir()
-        if isinstance(problem, OSError):
-            raise _refused(target, problem) from problem
-        raise
+            pending.add(target, None)
 
 
 def writable(target: Path) -> None:
@@ -185,18 +165,42 @@ def writable(target: Path) -> None:
         BadInput: where it is a folder, a device or a pipe, or its folder cannot be made or written.
     """
     target = Path(target)
+
+    def attempt() -> None:
+        folders: list[Path] = []
+        try:
+            place = _place(target)
+            _make_parents(place, folders)
+            temporary = _unused(place)
+            os.close(os.open(temporary, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
+            temporary.unlink()
+        finally:
+            _remove(folders)  # made again when there is something to put in
+
+    with _refusing(target):
+        aside(attempt)
+
+
+@contextmanager
+def _refusing(target: Path) -> Iterator[None]:
     try:
-        place = _place(target)
-        missing = [folder for folder in place.parents if not folder.exists()]
+        yield
     except (OSError, ValueError, RuntimeError) as problem:  # a name too long, a null byte, links in a circle
         raise _refused(target, problem) from problem
-    try:
-        with replacing(target) as temporary:
-            temporary.unlink()
-    finally:
-        for folder in missing:  # made again when there is something to put in
-            with suppress(OSError):
-                folder.rmdir()
+
+
+def _make_parents(place: Path, made: list[Path]) -> None:
+    """Make the folders that are missing, and add each to ``made``, the innermost first."""
+    missing = [folder for folder in place.parents if not folder.exists()]
+    for folder in reversed(missing):
+        folder.mkdir(exist_ok=True)
+        made.insert(0, folder)
+
+
+def _remove(folders: list[Path]) -> None:
+    for folder in folders:
+        with suppress(OSError):  # something lies there
+            folder.rmdir()
 
 
 def check_ours(target: Path, mark: bytes, maker: str = "dashpot") -> None:

@@ -96,7 +96,7 @@ def mode_of(modes: Sequence[Mode], wanted: str | None) -> Mode:
         raise BadInput(
             f"--mode {wanted}: give the number of a mode or its frequency in Hz; there are: {there}"
         ) from None
-    if text.isdigit() and 1 <= int(text) <= len(modes):
+    if text.isdigit() and len(text) < 9 and 1 <= int(text) <= len(modes):
         return modes[int(text) - 1]
     near = min(modes, key=lambda mode: abs(mode.frequency - value), default=None)
     if near is None or not near.low / 1.05 <= value <= near.high * 1.05:

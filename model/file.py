@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
+from ..reading import content_of
 from ..writing import write
 from .laws import BASE
 from .oscillator import Band, Oscillator, Provenance, Range, Response, Term
@@ -22,6 +23,8 @@ from .parameter import Parameter
 if TYPE_CHECKING:
     from .schema import ModelForm, ParameterForm, RangeForm
 
+#: Enough for as many characters as a model file may have.
+_MOST_BYTES = 4_000_000
 _PLAIN = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9_./()+ -]*[A-Za-z0-9_./()+-])?")
 
 
@@ -34,7 +37,7 @@ def load(path: str | os.PathLike[str]) -> Oscillator:
     """
     where = os.fspath(path)
     try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
+        text = content_of(path, _MOST_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BadInput(f"{where}: is not UTF-8 text, so not a model file; give the .yaml that identify wrote") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte

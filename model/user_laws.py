@@ -16,6 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from ..errors import BadInput
+from ..reading import content_of
 from .law import Law, LawParameter, Motion, Scales
 from .law_trial import fault, wrong_types
 from .laws import BASE, LIBRARY
@@ -31,6 +32,8 @@ PATHS = (
     "either",
     "environment",
 )
+#: No file of laws is longer.
+_MOST_BYTES = 4_000_000
 _NAME = re.compile(r"[a-z][a-z0-9-]*(/[a-z0-9-]+)?")
 #: Words that can stand in a list, with the law's name in brackets behind them; empty where the sentence is to serve.
 _PHRASE = r"(?:[^\s.,;:()]+(?: [^\s.,;:()]+)*)?"
@@ -58,7 +61,7 @@ def load_law_file(path: str | os.PathLike[str]) -> tuple[Law, ...]:
     """
     where = os.fspath(path)
     try:
-        text = Path(path).read_bytes().decode("utf-8-sig")
+        text = content_of(path, _MOST_BYTES).decode("utf-8-sig")
         key = os.fspath(Path(path).resolve())
     except UnicodeDecodeError:
         raise BadInput(f"{where}: is not UTF-8 text, so no Python file; give one that defines a Law") from None

@@ -40,10 +40,10 @@ class Problem:
 def check(recording: Recording, *, stated: bool = False) -> list[Problem]:
     """Return everything wrong with a recording, errors first; an empty list means that nothing was found.
 
-    A signal that holds no numbers or never moves is judged no further. Where the unit of the response was `stated` by
-    the user, a rotation by many turns is what it is: a shaft turns so far, and a torsion wire.
+    A signal of a few samples, that holds no numbers or never moves, is judged no further. Where the unit of the
+    response was `stated` by the user, a rotation by many turns is what it is: a shaft turns so far, and a torsion wire.
     """
-    problems = not_a_number(recording) or out_of_range(recording) or constant(recording)
+    problems = too_few(recording) or not_a_number(recording) or out_of_range(recording) or constant(recording)
     if not problems:
         motion = oscillation_of(recording)
         for judge in _JUDGES:
@@ -51,6 +51,14 @@ def check(recording: Recording, *, stated: bool = False) -> list[Problem]:
         if stated and recording.unit in ROTATIONS:
             problems = [p for p in problems if p not in wrong_unit(recording, motion)]
     return sorted(problems, key=lambda problem: problem.severity != "error")
+
+
+def too_few(recording: Recording) -> list[Problem]:
+    """Find what no judge can judge: fewer samples than the fewest cycles have."""
+    least = FORCED_CYCLES * LEAST_SAMPLES
+    if recording.n >= least:
+        return []
+    return [_error(recording, f"has {recording.n} samples; at least {least} are needed, and many more are better")]
 
 
 def not_a_number(recording: Recording) -> list[Problem]:

@@ -160,8 +160,8 @@ def _find(table: Table, columns: Sequence[Column], role: str, option: str | int)
             return matches[0]
         if matches:
             raise BadInput(f"{table.where}: --{role} {text} fits {len(matches)} columns; give the number of the column")
-    if text.isdigit():
-        if 1 <= int(text) <= len(columns):
+    if text.isascii() and text.isdigit():
+        if len(text) < 9 and 1 <= int(text) <= len(columns):  # Python converts no number of thousands of digits
             return int(text) - 1
         raise BadInput(f"{table.where}: --{role} {text}, but the columns are numbered 1 to {len(columns)}")
     if not table.has_header:

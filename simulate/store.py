@@ -61,7 +61,11 @@ def scratch() -> tempfile.TemporaryDirectory[str]:
 
 def private_folder(name: str) -> Path:
     """The folder ``name`` of the cache, open to this user alone; where that cannot be, one for this process."""
-    return _private(cache_folder() / name)
+    folder = _private(cache_folder() / name)
+    if not folder.is_dir():  # it was taken away, or went with the command that it was made for
+        _private.cache_clear()
+        folder = _private(cache_folder() / name)
+    return folder
 
 
 @cache

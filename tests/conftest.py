@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import os
 import pickle
+import signal
 import sys
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,10 +17,12 @@ from typing import Any
 #: Tests run on all cores. Threads of the linear algebra besides those would wait for one another in a loop: the
 #: matrices are small, and on busy cores a factorisation of 2400 x 22 takes a hundred times the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # is read when numpy is loaded
+os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(Path(__file__).parents[1] / ".pytest_cache" / "hypothesis"))
 
 
 import numpy as np
 import pytest
+from dashpot.errors import DashpotError
 from dashpot.examples.concealed.record import record
 from dashpot.examples.concealed.suite import Spec
 from dashpot.examples.concealed.virtual import draw
@@ -50,6 +54,11 @@ TRAINING = ("sweep_high", "sweep_low", "ringdown")
 HOLDOUT = ("holdout_multisine", "holdout_sweep")
 #: A test of so many laws goes through the library; one of fewer has chosen them itself.
 MANY = 12
+#: Set to a number, each test with ``every`` tries so many times as many inputs as in `make test`, others each time:
+#: DASHPOT_FUZZ=1000 .venv/bin/pytest -k any_
+FUZZ = "DASHPOT_FUZZ"
+#: What may pass without a result, s, and the longest sentence that anybody reads.
+LONGEST_SECONDS, MOST_WORDS = 30.0, 1500
 
 
 def typical(parameter: LawParameter) -> float:
@@ -198,6 +207,74 @@ def kinds() -> tuple[str, ...]:
     return KINDS
 
 
+@pytest.fixture(params=[pytest.param(1, id="a taste"), pytest.param(20, id="at length", marks=pytest.mark.long)])
+def every(request: pytest.FixtureRequest) -> Callable[..., None]:
+    """``every(strategy, holds, taste=100)`` calls ``holds`` with so many inputs, the same every time; see FUZZ."""
+    from hypothesis import HealthCheck, Phase, given, seed, settings
+
+    def run(strategy: Any, holds: Callable[[Any], None], taste: int = 100) -> None:
+        more = float(os.environ.get(FUZZ) or 0.0)
+        count = max(1, round(taste * (more or request.param)))
+        how = settings(
+            max_examples=count,
+            derandomize=not more,
+            database=None,
+            deadline=None,
+            suppress_health_check=list(HealthCheck),
+            phases=[Phase.generate, Phase.shrink],
+        )
+
+        def in_time(given_input: Any) -> None:
+            _tried[request.node.nodeid] += 1
+            with _at_most(LONGEST_SECONDS):
+                holds(given_input)
+
+        # the seed of a run that is repeatable comes from what the function is called, so each has a name of its own
+        in_time.__qualname__ = in_time.__name__ = request.node.originalname
+        test = how(given(strategy)(in_time))
+        (seed(int.from_bytes(os.urandom(4))) if more else lambda same: same)(test)()
+
+    return run
+
+
+class Hang(BaseException):
+    """A call that did not end, which no code under test may take for something else."""
+
+
+@contextmanager
+def _at_most(seconds: float) -> Iterator[None]:
+    def late(*_: object) -> None:
+        raise Hang(f"nothing for {seconds:g} s")
+
+    if not hasattr(signal, "setitimer"):
+        yield
+        return
+    before = signal.signal(signal.SIGALRM, late)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@pytest.fixture(scope="session")
+def unless_refused() -> Callable[..., Any]:
+    """``unless_refused(function, *arguments)``: its result, or None where it is refused as a user may be told."""
+
+    def call(function: Callable[..., Any], *arguments: Any, **options: Any) -> Any:
+        try:
+            return function(*arguments, **options)
+        except DashpotError as problem:
+            for sentence in str(problem).split("\n"):
+                assert sentence.strip(), "refused without a word"
+                assert len(sentence) < MOST_WORDS, f"no sentence: {sentence!r}"
+                assert all(c.isprintable() for c in sentence), f"does not print: {sentence!r}"
+            return None
+
+    return call
+
+
 def laws_of(item: pytest.Item) -> set[str]:
     """The laws that a test is about by its parameters."""
     given = getattr(item, "callspec", None)
@@ -217,6 +294,13 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
 
 
 _status = 0
+_tried: Counter[str] = Counter()
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    if os.environ.get(FUZZ):  # so that runs can be counted together
+        for name, count in _tried.items():
+            terminalreporter.write_line(f"{count} inputs: {name}")
 
 
 def pytest_sessionfinish(session, exitstatus):

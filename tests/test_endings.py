@@ -8,7 +8,10 @@ import json
 import os
 import re
 import signal
+import subprocess
 import sys
+import tempfile
+import time
 from pathlib import Path
 
 import pytest
@@ -49,6 +52,8 @@ ENDS = [
         r"dashpot: x: No space left on device; check the room.*\n",
     ),
     (PermissionError(errno.EACCES, "Permission denied"), 2, r"dashpot: the system: Permission denied; check .*\n"),
+    (RuntimeError("std::bad_alloc"), 2, r"dashpot: there is not enough memory for this; .*\n"),
+    (BadInput("a\x1b[2J.csv: is odd"), 2, "dashpot: a\ufffd\\[2J\\.csv: is odd\n"),
     (TypeError("a\nb"), 2, OURS.format("TypeError: a b")),
     (ZeroDivisionError(), 2, OURS.format("ZeroDivisionError")),
     (RecursionError("too deep"), 2, OURS.format("RecursionError: too deep")),
@@ -90,6 +95,88 @@ def test_a_signal_is_an_interruption(rig, capsys, monkeypatch, number):
         signal.signal(number, kept)
     assert stop.value.code == 130
     assert capsys.readouterr().out == ""
+
+
+def test_an_interruption_that_nothing_lets_through_comes_again(rig, capsys, monkeypatch):
+    class Dying:
+        def __del__(self):
+            os.kill(os.getpid(), signal.SIGINT)
+
+    def load(_):
+        Dying()  # what is raised in it Python only prints
+        time.sleep(60)
+
+    monkeypatch.setattr("dashpot.model.file.load", load)
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["show", rig])
+    assert stop.value.code == 130
+    assert "ignored" not in capsys.readouterr().err
+
+
+def test_an_interruption_that_a_library_makes_its_own_fault_is_one(rig, capsys, monkeypatch):
+    def load(_):
+        try:
+            os.kill(os.getpid(), signal.SIGTERM)
+        except KeyboardInterrupt:
+            raise RuntimeError("stopped") from None
+
+    monkeypatch.setattr("dashpot.model.file.load", load)
+    with pytest.raises(SystemExit) as stop:
+        cli.main(["show", rig])
+    assert (stop.value.code, capsys.readouterr().err) == (130, "")
+
+
+@pytest.mark.parametrize("problem", [None, KeyboardInterrupt(), BadInput("odd")], ids=repr)
+def test_what_is_made_for_a_while_goes_with_the_command(rig, tmp_path, monkeypatch, problem):
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    seen = []
+
+    def load(_):
+        seen.append(Path(tempfile.mkdtemp()))
+        (seen[0] / "file").write_text("x")
+        assert seen[0].is_relative_to(os.environ["TMPDIR"])
+        raise problem or SystemExit(0)
+
+    monkeypatch.setattr("dashpot.model.file.load", load)
+    with pytest.raises(SystemExit):
+        cli.main(["show", rig])
+    assert seen[0].is_relative_to(tmp_path)
+    assert [path.name for path in tmp_path.iterdir()] == [rig]
+    assert os.environ["TMPDIR"] == str(tmp_path)
+
+
+EARLY = """
+import os, signal, sys
+class Interrupted:
+    def find_spec(self, name, *_):
+        if name == "click":
+            os.kill(os.getpid(), signal.SIGINT)
+sys.meta_path.insert(0, Interrupted())
+from dashpot.__main__ import main
+main()
+"""
+
+
+@pytest.mark.skipif(os.name != "posix", reason="of POSIX")
+def test_an_interruption_while_commands_are_loaded_ends_without_a_word():
+    run = subprocess.run([sys.executable, "-P", "-c", EARLY], capture_output=True, check=False)
+    assert (run.returncode, run.stdout, run.stderr) == (-signal.SIGINT, b"", b"")
+
+
+def device(place):
+    Path(place).symlink_to("/dev/zero")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="of POSIX")
+@pytest.mark.parametrize("options", [["show", "place"], ["show", "rig.yaml", "--law", "place"]], ids=["model", "law"])
+@pytest.mark.parametrize("make", [os.mkfifo, device], ids=["pipe", "device"])
+def test_what_may_never_end_is_not_read(rig, capsys, make, options):
+    make("place")
+    with pytest.raises(SystemExit) as stop:
+        cli.main(options)
+    assert stop.value.code == 2
+    assert "place: cannot be read (a pipe or a device, which may never end); check" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("encoding", ["latin-1", "ascii", "cp1252", "utf-8"])

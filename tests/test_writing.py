@@ -15,7 +15,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator
 from dashpot.model.file import save
-from dashpot.writing import remove, replacing, together, writable, write
+from dashpot.writing import remove, together, writable, write
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="of POSIX")
 
@@ -124,14 +124,14 @@ import resource, signal, sys
 from dashpot import cli
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 import dashpot.writing as writing
-plain = writing.write
-def limited(target, content):
+plain = writing.fill
+def limited(*arguments):
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))
     try:
-        plain(target, content)
+        plain(*arguments)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-writing.write = limited
+writing.fill = limited
 cli.main(sys.argv[2:])
 """
 
@@ -205,7 +205,7 @@ def terminal(here):
 )
 def test_only_regular_files_are_replaced(here, make, says):
     make(here / "place") if make is Path.mkdir else make(here)
-    for action in (writable, lambda place: write(place, "x"), lambda place: replacing(place).__enter__()):
+    for action in (writable, lambda place: write(place, "x")):
         with pytest.raises(BadInput, match=says):
             action(here / "place")
     assert contents(here).keys() == {"rig.yaml", "place"}

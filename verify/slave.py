@@ -187,8 +187,13 @@ class Slave3(Slave):
         self.fmu.setFloat64(references, row[: len(references)])
 
     def step(self, time: float, length: float) -> None:
-        """By the version's doStep."""
-        self.fmu.doStep(time, length)
+        """By the version's doStep, which may also end a simulation, or do less than it was asked, and call that OK."""
+        _, ended, early, reached = self.fmu.doStep(time, length)
+        if ended:
+            raise RuntimeError(f"it asked for the end of the simulation at {time:.6g} s")
+        untold = reached == 0.0 and not early  # some leave it as it was
+        if early or not (untold or abs(reached - (time + length)) <= 1e-6 * length + 1e-12 * abs(time)):
+            raise RuntimeError(f"it stopped at {reached:.6g} s in the step from {time:.6g} s over {length:.6g} s")
         self.made += 1
 
     def read(self) -> float:
@@ -207,30 +212,41 @@ def opened(folder: Path, shown: str) -> tuple[Any, Slave]:
     Raises:
         BadInput: where it is no co-simulation FMU with an input ``F`` and an output, or does not load.
     """
-    import fmpy
-
-    def said(problem: Exception) -> str:
-        # FMPy lists every finding of its XML schema
-        words = " ".join(str(problem).split()).rstrip(".")
-        return (words if len(words) <= 200 else f"{words[:200]} ...").replace(str(folder), Path(shown).name)
-
-    try:
-        description = fmpy.read_model_description(str(folder))
-    except Exception as problem:  # damaged XML
-        raise BadInput(f"{shown}: not a readable FMU ({said(problem)}); export it again") from problem
-    if description.coSimulation is None:
-        raise BadInput(f"{shown}: verify runs FMUs for co-simulation; this one is for model exchange alone")
-    names = [variable.name for variable in description.modelVariables]
-    if "F" not in names or not any(variable.causality == "output" for variable in description.modelVariables):
-        raise BadInput(f"{shown}: the FMU needs an input named F and an output; found {', '.join(names[:8])}")
+    description = described(folder, shown)
     library = library_for_here(folder, description.coSimulation.modelIdentifier or "")
     try:
         made = SLAVES[str(description.fmiVersion).partition(".")[0]](description, str(folder), library)
     except Exception as problem:
         raise BadInput(
-            f"{shown}: it does not load on this machine ({said(problem)}); export it here again"
+            f"{shown}: it does not load on this machine ({_said(problem, folder, shown)}); export it here again"
         ) from problem
     return description, made
+
+
+def described(folder: Path, shown: str) -> Any:
+    """What an unpacked FMU says of itself, as FMPy reads it.
+
+    Raises:
+        BadInput: where it is no co-simulation FMU with an input ``F`` and an output.
+    """
+    import fmpy
+
+    try:
+        description = fmpy.read_model_description(str(folder))
+    except Exception as problem:  # damaged XML
+        raise BadInput(f"{shown}: not a readable FMU ({_said(problem, folder, shown)}); export it again") from problem
+    if description.coSimulation is None:
+        raise BadInput(f"{shown}: verify runs FMUs for co-simulation; this one is for model exchange alone")
+    names = [variable.name for variable in description.modelVariables]
+    if "F" not in names or not any(variable.causality == "output" for variable in description.modelVariables):
+        raise BadInput(f"{shown}: the FMU needs an input named F and an output; found {', '.join(names[:8])}")
+    return description
+
+
+def _said(problem: Exception, folder: Path, shown: str) -> str:
+    """What went wrong in a line: FMPy lists every finding of its XML schema."""
+    words = " ".join(str(problem).split()).rstrip(".")
+    return (words if len(words) <= 200 else f"{words[:200]} ...").replace(str(folder), Path(shown).name)
 
 
 def run(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 import zipfile
-import zlib
 from pathlib import Path, PurePosixPath
 
 from ..errors import BadInput
@@ -29,12 +28,14 @@ def unpack(fmu: Path, folder: Path) -> None:
             _check(fmu, entries)
             for entry in entries:
                 archive.extract(entry, folder)  # no more than the size that was checked, and never as a link
-    except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError, RuntimeError, ValueError) as problem:
-        raise BadInput(f"{fmu}: not a readable FMU ({_said(problem)}); export it again") from problem
+    except (BadInput, MemoryError):
+        raise
     except OSError as problem:
         raise BadInput(
             f"{fmu}: cannot be unpacked ({problem.strerror or problem}); check it, and the room in {folder.parent}"
         ) from problem
+    except Exception as problem:  # each way of packing has faults of its own, and zipfile does not foresee all
+        raise BadInput(f"{fmu}: not a readable FMU ({_said(problem)}); export it again") from problem
 
 
 def _check(fmu: Path, entries: list[zipfile.ZipInfo]) -> None:
@@ -53,7 +54,8 @@ def _check(fmu: Path, entries: list[zipfile.ZipInfo]) -> None:
         name = entry.filename
         parts = PurePosixPath(name.replace("\\", "/")).parts
         if (
-            not name.isprintable()
+            not name
+            or not name.isprintable()
             or len(name) > _LONGEST_NAME
             or ".." in parts
             or re.match(r"[/\\]|[A-Za-z]:", name)

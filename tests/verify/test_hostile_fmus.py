@@ -23,7 +23,7 @@ from dashpot.verify import unpack as limits
 from dashpot.verify.fmu_run import FmuRun
 from dashpot.verify.unpack import unpack
 
-HOSTILE = Path(__file__).parent / "hostile.c"
+HERE = Path(__file__).parent
 N, DT = 60, 2e-3
 pytestmark = pytest.mark.skipif(os.name != "posix" or find_compiler() is None, reason="the faults are POSIX's")
 
@@ -36,13 +36,24 @@ def sound(tmp_path_factory):
 @pytest.fixture(scope="module")
 def hostile(sound, tmp_path_factory):
     """The FMU of hostile.c: a description of ours, and that binary."""
-    folder = tmp_path_factory.mktemp("hostile")
+    return with_binary(sound, HERE / "hostile.c", tmp_path_factory.mktemp("hostile"))
+
+
+@pytest.fixture(scope="module")
+def hostile3(tmp_path_factory):
+    """That of hostile3.c, of FMI 3."""
+    folder = tmp_path_factory.mktemp("hostile3")
+    plain = export_fmu(Oscillator.from_values(TRUTH, name="rig"), folder / "rig.fmu", version=3)
+    return with_binary(plain, HERE / "hostile3.c", folder)
+
+
+def with_binary(fmu, source, folder):
     compiler = find_compiler()
     assert compiler is not None
     subprocess.run(
-        [compiler, "-shared", "-fPIC", "-O1", str(HOSTILE), "-o", "hostile.so", "-lm"], cwd=folder, check=True
+        [compiler, "-shared", "-fPIC", "-O1", str(source), "-o", "hostile.so", "-lm"], cwd=folder, check=True
     )
-    with zipfile.ZipFile(sound) as source, zipfile.ZipFile(folder / "hostile.fmu", "w") as target:
+    with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(folder / "hostile.fmu", "w") as target:
         for name in source.namelist():
             binary = name.startswith("binaries/")
             target.writestr(name, (folder / "hostile.so").read_bytes() if binary else source.read(name))
@@ -114,6 +125,41 @@ def lane(fault):
 
 @pytest.mark.parametrize(("what", "at", "says"), [lane(fault) for fault in FAULTS])
 def test_a_fault_in_the_binary_is_one_sentence(hostile, here, monkeypatch, what, at, says):
+    is_one_sentence(hostile, here, monkeypatch, what, at, says)
+
+
+#: The same of FMI 3, and what it alone has: an end or an early return that is called OK.
+FAULTS3 = [
+    ("terminate", "", r"stopped \(it asked for the end of the simulation at 0 s\) while it ran", True),
+    ("early", "", r"stopped \(it stopped at 0\.002 s in the step from 0 s over 0\.002 s\)", False),
+    ("short", "", r"stopped \(it stopped at 0\.002 s in the step from 0\.002 s over 0\.002 s\)", False),
+    ("exit", "fmi3DoStep", r"ended the process that it runs in \(exit code 0\) while it ran", False),
+    ("exit", "fmi3InstantiateCoSimulation", r"\(exit code 0\) while it was loaded", False),
+    ("crash", "fmi3DoStep", r"the FMU crashed \(SIGSEGV\) while it ran", False),
+    ("crash", "fmi3EnterInitializationMode", r"crashed \(SIGSEGV\) while it ran", False),
+    ("abort", "fmi3SetFloat64", r"crashed \(SIGABRT\) while it ran", False),
+    ("loop", "fmi3DoStep", r"did not get on for \S+ s while it ran", False),
+    ("stop", "fmi3Terminate", r"did not get on for", False),
+    ("error", "fmi3InstantiateCoSimulation", r"does not load on this machine", False),
+    ("error", "fmi3EnterInitializationMode", r"stopped \(fmi3EnterInitializationMode", False),
+    ("error", "fmi3ExitInitializationMode", r"stopped \(fmi3ExitInitializationMode", False),
+    ("error", "fmi3SetFloat64", r"stopped \(fmi3SetFloat64", False),
+    ("error", "fmi3GetFloat64", r"stopped \(fmi3GetFloat64", False),
+    ("error", "fmi3DoStep", r"stopped \(fmi3DoStep", False),
+    ("error", "fmi3Reset", r"stopped \(fmi3Reset", False),
+    ("error", "fmi3Terminate", r"stopped \(fmi3Terminate", False),
+    ("discard", "fmi3DoStep", r"stopped \(fmi3DoStep", False),
+    ("nonsense", "fmi3DoStep", r"stopped \(fmi3DoStep", False),
+    ("nan", "fmi3GetFloat64", r"gives nan at 0 s and says that all is well", False),
+]
+
+
+@pytest.mark.parametrize(("what", "at", "says"), [lane(fault) for fault in FAULTS3])
+def test_a_fault_in_a_binary_of_fmi_3_is_one_sentence(hostile3, here, monkeypatch, what, at, says):
+    is_one_sentence(hostile3, here, monkeypatch, what, at, says)
+
+
+def is_one_sentence(hostile, here, monkeypatch, what, at, says):
     monkeypatch.setenv("FAULT", what)
     monkeypatch.setenv("AT", at)
     limit = 1.0 if "get on" in says and what != "write" else 10.0
@@ -203,6 +249,13 @@ def test_an_archive_is_looked_at_before_it_is_unpacked(tmp_path, monkeypatch, en
         unpack(fmu, folder) if entries else FmuRun(fmu)  # nothing unpacks well
     assert not [p for p in tmp_path.iterdir() if p not in (fmu, folder)]
     assert not (entries and list(folder.iterdir())) or "folder" in says or "cannot be unpacked" in says
+
+
+def test_a_file_without_a_name_is_refused():
+    entry = zipfile.ZipInfo("x")
+    entry.filename = ""  # which zipfile reads, and does not write
+    with pytest.raises(BadInput, match="holds a file named ''"):
+        limits._check(Path("rig.fmu"), [entry])
 
 
 @pytest.mark.parametrize("damage", [lambda b: b[:9000], lambda b: b[:5000] + b"\xff" + b[5001:], lambda b: b""])

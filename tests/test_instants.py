@@ -1,0 +1,82 @@
+"""Commands that are ended, or meet a full disk, at any instant: the folder is the one before or the one asked for."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot.examples.truth import TRUTH
+from dashpot.export.fmu import export_fmu
+from dashpot.model import Oscillator
+from dashpot.model.file import save
+
+PROGRAM = Path(__file__).parent / "interrupted.py"
+pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of Linux")
+#: Each with how many instants `make test` tries; `make test-all` tries 200.
+COMMANDS = {
+    "show rig.yaml --json": 6,
+    "simulate rig.yaml sweep.csv -o out.csv": 0,
+    "export rig.yaml old.c new/a.casadi": 12,
+    "export rig.yaml a.fmu --platform linux64": 0,
+    "export rig.yaml a.ssp --draws 3 --platform linux64": 0,
+    "verify rig.fmu sweep.csv --json out.json": 0,
+    "hilbert decay.csv -o curves": 0,
+    "identify decay.csv -o old.yaml --report new.html": 0,
+    "diagnose rig.yaml sweep.csv -o found": 0,
+}
+
+
+@pytest.fixture(scope="session")
+def there(tmp_path_factory, recorded):
+    """Inputs, and what a former command left."""
+    folder = tmp_path_factory.mktemp("there")
+    oscillator = Oscillator.from_values(TRUTH, name="rig")
+    save(oscillator, folder / "rig.yaml")
+    (folder / "old.yaml").write_text((folder / "rig.yaml").read_text())
+    export_fmu(oscillator, folder / "rig.fmu")
+    made = {"sweep": recorded(TRUTH, sweep=(1.5, 6.0, 14.0)), "decay": recorded(TRUTH, begin=(8e-3, 0.0))}
+    for name, record in made.items():
+        columns = [record.time, *([] if record.force is None else [record.force]), record.response]
+        header = "time_s,x_m" if record.force is None else "time_s,force_N,x_m"
+        np.savetxt(folder / f"{name}.csv", np.column_stack(columns), "%.9g", ",", header=header, comments="")
+    subprocess.run([sys.executable, "-P", "-m", "dashpot", "export", "rig.yaml", "old.c"], cwd=folder, check=True)
+    return folder
+
+
+LANES = [
+    pytest.param(command, count, id=f"{command.split()[0]} {count}", marks=() if count < 200 else pytest.mark.long)
+    for command, taste in COMMANDS.items()
+    for count in (taste, 200)
+    if count
+]
+
+
+def disturbed(there, command, count, **environment):
+    run = subprocess.run(
+        [sys.executable, "-P", str(PROGRAM), str(there), "1", str(count), *command.split()],
+        capture_output=True,
+        text=True,
+        check=False,
+        env={**os.environ, **environment},
+    )
+    assert run.returncode == 0, run.stderr[-2000:]
+    return json.loads(run.stdout)
+
+
+@pytest.mark.parametrize(("command", "count"), LANES)
+def test_the_folder_is_the_one_before_or_the_one_asked_for(there, command, count):
+    result = disturbed(there, command, count)
+    assert not result["faults"], "\n".join(result["faults"])
+    assert result["usual"] in (0, 1)
+    assert sum(result["ends"].values()) == count
+
+
+@pytest.mark.long
+def test_files_that_are_not_written_aside_are_found(there):
+    faults = disturbed(there, "export rig.yaml old.c new/a.casadi", 100, CARELESS="1")["faults"]
+    assert any("SIGKILL" in fault and "the folder is neither" in fault for fault in faults)
