@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -133,7 +134,8 @@ def test_a_free_recording_is_one_segment():
     (found,) = cut([free(10, start=7.0)], PACE)
     assert (found.start, found.stop, found.time, found.dt, found.pace) == (0, 10 * CYCLE, 7.0, 1 / FS, PACE)
     assert found.force is None
-    assert not (found.rests or found.slide)
+    assert not found.rests
+    assert not found.slide
     assert found.quantity == "displacement"
 
 
@@ -223,6 +225,6 @@ def test_a_slide_is_cut_into_cycles_of_what_drives_it():
     assert [s.recording for s in found] == [0] * 7
     assert [s.n for s in found] == pytest.approx([slide.n / 7] * 7, abs=1)
     assert (found[0].start, found[-1].stop) == (0, slide.n)
-    assert all(a.stop == b.start for a, b in zip(found[:-1], found[1:], strict=True))
+    assert all(a.stop == b.start for a, b in pairwise(found))
     assert all(s.slide and s.pace == pytest.approx(PACE, rel=5e-3) for s in found)
     assert not cut([slide], PACE)[0].slide

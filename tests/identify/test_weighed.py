@@ -206,7 +206,7 @@ def test_what_chance_makes_of_coloured_noise_is_no_reason(hummed, linear):
 
 
 def test_the_state_is_not_touched(right):
-    recordings, problem, state, model = right
+    _, problem, state, model = right
     before = State(state.values.copy(), state.initial.copy())
     whitened(problem, state, model, most=2)
     assert np.array_equal(before.values, state.values)
