@@ -96,6 +96,18 @@ def test_a_rise_by_a_quarter_is_another_motion(rise, parts):
         assert decays[1].start == 700  # a cycle after its corner
 
 
+def test_where_the_envelope_shows_a_rise_the_swings_may_go_on():
+    """Near the noise the envelope rises by chance; each swing is smaller than the last all the same."""
+    size = fall(3500, 500.0)
+    rises = int(500 * np.log(1 / (1.5 * FLOOR)))
+    bumped = size.copy()
+    bumped[rises : rises + 60] *= 1.4
+    (decay,) = found(bumped, swings=turns(2 * size[::50], n=3500))
+    assert decay.start == 0
+    assert decay.stop == pytest.approx(500 * np.log(1 / FLOOR), abs=60)
+    assert min(d.stop for d in found(bumped)) < rises + 1
+
+
 def test_several_decays_left_and_right_of_the_highest():
     size = np.concatenate([fall(1500, 300.0, h) for h in (0.5, 1.0, 0.7)])
     decays = sorted(found(size), key=lambda d: d.start)
@@ -112,6 +124,17 @@ def test_it_begins_a_cycle_after_its_corner(before):
     """The corner is where a cycle ahead holds half of the later fall: half a cycle before the fall begins."""
     (decay,) = found(held(before, 4000, 400.0))
     assert decay.start == pytest.approx(before - PERIOD / 2 + PERIOD, abs=2)
+
+
+def test_the_corner_to_the_sample():
+    """A fall by k / 400 + 1e-7 k²: its rate between four fifths and three tenths, half of which a cycle must fall."""
+    k = np.arange(2500)
+    loss = k / 400 + 1e-7 * k**2
+    first, last = (int(np.flatnonzero(loss > np.log(1 / part))[0]) for part in (0.8, 0.3))
+    rate = (loss[last] - loss[first]) / (last - first)
+    ahead = int(np.flatnonzero(loss >= 0.5 * rate * PERIOD)[0])
+    (decay,) = found(np.exp(-np.append(np.zeros(1000), loss)))
+    assert decay.start == 1000 - (PERIOD - ahead) + PERIOD
 
 
 @pytest.mark.parametrize("before", [100, 190])

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.identify.linear_fit import LinearFit, linear_fit
+from dashpot.identify.linear_fit import LinearFit, _free_places, _peaks, _Signal, linear_fit
 from dashpot.identify.segments import Segment
 from dashpot.simulate.force import staircase, straight_lines
 from scipy.signal import cont2discrete
@@ -137,6 +137,27 @@ def test_what_rings_the_longest_is_fitted_and_not_what_is_loud_at_once():
     other = 1e-3 * np.exp(-20.0 * t) * np.cos(80.0 * t)
     decay = free(0.01, 1500)
     assert fit(replace(decay, response=decay.response + other)).omega0 == pytest.approx(OMEGA0, rel=5e-3)
+
+
+def test_peaks_are_the_three_highest():
+    """Of a plateau its last; the ends are none."""
+    assert _peaks(np.array([9.0, 1.0, 2.0, 0.0, 5.0, 5.0, 0.0, 3.0, 0.0, 2.5, 0.0, 8.0])) == [5, 7, 9]
+    assert _peaks(np.array([1.0, 2.0, 3.0])) == []
+
+
+def test_places_to_begin_at():
+    """The frequencies of both motions, also that which the coarser sampling does not hold; rates by the longest."""
+    slow = free(0.01, 700)
+    t = 0.005 * np.arange(600)
+    fast = segment(np.exp(-0.5 * t) * np.cos(400.0 * t), 0.005)
+    places = _free_places([_Signal(slow), _Signal(fast)])
+    omegas, rates = map(np.array, zip(*places, strict=True))
+    assert np.min(np.abs(omegas - OMEGA0)) < 0.3
+    assert np.min(np.abs(omegas - 400.0)) < 0.3
+    assert np.unique(rates) == pytest.approx(np.array([0.3, 1.0, 3.0, 10.0, 30.0]) / (699 * 0.01))
+    assert np.min(omegas) >= 4 * np.pi / (699 * 0.01)  # two cycles
+    assert len(places) <= 15
+    assert _free_places([]) == []
 
 
 def test_where_there_is_no_frequency_there_is_no_fit():

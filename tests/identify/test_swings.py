@@ -98,7 +98,7 @@ def test_a_motion_that_nobody_stops_is_not_caught():
     assert caught(dry, 0, 1000) is None
 
 
-@pytest.mark.parametrize(("rest", "found"), [(0.58, 500), (0.62, None)])
+@pytest.mark.parametrize(("rest", "found"), [(0.597, 500), (0.603, None)])
 def test_a_swing_that_loses_two_fifths_was_stopped(rest, found):
     """The tenth: three times what those before it lost, and two fifths of itself."""
     size = falling(20, 0.99)
@@ -173,6 +173,17 @@ def test_a_fall_goes_on_until_a_rise():
     assert still_falls(turns(noisy, noise=0.1), 225, 10_000, 0.0) == 950
     assert still_falls(turns(size), 0, 10_000, 0.0) == 0
     assert still_falls(turns(size), 2000, 10_000, 0.0) == 2000
+
+
+def test_only_twice_the_noise_is_no_rise():
+    noisy = np.where(np.arange(20) % 4 < 2, 1.0, 1.15)
+    assert still_falls(turns(noisy, noise=0.07), 225, 10_000, 0.0) == 250
+    assert still_falls(turns(noisy, noise=0.08), 225, 10_000, 0.0) == 950
+
+
+def test_what_was_before_the_sample_does_not_count():
+    size = np.concatenate([[0.5, 0.5, 2.0, 2.0], falling(12, 0.9)])
+    assert still_falls(turns(size), 275, 10_000, 0.0) == 750
 
 
 def test_either_direction_is_held_against_its_own_last():
@@ -252,6 +263,34 @@ def test_a_still_hand_keeps_within_a_fiftieth_of_the_swing(part, found):
     moved = np.max(np.abs(x[:290]))
     x[:290] *= part / moved
     assert release(x, swings, 300 + 6 * EVERY) == found
+
+
+@pytest.mark.parametrize(
+    ("lasts", "stands", "found"),
+    [((30, 50), 22, True), ((30, 50), 16, False), ((100, 50), 30, True), ((100, 50), 22, False)],
+)
+def test_a_hold_is_measured_by_the_shorter_of_the_swings_after_it(lasts, stands, found):
+    """More than 0.35 of it on both sides, of which half a cosine dwells for 0.09 of the first swing."""
+    at = 200 + np.concatenate([[0, lasts[0]], lasts[0] + lasts[1] * np.arange(1, 16)])
+    swings = turns(falling(16), at)
+    x = shape(swings)
+    x[: 200 - stands] += 1.0
+    assert bool(stands + 0.09 * lasts[0] > 0.7 * min(lasts)) is found
+    assert release(x, swings, int(at[6])) == (at[1] if found else None)
+
+
+def test_a_single_swing_says_nothing_of_its_loss():
+    """Between the push and where it is known to be free lies one swing, which seems to lose nothing."""
+    sizes = np.array([0.6, 0.65, 1.0, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4])
+    swings = turns(sizes)
+    assert release(shape(swings), swings, 3 * EVERY) == 2 * EVERY
+
+
+def test_as_many_swings_later_are_compared():
+    """Five lose a hundredth each, and the five after them; what is lost after those does not count."""
+    sizes = np.concatenate([[0.5, 0.5], 1.0 - 0.01 * np.arange(11), 0.9 - 0.08 * np.arange(1, 8)])
+    swings = turns(sizes)
+    assert release(shape(swings), swings, 7 * EVERY) == 2 * EVERY
 
 
 def test_a_push_is_told_by_the_swing_before_it():
