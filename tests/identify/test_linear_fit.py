@@ -139,6 +139,16 @@ def test_what_rings_the_longest_is_fitted_and_not_what_is_loud_at_once():
     assert fit(replace(decay, response=decay.response + other)).omega0 == pytest.approx(OMEGA0, rel=5e-3)
 
 
+def test_of_several_ends_of_the_search_the_best_is_taken():
+    """Two modes of nearly the same power; the rate of the weaker one is among those tried, that of the stronger not."""
+    t = 0.01 * np.arange(700)
+    rates, omegas = np.array([1.7, 1.0]) / t[-1], (30.0, 47.0)
+    power = (1 - np.exp(-2 * rates * t[-1])) / rates
+    sizes = np.sqrt(np.array([1.03, 1.0]) / power)
+    x = sum(a * np.exp(-r * t) * np.cos(w * t) for a, r, w in zip(sizes, rates, omegas, strict=True))
+    assert fit(segment(np.asarray(x), 0.01)).omega0 == pytest.approx(30.0, rel=1e-2)
+
+
 def test_peaks_are_the_three_highest():
     """Of a plateau its last; the ends are none."""
     assert _peaks(np.array([9.0, 1.0, 2.0, 0.0, 5.0, 5.0, 0.0, 3.0, 0.0, 2.5, 0.0, 8.0])) == [5, 7, 9]
