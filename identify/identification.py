@@ -24,6 +24,7 @@ from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
 from .delivered import Fit
 from .excitation import kind_of
+from .faults_found import FoundFault, faults_found
 from .further_laws import with_laws
 from .hilbert_result import HilbertAnalysis, hilbert_analysis
 from .hold import held_as, with_hold
@@ -51,6 +52,8 @@ class Identification:
         fit: maximum likelihood: covariance, simulated responses.
         recordings: what was identified from.
         notes: one sentence each on what a user should know.
+        faults: what the measuring chain did to the recordings, as far as that explains what the model leaves of them;
+            the parameters were found from the recordings as they are, and are off by more than their errors.
     """
 
     oscillator: Oscillator
@@ -58,6 +61,7 @@ class Identification:
     fit: Fit
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
+    faults: tuple[FoundFault, ...] = ()
 
     @cached_property
     def measured(self) -> HilbertAnalysis:
@@ -143,6 +147,8 @@ def identify(
 
     fit = answer(recordings, None, doubted=doubted)
     fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
+    progress("what the measuring chain may have done")
+    faults = faults_found(fit, recordings)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band)
     return Identification(
@@ -151,6 +157,7 @@ def identify(
         fit=fit,
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings), *left_over(oscillator)),
+        faults=faults,
     )
 
 
