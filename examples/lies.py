@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..recording.recording import Recording
+from ..recording.recording import QUANTITIES, Recording
 from .truth import TRUTH
 from .virtual_recording import recording_of
 
@@ -22,7 +22,8 @@ Change = Callable[[Recording], Recording]
 class Stand:
     """A virtual rig and how it is recorded: a decay, a weak sweep, a strong one.
 
-    `begin` m is where it is let go, `force` N the peak of the strong sweep, `noise` m that of the sensor.
+    `begin` m is where it is let go, `force` N the peak of the strong sweep, `noise` m that of the displacement; that of
+    the force is a thousandth of its peak.
     """
 
     values: Mapping[str, float]
@@ -33,26 +34,38 @@ class Stand:
     cycles: float = 150.0
     quantity: str = "displacement"
 
-    def recordings(self, seed: int = 0, **values: float) -> list[Recording]:
-        """Its three recordings; `values` are those in which it is another rig."""
+    def clean(self, **values: float) -> list[Recording]:
+        """Its three recordings without noise; `values` are those in which it is another rig."""
         rig = dict(self.values) | values
         frequency = self.values["omega0"] / (2 * np.pi)
-        common = {"fs": self.fs, "quantity": self.quantity, "noise": self.noise}
+        common = {"fs": self.fs, "quantity": self.quantity, "noise": 0.0}
         low, high = 0.5 * frequency, 1.6 * frequency
-        driven = {"seconds": self.cycles / frequency, "force_noise": 1e-3 * self.force} | common
+        driven = {"seconds": self.cycles / frequency} | common
         return [
-            recording_of(
-                rig, begin=(self.begin, 0.0), seconds=60 / frequency, seed=3 * seed, name="decay.csv", **common
-            ),
-            recording_of(rig, sweep=(0.4 * self.force, low, high), seed=3 * seed + 1, name="weak.csv", **driven),
-            recording_of(rig, sweep=(self.force, high, low), seed=3 * seed + 2, name="strong.csv", **driven),
+            recording_of(rig, begin=(self.begin, 0.0), seconds=60 / frequency, name="decay.csv", **common),
+            recording_of(rig, sweep=(0.4 * self.force, low, high), name="weak.csv", **driven),
+            recording_of(rig, sweep=(self.force, high, low), name="strong.csv", **driven),
         ]
+
+    def noisy(self, recordings: Sequence[Recording], seed: int = 0) -> list[Recording]:
+        """The recordings with the noise of their sensors."""
+        size = self.noise * self.values["omega0"] ** QUANTITIES.index(self.quantity)
+        made = []
+        for i, r in enumerate(recordings):
+            random = np.random.default_rng([seed, i])
+            response = r.response + size * random.standard_normal(r.n)
+            force = r.force
+            if force is not None:
+                force = force + 1e-3 * np.max(np.abs(force)) * random.standard_normal(r.n)
+            made.append(replace(r, response=response, force=force))
+        return made
 
 
 STANDS = {
     "built-in": Stand(TRUTH, 9e-3, 1.0, 1e-6, 500.0),
     "slow": Stand(
-        {"mass": 3.0, "omega0": 14.0, "cubic": 900.0, "preload": 0.0, "viscous": 0.5, "dry": 0.03}, 0.08, 4.0, 3e-5, 100.0
+        {"mass": 3.0, "omega0": 14.0, "cubic": 900.0, "preload": 0.0, "viscous": 0.5, "dry": 0.03},
+        0.08, 4.0, 3e-5, 100.0,
     ),
     "fast": Stand(
         {"mass": 0.04, "omega0": 300.0, "cubic": -4e8, "preload": 0.3, "viscous": 9.0, "dry": 0.5},
@@ -65,18 +78,24 @@ STANDS = {
 class Lie:
     """One thing that a measuring chain does to one of the recordings.
 
-    `kind` is what it is; `record` the place of the recording that lies; `change` what happens to it.
+    `kind` is what it is; `record` the place of the recording that lies; `change` what happens to it, `last` with the
+    noise already on it.
     """
 
     name: str
     kind: str
     record: int
     change: Change
+    last: bool = False
 
 
-def told(lie: Lie, recordings: Sequence[Recording]) -> list[Recording]:
-    """The recordings with that lie among them."""
-    return [lie.change(r) if i == lie.record else r for i, r in enumerate(recordings)]
+def told(stand: Stand, lie: Lie | None, seed: int = 0) -> list[Recording]:
+    """The recordings of a stand with that lie among them, or none."""
+    clean = stand.clean()
+    lying = [lie.change(r) if lie is not None and i == lie.record else r for i, r in enumerate(clean)]
+    if lie is not None and lie.last:
+        return [lie.change(r) if i == lie.record else r for i, r in enumerate(stand.noisy(clean, seed))]
+    return stand.noisy(lying, seed)
 
 
 def response_gain(by: float, since: float) -> Change:
@@ -95,7 +114,7 @@ def late(seconds: float) -> Change:
     def change(r: Recording) -> Recording:
         from scipy.interpolate import CubicSpline
 
-        return replace(r, response=CubicSpline(r.time, r.response)(np.maximum(r.time - seconds, r.start)))
+        return replace(r, response=CubicSpline(r.time, r.response)(np.clip(r.time - seconds, r.start, r.time[-1])))
 
     return change
 
@@ -175,7 +194,7 @@ def of_another_rig(stand: Stand, omega0: float) -> Change:
     """A record of a rig whose natural frequency is so many times that of this one."""
 
     def change(r: Recording) -> Recording:
-        others = stand.recordings(seed=7, omega0=omega0 * stand.values["omega0"])
+        others = stand.clean(omega0=omega0 * stand.values["omega0"])
         return next(other for other in others if other.name == r.name)
 
     return change
@@ -208,8 +227,8 @@ def lies(stand: Stand) -> tuple[Lie, ...]:
         Lie("clock wavers by 1 %", "wavering", 2, wavering(0.01, 3.0)),
         Lie("another rig, 10 %", "another rig", 0, of_another_rig(stand, 1.1)),
         Lie("another rig, 40 %", "another rig", 1, of_another_rig(stand, 1.4)),
-        Lie("a clipped peak", "clipped", 2, clipped_peak()),
-        Lie("20 levels of force", "levels", 2, coarse_force(20)),
+        Lie("a clipped peak", "clipped", 2, clipped_peak(), last=True),
+        Lie("20 levels of force", "levels", 2, coarse_force(20), last=True),
     )
 
 

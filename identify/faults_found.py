@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -18,7 +18,7 @@ from ..recording.recording import Recording
 from .data import data_of, noise_of
 from .delivered import Fit
 from .fault import Fault
-from .fault_score import expected_gains, lines, possible
+from .fault_score import expected_gains, possible
 from .faulty_fit import FaultyFit
 from .from_prediction import from_prediction, keeps_step, simulates
 from .normal_equations import pseudo_inverse
@@ -29,8 +29,6 @@ from .prediction import FREE
 from .structure import Structure
 from .weighed import ABOVE_NOISE, concentrated, over_noise
 
-#: So many of the faults that are asked for most are fitted: the others promise less, and each costs a search.
-_TRIED = 4
 #: Rounds of a search for sizes and place in turn, and steps in each.
 _ROUNDS, _STEPS = 6, 6
 
@@ -83,8 +81,10 @@ def faults_found(fit: Fit, recordings: Sequence[Recording]) -> tuple[FoundFault,
         gains.append(odds[top] - likelihood)
         (best, point), likelihood = tried[top], odds[top]
         found = list(best.faults)
-        if _noise_alone(best, point, fit, recordings):
-            told = _told(best, point, gains, fit, recordings)
+        finest = best.coarsely(False)
+        where = finest.search(point, tolerance=0.1, most=_STEPS, informed=False).state
+        if _noise_alone(finest, where, fit, recordings):
+            told = _told(finest, where, gains, fit, recordings)
             return told if all(fault.stands for fault in told) else ()
     return ()
 
@@ -112,7 +112,10 @@ def _as_fitted(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, 
 
 
 def _asked(problem: OutputError, state: State, fit: Fit) -> tuple[list[Fault], int]:
-    """The faults whose score is decisive, at the best place of each, the most promising first; how many were tried."""
+    """Of each kind the fault whose score promises most, where that is decisive; how many there were to choose from.
+
+    The score says where; how much a kind gains only its own fit says, for a large fault is no small step.
+    """
     residuals = problem.residuals(state)
     if not keeps_step(problem.segments, residuals):
         problem = problem.predicting(1.0)
@@ -125,13 +128,13 @@ def _asked(problem: OutputError, state: State, fit: Fit) -> tuple[list[Fault], i
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
     noise = noise_of(problem.segments, residuals, values, problem.memory)
     gains = expected_gains(problem, state, residuals, noise, faults)
-    best: dict[tuple[type[Fault], int], tuple[float, Fault]] = {}
+    best: dict[type[Fault], tuple[float, Fault]] = {}
     for gain, fault in zip(gains, faults, strict=True):
-        if gain > best.get((type(fault), fault.recording), (0.0,))[0]:
-            best[type(fault), fault.recording] = (float(gain), fault)
+        if gain > best.get(type(fault), (0.0,))[0]:
+            best[type(fault)] = (float(gain), fault)
     price = DECISIVE + math.log(max(len(faults), 1))
     asked = sorted(((g, f) for g, f in best.values() if g > price), key=lambda pair: -pair[0])
-    return [fault for _, fault in asked[:_TRIED]], len(faults)
+    return [fault for _, fault in asked], len(faults)
 
 
 def _fitted(problem: OutputError, state: State, faults: Sequence[Fault]) -> tuple[FaultyFit, State]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,6 +36,12 @@ class FaultyFit(OutputError):
         first = next(segment for segment in self.segments if segment.recording == fault.recording)
         return Offset(fault.recording, "fault", fault.scale(first))
 
+    def coarsely(self, coarse: bool = True) -> FaultyFit:
+        """See ``OutputError``."""
+        other = copy(self)
+        other.coarse = coarse
+        return other
+
     def moved_to(self, places: Sequence[float]) -> FaultyFit:
         """The same with the faults at other places."""
         other = copy(self)
@@ -46,7 +53,7 @@ class FaultyFit(OutputError):
     def sizes(self, offsets: np.ndarray) -> list[np.ndarray]:
         """Sizes of each fault among the offsets (offsets,) of a state, or standard errors of both."""
         ends = self.plain + np.cumsum([0, *(fault.count for fault in self.faults)])
-        return [offsets[a:b] for a, b in zip(ends[:-1], ends[1:], strict=True)]
+        return [offsets[a:b] for a, b in pairwise(ends)]
 
     def with_sizes(self, state: State) -> State:
         """A point of the search without these faults, with all their sizes zero."""
