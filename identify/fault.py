@@ -1,7 +1,7 @@
 """What a measuring chain can do to a recording: each fault in a few sizes, each size zero where there is none.
 
 A fault is a nuisance, as a sensor's zero is one: it changes what is recorded in a known way and knows nothing of the
-rig. So a model is run along what the signals were meant to be, and its response shown as the faulty chain would show it.
+rig. So a model is run along what the signals were meant to be, and its response is shown as the faulty chain would.
 """
 
 from __future__ import annotations
@@ -137,7 +137,8 @@ class Clock(Fault):
         share = _with_error(100 * abs(sizes[0]), 100 * errors[0])
         return (
             f"everything in it goes {share} % {way} than in the other recordings: its clock or its sampling rate is "
-            "wrong; state the rate with --fs, or leave it out"
+            "wrong, or the rig was changed between (its spring by twice as much); state the rate with --fs, or leave "
+            "it out"
         )
 
 
@@ -278,8 +279,8 @@ def _times_over(force: Force, factor: np.ndarray, dt: float) -> Force:
 
 def _gain_told(channel: str, place: float, sizes: np.ndarray, errors: np.ndarray) -> str:
     return (
-        f"from {place:.4g} s on the {channel} counts {_with_error(1.0 + sizes[0], errors[0])} times what it did before: "
-        "the gain or the range of its channel was changed; use the parts before and after as recordings of their own "
+        f"from {place:.4g} s on the {channel} counts {_with_error(1.0 + sizes[0], errors[0])} times what it should: the "
+        "gain or the range of its channel was changed; use the parts before and after as recordings of their own "
         "(--part FROM:TO)"
     )
 

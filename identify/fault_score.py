@@ -1,4 +1,4 @@
-"""Which faults what is left over asks for: the score of each (Rao 1948), beside all that the model could do about it."""
+"""Which faults what is left over asks for: the score of each (Rao 1948), beside what the model could do about it."""
 
 from __future__ import annotations
 
@@ -17,6 +17,8 @@ from .segments import Segment
 TIMES = 24
 #: Lines of what is left that are looked at, in each recording.
 _LINES = 3
+#: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
+_OWN = 1e-8
 
 
 def possible(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> list[Fault]:
@@ -112,10 +114,6 @@ def expected_gains(
         kept = np.diag(reduced) > _OWN * np.maximum(np.diag(corner), np.finfo(float).tiny)
         gains.append(0.5 * float(asks @ pseudo_inverse(reduced) @ asks) if np.all(kept) else 0.0)
     return np.array(gains)
-
-
-#: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
-_OWN = 1e-8
 
 
 def _columns(faulty: FaultyFit, point: State, index: int, base: np.ndarray) -> np.ndarray:

@@ -17,7 +17,7 @@ from ..errors import BadInput
 from ..recording.recording import Recording
 from .data import data_of, noise_of
 from .delivered import Fit
-from .fault import Fault
+from .fault import Fault, Late
 from .fault_score import expected_gains, possible
 from .faulty_fit import FaultyFit
 from .from_prediction import from_prediction, keeps_step, simulates
@@ -200,12 +200,32 @@ def _told(
     covariance = pseudo_inverse(faulty.shared_information(state, residuals, noise))
     errors = np.sqrt(np.maximum(np.diag(covariance)[len(faulty.free) :], 0.0))
     told = []
+    drive = _lag_of_the_drive(faulty, state, errors)
     for fault, sizes, error, gain in zip(
         faulty.faults, faulty.sizes(state.offsets), faulty.sizes(errors), gains, strict=True
     ):
         recording = recordings[fault.recording]
-        words = fault.told(sizes, error, recording.unit, recording.force_unit)
+        words = drive or fault.told(sizes, error, recording.unit, recording.force_unit)
         told.append(
-            FoundFault(fault, tuple(map(float, sizes)), tuple(map(float, error)), gain, f"{recording.name}: {words}")
+            FoundFault(
+                fault, tuple(map(float, sizes)), tuple(map(float, error)), float(gain), f"{recording.name}: {words}"
+            )
         )
     return tuple(told)
+
+
+def _lag_of_the_drive(faulty: FaultyFit, state: State, errors: np.ndarray) -> str | None:
+    """Other words where all driven recordings are late, and by the same: what drives or shows the rig may do that."""
+    driven = {segment.recording for segment in faulty.segments if segment.force is not None}
+    if {fault.recording for fault in faulty.faults} != driven or not all(isinstance(f, Late) for f in faulty.faults):
+        return None
+    sizes = np.concatenate(faulty.sizes(state.offsets))
+    weights = np.concatenate(faulty.sizes(errors)) ** -2.0
+    mean = float(np.average(sizes, weights=weights))
+    if np.any(np.abs(sizes - mean) > BEYOND_ERRORS * weights**-0.5) or not mean > 0:
+        return None
+    return (
+        f"in every driven recording the response comes about {1e3 * mean:.3g} ms late for its force, so either the "
+        "channels are not in step or the drive or the sensor lags; dashpot diagnose weighs a lag (--with time-delay "
+        "fits it), and channels are put in step in the file"
+    )
