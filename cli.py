@@ -150,11 +150,11 @@ def identify(
     else:
         click.echo(describe(identification.oscillator))
     say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
-    for fault in identification.faults:
-        say(f"{fault.sentence}; the parameters may be off by more than their errors")
+    for lie in identification.lies:
+        say(f"{lie}; until then the parameters may be off by more than their errors")
     if identification.useless:
         say(f"{output}: {identification.useless}")
-    if identification.useless or identification.faults:
+    if identification.useless or identification.lies:
         sys.exit(1)
 
 

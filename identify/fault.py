@@ -279,8 +279,8 @@ def _times_over(force: Force, factor: np.ndarray, dt: float) -> Force:
 
 def _gain_told(channel: str, place: float, sizes: np.ndarray, errors: np.ndarray) -> str:
     return (
-        f"from {place:.4g} s on the {channel} counts {_with_error(1.0 + sizes[0], errors[0])} times what it should: the "
-        "gain or the range of its channel was changed; use the parts before and after as recordings of their own "
+        f"from {place:.4g} s on the {channel} counts {_with_error(1.0 + sizes[0], errors[0])} times what it should: "
+        "the gain or range of its channel was changed; use the parts before and after as recordings of their own "
         "(--part FROM:TO)"
     )
 
