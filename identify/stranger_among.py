@@ -51,9 +51,9 @@ def stranger_among(recordings: Sequence[Recording], fitted: Callable[[Sequence[R
     if not _is_noise(own) or apart < max(KEPT, BEYOND_ERRORS * error):
         return None
     return (
-        f"{recordings[odd].name}: it agrees with a rig of {here.value / (2 * math.pi):.4g} Hz, all other recordings with "
-        f"one of {there.value / (2 * math.pi):.4g} Hz, each to its noise, and none with both: it is of another rig, or "
-        "the rig was changed between; leave it out"
+        f"{recordings[odd].name}: it agrees with one rig, {here.value / (2 * math.pi):.4g} Hz, all others with "
+        f"another, {there.value / (2 * math.pi):.4g} Hz, each to its noise, and not together: it is of another rig, "
+        "or the rig was changed between; leave it out"
     )
 
 
