@@ -133,7 +133,7 @@ class Clock(Fault):
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
-        way = "slower" if sizes[0] > 0 else "faster"
+        way = "faster" if sizes[0] > 0 else "slower"
         share = _with_error(100 * abs(sizes[0]), 100 * errors[0])
         return (
             f"everything in it goes {share} % {way} than in the other recordings: its clock or its sampling rate is "

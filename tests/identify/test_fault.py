@@ -78,6 +78,11 @@ def test_a_clock_changes_the_intervals_and_no_value():
     np.testing.assert_allclose(ends[:-1], sound.force.pieces[1:, 0], atol=1e-9)
 
 
+@pytest.mark.parametrize(("size", "way"), [(0.01, "faster"), (-0.01, "slower")])
+def test_intervals_that_are_longer_than_stated_make_the_motion_look_faster(size, way):
+    assert f"1 ± 0.1 % {way}" in Clock(0).told(np.array([size]), np.array([1e-3]), "m", "N")
+
+
 def test_a_line_on_the_force_is_taken_off_with_all_its_derivatives():
     sizes, turn = np.array([0.3, -0.2]), 2 * np.pi * 17.0
     sound = segment()

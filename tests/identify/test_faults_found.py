@@ -39,7 +39,7 @@ def found(stand: Stand, lie: Lie | None, seed: int = 0, **changed: float) -> lis
     ("lie", "figures"),
     [
         (Lie("", "gain", 2, response_gain(0.9, 0.5)), ("from 2.368 s", "0.9 ±")),
-        (Lie("", "late", 1, late(0.004)), ("4 ±", "ms too late")),
+        (Lie("", "late", 1, late(0.004)), ("3.998 ±", "ms too late")),
         (Lie("", "hum", 2, hum(50.0, 0.02)), ("50 Hz",)),
     ],
     ids=["gain", "late", "hum"],
