@@ -17,7 +17,7 @@ from ..errors import BadInput
 from ..recording.recording import Recording
 from .data import data_of, noise_of
 from .delivered import Fit
-from .fault import Fault, Late
+from .fault import Fault, ForceHum, Hum, Late
 from .fault_score import expected_gains, possible
 from .faulty_fit import FaultyFit
 from .from_prediction import from_prediction, keeps_step, simulates
@@ -85,8 +85,17 @@ def faults_found(fit: Fit, recordings: Sequence[Recording]) -> tuple[FoundFault,
         where = finest.search(point, tolerance=0.1, most=_STEPS, informed=False).state
         if _noise_alone(finest, where, fit, recordings):
             told = _told(finest, where, gains, fit, recordings)
-            return told if all(fault.stands for fault in told) else ()
+            return told if _is_one_cause(told) and all(fault.stands for fault in told) else ()
     return ()
+
+
+def _is_one_cause(told: Sequence[FoundFault]) -> bool:
+    """Whether faults are one thing that a chain does: several in several records may come of lines or of delays alone.
+
+    Gains and steps of many records, each of its own size, soak up what a family lacks as well.
+    """
+    kinds = {type(found.fault) for found in told}
+    return len(told) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
 
 
 def _as_fitted(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, State]:
