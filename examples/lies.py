@@ -114,7 +114,8 @@ def late(seconds: float) -> Change:
     def change(r: Recording) -> Recording:
         from scipy.interpolate import CubicSpline
 
-        return replace(r, response=CubicSpline(r.time, r.response)(np.clip(r.time - seconds, r.start, r.time[-1])))
+        shown = CubicSpline(r.time, r.response)(np.maximum(r.time - seconds, r.start))
+        return replace(r, response=shown).slice(0, r.n - max(0, round(-seconds * r.fs)))
 
     return change
 
