@@ -150,8 +150,11 @@ def identify(
     else:
         click.echo(describe(identification.oscillator))
     say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
+    for lie in identification.lies:
+        say(f"{lie}; until then the parameters may be off by more than their errors")
     if identification.useless:
         say(f"{output}: {identification.useless}")
+    if identification.useless or identification.lies:
         sys.exit(1)
 
 

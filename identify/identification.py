@@ -24,6 +24,7 @@ from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
 from .delivered import Fit
 from .excitation import kind_of
+from .faults_found import faults_found
 from .further_laws import with_laws
 from .hilbert_result import HilbertAnalysis, hilbert_analysis
 from .hold import held_as, with_hold
@@ -33,7 +34,9 @@ from .prediction import FREE
 from .provenance import with_provenance
 from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
+from .stranger_among import stranger_among
 from .structure import shapes_of
+from .weighed import ABOVE_NOISE
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
@@ -51,6 +54,8 @@ class Identification:
         fit: maximum likelihood: covariance, simulated responses.
         recordings: what was identified from.
         notes: one sentence each on what a user should know.
+        lies: one sentence each on what the measuring chain did to a recording, or that it is of another rig, as far as
+            that explains what the model leaves; the parameters were found from the recordings as they are.
     """
 
     oscillator: Oscillator
@@ -58,6 +63,7 @@ class Identification:
     fit: Fit
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
+    lies: tuple[str, ...] = ()
 
     @cached_property
     def measured(self) -> HilbertAnalysis:
@@ -143,6 +149,11 @@ def identify(
 
     fit = answer(recordings, None, doubted=doubted)
     fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
+    progress("what the measuring chain may have done")
+    lies = [fault.sentence for fault in faults_found(fit, recordings)]
+    plain = not (lies or effects or fixed or start)
+    if plain and max(s.over_noise for s in fit.segments) > ABOVE_NOISE and (odd := stranger_among(recordings, _alone)):
+        lies.append(odd)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band)
     return Identification(
@@ -151,7 +162,15 @@ def identify(
         fit=fit,
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings), *left_over(oscillator)),
+        lies=tuple(lies),
     )
+
+
+def _alone(recordings: Sequence[Recording]) -> Fit:
+    """Eq. 17 of some recordings, from starts of their own."""
+    hilbert = hilbert_start(recordings)
+    model = _hilbert_model(hilbert, recordings, "alone")
+    return maximum_likelihood(model, recordings, doubted=False, others=lambda: _plain(model, hilbert, recordings))
 
 
 def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from .clipping import Clipping, clipping, measured, noise_of
-from .continuity import leaps, noise_beside, repeated
+from .continuity import leaps, noise_beside, repeated, wrapped
 from .magnitude import impossible
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
 from .plausibility import ROTATIONS, implausible
@@ -103,7 +103,7 @@ def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
     if recording.quantity != "displacement":
         return []  # an impact turns a velocity round within a sample
     found = leaps(recording.response, recording.fs / motion.frequency)
-    if not found:
+    if not found or wrapping(recording, motion):
         return []
     first, at = found[0], recording.start + found[0].first / recording.fs
     what = (
@@ -119,6 +119,23 @@ def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
             recording,
             f"{what}: samples are missing or held there, or the sensor slipped; use the parts before and after as "
             "recordings of their own (--part FROM:TO)",
+        )
+    ]
+
+
+def wrapping(recording: Recording, _: Oscillation) -> list[Problem]:
+    """Find an angle that jumps by a whole turn where it leaves the range of its encoder."""
+    if recording.quantity != "displacement" or recording.unit != "rad":
+        return []
+    places = wrapped(recording.response)
+    if not places.size:
+        return []
+    at = recording.start + places[0] / recording.fs
+    return [
+        _error(
+            recording,
+            f"the angle jumps by a full turn {places.size} time(s), first at {at:.6g} s: it was wrapped into one turn "
+            "(±180°, ±pi); unwrap it in the file, as numpy.unwrap does, so that it runs on",
         )
     ]
 
@@ -295,6 +312,7 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
 
 _JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
     leaping,
+    wrapping,
     written_twice,
     coarse,
     clipped,

@@ -67,6 +67,23 @@ def leaps(displacement: np.ndarray, cycle: float) -> list[Leap]:
     return found if len(found) <= _MOST else []
 
 
+def wrapped(angle: np.ndarray) -> np.ndarray:
+    """Places of the samples before which an angle (n,), in rad, was brought back into one turn; empty where none was.
+
+    An encoder or an arctangent that shows -180 degrees next to +180. Half a turn in a sample is a physical limit: a
+    faster rotation cannot be told from one the other way. With the turn put back no such step may be a leap, and all
+    that is shown must lie within a turn.
+    """
+    steps = np.diff(angle)
+    over = np.abs(steps) > np.pi
+    if not np.any(over) or np.all(over):
+        return np.zeros(0, int)
+    ordinary = float(np.max(np.abs(steps[~over])))
+    within = float(np.ptp(angle)) <= 2 * np.pi + ordinary
+    back = np.abs(steps[over] - 2 * np.pi * np.sign(steps[over]))
+    return np.flatnonzero(over) + 1 if within and np.max(back) <= _LEAP * ordinary else np.zeros(0, int)
+
+
 def noise_beside(signal: np.ndarray) -> float:
     """Standard deviation of the noise on a signal (n,), whatever it does at a few instants.
 

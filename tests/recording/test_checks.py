@@ -346,6 +346,19 @@ def test_a_strongly_nonlinear_response_is_still_reached():
     assert errors(replace(FORCED, response=response)) == []
 
 
+def test_an_angle_that_was_wrapped_is_refused_with_what_to_do():
+    t = np.arange(3000) / 100.0
+    angle = np.pi + 1.0 * np.exp(-0.05 * t) * np.cos(2 * np.pi * t)
+    shown = (angle + np.pi) % (2 * np.pi) - np.pi
+    (sentence,) = [found for found in errors(Recording("p", 100.0, shown, unit="rad")) if "turn" in found]
+    assert "at 0.26 s" in sentence
+    assert "unwrap" in sentence
+    assert not any("leaps" in found for found in errors(Recording("p", 100.0, shown, unit="rad")))
+    # a length has no turns, and the angle itself runs on
+    assert not any("turn" in found for found in errors(Recording("p", 100.0, shown)))
+    assert not any("turn" in found for found in errors(Recording("p", 100.0, angle, unit="rad")))
+
+
 def test_a_displacement_that_leaps_is_refused_with_the_place():
     lost = np.delete(FORCED.response, range(6000, 6030)), np.delete(FORCED.force, range(6000, 6030))
     sentence = the_error(replace(FORCED, response=lost[0], force=lost[1]))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.recording.continuity import leaps, repeated
+from dashpot.recording.continuity import leaps, repeated, wrapped
 
 N, CYCLE = 4000, 80
 PHASE = 2 * np.pi * np.arange(N) / CYCLE
@@ -87,3 +87,38 @@ def test_rest_and_few_levels_are_no_block():
     assert repeated(np.round(MOTION / 5, 4)[None]) is None
     assert repeated(MOTION[None]) is None
     assert repeated(MOTION[None, :20]) is None
+
+
+def pendulum(height: float) -> np.ndarray:
+    """An angle that swings about pi, where many encoders wrap, and falls."""
+    t = np.arange(2000) / 100.0
+    return np.pi + height * np.exp(-0.1 * t) * np.cos(2 * np.pi * t)
+
+
+def wrap(angle: np.ndarray) -> np.ndarray:
+    return (angle + np.pi) % (2 * np.pi) - np.pi
+
+
+def test_a_wrapped_angle_is_found_wherever_it_was_wrapped():
+    angle = pendulum(1.0)
+    places = wrapped(wrap(angle))
+    np.testing.assert_array_equal(places, np.flatnonzero(np.diff(np.floor((angle + np.pi) / (2 * np.pi)))) + 1)
+    assert places.size > 30
+
+
+def test_an_angle_that_runs_on_was_not_wrapped():
+    assert wrapped(pendulum(1.0)).size == 0
+    assert wrapped(np.linspace(0.0, 40.0, 500)).size == 0
+
+
+@pytest.mark.parametrize(("short", "found"), [(0.0, True), (0.03, True), (0.2, False)])
+def test_only_a_whole_turn_is_a_wrapped_one(short, found):
+    # a step that is off a turn by more than the motion makes in a sample is a slip of the sensor
+    angle = wrap(pendulum(1.0))
+    angle = np.where(angle > 0, angle - short, angle)
+    assert (wrapped(angle).size > 0) == found
+
+
+def test_half_a_turn_in_a_sample_tells_no_direction():
+    assert wrapped(np.array([0.0, np.pi - 0.01, 0.0, np.pi - 0.01])).size == 0
+    assert wrapped(np.tile([0.0, 4.0], 20)).size == 0

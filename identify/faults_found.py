@@ -1,0 +1,240 @@
+"""Which faults of recordings explain what a model leaves, decisively and to the noise: lies are told by kind and place.
+
+What a wrong model leaves looks like many things. So a fault is named only where no more than noise is left with it in
+every recording, and the recordings are beyond doubt more likely with it, its search over kinds and places paid for:
+where physics is missing, no fault of one size does that.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from ..recording.recording import Recording
+from .data import data_of, noise_of
+from .delivered import Fit
+from .fault import Fault, ForceHum, Hum, Late
+from .fault_score import expected_gains, possible
+from .faulty_fit import FaultyFit
+from .from_prediction import from_prediction, keeps_step, simulates
+from .normal_equations import pseudo_inverse
+from .odds import BEYOND_ERRORS, DECISIVE
+from .offset import Offset
+from .output_error import OutputError, State
+from .prediction import FREE
+from .structure import Structure
+from .weighed import ABOVE_NOISE, concentrated, over_noise
+
+#: Rounds of a search for sizes and place in turn, and steps in each.
+_ROUNDS, _STEPS = 6, 6
+
+
+@dataclass(frozen=True)
+class FoundFault:
+    """A fault of a recording: a sentence that names the recording, kind, place and size.
+
+    Attributes:
+        fault: kind, recording and place.
+        sizes, errors: of it, with their standard errors.
+        gain: of log-likelihood.
+        sentence: for a user.
+    """
+
+    fault: Fault
+    sizes: tuple[float, ...]
+    errors: tuple[float, ...]
+    gain: float
+    sentence: str
+
+    @property
+    def stands(self) -> bool:
+        """Whether any of its sizes is beyond its error."""
+        return any(abs(s) > BEYOND_ERRORS * e for s, e in zip(self.sizes, self.errors, strict=True))
+
+
+def faults_found(fit: Fit, recordings: Sequence[Recording]) -> tuple[FoundFault, ...]:
+    """The faults of recordings that explain what a fit leaves; none where they do not explain it to the noise.
+
+    Args:
+        fit: of these recordings.
+        recordings: as they were fitted.
+    """
+    problem, state = _as_fitted(fit, recordings)
+    start = fit.oscillator
+    found: list[Fault] = []
+    best, point, gains = problem, state, []
+    likelihood = concentrated(problem, state, start)
+    while len(found) < max(2, len(recordings)):
+        asked, count = _asked(best, point, fit)
+        if not asked:
+            break
+        price = DECISIVE + math.log(count)
+        tried = [_fitted(problem, point, [*found, fault]) for fault in asked]
+        odds = [concentrated(other, where, start) for other, where in tried]
+        top = int(np.argmax(odds))
+        if not odds[top] > likelihood + price:
+            break
+        gains.append(odds[top] - likelihood)
+        (best, point), likelihood = tried[top], odds[top]
+        found = list(best.faults)
+        finest = best.coarsely(False)
+        where = finest.search(point, tolerance=0.1, most=_STEPS, informed=False).state
+        if _noise_alone(finest, where, fit, recordings):
+            told = _told(finest, where, gains, fit, recordings)
+            return told if _is_one_cause(told) and all(fault.stands for fault in told) else ()
+    return ()
+
+
+def _is_one_cause(told: Sequence[FoundFault]) -> bool:
+    """Whether faults are one thing that a chain does: several in several records may come of lines or of delays alone.
+
+    Gains and steps of many records, each of its own size, soak up what a family lacks as well.
+    """
+    kinds = {type(found.fault) for found in told}
+    return len(told) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
+
+
+def _as_fitted(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, State]:
+    """The problem whose answer a fit is, simulated as coarsely as models are compared, and its state."""
+    model = fit.oscillator
+    data = data_of(recordings, model, coarse=True)
+    fixed = [name for name in model.parameters() if name not in fit.names]
+    spread = [1e-2 * float(np.std(recording.response)) for recording in recordings]
+    offsets = []
+    for found in fit.offsets:
+        recording = recordings[found.recording]
+        size = spread[found.recording]
+        if found.channel == "force":
+            size = 1e-2 * float(np.std(recording.force if recording.force is not None else 0.0))
+        elif found.channel == "drift":
+            size /= recording.duration
+        offsets.append(Offset(found.recording, found.channel, size, middle=found.middle))
+    structure = Structure(model, data, fixed, offsets)
+    problem = structure.problem.over([s.segment for s in fit.segments]).coarsely()
+    values = np.array(list(model.values().values()))
+    initial = np.array([s.initial for s in fit.segments])
+    return problem, State(values, initial, np.array([found.value for found in fit.offsets]))
+
+
+def _asked(problem: OutputError, state: State, fit: Fit) -> tuple[list[Fault], int]:
+    """Of each kind the fault whose score promises most, where that is decisive; how many there were to choose from.
+
+    The score says where; how much a kind gains only its own fit says, for a large fault is no small step.
+    """
+    residuals = problem.residuals(state)
+    if not keeps_step(problem.segments, residuals):
+        problem = problem.predicting(1.0)
+        residuals = problem.residuals(state)
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        return [], 0
+    faults = possible(problem.segments, residuals)
+    known = getattr(problem, "faults", ())
+    faults = [f for f in faults if not any(type(f) is type(k) and f.recording == k.recording for k in known)]
+    values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
+    noise = noise_of(problem.segments, residuals, values, problem.memory)
+    gains = expected_gains(problem, state, residuals, noise, faults)
+    best: dict[type[Fault], tuple[float, Fault]] = {}
+    for gain, fault in zip(gains, faults, strict=True):
+        if gain > best.get(type(fault), (0.0,))[0]:
+            best[type(fault)] = (float(gain), fault)
+    price = DECISIVE + math.log(max(len(faults), 1))
+    asked = sorted(((g, f) for g, f in best.values() if g > price), key=lambda pair: -pair[0])
+    return [fault for _, fault in asked], len(faults)
+
+
+def _fitted(problem: OutputError, state: State, faults: Sequence[Fault]) -> tuple[FaultyFit, State]:
+    """Sizes and places of the faults with the parameters: the maximum of the likelihood."""
+    faulty = FaultyFit(problem, faults)
+    point = faulty.with_sizes(state)
+    if not keeps_step(faulty.segments, faulty.residuals(point)):
+        try:
+            point = from_prediction(faulty, point)[0]
+        except BadInput:
+            return faulty, point
+    for _ in range(_ROUNDS):
+        if not simulates(faulty, point):
+            break
+        before = faulty.faults
+        point = faulty.search(point, tolerance=0.5, most=_STEPS, informed=False).state
+        faulty = _placed(faulty, point)
+        if faulty.faults == before:
+            break
+    return faulty, faulty.search(point, tolerance=0.1, most=_STEPS, informed=False).state
+
+
+def _placed(faulty: FaultyFit, state: State) -> FaultyFit:
+    """The last fault where what is left is least, all else as it is: by halving, to a sample."""
+    fault = faulty.faults[-1]
+    own = [i for i, segment in enumerate(faulty.segments) if segment.recording == fault.recording]
+    segments = [faulty.segments[i] for i in own]
+    span = segments[-1].time + segments[-1].n * segments[-1].dt - segments[0].time
+    if not (fault.timed or fault.tonal):
+        return faulty
+    places = [other.place for other in faulty.faults[:-1]]
+
+    def left(place: float) -> float:
+        moved = faulty.moved_to([*places, place])
+        total = sum(float(np.sum((moved.segments[i].response - moved.simulate(i, state)) ** 2)) for i in own)
+        return total if math.isfinite(total) else math.inf
+
+    place, least = fault.place, left(fault.place)
+    by = span / 24 if fault.timed else 0.25 / span
+    smallest = segments[0].dt if fault.timed else 1e-3 / span
+    while by > 0.6 * smallest:
+        trials = [(left(place + way * by), place + way * by) for way in (-1.0, 1.0)]
+        value, there = min(trials)
+        if value < least:
+            place, least = there, value
+        else:
+            by /= 2.0
+    return faulty.moved_to([*places, place])
+
+
+def _noise_alone(faulty: FaultyFit, state: State, fit: Fit, recordings: Sequence[Recording]) -> bool:
+    """Whether no more than noise is left anywhere."""
+    residuals = faulty.residuals(state)
+    return max(over_noise(faulty, residuals, state, fit.oscillator, recordings)) <= ABOVE_NOISE
+
+
+def _told(
+    faulty: FaultyFit, state: State, gains: Sequence[float], fit: Fit, recordings: Sequence[Recording]
+) -> tuple[FoundFault, ...]:
+    residuals = faulty.residuals(state)
+    values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
+    noise = noise_of(faulty.segments, residuals, values, FREE)
+    covariance = pseudo_inverse(faulty.shared_information(state, residuals, noise))
+    errors = np.sqrt(np.maximum(np.diag(covariance)[len(faulty.free) :], 0.0))
+    told = []
+    drive = _lag_of_the_drive(faulty, state, errors)
+    for fault, sizes, error, gain in zip(
+        faulty.faults, faulty.sizes(state.offsets), faulty.sizes(errors), gains, strict=True
+    ):
+        recording = recordings[fault.recording]
+        words = drive or fault.told(sizes, error, recording.unit, recording.force_unit)
+        told.append(
+            FoundFault(
+                fault, tuple(map(float, sizes)), tuple(map(float, error)), float(gain), f"{recording.name}: {words}"
+            )
+        )
+    return tuple(told)
+
+
+def _lag_of_the_drive(faulty: FaultyFit, state: State, errors: np.ndarray) -> str | None:
+    """Other words where all driven recordings are late, and by the same: what drives or shows the rig may do that."""
+    driven = {segment.recording for segment in faulty.segments if segment.force is not None}
+    if {fault.recording for fault in faulty.faults} != driven or not all(isinstance(f, Late) for f in faulty.faults):
+        return None
+    sizes = np.concatenate(faulty.sizes(state.offsets))
+    weights = np.concatenate(faulty.sizes(errors)) ** -2.0
+    mean = float(np.average(sizes, weights=weights))
+    if np.any(np.abs(sizes - mean) > BEYOND_ERRORS * weights**-0.5) or not mean > 0:
+        return None
+    return (
+        f"in every driven recording the response comes about {1e3 * mean:.3g} ms late for its force, so either the "
+        "channels are not in step or the drive or the sensor lags; dashpot diagnose weighs a lag (--with time-delay "
+        "fits it), and channels are put in step in the file"
+    )

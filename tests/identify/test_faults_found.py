@@ -1,0 +1,115 @@
+"""Lies of a measuring chain are named with record, kind, place and size; missing physics and honest records are not."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.examples.lies import STANDS, Lie, Stand, force_gain, hum, late, lies, response_gain, told
+from dashpot.identify import identify
+from dashpot.identify.faults_found import faults_found
+from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.model import Oscillator, Response
+
+SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
+#: What must stand in the sentence of each kind.
+WORDS = {
+    "gain": "the response counts",
+    "force gain": "the force counts",
+    "late": "in step",
+    "hum": "lies on the response",
+    "force hum": "lies on the force",
+    "step": "zero steps",
+    "clock": "clock",
+    "another rig": "another rig",
+}
+
+
+def found(stand: Stand, lie: Lie | None, seed: int = 0, **changed: float) -> list[str]:
+    """What is told of recordings from a fit near the truth."""
+    recordings = told(stand, lie, seed)
+    model = Oscillator.from_values({**stand.values, **changed}, response=Response(stand.quantity, recordings[0].unit))
+    fit = maximum_likelihood(model, recordings, tuple(changed), doubted=False, near=True)
+    return [fault.sentence for fault in faults_found(fit, recordings)]
+
+
+@pytest.mark.parametrize(
+    ("lie", "figures"),
+    [
+        (Lie("", "gain", 2, response_gain(0.9, 0.5)), ("from 2.368 s", "0.9 ±")),
+        (Lie("", "late", 1, late(0.004)), ("3.998 ±", "ms too late")),
+        (Lie("", "hum", 2, hum(50.0, 0.02)), ("50 Hz",)),
+    ],
+    ids=["gain", "late", "hum"],
+)
+def test_a_lie_is_named_with_record_kind_place_and_size(lie, figures):
+    (sentence,) = found(SHORT, lie)
+    assert sentence.startswith(("decay.csv", "weak.csv", "strong.csv")[lie.record])
+    assert WORDS[lie.kind] in sentence
+    for figure in figures:
+        assert figure in sentence
+
+
+def test_honest_recordings_get_no_word():
+    assert found(SHORT, None, seed=5) == []
+
+
+def test_where_physics_is_missing_besides_nothing_is_said():
+    # with the cubic taken away no fault brings what is left to the noise, though one is there
+    lie = Lie("", "gain", 2, response_gain(0.9, 0.5))
+    assert found(SHORT, lie)
+    assert found(SHORT, lie, cubic=0.0) == []
+    assert found(SHORT, None, cubic=0.0) == []
+
+
+@pytest.mark.parametrize(("part", "named"), [(2e-3, True), (2e-6, False)])
+def test_a_line_is_named_where_it_stands_out_beyond_doubt(part, named):
+    assert bool(found(SHORT, Lie("", "hum", 2, hum(50.0, part)))) == named
+
+
+def both(first: Lie, second: Lie) -> list[str]:
+    """What is told where both driven records lie."""
+    lying = [told(SHORT, lie) for lie in (first, second)]
+    recordings = [lying[0][0], lying[0][1], lying[1][2]]
+    model = Oscillator.from_values(dict(SHORT.values))
+    fit = maximum_likelihood(model, recordings, doubted=False, near=True)
+    return sorted(fault.sentence for fault in faults_found(fit, recordings))
+
+
+def test_one_cause_may_lie_in_several_records():
+    sentences = both(Lie("", "hum", 1, hum(50.0, 0.02)), Lie("", "hum", 2, hum(50.0, 0.02)))
+    assert [sentence.split(":")[0] for sentence in sentences] == ["strong.csv", "weak.csv"]
+    # gains of several sizes soak up what a family lacks as well
+    assert both(Lie("", "gain", 1, response_gain(1.1, 0.5)), Lie("", "force gain", 2, force_gain(0.9, 0.5))) == []
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("rig", STANDS)
+@pytest.mark.parametrize("place", range(len(lies(STANDS["built-in"]))))
+def test_no_lie_leaves_wrong_numbers_without_a_word(rig, place):
+    stand = STANDS[rig]
+    lie = lies(stand)[place]
+    recordings = told(stand, lie)
+    try:
+        found = identify(recordings)
+    except BadInput as problem:  # refused: that is a word
+        assert recordings[lie.record].name in str(problem)
+        return
+    parameters = found.oscillator.parameters()
+    off = max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std)
+    name = recordings[lie.record].name
+    assert off < 5.0 or any(name in sentence for sentence in (*found.lies, *found.notes))
+    for sentence in found.lies:
+        assert sentence.startswith(name)
+        assert WORDS.get(lie.kind, "") in sentence
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("rig", STANDS)
+def test_honest_recordings_are_not_called_liars(rig, seed):
+    found = identify(told(STANDS[rig], None, seed))
+    assert found.lies == ()
+    assert all(np.isfinite(s.over_noise) for s in found.fit.segments)
