@@ -91,6 +91,11 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
 )
 @click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
 @click.option("--from", "start", type=FILE, metavar="MODEL.yaml", help="Model to start from, with its laws.")
+@click.option(
+    "--faults",
+    is_flag=True,
+    help="Where more than noise is left, ask what the measuring chain did to a recording: gains, delays, hum, zeros.",
+)
 @with_mode
 @with_laws
 @with_recordings
@@ -105,6 +110,7 @@ def identify(
     mass: float | None,
     start: Path | None,
     mode: str | None,
+    faults: bool,
     **options: Any,
 ) -> None:
     """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture."""
@@ -113,7 +119,7 @@ def identify(
     from .model.file import load, save
     from .model.laws import find as find_law
     from .model.show import as_json as model_json
-    from .model.show import describe
+    from .model.show import describe, left_over
     from .writing import together, write
 
     outputs_checked([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
@@ -135,6 +141,7 @@ def identify(
         fixed=fix,
         start=begin,
         band=band,
+        faults=faults,
         progress=say,
     )
     for note in identification.notes:
@@ -150,11 +157,13 @@ def identify(
     else:
         click.echo(describe(identification.oscillator))
     say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
-    for lie in identification.lies:
-        say(f"{lie}; until then the parameters may be off by more than their errors")
+    if left_over(identification.oscillator) and not faults:
+        say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
+    for fault in identification.faults:
+        say(f"{fault}; until then the parameters may be off by more than their errors")
     if identification.useless:
         say(f"{output}: {identification.useless}")
-    if identification.useless or identification.lies:
+    if identification.useless or identification.faults:
         sys.exit(1)
 
 

@@ -54,8 +54,8 @@ class Identification:
         fit: maximum likelihood: covariance, simulated responses.
         recordings: what was identified from.
         notes: one sentence each on what a user should know.
-        lies: one sentence each on what the measuring chain did to a recording, or that it is of another rig, as far as
-            that explains what the model leaves; the parameters were found from the recordings as they are.
+        faults: one sentence each on what the measuring chain did to a recording, or that it is of another rig, where
+            that was asked for and explains what the model leaves; the parameters are those of the recordings as given.
     """
 
     oscillator: Oscillator
@@ -63,7 +63,7 @@ class Identification:
     fit: Fit
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
-    lies: tuple[str, ...] = ()
+    faults: tuple[str, ...] = ()
 
     @cached_property
     def measured(self) -> HilbertAnalysis:
@@ -97,6 +97,7 @@ def identify(
     band: Band | None = None,
     doubted: bool = True,
     near: bool = False,
+    faults: bool = False,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
@@ -110,6 +111,8 @@ def identify(
         band: in which one of several modes was isolated in them, for the model file; see ``modes``.
         doubted: whether what predictions say otherwise goes into the standard errors; see ``maximum_likelihood``.
         near: whether ``start`` was found from these very recordings; see there.
+        faults: whether to ask what the measuring chain may have done to the recordings, by several fits more; see
+            ``faults_found``.
         progress: called with one line per step.
 
     Raises:
@@ -149,11 +152,14 @@ def identify(
 
     fit = answer(recordings, None, doubted=doubted)
     fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
-    progress("what the measuring chain may have done")
-    lies = [fault.sentence for fault in faults_found(fit, recordings)]
-    plain = not (lies or effects or fixed or start)
-    if plain and max(s.over_noise for s in fit.segments) > ABOVE_NOISE and (odd := stranger_among(recordings, _alone)):
-        lies.append(odd)
+    told = []
+    if faults:
+        progress("what the measuring chain may have done")
+        told = [fault.sentence for fault in faults_found(fit, recordings)]
+        plain = not (told or effects or fixed or start)
+        more = max(s.over_noise for s in fit.segments) > ABOVE_NOISE
+        if plain and more and (odd := stranger_among(recordings, _alone)):
+            told.append(odd)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band)
     return Identification(
@@ -162,7 +168,7 @@ def identify(
         fit=fit,
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings), *left_over(oscillator)),
-        lies=tuple(lies),
+        faults=tuple(told),
     )
 
 

@@ -86,30 +86,33 @@ def test_one_cause_may_lie_in_several_records():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("rig", STANDS)
 @pytest.mark.parametrize("place", range(len(lies(STANDS["built-in"]))))
-def test_no_lie_leaves_wrong_numbers_without_a_word(rig, place):
-    stand = STANDS[rig]
+def test_no_lie_leaves_wrong_numbers_without_a_word(place):
+    stand = STANDS["built-in"]  # of the others `benchmarks/lies.py` tells
     lie = lies(stand)[place]
     recordings = told(stand, lie)
     try:
-        found = identify(recordings)
-    except BadInput as problem:  # refused: that is a word
-        assert recordings[lie.record].name in str(problem)
+        found = identify(recordings, faults=True)
+    except BadInput as problem:
+        refused = str(problem)  # that is a word
+    else:
+        refused = None
+    if refused is not None:
+        assert recordings[lie.record].name in refused
         return
     parameters = found.oscillator.parameters()
     off = max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std)
     name = recordings[lie.record].name
-    assert off < 5.0 or any(name in sentence for sentence in (*found.lies, *found.notes))
-    for sentence in found.lies:
+    assert off < 5.0 or any(name in sentence for sentence in (*found.faults, *found.notes))
+    for sentence in found.faults:
         assert sentence.startswith(name)
         assert WORDS.get(lie.kind, "") in sentence
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("rig", STANDS)
 def test_honest_recordings_are_not_called_liars(rig, seed):
-    found = identify(told(STANDS[rig], None, seed))
-    assert found.lies == ()
+    found = identify(told(STANDS[rig], None, seed), faults=True)
+    assert found.faults == ()
     assert all(np.isfinite(s.over_noise) for s in found.fit.segments)
