@@ -165,7 +165,7 @@ def turned_alike(y: np.ndarray, fs: float, signal: AnalyticSignal, by_kernel: bo
     Y = _hilbert(
         _continued((y - np.mean(y)) * np.exp(signal.undecay * signal.time), signal.period, pad), 1 / signal.period
     )
-    Y = 2.0 * Y.real if by_kernel else Y
+    Y = 2.0 * np.real(Y) if by_kernel else Y
     turned = Y[pad : pad + y.size] * np.exp(-1j * signal.carrier)
     return _low_pass(turned, fs, signal.kernel)[0] / signal.slow
 
