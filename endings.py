@@ -21,6 +21,8 @@ from .aside import signals_held
 from .errors import DashpotError, printable
 
 REFUSED, INTERRUPTED = 2, 130
+#: How CasADi and the loader of libraries say that memory has ended.
+_NO_MEMORY = ("std::bad_alloc", "failed to map segment", "annot allocate memory")
 #: Set to anything, it shows where in the program a fault was.
 TRACEBACK = "DASHPOT_TRACEBACK"
 #: When an interruption that nothing let through comes again, s.
@@ -83,7 +85,7 @@ def sentence(problem: BaseException) -> str:
     """What a user is told of a problem."""
     if isinstance(problem, DashpotError):
         return str(problem)
-    if isinstance(problem, MemoryError) or "std::bad_alloc" in str(problem):  # CasADi's is of another class
+    if isinstance(problem, MemoryError) or any(words in str(problem) for words in _NO_MEMORY):
         return "there is not enough memory for this; use a part of the recordings (--part), or a lower sampling rate"
     if isinstance(problem, OSError) and problem.strerror:
         what = problem.filename if isinstance(problem.filename, str) else "the system"

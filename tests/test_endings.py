@@ -30,6 +30,14 @@ def rig(tmp_path, monkeypatch):
     return "rig.yaml"
 
 
+@pytest.fixture(autouse=True)
+def interruptible():
+    """What nohup or a background job ignores is heard for a while."""
+    kept = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, kept)
+
+
 def raiser(problem):
     def load(*_, **__):
         raise problem
@@ -148,6 +156,7 @@ def test_what_is_made_for_a_while_goes_with_the_command(rig, tmp_path, monkeypat
 
 EARLY = """
 import os, signal, sys
+signal.signal(signal.SIGINT, signal.default_int_handler)
 class Interrupted:
     def find_spec(self, name, *_):
         if name == "click":

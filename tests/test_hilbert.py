@@ -37,7 +37,8 @@ def test_the_laws_are_the_stands(folder):
     for name, within in (("omega0", 1e-4), ("viscous", 1e-3), ("preload", 5e-3), ("dry", 0.02), ("cubic", 0.05)):
         assert both[name]["value"] == pytest.approx(TRUTH[name], rel=within), name
         assert 0.0 < both[name]["std"] < within * TRUTH[name]
-    assert found["forcevib"]["mass"]["value"] == pytest.approx(TRUTH["mass"], rel=1e-3)
+    mass = found["forcevib"]["mass"]
+    assert abs(mass["value"] - TRUTH["mass"]) < 2 * mass["std"] < 0.01 * TRUTH["mass"]
 
 
 def test_the_curves_keep_their_time(folder):

@@ -19,15 +19,15 @@ PROGRAM = Path(__file__).parent / "interrupted.py"
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of Linux")
 #: Each with how many instants `make test` tries, and `make test-all`: fewer of those that take long.
 COMMANDS = {
-    "show rig.yaml --json": (6, 200),
-    "simulate rig.yaml sweep.csv -o out.csv": (0, 50),
-    "export rig.yaml old.c new/a.casadi": (12, 100),
-    "export rig.yaml a.fmu --platform linux64": (0, 30),
-    "export rig.yaml a.ssp --draws 3 --platform linux64": (0, 20),
-    "verify rig.fmu sweep.csv --json out.json": (0, 30),
-    "hilbert decay.csv -o curves": (0, 30),
-    "identify decay.csv -o old.yaml --report new.html": (0, 20),
-    "diagnose rig.yaml sweep.csv -o found": (0, 8),
+    "show rig.yaml --json": (6, 60),
+    "simulate rig.yaml sweep.csv -o out.csv": (0, 24),
+    "export rig.yaml old.c new/a.casadi": (12, 48),
+    "export rig.yaml a.fmu --platform linux64": (0, 12),
+    "export rig.yaml a.ssp --platform linux64": (0, 12),
+    "verify rig.fmu sweep.csv --json out.json": (0, 12),
+    "hilbert decay.csv -o curves": (0, 12),
+    "identify decay.csv -o old.yaml --report new.html": (0, 6),
+    "diagnose rig.yaml sweep.csv -o found": (0, 6),
 }
 
 

@@ -86,7 +86,7 @@ def test_one_cause_may_lie_in_several_records():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("place", range(len(lies(STANDS["built-in"]))))
+@pytest.mark.parametrize("place", range(0, len(lies(STANDS["built-in"])), 3))
 def test_no_lie_leaves_wrong_numbers_without_a_word(place):
     stand = STANDS["built-in"]  # of the others `benchmarks/lies.py` tells
     lie = lies(stand)[place]
