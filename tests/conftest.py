@@ -54,7 +54,7 @@ TRAINING = ("sweep_high", "sweep_low", "ringdown")
 HOLDOUT = ("holdout_multisine", "holdout_sweep")
 #: A test of so many laws goes through the library; one of fewer has chosen them itself.
 MANY = 12
-#: Set to a number, each test with ``every`` tries so many times as many inputs as in `make test`, others each time:
+#: Set to a number, each test with ``every`` tries so many times as many inputs as it usually has, others each time:
 #: DASHPOT_FUZZ=1000 .venv/bin/pytest -k any_
 FUZZ = "DASHPOT_FUZZ"
 #: What may pass without a result, s, and the longest sentence that anybody reads.
@@ -207,14 +207,17 @@ def kinds() -> tuple[str, ...]:
     return KINDS
 
 
-@pytest.fixture(params=[pytest.param(1, id="a taste"), pytest.param(20, id="at length", marks=pytest.mark.long)])
+@pytest.fixture(params=[pytest.param(0.2, id="a taste"), pytest.param(5, id="at length", marks=pytest.mark.long)])
 def every(request: pytest.FixtureRequest) -> Callable[..., None]:
-    """``every(strategy, holds, taste=100)`` calls ``holds`` with so many inputs, the same every time; see FUZZ."""
+    """``every(strategy, holds, usual=100)`` calls ``holds`` with a fifth of so many inputs, or with five times as many.
+
+    They are the same every time; see FUZZ.
+    """
     from hypothesis import HealthCheck, Phase, given, seed, settings
 
-    def run(strategy: Any, holds: Callable[[Any], None], taste: int = 100) -> None:
+    def run(strategy: Any, holds: Callable[[Any], None], usual: int = 100) -> None:
         more = float(os.environ.get(FUZZ) or 0.0)
-        count = max(1, round(taste * (more or request.param)))
+        count = max(1, round(usual * (more or request.param)))
         how = settings(
             max_examples=count,
             derandomize=not more,

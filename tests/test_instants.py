@@ -19,9 +19,9 @@ PROGRAM = Path(__file__).parent / "interrupted.py"
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of Linux")
 #: Each with how many instants `make test` tries, and `make test-all`: fewer of those that take long.
 COMMANDS = {
-    "show rig.yaml --json": (6, 60),
+    "show rig.yaml --json": (3, 60),
     "simulate rig.yaml sweep.csv -o out.csv": (0, 24),
-    "export rig.yaml old.c new/a.casadi": (12, 48),
+    "export rig.yaml old.c new/a.casadi": (6, 48),
     "export rig.yaml a.fmu --platform linux64": (0, 12),
     "export rig.yaml a.ssp --platform linux64": (0, 12),
     "verify rig.fmu sweep.csv --json out.json": (0, 12),
