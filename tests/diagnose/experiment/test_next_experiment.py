@@ -194,6 +194,35 @@ def test_the_nearest_of_the_rivals_that_are_told_apart_says_by_how_much():
     assert "first then differs from near and far by 8 times the noise or more" in plan.sentence
 
 
+def separating(played, plans):
+    model = Oscillator.from_values(VALUES)
+    rivals = [name for name in played if name != "first"]
+    return _separating("first", rivals, played, plans, list(range(len(plans))), model, FS)  # type: ignore[arg-type]
+
+
+def test_a_plan_is_worth_what_it_tells_of_the_nearest_rival():
+    """The first tells one rival by far and the other hardly, the second both."""
+    played = {
+        "first": answers((0.0, 0.0), (0.0, 0.0)),
+        "one": answers((100.0, 0.0), (20.0, 0.0)),
+        "other": answers((0.0, 8.0), (0.0, 20.0)),
+    }
+    plan = separating(played, [sweep(1.0), replace(sweep(1.0), band_hz=(8.0, 12.0))])
+    assert plan.band_hz == (8.0, 12.0)
+
+
+def test_a_rival_that_it_does_not_tell_is_named():
+    played = {"first": answers((0.0, 0.0)), "clear": answers((20.0, 0.0)), "like": answers((0.0, 0.1))}
+    sentence = separating(played, [sweep(1.0)]).sentence
+    assert "first then differs from clear by 20 times" in sentence
+    assert "it does not tell first from like" in sentence
+
+
+def test_a_level_beyond_what_was_recorded_is_told_to_two_figures():
+    played = {"first": answers((0.0,)), "rival": answers((100.0,))}
+    assert "(1.4 times the largest so far)" in separating(played, [sweep(1.4142)]).sentence
+
+
 def sharpened(information: list[dict[str, float]], plans: list[Excitation], stds: dict[str, float]):
     """What is chosen where each plan tells of each parameter by itself: 1 / its relative error, squared, from it."""
     model = Oscillator.from_values(VALUES)
