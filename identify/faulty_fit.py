@@ -36,12 +36,6 @@ class FaultyFit(OutputError):
         first = next(segment for segment in self.segments if segment.recording == fault.recording)
         return Offset(fault.recording, "fault", fault.scale(first))
 
-    def coarsely(self, coarse: bool = True) -> FaultyFit:
-        """See ``OutputError``."""
-        other = copy(self)
-        other.coarse = coarse
-        return other
-
     def moved_to(self, places: Sequence[float]) -> FaultyFit:
         """The same with the faults at other places."""
         other = copy(self)

@@ -14,7 +14,7 @@ from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, field, replace
 from functools import cache
-from typing import TypeVar
+from typing import Self, TypeVar
 
 import numpy as np
 
@@ -132,7 +132,7 @@ class OutputError:
         other.memory = memory
         return other
 
-    def coarsely(self, coarse: bool = True) -> OutputError:
+    def coarsely(self, coarse: bool = True) -> Self:
         """The same, simulated as coarsely as a search may that only leads to where a fit begins; or not."""
         other = copy(self)
         other.coarse = coarse
