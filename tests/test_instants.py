@@ -17,17 +17,19 @@ from dashpot.model.file import save
 
 PROGRAM = Path(__file__).parent / "interrupted.py"
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of Linux")
+#: Set to a number, so many times as many instants are tried, also such at which memory ends.
+FUZZ = "DASHPOT_FUZZ"
 #: Each with how many instants `make test` tries, and `make test-all`: fewer of those that take long.
 COMMANDS = {
-    "show rig.yaml --json": (3, 60),
-    "simulate rig.yaml sweep.csv -o out.csv": (0, 24),
-    "export rig.yaml old.c new/a.casadi": (6, 48),
-    "export rig.yaml a.fmu --platform linux64": (0, 12),
-    "export rig.yaml a.ssp --platform linux64": (0, 12),
-    "verify rig.fmu sweep.csv --json out.json": (0, 12),
-    "hilbert decay.csv -o curves": (0, 12),
-    "identify decay.csv -o old.yaml --report new.html": (0, 6),
-    "diagnose rig.yaml sweep.csv -o found": (0, 6),
+    "show rig.yaml --json": (3, 15),
+    "simulate rig.yaml sweep.csv -o out.csv": (0, 5),
+    "export rig.yaml old.c new/a.casadi": (5, 15),
+    "export rig.yaml a.fmu --platform linux64": (0, 3),
+    "export rig.yaml a.ssp --platform linux64": (0, 3),
+    "verify rig.fmu sweep.csv --json out.json": (0, 3),
+    "hilbert decay.csv -o curves": (0, 3),
+    "identify decay.csv -o old.yaml --report new.html": (0, 3),
+    "diagnose rig.yaml sweep.csv -o found": (0, 3),
 }
 
 
@@ -70,12 +72,14 @@ def disturbed(there, command, count, **environment):
 
 @pytest.mark.parametrize(("command", "count"), LANES)
 def test_the_folder_is_the_one_before_or_the_one_asked_for(there, command, count):
+    count = round(count * float(os.environ.get(FUZZ) or 1.0))
     result = disturbed(there, command, count)
     assert not result["faults"], "\n".join(result["faults"])
     assert result["usual"] in (0, 1)
     assert sum(result["ends"].values()) == count
 
 
+@pytest.mark.skipif(not os.environ.get(FUZZ), reason=f"whether an instant falls between two files is chance: {FUZZ}=1")
 @pytest.mark.long
 def test_files_that_are_not_written_aside_are_found(there):
     faults = disturbed(there, "export rig.yaml old.c new/a.casadi", 100, CARELESS="1")["faults"]
