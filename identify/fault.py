@@ -6,6 +6,7 @@ rig. So a model is run along what the signals were meant to be, and its response
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +16,7 @@ from .segments import Segment
 
 
 @dataclass(frozen=True)
-class Fault:
+class Fault(ABC):
     """One fault of one recording.
 
     Attributes:
@@ -34,9 +35,9 @@ class Fault:
     tonal = False
     forced = False
 
+    @abstractmethod
     def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
         """The segment as a sound chain would have recorded it."""
-        raise NotImplementedError
 
     def shown(self, made: np.ndarray, segment: Segment, sizes: np.ndarray) -> np.ndarray:
         """(n,) what the chain shows of a response (n,)."""
@@ -46,9 +47,9 @@ class Fault:
         """Size of a hundredth of the motion, for finite differences."""
         return 1e-2
 
+    @abstractmethod
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """Kind, place and size in words."""
-        raise NotImplementedError
 
 
 class ResponseGain(Fault):
@@ -142,26 +143,35 @@ class Clock(Fault):
         )
 
 
-class Hum(Fault):
+class Added(Fault):
+    """Something that lies on the response and moves nothing."""
+
+    @abstractmethod
+    def added(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
+        """(n,) what lies on it."""
+
+    def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
+        """See ``Fault``."""
+        return replace(segment, response=segment.response - self.added(segment, sizes))
+
+    def shown(self, made: np.ndarray, segment: Segment, sizes: np.ndarray) -> np.ndarray:
+        """See ``Fault``."""
+        return made + self.added(segment, sizes)[: made.size]
+
+    def scale(self, segment: Segment) -> float:
+        """See ``Fault``; in the unit of the response."""
+        return 1e-2 * float(np.std(segment.response))
+
+
+class Hum(Added):
     """A line on the response: sine and cosine of one frequency."""
 
     count = 2
     tonal = True
 
-    def _line(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
+    def added(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
+        """See ``Added``."""
         return _tone(_times(segment), self.place, sizes)
-
-    def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
-        """See ``Fault``."""
-        return replace(segment, response=segment.response - self._line(segment, sizes))
-
-    def shown(self, made: np.ndarray, segment: Segment, sizes: np.ndarray) -> np.ndarray:
-        """See ``Fault``."""
-        return made + self._line(segment, sizes)[: made.size]
-
-    def scale(self, segment: Segment) -> float:
-        """See ``Fault``; in the unit of the response."""
-        return 1e-2 * float(np.std(segment.response))
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
@@ -201,25 +211,14 @@ class ForceHum(Fault):
         )
 
 
-class ZeroStep(Fault):
+class ZeroStep(Added):
     """From some time on the sensor shows so much more."""
 
     timed = True
 
-    def _step(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
+    def added(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
+        """See ``Added``."""
         return np.where(_times(segment) < self.place, 0.0, sizes[0])
-
-    def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
-        """See ``Fault``."""
-        return replace(segment, response=segment.response - self._step(segment, sizes))
-
-    def shown(self, made: np.ndarray, segment: Segment, sizes: np.ndarray) -> np.ndarray:
-        """See ``Fault``."""
-        return made + self._step(segment, sizes)[: made.size]
-
-    def scale(self, segment: Segment) -> float:
-        """See ``Fault``; in the unit of the response."""
-        return 1e-2 * float(np.std(segment.response))
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
