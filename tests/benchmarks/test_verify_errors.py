@@ -19,7 +19,7 @@ from verify_errors import CoreRun, main, off, recorded, verification  # noqa: E4
 MODEL = Oscillator.from_values(TRUTH)
 
 
-@pytest.mark.parametrize("kind", ["bursts", "decay"])
+@pytest.mark.parametrize("kind", [pytest.param("bursts", marks=pytest.mark.long), "decay"])
 def test_its_core_gives_what_the_fmu_gives(tmp_path, kind):
     export(MODEL, tmp_path / "rig.fmu")
     record = recorded(kind, 10.0, 3)

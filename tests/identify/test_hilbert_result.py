@@ -62,7 +62,7 @@ def test_the_mass_and_what_follows_from_it(found: HilbertAnalysis):
     assert fit.derived["F0"] == pytest.approx(0.02, rel=5e-3)
 
 
-@pytest.mark.parametrize("level", [10, 100])
+@pytest.mark.parametrize("level", [10, pytest.param(100, marks=pytest.mark.long)])
 def test_errors_are_as_large_as_said_at_more_noise(given: list[Recording], level: int):
     z = []
     for seed in range(6):

@@ -267,6 +267,7 @@ def test_a_diagnosis_of_nothing_comes_out(hand_made) -> None:
     assert describe(empty).startswith("✓ Consistent.")
 
 
+@pytest.mark.long
 def test_long_and_many_recordings_keep_the_page_small(hand_made) -> None:
     diagnosis = hand_made.missing()
     long = [hand_made.record(f"long-{i}.csv", seconds=1000.0, holdout=i == 0) for i in range(2)]

@@ -75,7 +75,10 @@ def pages(identifications, verified) -> Callable[[str, bool], str]:
     return write
 
 
-@pytest.mark.parametrize(("kind", "proven"), [("stand", False), ("stand", True), ("roll", False), ("volts", True)])
+@pytest.mark.parametrize(
+    ("kind", "proven"),
+    [pytest.param("stand", False, marks=pytest.mark.long), ("stand", True), ("roll", False), ("volts", True)],
+)
 def test_the_page_is_well_formed_and_stands_alone(kind, proven, pages) -> None:
     reader = Reader(pages(kind, proven))
     assert "script" not in reader.tags
@@ -192,7 +195,16 @@ def test_an_empty_section_is_left_out() -> None:
     assert "Full words" in text
 
 
-@pytest.mark.parametrize("effect", ["hysteresis", "attached-resonator", "actuator-backlash", "sensor-nonlinearity"])
+@pytest.mark.parametrize(
+    "effect",
+    [
+        "hysteresis",
+        *(
+            pytest.param(effect, marks=pytest.mark.long)
+            for effect in ("attached-resonator", "actuator-backlash", "sensor-nonlinearity")
+        ),
+    ],
+)
 def test_a_model_with_laws_of_any_kind_has_its_page(effect, identifications, with_law) -> None:
     identification = identifications["stand"]()
     model = replace(

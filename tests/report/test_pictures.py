@@ -42,7 +42,7 @@ def pictures(identification: Identification, verified: Callable[..., object] | N
         yield spectrum_figure(c, 12.0, identification.oscillator.response.unit)
 
 
-@pytest.mark.parametrize("kind", ["stand", "roll", "volts"])
+@pytest.mark.parametrize("kind", ["stand", pytest.param("roll", marks=pytest.mark.long), "volts"])
 def test_every_picture_is_sound_small_and_labelled_with_units(kind, identifications, verified) -> None:
     for text in pictures(identifications[kind](), verified):
         tree = ElementTree.fromstring(text)

@@ -86,7 +86,10 @@ def test_noise_on_the_force_belongs_to_the_floor(fmu):
     assert check.nrmse == pytest.approx(check.noise_floor, rel=0.15)
 
 
-@pytest.mark.parametrize("changed", [{"mass": TRUTH["mass"] * 1.002}, {"cubic": 0.0}, {"dry": 0.0}])
+@pytest.mark.parametrize(
+    "changed",
+    [{"mass": TRUTH["mass"] * 1.002}, {"cubic": 0.0}, pytest.param({"dry": 0.0}, marks=pytest.mark.long)],
+)
 def test_a_wrong_model_fails(tmp_path, changed):
     export(model_of(**changed), tmp_path / "wrong.fmu")
     result = verify(tmp_path / "wrong.fmu", [recording()])
@@ -178,7 +181,7 @@ def test_a_sweep_that_is_already_moving_when_the_recording_starts(fmu):
     assert check.passed
 
 
-@pytest.mark.parametrize("quantity", ["velocity", "acceleration"])
+@pytest.mark.parametrize("quantity", [pytest.param("velocity", marks=pytest.mark.long), "acceleration"])
 def test_velocity_and_acceleration(tmp_path, quantity):
     export(model_of(quantity), tmp_path / "rig.fmu")
     noise = 1e-3 * np.std(recording(quantity, noise=0.0).response)
@@ -221,8 +224,8 @@ def test_a_recording_with_neither_force_nor_decay_is_refused(fmu):
         verify(fmu, [steady])
 
 
-@pytest.mark.parametrize("quantity", ["displacement", "acceleration"])
-@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("quantity", [pytest.param("displacement", marks=pytest.mark.long), "acceleration"])
+@pytest.mark.parametrize("version", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_an_fmu_is_fed_as_the_recordings_of_its_model_ran(tmp_path, quantity, version):
     """A force that is held from sample to sample, at twenty samples a cycle."""
     fs, n = 250.0, 3000
@@ -310,8 +313,8 @@ def with_memory(model, effect, begin, duration, force):
     ("effect", "start", "begin"),
     [
         ("viscoelastic", (5e-3, 0.0, -3e-3), (5e-3, 0.0, 2e-3)),  # its inner state starts from the displacement
-        ("hysteresis", (5e-3, 0.2, 1e-3), (5e-3, 0.2, 1e-3)),
-        ("tonal-disturbance", (0.0, 0.0, 2.0), (0.0, 0.0, 2.0)),
+        pytest.param("hysteresis", (5e-3, 0.2, 1e-3), (5e-3, 0.2, 1e-3), marks=pytest.mark.long),
+        pytest.param("tonal-disturbance", (0.0, 0.0, 2.0), (0.0, 0.0, 2.0), marks=pytest.mark.long),
     ],
 )
 def test_a_recording_that_starts_with_a_memory_is_followed(tmp_path, with_law, effect, start, begin):
