@@ -17,6 +17,7 @@ from .hilbert_figures import BAND, characteristic_figure, curves_figure, time_fi
 from .levels import sine_levels
 from .modal_table import laws_table, modal_table
 from .provenance import files_text
+from .within_figure import within_figure
 
 if TYPE_CHECKING:
     from ..identify.hilbert_result import HilbertAnalysis
@@ -46,6 +47,7 @@ def hilbert_page(
         Section("Backbones and response", tuple(_backbones(analysis, recordings, unit))),
         Section("Spring and friction", tuple(characteristics(analysis, recordings, unit))),
         Section("Over time", tuple(_over_time(analysis, unit))),
+        Section("Within the cycle", tuple(_within_the_cycle(analysis, unit))),
         Section("Left aside", (Items(tuple(full_stop(note) for note in analysis.notes)),) if analysis.notes else ()),
         Section("Where the numbers come from", (*_recordings(recordings), *files_text(files))),
     ]
@@ -132,16 +134,28 @@ def _over_time(analysis: HilbertAnalysis, unit: str) -> list[Block]:
         caption += (
             f" Logarithmic decrement {number(float(high))} at the largest amplitude, {number(float(low))} at the least."
         )
-        caption += _within(curve, unit)
         blocks.append(picture(lambda c=curve, i=i: time_figure(c, unit, f"time-{i + 1}"), caption))
     return blocks
 
 
-def _within(curve: ModalCurve, unit: str) -> str:
-    """What happens within the largest cycle of a decay, in a sentence; the CSV file has every one."""
+def _within_the_cycle(analysis: HilbertAnalysis, unit: str) -> list[Block]:
+    """Of the decay that reaches farthest; the CSV file has every one."""
+    decays = [curve for curve in analysis.of("freevib") if curve.within is not None]
+    if not decays:
+        return []
+    curve = max(decays, key=lambda curve: float(curve.amplitude.max()))
+    caption = (
+        f"The decay of {plain_text(curve.recording)} that reaches farthest. Left: the natural frequency at each "
+        "instant of its largest cycles. Middle: what a sine leaves out. Right: of the motion above and below "
+        "rest, each by the time spent there: two curves where the rig is asymmetric."
+    )
+    return [picture(lambda: within_figure(curve, unit), caption + _largest(curve, unit))]
+
+
+def _largest(curve: ModalCurve, unit: str) -> str:
+    """What happens within the largest cycle of a decay, in a sentence."""
     cycle = curve.within
-    if cycle is None:
-        return ""
+    assert cycle is not None  # the caller asks for decays that have it
     at = curve.amplitude.argmax()
     force = f"{number(float(cycle.restoring[at]), 4)} ± {number(float(cycle.restoring_std[at]), 2)} {unit}/s²"
     sides = " and ".join(
