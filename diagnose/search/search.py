@@ -316,10 +316,10 @@ class Search:
     def _dropped(self, leader: Candidate) -> list[Start]:
         """The leader with one law less: where it led the others they may do without it."""
         assert leader.fit is not None
-        entries = []
+        entries, afresh = [], len(leader.laws) > 1 and self._at_noise(leader, ())
         for name in leader.laws:
             laws = key([law for law in leader.laws if law != name])
-            for model, initial in without(leader.fit, self.data, name):
+            for model, initial in without(leader.fit, self.data, name, afresh=afresh):
                 entries.append(Entry(laws, model, initial, self._fixed(leader.fit, model), patience=PATIENCE))
         return self._started(entries)
 

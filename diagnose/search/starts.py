@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...errors import BadInput
 from ...identify.data import Data
 from ...identify.equivalent import along_of
+from ...identify.likelihood import maximum_likelihood
 from ...identify.measured_motion import Guess, Regression
 from ...identify.structure import Fitted, without_states
 from ...model import Oscillator
@@ -70,11 +73,26 @@ def unseen_in_motion(law: Law) -> bool:
     return law.record is not None or (law.force is not None and along_of(law).constant)
 
 
-def without(fitted: Fitted, data: Data, law: str) -> list[tuple[Oscillator, np.ndarray]]:
-    """A fitted model with one law less: as it is, and with what the measured motion then asks of the other values."""
+def without(
+    fitted: Fitted, data: Data, law: str, *, afresh: bool = False
+) -> list[tuple[Oscillator, np.ndarray | None]]:
+    """A fitted model with one law less: as it is, and with what the measured motion then asks of the other values.
+
+    Where the path hangs by a hair the likelihood has many summits, and a law may seem to be needed because the model
+    without it rests on a lower one. ``afresh``: also as a fit finds it that knows nothing, from prediction to
+    simulation; without initial states.
+    """
     smaller, initial = without_term(fitted.model, law), without_states(fitted, law)
     guess = Regression(data, smaller).family()
-    return [(smaller, initial)] + ([] if guess is None else [(guess.put_into(smaller), initial)])
+    guessed = smaller if guess is None else guess.put_into(smaller)
+    starts: list[tuple[Oscillator, np.ndarray | None]] = [(smaller, initial)]
+    if guess is not None:
+        starts.append((guessed, initial))
+    if afresh:
+        fixed = [name for name in smaller.parameters() if name not in fitted.free]
+        with suppress(BadInput):  # nothing simulates from there
+            starts.append((maximum_likelihood(guessed, data.recordings, fixed, data, doubted=False).oscillator, None))
+    return starts
 
 
 def _moved(guess: Guess, laws: Sequence[Law]) -> Iterator[Guess]:

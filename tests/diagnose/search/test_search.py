@@ -231,7 +231,7 @@ def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
     proposing({"cubic-damping": 100.0})
     assert leader.fit is not None
     place = leader.fit.model, leader.fit.initial
-    monkeypatch.setattr("dashpot.diagnose.search.search.without", lambda *_: [place])
+    monkeypatch.setattr("dashpot.diagnose.search.search.without", lambda *_, **__: [place])
     starts = search._as_long_or_shorter(leader)
     assert [start.laws for start in starts] == [
         ("stribeck",),
@@ -239,6 +239,23 @@ def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
         ("cubic-damping", "stribeck"),
         ("cubic-damping", "quadratic-drag"),
     ]
+
+
+@pytest.mark.parametrize(
+    ("laws", "times", "asked"),
+    [
+        (("quadratic-drag", "stribeck"), 1.0, True),
+        (("quadratic-drag", "stribeck"), 10.0, False),  # far from the noise there is no summit yet
+        (("quadratic-drag",), 1.0, False),  # the given family was fitted afresh when all began
+    ],
+)
+def test_what_does_without_one_of_several_laws_is_also_fitted_afresh(proposing, monkeypatch, laws, times, asked):
+    search, leader = leading(*laws, times=times)
+    proposing({})
+    said = []
+    monkeypatch.setattr("dashpot.diagnose.search.search.without", lambda *_, afresh: said.append(afresh) or [])
+    search._as_long_or_shorter(leader)
+    assert said == [asked] * len(laws)
 
 
 def test_a_law_becomes_the_more_general_one_where_that_is_not_there():

@@ -172,6 +172,34 @@ def test_a_law_that_is_taken_out_leaves_the_rest_as_it_was_and_as_the_motion_ask
     assert np.array_equal(again, fitted.initial)
 
 
+def test_afresh_it_is_where_a_fit_without_the_law_ends():
+    """A law that is not there, beside a mass that is far off; the model without it comes back to the truth."""
+    recording = driven()
+    data = data_of([recording], MODEL)
+    far = with_term(MODEL, "sensor-offset", {"offset": 0.0}).with_parameters(
+        {"omega0": replace(MODEL.parameters()["omega0"], value=1.3 * TRUTH["omega0"])}
+    )
+    fitted = Fitted(far, np.zeros((1, 2)), (np.zeros(data.points),), 0.0, tuple(far.parameters()))
+    *others, (found, initial) = without(fitted, data, "sensor-offset", afresh=True)
+    assert len(others) == len(without(fitted, data, "sensor-offset"))
+    assert not found.terms
+    assert initial is None
+    for name, within in (("mass", 1e-3), ("omega0", 1e-3), ("viscous", 1e-2), ("cubic", 5e-2)):
+        assert found.values()[name] == pytest.approx(TRUTH[name], rel=within), name
+
+
+def test_afresh_the_shape_of_a_law_is_kept_as_it_was():
+    data = data_of([driven()], MODEL)
+    shape = "softening-stiffness.width"
+    model = with_term(MODEL, "softening-stiffness", {"stiffness": 1.0, "width": 7e-3})
+    model = with_term(model, "sensor-offset", {"offset": 0.0})
+    free = tuple(name for name in model.parameters() if name != shape)
+    fitted = Fitted(model, np.zeros((1, 2)), (np.zeros(data.points),), 0.0, free)
+    *_, (found, _) = without(fitted, data, "sensor-offset", afresh=True)
+    assert found.values()[shape] == 7e-3
+    assert found.values()["softening-stiffness.stiffness"] != 1.0
+
+
 def test_its_own_states_go_with_a_law(delayed):
     _, data = delayed
     model = with_term(MODEL, "actuator-lag", {"time": DELAY})
