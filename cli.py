@@ -117,9 +117,10 @@ def identify(
     from .identify import identify as find
     from .identify.modes import mode_alone
     from .model.file import load, save
+    from .model.fit_state import faults_of_recordings, left_over
     from .model.laws import find as find_law
     from .model.show import as_json as model_json
-    from .model.show import describe, left_over
+    from .model.show import describe
     from .writing import together, write
 
     outputs_checked([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
@@ -159,8 +160,8 @@ def identify(
     say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
     if left_over(identification.oscillator) and not faults:
         say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
-    for fault in identification.faults:
-        say(f"{fault}; until then the parameters may be off by more than their errors")
+    for sentence in faults_of_recordings(identification.oscillator):
+        say(sentence)
     if identification.useless:
         say(f"{output}: {identification.useless}")
     if identification.useless or identification.faults:
