@@ -6,7 +6,9 @@ functions, C, SSP and reports, is made here.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -14,6 +16,31 @@ if TYPE_CHECKING:
 
 #: A recording holds more than a model where that leaves so many times its noise, which itself is estimated.
 LACKING = 1.5
+
+
+@dataclass(frozen=True)
+class MostLeft:
+    """What a model may leave of a recording: a part of the motion's standard deviation, or so many times the noise."""
+
+    part: float = math.inf
+    times: float = math.inf
+
+
+def beyond(oscillator: Oscillator, most: MostLeft) -> list[str]:
+    """A sentence for each recording of which the model leaves more than that.
+
+    A part of the motion counts where it is more than noise, which no model tells.
+    """
+    allowed = (
+        f"{100 * most.part:.4g} % of the motion" if math.isinf(most.times) else f"{most.times:.4g} times the noise"
+    )
+    return [
+        f"{r['file']}: the model leaves {100 * r['nrmse']:.4g} % of the motion, {r['over_noise']:.4g} times the noise, "
+        f"more than {allowed}"
+        for r in oscillator.identified.recordings
+        if r.get("nrmse") is not None and r.get("over_noise") is not None
+        if (r["nrmse"] > most.part and r["over_noise"] > LACKING) or r["over_noise"] > most.times
+    ]
 
 
 def left_over(oscillator: Oscillator) -> list[str]:

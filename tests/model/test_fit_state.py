@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from dashpot.model import Provenance
 from dashpot.model.file import dumps, loads
-from dashpot.model.fit_state import faults_of_recordings, left_over, state_of_fit
+from dashpot.model.fit_state import MostLeft, beyond, faults_of_recordings, left_over, state_of_fit
 from dashpot.model.show import as_json, describe, warnings
 
 FAULT = "from 2.4 s on the response counts 0.9 ± 0.01 times what it should: its gain was changed; use the parts alone"
@@ -56,3 +56,21 @@ def test_of_a_fit_to_the_noise_and_of_given_numbers_nothing_is_said(rig):
     assert state_of_fit(of(rig, {"nrmse": 0.01, "over_noise": 1.0})) is None
     assert state_of_fit(rig()) is None
     assert as_json(rig())["state_of_fit"] is None
+
+
+@pytest.mark.parametrize(
+    ("left", "most", "exceeded"),
+    [
+        ({"nrmse": 0.051, "over_noise": 9.0}, MostLeft(part=0.05), True),
+        ({"nrmse": 0.049, "over_noise": 9.0}, MostLeft(part=0.05), False),
+        ({"nrmse": 0.2, "over_noise": 1.51}, MostLeft(part=0.05), True),
+        ({"nrmse": 0.2, "over_noise": 1.49}, MostLeft(part=0.05), False),  # a recording that is mostly noise
+        ({"nrmse": 0.001, "over_noise": 3.01}, MostLeft(times=3.0), True),
+        ({"nrmse": 0.9, "over_noise": 2.99}, MostLeft(times=3.0), False),
+        ({"nrmse": 0.9}, MostLeft(part=0.05), False),
+    ],
+)
+def test_how_much_is_too_much_is_for_the_user_to_say(rig, left, most, exceeded):
+    said = beyond(of(rig, left, {"nrmse": 0.01, "over_noise": 1.0}), most)
+    assert len(said) == exceeded
+    assert all(sentence.startswith("a.csv: the model leaves ") for sentence in said)
