@@ -119,22 +119,6 @@ def test_a_wrong_model_fails_the_proof_with_exit_code_1(capsys, tmp_path, sweep)
     assert "does not reproduce sweep.csv; sweep.csv: an NRMSE of " in out
 
 
-def test_how_much_may_be_left_is_a_gate_and_the_model_is_written_all_the_same(capsys, tmp_path, decay):
-    made = tmp_path / "m.yaml"
-    code, _, err = run(capsys, "identify", decay, "-o", made, "--max-left", "0.5x")
-    assert code == 1
-    assert "decay.csv: the model leaves " in err
-    assert "times the noise, more than 0.5 times the noise (--max-left)" in err
-    assert load(made).identified.recordings[0]["over_noise"] < 1.1
-    # as noise goes for nothing in a share of the motion
-    assert run(capsys, "identify", decay, "-o", made, "--max-left", "0.0001%")[0] == 0
-
-
-@pytest.mark.parametrize("text", ["5", "x", "-3x", "0%", "%", "", "nan%", "infx"])
-def test_what_may_be_left_has_a_unit(capsys, tmp_path, decay, text):
-    refused(capsys, tmp_path, "identify", decay, "-o", tmp_path / "m.yaml", "--max-left", text, says="such as 5%")
-
-
 def test_plain_c_and_a_system_with_its_uncertainty(capsys, tmp_path, model, decay):
     code, _, err = run(capsys, "export", model, tmp_path / "rig.c", tmp_path / "rig.ssp")
     assert code == 0, err
