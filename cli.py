@@ -104,7 +104,7 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
     metavar="5%|3x",
     callback=most_left,
     help="Exit code 1 where the model leaves more of a recording than that share of the motion, noise aside, or than "
-    "so many times the noise. Without it: where its simulation does not follow the motion (30%).",
+    "so many times the noise. It always is where the simulation does not follow the motion (30%).",
 )
 @with_mode
 @with_laws
