@@ -11,10 +11,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from ..recording.checks import LEVELS
+from ..recording.fact import fact
 from ..recording.recording import Recording
 from ..recording.resolution import converter_step
 from .blows import ContactForce
@@ -44,12 +46,18 @@ class Rounding:
     smooth: np.ndarray
     noise: float
 
-    def error(self, random: np.random.Generator) -> np.ndarray:
-        """(n,) what rounding may have done: a draw."""
-        middle = float(np.mean(self.smooth))
-        swing = self.smooth - middle
-        peak = max(float(np.max(np.abs(swing))), self.step)
-        before = middle + swing * (1.0 + self.step * random.uniform(-0.5, 0.5) / peak) - self.level
+    @cached_property
+    def _middle(self) -> float:
+        return float(np.mean(self.smooth))
+
+    @cached_property
+    def _peak(self) -> float:
+        return max(float(np.max(np.abs(self.smooth - self._middle))), self.step)
+
+    def error(self, random: np.random.Generator, within: slice = slice(None)) -> np.ndarray:
+        """What rounding may have done to the samples ``within``, of which there is one for each: a draw."""
+        size = 1.0 + self.step * random.uniform(-0.5, 0.5) / self._peak
+        before = self._middle + size * (self.smooth[within] - self._middle) - self.level
         before = before + self.noise * random.standard_normal(before.size)
         return self.step * np.round(before / self.step) - before
 
@@ -63,6 +71,17 @@ def rounding_of(signal: Signal) -> Rounding | None:
     if noise >= _DITHERS * step:
         return None
     return Rounding(step, float(samples[0]), _below(samples, _BELOW * signal.band[1] / signal.fs), float(noise))
+
+
+@fact("response", "fs")
+def _of_response(recording: Recording) -> Rounding | None:
+    return rounding_of(response_of(recording))
+
+
+@fact("force", "fs")
+def _of_force(recording: Recording) -> Rounding | None:
+    drive = drive_of(recording)
+    return None if drive is None else rounding_of(drive)
 
 
 def _below(samples: np.ndarray, highest: float) -> np.ndarray:
@@ -99,8 +118,8 @@ def scatter_of_rounding(
     segment = problem.segments[i]
     recording = recordings[segment.recording]
     within = slice(segment.start, segment.stop)
-    shown, drive, force = rounding_of(response_of(recording)), drive_of(recording), problem.force(segment)
-    driven = None if drive is None or force is None or isinstance(force, ContactForce) else rounding_of(drive)
+    shown, force = _of_response(recording), problem.force(segment)
+    driven = None if force is None or isinstance(force, ContactForce) else _of_force(recording)
     if shown is None and driven is None:
         return 0.0
 
@@ -108,9 +127,9 @@ def scatter_of_rounding(
         random = np.random.default_rng([seed, i, draw, 1])
         error = np.zeros(segment.n)
         if shown is not None:
-            error += shown.error(random)[within]
+            error += shown.error(random, within)
         if driven is not None and force is not None:
-            other = force.with_added(driven.error(random)[within], segment.dt)
+            other = force.with_added(driven.error(random, within), segment.dt)
             error += problem.simulate(i, state, force=other) - base
         return weighed @ error
 

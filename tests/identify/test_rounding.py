@@ -76,5 +76,5 @@ def test_errors_of_parameters_cover_it(channel, levels, before, monkeypatch):
         return max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std)
 
     assert worst() < 3.0
-    monkeypatch.setattr("dashpot.identify.rounding.rounding_of", lambda _: None)
+    monkeypatch.setattr("dashpot.identify.scatter.scatter_of_rounding", lambda *_: 0.0)
     assert worst() > before
