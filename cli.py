@@ -8,16 +8,19 @@ import sys
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from . import __version__
 from .endings import ended
 from .errors import BadInput
-from .options import FILE, fixed_values, read_all, with_laws, with_mode, with_recordings, with_time_limit
+from .options import FILE, fixed_values, most_left, read_all, with_laws, with_mode, with_recordings, with_time_limit
 from .several_values import CommandOfSeveral, SeveralValues
 from .terminal import outputs_checked, print_json, progress_shown, say
+
+if TYPE_CHECKING:
+    from .model.fit_state import MostLeft
 
 
 class _Commands(click.Group):
@@ -96,6 +99,13 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
     is_flag=True,
     help="Where more than noise is left, ask what the measuring chain did to a recording: gains, delays, hum, zeros.",
 )
+@click.option(
+    "--max-left",
+    metavar="5%|3x",
+    callback=most_left,
+    help="Exit code 1 where the model leaves more of a recording than that share of the motion, noise aside, or than "
+    "so many times the noise. It always is where the simulation does not follow the motion (30%).",
+)
 @with_mode
 @with_laws
 @with_recordings
@@ -111,15 +121,21 @@ def identify(
     start: Path | None,
     mode: str | None,
     faults: bool,
+    max_left: MostLeft | None,
     **options: Any,
 ) -> None:
-    """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture."""
+    """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
+
+    The model is written whatever it leaves. Exit code 1 where it is good for nothing but a start, where --max-left is
+    exceeded or where --faults found one.
+    """
     from .identify import identify as find
     from .identify.modes import mode_alone
     from .model.file import load, save
+    from .model.fit_state import beyond, faults_of_recordings, left_over
     from .model.laws import find as find_law
     from .model.show import as_json as model_json
-    from .model.show import describe, left_over
+    from .model.show import describe
     from .writing import together, write
 
     outputs_checked([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
@@ -159,11 +175,14 @@ def identify(
     say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
     if left_over(identification.oscillator) and not faults:
         say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
-    for fault in identification.faults:
-        say(f"{fault}; until then the parameters may be off by more than their errors")
+    for sentence in faults_of_recordings(identification.oscillator):
+        say(sentence)
     if identification.useless:
         say(f"{output}: {identification.useless}")
-    if identification.useless or identification.faults:
+    exceeded = [] if max_left is None else beyond(identification.oscillator, max_left)
+    for sentence in exceeded:
+        say(f"{sentence} (--max-left)")
+    if identification.useless or identification.faults or exceeded:
         sys.exit(1)
 
 

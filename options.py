@@ -14,6 +14,7 @@ import click
 from .errors import BadInput
 
 if TYPE_CHECKING:
+    from .model.fit_state import MostLeft
     from .recording import Recording
 
 FILE = click.Path(path_type=Path)
@@ -99,6 +100,23 @@ def fixed_values(context: click.Context, parameter: click.Parameter, values: tup
         if not sign or not name.strip():
             raise click.BadParameter(f"'{text}' is not NAME=VALUE with a number, such as viscous=0.5")
     return fixed
+
+
+def most_left(context: click.Context, parameter: click.Parameter, text: str | None) -> MostLeft | None:
+    """``5%`` of the motion or ``3x`` the noise as the most that a model may leave."""
+    from .model.fit_state import MostLeft
+
+    if text is None:
+        return None
+    try:
+        size = float(text.strip()[:-1])
+    except ValueError:
+        size = -1.0
+    if not 0.0 < size < float("inf") or text.strip()[-1] not in "%x":
+        raise click.BadParameter(
+            f"'{text}' is neither a share of the motion, such as 5%, nor times the noise, such as 3x"
+        )
+    return MostLeft(part=size / 100.0) if text.strip().endswith("%") else MostLeft(times=size)
 
 
 def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:

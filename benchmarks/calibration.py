@@ -28,7 +28,7 @@ from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.rig import FORCE_NOISE, FS, SENSOR_NOISE, force, paper_stand
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import Identification, identify
-from dashpot.model.show import LACKING
+from dashpot.model.fit_state import LACKING
 from dashpot.recording import Recording
 
 NAMES = tuple(TRUTH)

@@ -26,7 +26,7 @@ from ..recording.recording import Recording
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, less_offsets, stranger
-from .measuring_chain import hold_of
+from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
 from .mend import exported, no_finding, record_fits
 from .place.locate import locate
@@ -83,7 +83,7 @@ def diagnose(
     progress("best of the given family", 0.0)
     best = family_of(model, recordings, holdout)
     notes += best.notes
-    chain = list(best.chain)
+    chain = [*known_faults(model, given), *best.chain]
     recordings, holdout = list(best.recordings), list(best.holdout)
     if not holdout:
         chain += zeros_of(recordings, best.shown)

@@ -1,4 +1,4 @@
-"""What the measuring chain does, which is no physics: zeros of sensors and load cells, drifts, the force's hold."""
+"""What the measuring chain does, which is no physics: zeros of sensors and load cells, drifts, holds, known faults."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from ..identify.hold import hold_note
 from ..identify.odds import BEYOND_ERRORS, BY_CHANCE
 from ..identify.offset import FoundOffset
 from ..identify.signals import response_of
+from ..model import Oscillator
 from ..model.oscillator import HOLDS
 from ..recording.recording import Recording
 from .result import ChainFact
@@ -20,6 +21,20 @@ def hold_of(hold: str, *, found: bool) -> ChainFact:
     """That the force is held, or runs in straight lines: ``found``, or as the model or a user says."""
     known = f"the force is {HOLDS[hold]}, as the model or --hold says"
     return ChainFact("hold", None, None, hold, hold_note(hold) if found else known)
+
+
+def known_faults(model: Oscillator, recordings: Sequence[Recording]) -> list[ChainFact]:
+    """What the model file says that the measuring chain did to these very recordings; it was not taken off.
+
+    ``identify --faults`` found it, where it explained all that the family left: no physics is then needed for that.
+    """
+    entries = [e for e in model.identified.recordings if e.get("fault") and e.get("sha256")]
+    faults = {entry["sha256"]: entry["fault"] for entry in entries}
+    return [
+        ChainFact("fault", r.name, None, "", f"{r.name}: by the model file {faults[r.sha256]}; it is in these results")
+        for r in recordings
+        if r.sha256 in faults
+    ]
 
 
 def drifts_and_loads(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> list[ChainFact]:

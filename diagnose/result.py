@@ -100,7 +100,7 @@ class ChainFact:
     """What the measuring chain does to one recording, or to all.
 
     Attributes:
-        what: ``hold``, ``offset``, ``drift`` or ``force-offset``.
+        what: ``hold``, ``offset``, ``drift``, ``force-offset``, or ``fault``: one that the model file knows of.
         file: the recording's name; None where it is of all.
         value: in ``unit``; None where it is no number.
         unit: of the value; of a hold its name.

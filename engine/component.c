@@ -132,6 +132,7 @@ static dp_component *dp_instantiate(const dp_host *host, const char *name, const
     c->state.mode = DP_NEW;
     c->state.stop_time = HUGE_VAL;
     dp_instance_reset(&c->state.model, exchange);
+    if (c->host.talkative && sizeof DP_STATE_OF_FIT > 1) dp_log(c, DP_WARNING, DP_STATE_OF_FIT);
     return c;
 }
 

@@ -5,7 +5,7 @@
 ``OUT.output.casadi``      response as recorded, displacement, velocity, acceleration
 ``OUT.smooth.casadi``      right-hand side with every sign replaced by tanh(surface / width)
 ``OUT.smooth.step.casadi`` discrete step of the smooth right-hand side
-``OUT.casadi.json``        names, units, values with errors, widths, step
+``OUT.casadi.json``        names, units, values with errors, state of the fit, widths, step
 
 All take the state ``x``, the force ``u`` and the parameters ``p``; where a law depends on the time itself there is a
 last input ``t``, zero where it is left out. (CasADi takes positional arguments only in full number, so that an input
@@ -25,6 +25,7 @@ import numpy as np
 from ..errors import BadInput
 from ..model import units
 from ..model.equations import Equations, signed
+from ..model.fit_state import state_of_fit
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_output, exact_step, with_defaults
 from ..simulate.runge_kutta import dormand_prince
@@ -210,6 +211,8 @@ def describe(facts: Facts, stem: str, dt: float, made: Functions) -> dict[str, A
         ],
         "p_default": "inf in an element of p stands for the identified value",
         "y": [{"name": name, "unit": unit} for name, unit in zip(eq.output_names, output_units, strict=True)],
+        "state_of_fit": state_of_fit(oscillator),
+        "recordings": [dict(recording) for recording in oscillator.identified.recordings],
         "step_s": dt,
         "smoothing_width": [{"surface": g.text, "width": g.width, "unit": g.unit} for g in made.surfaces],
     }

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from ..errors import BadInput
 from ..model import units
 from ..model.equations import Equations
+from ..model.fit_state import state_of_fit
 from ..model.oscillator import HOLDS
 from .facts import Facts
 from .knowns import Knowns
@@ -109,6 +110,7 @@ class Description:
 
     Attributes:
         name, identifier, equation: of the model.
+        state: what must be known of its fit; empty: nothing. See ``state_of_fit``.
         variables: all of them.
         stop_time, step_size: of the default experiment, s.
         follows: for each state the index of the one that its start value is counted from, or None.
@@ -127,6 +129,12 @@ class Description:
     ranges: tuple[float, ...] = ()
     nominals: tuple[float, ...] = (1.0, 1.0)
     amplitude: tuple[float, float] = (0.0, math.inf)
+    state: str = ""
+
+    @property
+    def words(self) -> str:
+        """The equation, and what must be known of the fit."""
+        return f"{self.equation}. Take note: {self.state}." if self.state else self.equation
 
     def reference(self, name: str) -> int:
         """Value reference of the variable of that name."""
@@ -207,6 +215,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> 
         size.ranges,
         size.nominals,
         (covered.min, covered.max) if covered is not None else (0.0, math.inf),
+        state_of_fit(oscillator) or "",
     )
 
 

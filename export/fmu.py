@@ -150,13 +150,15 @@ def _native_entries(
 
 
 def _variables_header(description: Description, guid: str) -> str:
-    """The C table of the variables and of the motion's sizes. Numbers only: no text of a model reaches it."""
+    """The C table of the variables, the motion's sizes, the state of the fit. No text of a model's own reaches it."""
     rows = [f"    {{{_KINDS[v.role]}, {v.index}, {v.start_text or '0.0'}}},\n" for v in description.variables]
     follows = ", ".join("-1" if leader is None else str(leader) for leader in description.follows)
     slope, (low, high) = description.place("slope"), description.amplitude
     return (
         "/* Generated: the variables by value reference, and the sizes of the motion. */\n"
         f'#define DP_GUID "{guid}"\n'
+        "/* For the log, which importers may format again: no per cent sign. */\n"
+        f'#define DP_STATE_OF_FIT "{description.state.replace("%", "per cent")}"\n'
         f"#define DP_NV {len(rows)}\n"
         f"#define DP_FORCE {description.reference('F')}\n"
         f"#define DP_FORCE_RATE {-1 if slope is None else slope}\n"

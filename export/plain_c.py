@@ -189,8 +189,9 @@ def _about(o: Oscillator, description: Description) -> list[str]:
     files = [str(r.get("file", "?")) for r in o.identified.recordings]
     how = " ".join(part for part in ("by", o.identified.method, o.identified.software) if part)
     origin = [f"Identified from {', '.join(files)}{'' if how == 'by' else ' ' + how}."] if files else []
+    noted = [f"Take note: {description.state}."] if description.state else []
     speed, acceleration = units.compose("X/s", length), units.compose("X/s2", length)
-    return [f"{inside} {unit}", f"Velocity in {speed}, acceleration in {acceleration}. {valid}.", *origin]
+    return [f"{inside} {unit}", f"Velocity in {speed}, acceleration in {acceleration}. {valid}.", *origin, *noted]
 
 
 def _value(parameter: Parameter) -> str:

@@ -96,7 +96,12 @@ def _model_json(description: Description) -> str:
         | ({"role": "output", "index": outputs.index(v.name)} if v.name in outputs else {})
         for v in description.variables
     ]
-    model = {"identifier": description.identifier, "variables": variables, "follows": description.follows}
+    model = {
+        "identifier": description.identifier,
+        "variables": variables,
+        "follows": description.follows,
+        "state_of_fit": description.state,
+    }
     return json.dumps(model, indent=1) + "\n"
 
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from .. import __version__
 from ..errors import BadInput
 from ..model.display import pretty_unit
+from ..model.fit_state import state_of_fit
 from .archive import archived, write_archive
 from .description import Description, Variable
 from .draws import draws as drawn
@@ -72,8 +73,11 @@ def export_ssp(
 
 
 def note(oscillator: Oscillator, draws: int | None = None) -> str | None:
-    """What to tell a user who did not say how many draws and gets none; else None."""
-    if draws is not None or _default(oscillator):
+    """What to tell a user of the draws: how far to trust them, or why there are none where nobody said how many."""
+    if (_default(oscillator) if draws is None else draws) > 0:
+        state = state_of_fit(oscillator)
+        return f"{oscillator.name}: {state}, and a result by more than the draws spread" if state else None
+    if draws is not None:
         return None
     return (
         f"{oscillator.name}: the model holds no covariance, so the archive holds the given parameters only and no "
@@ -94,6 +98,7 @@ def _entries(
     entries = {source: fmu}
     for name, values in sets.items():
         words = "the identified parameters" if name == "nominal" else f"drawn from their covariance, seed {seed}"
+        words += f". Take note: {description.state}." if description.state else ""
         text = _parameter_set(description, name, words, values, units)
         entries[f"resources/parameters/{name}.ssv"] = (_XML + text).encode()
         system = render(
@@ -102,7 +107,7 @@ def _entries(
             description=words,
             tool=_TOOL,
             system=description.identifier,
-            equation=description.equation,
+            equation=description.words,
             component=COMPONENT,
             source=source,
             signals=_signals(description),

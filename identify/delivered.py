@@ -247,7 +247,9 @@ def _result(
 ) -> Fit:
     outcome, noise = answer.outcome, answer.noise
     levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
-    spread = scatter(problem.coarsely(), outcome.state, noise, levels, _DRAWS, remainders=answer.remainders)
+    spread = scatter(
+        problem.coarsely(), outcome.state, noise, levels, _DRAWS, remainders=answer.remainders, recordings=recordings
+    )
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
     doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)
     covariance = inverse @ spread @ inverse + np.outer(doubt, doubt)  # Huber (1967): right where the weights are not

@@ -35,20 +35,27 @@ _ROUNDS, _STEPS = 6, 6
 
 @dataclass(frozen=True)
 class FoundFault:
-    """A fault of a recording: a sentence that names the recording, kind, place and size.
+    """A fault of a recording.
 
     Attributes:
         fault: kind, recording and place.
         sizes, errors: of it, with their standard errors.
         gain: of log-likelihood.
-        sentence: for a user.
+        name: of the recording.
+        words: kind, place and size, for a user.
     """
 
     fault: Fault
     sizes: tuple[float, ...]
     errors: tuple[float, ...]
     gain: float
-    sentence: str
+    name: str
+    words: str
+
+    @property
+    def sentence(self) -> str:
+        """Recording, kind, place and size."""
+        return f"{self.name}: {self.words}"
 
     @property
     def stands(self) -> bool:
@@ -216,9 +223,7 @@ def _told(
         recording = recordings[fault.recording]
         words = drive or fault.told(sizes, error, recording.unit, recording.force_unit)
         told.append(
-            FoundFault(
-                fault, tuple(map(float, sizes)), tuple(map(float, error)), float(gain), f"{recording.name}: {words}"
-            )
+            FoundFault(fault, tuple(map(float, sizes)), tuple(map(float, error)), float(gain), recording.name, words)
         )
     return tuple(told)
 

@@ -17,8 +17,8 @@ from typing import Protocol
 import numpy as np
 
 from ..model import Oscillator
+from ..model.fit_state import LACKING
 from ..model.oscillator import HOLDS as HOLDS_IN_WORDS
-from ..model.show import LACKING
 from ..recording.fact import changed
 from ..recording.recording import HOLDS, Recording
 from ..simulate.force import force_between, smooth_force

@@ -15,8 +15,8 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model import Oscillator, Response
+from ..model.fit_state import LACKING, left_over
 from ..model.oscillator import Band
-from ..model.show import LACKING, left_over
 from ..recording.checks import reversed_force
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
@@ -152,23 +152,23 @@ def identify(
 
     fit = answer(recordings, None, doubted=doubted)
     fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
-    told = []
+    told: dict[int, str] = {}
     if faults:
         progress("what the measuring chain may have done")
-        told = [fault.sentence for fault in faults_found(fit, recordings)]
+        told = {found.fault.recording: found.words for found in faults_found(fit, recordings)}
         plain = not (told or effects or fixed or start)
         more = max(s.over_noise for s in fit.segments) > ABOVE_NOISE
         if plain and more and (odd := stranger_among(recordings, _alone)):
-            told.append(odd)
+            told[odd[0]] = odd[1]
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
-    oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band)
+    oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band, faults=told)
     return Identification(
         oscillator=oscillator,
         hilbert=hilbert,
         fit=fit,
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings), *left_over(oscillator)),
-        faults=tuple(told),
+        faults=tuple(f"{recordings[i].name}: {words}" for i, words in told.items()),
     )
 
 

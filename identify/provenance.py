@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ def with_provenance(
     curves: Sequence[Curve] = (),
     kinds: Sequence[str] = (),
     band: Band | None = None,
+    faults: Mapping[int, str] = MappingProxyType({}),
 ) -> Oscillator:
     """The fitted model with the range that the recordings covered, and with the covariance of its values.
 
@@ -34,6 +36,7 @@ def with_provenance(
         curves: measured backbones, for the least amplitude and, where no force has a band, the frequencies.
         kinds: of each recording, for the model file.
         band: in which one of several modes was isolated.
+        faults: what the measuring chain did to a recording, by its place, for the model file.
     """
     model = fit.oscillator
     unit = model.response.displacement_unit
@@ -58,6 +61,8 @@ def with_provenance(
         file["kind"] = kind
     for index, file in enumerate(files):
         file |= _left(fit, index)
+        if index in faults:
+            file["fault"] = faults[index]
     return replace(
         model,
         amplitude=Range(min(floor, peak), peak, unit),

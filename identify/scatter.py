@@ -6,10 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..recording.recording import Recording
 from ..simulate.force import Force
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse, shared_information
 from .output_error import OutputError, State
+from .rounding import scatter_of_rounding
 
 
 def scatter(
@@ -20,6 +22,7 @@ def scatter(
     draws: int,
     seed: int = 0,
     remainders: Sequence[NoiseSpectrum] | None = None,
+    recordings: Sequence[Recording] = (),
 ) -> np.ndarray:
     """(k, k) scatter of the free parameters' score, force noise passed through the model as it is.
 
@@ -34,6 +37,7 @@ def scatter(
         draws: how many times.
         seed: of the random numbers.
         remainders: spectra of what is left, where the fit weighed by others and the model leaves more than noise.
+        recordings: of the segments, where what a converter of few levels did to them is to be counted in.
     """
     residuals = problem.residuals(state)
     derivatives = problem.derivatives(state, residuals)
@@ -44,8 +48,11 @@ def scatter(
         blocks.append((jacobian @ jacobian.T, np.zeros(jacobian.shape[0])))
         own = jacobian[shared:] @ jacobian.T
         projected = jacobian[:shared] - own[:, :shared].T @ pseudo_inverse(own[:, shared:]) @ jacobian[shared:]
+        base, weighed = segment.response - residuals[i], noise[i].whiten(projected)
+        if recordings:
+            total += scatter_of_rounding(problem, state, i, weighed, base, recordings, draws, seed)
         if remainders is not None:
-            coloured = remainders[i].colour(noise[i].whiten(projected))
+            coloured = remainders[i].colour(weighed)
             total += coloured @ coloured.T
             continue
         if (force := problem.force(segment)) is None or force_noise[i] == 0.0:
@@ -53,8 +60,6 @@ def scatter(
             continue
         sensor = noise[i].sensor_part(projected)
         total += sensor @ sensor.T
-        weighed = noise[i].whiten(projected)
-        base = segment.response - residuals[i]
 
         def score(
             draw: int, i: int = i, force: Force = force, base: np.ndarray = base, weighed: np.ndarray = weighed

@@ -25,8 +25,10 @@ KEPT = 1e-3
 _FEWEST = 3
 
 
-def stranger_among(recordings: Sequence[Recording], fitted: Callable[[Sequence[Recording]], Fit]) -> str | None:
-    """A sentence that names the recording of another rig among several; None where there is none.
+def stranger_among(
+    recordings: Sequence[Recording], fitted: Callable[[Sequence[Recording]], Fit]
+) -> tuple[int, str] | None:
+    """The place of the recording of another rig among several, and what is said of it; None where there is none.
 
     Args:
         recordings: of which one model leaves more than noise.
@@ -51,9 +53,10 @@ def stranger_among(recordings: Sequence[Recording], fitted: Callable[[Sequence[R
     if not _is_noise(own) or apart < max(KEPT, BEYOND_ERRORS * error):
         return None
     return (
-        f"{recordings[odd].name}: it agrees with one rig, {here.value / (2 * math.pi):.4g} Hz, all others with "
+        odd,
+        f"it agrees with one rig, {here.value / (2 * math.pi):.4g} Hz, all others with "
         f"another, {there.value / (2 * math.pi):.4g} Hz, each to its noise, and not together: it is of another rig, "
-        "or the rig was changed between; leave it out"
+        "or the rig was changed between; leave it out",
     )
 
 

@@ -1,13 +1,16 @@
-"""What a user's own law must keep to beyond its words: types, symbols that are given, located kinks, finite values."""
+"""What a user's own law must keep to beyond its words: types, given symbols, located kinks, finite values, units."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from .law import Expression, Law, LawParameter, Motion, Scales
+from .units import factors
 
 _TEXTS = ("name", "path", "equation", "sentence", "source", "curves")
 _FUNCTIONS = ("force", "stored", "drive", "record", "proper")
@@ -28,6 +31,14 @@ _KINKS = {
     "NE": "a comparison",
     "IF_ELSE_ZERO": "if_else",
 }
+
+
+#: What a unit of a law is made of, for a user; and by how much each is counted otherwise, to see whether that matters.
+_COUNTED = {"X": "displacement", "Q": "force", "Y": "recorded signal", "s": "time"}
+_OTHERWISE = 1.7
+#: Numbers that differ by less than this part of themselves are the same but for rounding.
+_SAME = 1e-6
+_POINTS = 20
 
 
 def wrong_types(law: Law) -> Iterator[str]:
@@ -62,7 +73,13 @@ def _number(value: Any) -> bool:
 
 
 def fault(
-    law: Law, motion: Motion, own: dict[str, Expression], signal: Expression, made: Expression, scales: Scales
+    law: Law,
+    motion: Motion,
+    own: dict[str, Expression],
+    signal: Expression,
+    made: Expression,
+    scales: Scales,
+    stored: Expression | None = None,
 ) -> str:
     """What is wrong with the expression that a law made, in a sentence; empty where nothing is.
 
@@ -73,11 +90,13 @@ def fault(
         signal: the symbol of the force or the recorded signal.
         made: the expression.
         scales: of the motion that it is tried in.
+        stored: the energy that it made, if any.
     """
     import casadi as ca
 
     given = [motion.x, motion.v, motion.t, signal]
-    results = ca.SX(ca.vertcat(made, *motion.rates, *motion.surfaces))
+    energy = [] if stored is None else [stored]
+    results = ca.SX(ca.vertcat(made, *motion.rates, *energy, *motion.surfaces))
     inputs = [ca.SX(ca.vertcat(*part)) for part in (given, own.values(), motion.symbols, motion.signs)]
     known = {symbol.element_hash() for part in inputs for symbol in ca.symvar(part)}
     free = [str(symbol) for symbol in ca.symvar(results) if symbol.element_hash() not in known]
@@ -89,16 +108,61 @@ def fault(
             f"its expression has {kink} of the motion, which is located by nothing; write it with motion.sign(surface) "
             "or motion.beyond(surface)"
         )
-    values = [_typical(p, scales) for p in law.parameters]
-    for x, v, t, s, sign in product((0.0, 1.0, -1.0), (0.0, 1.0, -1.0), (0.0, 1.0), (0.0, 1.0, -1.0), (1.0, -1.0)):
-        at = [x * scales.length, v * scales.length * scales.omega, t * scales.duration, s * scales.response]
-        numbers = function(at, values, [0.0] * len(motion.symbols), [sign] * len(motion.signs))
-        if not all(math.isfinite(number) for number in ca.DM(numbers).full().ravel()):
-            shown = ", ".join(f"{p.name} = {value:g}" for p, value in zip(law.parameters, values, strict=True))
-            return (
-                f"it gives no finite number at x = {at[0]:g}, v = {at[1]:g}, t = {at[2]:g} with {shown}; write it so "
-                "that it does within its bounds"
-            )
+    typical = [_typical(p, scales) for p in law.parameters]
+    for values in [typical, *_at_bounds(law.parameters, typical)]:
+        for x, v, t, s, sign in product((0.0, 1.0, -1.0), (0.0, 1.0, -1.0), (0.0, 1.0), (0.0, 1.0, -1.0), (1.0, -1.0)):
+            at = [x * scales.length, v * scales.length * scales.omega, t * scales.duration, s * scales.response]
+            numbers = function(at, values, [0.0] * len(motion.symbols), [sign] * len(motion.signs))
+            if not all(math.isfinite(number) for number in ca.DM(numbers).full().ravel()):
+                shown = ", ".join(f"{p.name} = {value:g}" for p, value in zip(law.parameters, values, strict=True))
+                return (
+                    f"it gives no finite number at x = {at[0]:g}, v = {at[1]:g}, t = {at[2]:g} with {shown}; write it "
+                    "so that it does within its bounds, or narrow these"
+                )
+    return _wrong_unit(law, motion, function, typical, scales, stored=stored is not None)
+
+
+def _at_bounds(parameters: Sequence[LawParameter], typical: Sequence[float]) -> Iterator[list[float]]:
+    """The typical values with one of them at a bound, where a fit may come to rest."""
+    for i, p in enumerate(parameters):
+        for bound in (p.lower, p.upper):
+            if math.isfinite(bound):
+                yield [*typical[:i], float(bound), *typical[i + 1 :]]
+
+
+def _wrong_unit(
+    law: Law, motion: Motion, function: Callable[..., Any], values: Sequence[float], scales: Scales, *, stored: bool
+) -> str:
+    """What does not come out in its unit, in a sentence; empty where all does.
+
+    A law knows no unit, so counting in another one must change what it gives as much as that one's unit says.
+    """
+    random = np.random.default_rng(0)
+    main = "X/s2" if law.force else "Q" if law.drive else "Y"
+    inner = [state.unit for state in motion.states]
+    for symbol, meaning in _COUNTED.items():
+
+        def size(unit: str, symbol: str = symbol) -> float:
+            return float(_OTHERWISE ** factors(unit).get(symbol, 0))
+
+        by = np.array([size("X"), size("X/s"), size("s"), size("Q" if law.drive else "Y")])
+        parameters, states = np.array([size(p.unit) for p in law.parameters]), np.array([size(u) for u in inner])
+        wanted = np.array([size(main), *(states / size("s")), *([size("X2/s2")] if stored else [])])
+        names = ["it", *(f"the rate of its state {state.name!r}" for state in motion.states), "what it has stored"]
+        for _ in range(_POINTS):
+            at = random.uniform(-1.0, 1.0, 4)
+            at *= [scales.length, scales.length * scales.omega, scales.duration, scales.response]
+            hidden = scales.length * random.uniform(-1.0, 1.0, len(inner))
+            signs = random.choice([1.0, -1.0], len(motion.signs))
+            given = np.array(function(at, values, hidden, signs)).ravel()[: wanted.size] * wanted
+            counted = np.array(function(at * by, values * parameters, hidden * states, signs)).ravel()[: wanted.size]
+            wrong = np.abs(counted - given) > _SAME * np.maximum(np.abs(counted), np.abs(given))
+            if np.any(wrong & np.isfinite(counted) & np.isfinite(given)):
+                return (
+                    f"{names[int(np.argmax(wrong))]} does not come out in its unit: counted in another unit of the "
+                    f"{meaning}, it is another law; check the parameters' units, and give each number that has a unit "
+                    "a LawParameter"
+                )
     return ""
 
 

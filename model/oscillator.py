@@ -110,7 +110,8 @@ class Provenance:
 
     Attributes:
         recordings: one mapping a recording with ``file``, ``sha256``, ``kind`` and what the model leaves of it, by its
-            rms: ``nrmse`` over the standard deviation of the motion, ``over_noise`` over the noise.
+            rms: ``nrmse`` over the standard deviation of the motion, ``over_noise`` over the noise; ``fault`` says what
+            the measuring chain did to it, where that was asked for and found.
         method: for example ``maximum-likelihood``.
         software: name and version.
         parameters: names in the order of the covariance's rows.

@@ -26,6 +26,7 @@ def _printable(text: str) -> str:
 
 _Words = Annotated[str, Field(max_length=200), AfterValidator(_printable)]
 _Name = Annotated[str, Field(min_length=1, max_length=255), AfterValidator(_printable)]
+_Sentence = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_printable)]
 _FilePath = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(_printable)]
 _Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
 _RecordedUnit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(_printable)]
@@ -93,6 +94,7 @@ class RecordingForm(_Form):
     kind: _Words | None = None
     nrmse: Annotated[float, Field(ge=0)] | None = None
     over_noise: Annotated[float, Field(ge=0)] | None = None
+    fault: _Sentence | None = None
 
 
 class BandForm(_Form):

@@ -6,14 +6,13 @@ import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
+from .fit_state import faults_of_recordings, left_over, state_of_fit
 from .oscillator import HOLDS
 
 if TYPE_CHECKING:
     from .oscillator import Oscillator
     from .parameter import Parameter
 
-#: A recording holds more than a model where that leaves so many times its noise, which itself is estimated.
-LACKING = 1.5
 STRONG = 0.9  # correlation above which two parameters are hard to tell apart
 _MEANING = {
     "viscous": "damping that feeds the motion",
@@ -83,6 +82,7 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
         "correlations": [
             {"parameters": [first, second], "correlation": value} for first, second, value in strong_correlations(o)
         ],
+        "state_of_fit": state_of_fit(o),
         "warnings": warnings(o),
     }
 
@@ -119,7 +119,7 @@ def warnings(oscillator: Oscillator) -> list[str]:
     """What a user should know before using the numbers, one sentence each."""
     o = oscillator
     parameters = o.parameters()
-    noted = [f"{sentence}." for sentence in left_over(o)]
+    noted = [f"{sentence}." for sentence in (*left_over(o), *faults_of_recordings(o))]
     noted += [sentence for name, p in parameters.items() if (sentence := _negative(o, name, p))]
     for name, p in parameters.items():
         if p.std and p.value > 0 and p.std > 0.5 * p.value:
@@ -133,18 +133,6 @@ def warnings(oscillator: Oscillator) -> list[str]:
     if all(p.std is None for p in parameters.values()):
         noted.append("No parameter has a standard error: the numbers were given, not measured.")
     return noted
-
-
-def left_over(oscillator: Oscillator) -> list[str]:
-    """A sentence for each recording of which the model leaves more than its noise."""
-    family = "model" if oscillator.terms else "Eq. 17 family"
-    return [
-        f"{r['file']}: the model leaves {r['over_noise']:.2g} times the noise, {100 * r['nrmse']:.2g} % of the motion, "
-        f"so the recording holds something that the {family} does not, and the parameters may be off by more than "
-        "their errors"
-        for r in oscillator.identified.recordings
-        if "nrmse" in r and r.get("over_noise", 0.0) > LACKING
-    ]
 
 
 def _negative(o: Oscillator, name: str, p: Parameter) -> str | None:

@@ -209,7 +209,8 @@ def _try(law: Law, where: str) -> None:
                 raise BadInput(f"it gives {result.shape[0]} by {result.shape[1]} numbers; return a single expression")
         if rateless:
             raise BadInput(f"its state {rateless[0]!r} has no rate; call motion.rate(state, expression)")
-        if wrong := fault(law, motion, own, signal, results[0], _SCALES):
+        stored = results[1] if law.stored else None
+        if wrong := fault(law, motion, own, signal, results[0], _SCALES, stored):
             raise BadInput(wrong)
         equations(Oscillator.from_values(values, effects=(law.name,)))
     except BadInput as problem:

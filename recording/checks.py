@@ -169,7 +169,7 @@ def coarse(recording: Recording, _: Oscillation) -> list[Problem]:
                 _note(
                     recording,
                     f"the {name} has only {levels:.0f} levels, {step:.3g} {unit} apart: what rounding does to it "
-                    "repeats with the motion, and parameters may be off by more than their errors; use a smaller range",
+                    "repeats with the motion and is a large part of the parameters' errors; use a smaller range",
                 )
             )
     return notes

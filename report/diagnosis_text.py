@@ -48,7 +48,7 @@ def describe(diagnosis: Diagnosis) -> str:
     if diagnosis.chain:
         lines += ["", "The measuring chain, which is no physics of the rig"]
         for fact in diagnosis.chain[:_NOTES]:
-            lines += _wrapped(f"- {full_stop(fact.sentence)}", "  ", 2)
+            lines += _wrapped(f"- {full_stop(fact.sentence)}", "  ", 4)
         if len(diagnosis.chain) > _NOTES:
             lines.append(f"  - and {len(diagnosis.chain) - _NOTES} more on the page")
     last = _last(diagnosis)

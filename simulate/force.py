@@ -63,15 +63,20 @@ class Force:
         return replace(self, pieces=self.pieces[begin * self.fine : last])
 
     def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
-        """The same force with white noise of that standard deviation on its samples, ``dt`` apart.
-
-        The noise runs between samples as the force does; but for a smooth force it is joined as cheaply as its
-        pieces allow, in straight lines or (where they are finer than samples) held, which at 30 samples a cycle moves a
-        rig as much to 0.4 %.
-        """
+        """The same force with white noise of that standard deviation on its samples, ``dt`` apart."""
         count = self.pieces.shape[0] // self.fine
+        return self.with_added(std * random.standard_normal(count + 1), dt)
+
+    def with_added(self, samples: np.ndarray, dt: float) -> Force:
+        """The same force with something added to its samples, ``dt`` apart, that changes from each to the next.
+
+        It runs between samples as the force does; but for a smooth force it is joined as cheaply as its pieces allow,
+        in straight lines or (where they are finer than samples) held, which at 30 samples a cycle moves a rig as much
+        to 0.4 %. Of ``samples`` (n,) those are taken that the force has; the last one stays.
+        """
         step = dt / self.fine
-        noise = np.repeat(std * random.standard_normal(count + 1), self.fine)[: self.pieces.shape[0] + 1]
+        noise = np.repeat(samples, self.fine)[: self.pieces.shape[0] + 1]
+        noise = np.pad(noise, (0, self.pieces.shape[0] + 1 - noise.size), mode="edge")
         pieces = self.pieces.copy()
         pieces[:, 0] += noise[:-1]
         if self.hold != "zero" and self.fine == 1:

@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.family import family_of
-from dashpot.diagnose.measuring_chain import agree, alike, drifts, drifts_and_loads, hold_of, zeros
+from dashpot.diagnose.measuring_chain import agree, alike, drifts, drifts_and_loads, hold_of, known_faults, zeros
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.offset import FoundOffset
 from dashpot.identify.signals import response_of
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
 
 MODEL = Oscillator.from_values(TRUTH)
@@ -44,6 +44,16 @@ def test_a_hold_that_was_found_is_told_from_one_that_was_known():
     assert "held from sample to sample" in found.sentence
     assert "fitted so" in found.sentence
     assert "as the model or --hold says" in known.sentence
+
+
+def test_a_fault_that_the_model_file_knows_of_is_said_of_that_very_recording():
+    entry = {"file": "run", "sha256": "a" * 64, "fault": "from 2 s on the response counts 0.9 times what it should"}
+    model = replace(MODEL, identified=Provenance(({"file": "other", "sha256": "b" * 64}, entry)))
+    recordings = [quiet("renamed", sha256="a" * 64), quiet("run", sha256="c" * 64), quiet("made")]
+    (fact,) = known_faults(model, recordings)
+    assert (fact.what, fact.file, fact.value) == ("fault", "renamed", None)
+    assert fact.sentence.startswith("renamed: by the model file from 2 s on the response counts 0.9 times")
+    assert known_faults(MODEL, recordings) == []
 
 
 def test_one_load_cell_of_two_that_rests_elsewhere_is_taken_off_and_said(recorded):

@@ -203,10 +203,10 @@ def callers(tmp_path: Path) -> Iterator[Callable[..., Caller]]:
     made: list[Caller] = []
     known: dict[Path, Any] = {}
 
-    def make(fmu: Path, interface: str = MODEL_EXCHANGE) -> Caller:
+    def make(fmu: Path, interface: str = MODEL_EXCHANGE, **how: bool) -> Caller:
         if fmu not in known:
             known[fmu] = describe(fmu), Path(extract(str(fmu), unzipdir=str(tmp_path / f"fmu{len(known)}")))
-        made.append(Caller(*known[fmu], interface))
+        made.append(Caller(*known[fmu], interface, **how))
         return made[-1]
 
     yield make

@@ -8,8 +8,7 @@ from dataclasses import replace
 
 import pytest
 from dashpot.model import Parameter, Provenance, Range
-from dashpot.model.file import dumps, loads
-from dashpot.model.show import as_json, describe, left_over, value_and_error, warnings
+from dashpot.model.show import as_json, describe, value_and_error, warnings
 
 
 @pytest.fixture
@@ -66,20 +65,6 @@ def test_data_of_a_broken_fit_is_still_json(measured):
     json.dumps(data, allow_nan=False)
     assert data["parameters"]["dry"]["std"] is None
     assert any("dry is not known at all" in sentence for sentence in data["warnings"])
-
-
-@pytest.mark.parametrize(("over_noise", "told"), [(1.49, False), (1.51, True)])
-def test_a_recording_that_holds_more_than_the_model_is_told_wherever_the_model_goes(measured, over_noise, told):
-    """It stands in the file, so that show, FMU and page know it."""
-    entry = measured.identified.recordings[0] | {"nrmse": 0.0123, "over_noise": over_noise}
-    o = replace(measured, identified=Provenance(recordings=(entry,)))
-    said = [sentence for sentence in warnings(loads(dumps(o))) if "sweep.csv" in sentence]
-    assert len(said) == told
-    if told:
-        assert said[0].startswith("sweep.csv: the model leaves 1.5 times the noise, 1.2 % of the motion, so ")
-        assert said == [f"{sentence}." for sentence in left_over(o)]
-    del entry["nrmse"]
-    assert left_over(o) == []
 
 
 @pytest.mark.parametrize("name", ["dry", "viscous", "preload", "quadratic-drag.coefficient"])

@@ -15,7 +15,7 @@ from integrating import Model
 class Caller:
     """An instance; what it logs is kept as (status, text). FMPy raises every status above a warning."""
 
-    def __init__(self, known: Described, folder: Path, interface: str) -> None:
+    def __init__(self, known: Described, folder: Path, interface: str, *, logging: bool = True) -> None:
         from fmpy import fmi2
 
         self.known, self.exchange, self.second = known, interface == MODEL_EXCHANGE, known.version == 2
@@ -27,9 +27,9 @@ class Caller:
             calls.allocateMemory = type(calls.allocateMemory)(lambda n, size: 0)
             calls.freeMemory = type(calls.freeMemory)(lambda pointer: None)
             self._callbacks = calls
-            self.fmu.instantiate(callbacks=calls, loggingOn=True)
+            self.fmu.instantiate(callbacks=calls, loggingOn=logging)
         else:
-            self.fmu.instantiate(loggingOn=True, logMessage=lambda *said: self._log(said[0], b"", *said[1:]))
+            self.fmu.instantiate(loggingOn=logging, logMessage=lambda *said: self._log(said[0], b"", *said[1:]))
 
     def _log(self, environment: object, name: bytes, status: int, category: bytes, message: bytes) -> None:
         self.messages.append((int(status), message.decode()))

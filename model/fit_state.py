@@ -1,0 +1,97 @@
+"""The state of a fit, which travels with its result: what it leaves of each recording, and what that means for use.
+
+The model file keeps it by recording (``identified.recordings``); every sentence about it, in ``show``, FMU, CasADi
+functions, C, SSP and reports, is made here.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .oscillator import Oscillator
+
+#: A recording holds more than a model where that leaves so many times its noise, which itself is estimated.
+LACKING = 1.5
+
+
+@dataclass(frozen=True)
+class MostLeft:
+    """What a model may leave of a recording: a part of the motion's standard deviation, or so many times the noise."""
+
+    part: float = math.inf
+    times: float = math.inf
+
+
+def beyond(oscillator: Oscillator, most: MostLeft) -> list[str]:
+    """A sentence for each recording of which the model leaves more than that.
+
+    A part of the motion counts where it is more than noise, which no model tells.
+    """
+    allowed = (
+        f"{100 * most.part:.4g} % of the motion" if math.isinf(most.times) else f"{most.times:.4g} times the noise"
+    )
+    return [
+        f"{r['file']}: the model leaves {100 * r['nrmse']:.4g} % of the motion, {r['over_noise']:.4g} times the noise, "
+        f"more than {allowed}"
+        for r in oscillator.identified.recordings
+        if r.get("nrmse") is not None and r.get("over_noise") is not None
+        if (r["nrmse"] > most.part and r["over_noise"] > LACKING) or r["over_noise"] > most.times
+    ]
+
+
+def left_over(oscillator: Oscillator) -> list[str]:
+    """A sentence for each recording of which the model leaves more than its noise."""
+    family = "model" if oscillator.terms else "Eq. 17 family"
+    return [
+        f"{r['file']}: the model leaves {r['over_noise']:.2g} times the noise, {100 * r['nrmse']:.2g} % of the motion, "
+        f"so the recording holds something that the {family} does not, and the parameters may be off by more than "
+        "their errors"
+        for r in _lacking(oscillator)
+    ]
+
+
+def faults_of_recordings(oscillator: Oscillator) -> list[str]:
+    """A sentence for each recording to which the measuring chain did something that the fit does not know of."""
+    return [
+        f"{r['file']}: {r['fault']}; until then the parameters may be off by more than their errors"
+        for r in _faulty(oscillator)
+    ]
+
+
+def state_of_fit(oscillator: Oscillator) -> str | None:
+    """What must be known of all of a model's parameters, in a sentence without names of files; None: nothing.
+
+    It has at most 250 characters of ASCII, so that it can stand anywhere.
+    """
+    count, lacking, faulty = len(oscillator.identified.recordings), _lacking(oscillator), _faulty(oscillator)
+    told = []
+    if lacking:
+        times, part = (max(r[name] for r in lacking) for name in ("over_noise", "nrmse"))
+        told.append(
+            f"the model leaves more than noise of {_of(len(lacking), count)}, up to {times:.2g} times the noise and "
+            f"{100 * part:.2g} % of the motion"
+        )
+    if faulty:
+        told.append(
+            f"{_of(len(faulty), count)} {'bears' if len(faulty) == 1 else 'bear'} a fault of the measuring chain"
+        )
+    if not told:
+        return None
+    return f"{', and '.join(told)}, so the parameters may be off by more than their errors"
+
+
+def _of(some: int, count: int) -> str:
+    return "its recording" if count == 1 else f"{some} of its {count} recordings"
+
+
+def _lacking(oscillator: Oscillator) -> list[Mapping[str, Any]]:
+    recordings = oscillator.identified.recordings
+    return [r for r in recordings if r.get("nrmse") is not None and (r.get("over_noise") or 0.0) > LACKING]
+
+
+def _faulty(oscillator: Oscillator) -> list[Mapping[str, Any]]:
+    return [r for r in oscillator.identified.recordings if r.get("fault")]

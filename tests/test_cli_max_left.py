@@ -1,0 +1,47 @@
+"""How much a model may leave of its recordings before `identify` ends with exit code 1 is for the user to say."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot import cli
+from dashpot.examples.oscillator import integrate
+from dashpot.examples.truth import TRUTH
+from dashpot.model.file import load
+
+FS, N = 500.0, 1000
+
+
+@pytest.fixture
+def decay(tmp_path):
+    x = integrate(TRUTH, np.zeros(N), 1 / FS, 8e-3, 0.0)[0]
+    x = x + 1e-6 * np.random.default_rng(3).standard_normal(N)
+    path = tmp_path / "decay.csv"
+    np.savetxt(path, np.column_stack([np.arange(N) / FS, x]), "%.9g", ",", header="time_s,displacement_m", comments="")
+    return path
+
+
+def ended(*arguments):
+    try:
+        cli.main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        return stop.code
+    return 0
+
+
+@pytest.mark.parametrize(("allowed", "code"), [("0.5x", 1), ("1.5 x", 0), ("0.0001%", 0)])
+def test_what_is_left_is_a_gate_and_the_model_is_written_all_the_same(capsys, tmp_path, decay, allowed, code):
+    """The model leaves the noise: once that, and of a share of the motion noise is no part."""
+    made = tmp_path / "m.yaml"
+    assert ended("identify", decay, "-o", made, "--max-left", allowed) == code
+    said = capsys.readouterr().err
+    assert ("decay.csv: the model leaves " in said) == bool(code)
+    assert ("times the noise, more than 0.5 times the noise (--max-left)" in said) == bool(code)
+    assert 0.9 < load(made).identified.recordings[0]["over_noise"] < 1.1
+
+
+@pytest.mark.parametrize("text", ["5", "x", "-3x", "0%", "%", "", "nan%", "infx"])
+def test_what_may_be_left_has_a_unit(capsys, tmp_path, decay, text):
+    assert ended("identify", decay, "-o", tmp_path / "m.yaml", "--max-left", text) == 2
+    assert "such as 5%" in capsys.readouterr().err
+    assert not (tmp_path / "m.yaml").exists()
