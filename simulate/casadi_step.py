@@ -268,13 +268,14 @@ class _Stepper:
         return self.flow(z, tau, hi * remaining, line, p, s, held), hi, breaks
 
 
-def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression:
+def exact_step(oscillator: Oscillator, dt: float, max_step: float, *, payload: bool = False) -> Expression:
     """Event-exact step ``x_next = step(x, u, p, t, dt)``.
 
     Args:
         oscillator: its structure and the parameters' identified values.
         dt: nominal step, s; the number of internal steps is fixed from it.
         max_step: longest internal step at the nominal ``dt``, s.
+        payload: whether the last parameter is a further mass, by default none.
 
     Returns:
         casadi.Function. ``u`` is (2,): force at the start and at the end of the step, a straight line between them; a
@@ -283,11 +284,11 @@ def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression
     """
     import casadi as ca
 
-    structure = structure_of(oscillator)
+    structure = structure_of(oscillator, payload=payload)
     go, nz, np_ = _phase(structure), len(equations_of(structure).state_names), len(structure.parameters)
     x, force, given = ca.MX.sym("x", nz), ca.MX.sym("u", 2), ca.MX.sym("p", np_)
     clock, length = ca.MX.sym("t"), ca.MX.sym("dt")
-    values = with_defaults(given, list(oscillator.values().values()))
+    values = with_defaults(given, [*oscillator.values().values(), *([0.0] if structure.payload else [])])
     duration = ca.if_else(length > 0, length, dt)
     slope = (force[1] - force[0]) / duration
     count = max(1, math.ceil(dt / max_step - 1e-9))

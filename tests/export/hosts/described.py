@@ -76,7 +76,11 @@ def describe(fmu: Path) -> Described:
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "output"),
         states,
         tuple({"displacement": "x0", "velocity": "v0"}.get(name, f"{name}0") for name in states),
-        tuple(n for n, v in zip(names, variables, strict=True) if v.get("variability") == "tunable"),
+        tuple(
+            n
+            for n, v in zip(names, variables, strict=True)
+            if v.get("variability") == "tunable" and v.get("causality") == "parameter"
+        ),
         indicators,
         slave is not None and slave.get("canInterpolateInputs") == "true",
     )
