@@ -148,7 +148,7 @@ class Description:
         return {name: units.base_exponents(name) if _is_si(name) else None for name in names}
 
 
-def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> Description:
+def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, payload: bool = True) -> Description:
     """Table of the FMU's variables.
 
     Args:
@@ -156,11 +156,12 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> 
         version: of FMI: 3 has no call for the slope of an input, so that it is an input of its own, ``F_rate``, and
             wants time and event indicators among the variables.
         continuous: with what model exchange needs: states and derivatives.
+        payload: with what a load and the machine's own quantities need.
 
     Raises:
         BadInput: where a value is not a finite number or a unit cannot be read.
     """
-    oscillator, eq, size = facts.oscillator, facts.loaded, facts.size
+    oscillator, eq, size = facts.oscillator, facts.loaded if payload else facts.equations, facts.size
     length = oscillator.response.displacement_unit
     speed, acceleration = (units.compose(template, length) for template in ("X/s", "X/s2"))
     force = Variable("F", "input", 0, oscillator.force_unit, "excitation force, positive along x", 0.0)
@@ -171,6 +172,8 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> 
         force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")
     descriptions, bounds = oscillator.descriptions(), oscillator.bounds()
     known = Knowns(eq)
+    if eq.payload:
+        descriptions["mass"] += f" of the recordings, by which all forces scale; a load is {PAYLOAD}"
     variables = [force, *_outputs(oscillator, eq, known, size if continuous else None)]
     for i, (name, parameter) in enumerate(oscillator.parameters().items()):
         if not math.isfinite(parameter.value):

@@ -69,7 +69,7 @@ def plain_c(facts: Facts, header: str) -> tuple[str, str]:
     Raises BadInput where a value of the model is not finite.
     """
     oscillator, eq = facts.oscillator, facts.equations
-    description = describe_fmu(facts)
+    description = describe_fmu(facts, payload=False)
     prefix = prefix_of(description.identifier)
     values: dict[str, Any] = {
         "id": prefix,

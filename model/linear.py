@@ -97,6 +97,8 @@ def linearise(
     point = displacement is not None or force is not None
     if amplitude is None and frequency is not None:
         raise BadInput(f"a frequency of {frequency:g} Hz without an amplitude is no motion; give both")
+    if frequency is not None and not 0 < frequency < math.inf:
+        raise BadInput(f"a frequency of {frequency:g} Hz: give a positive number")
     if amplitude is not None and point:
         raise BadInput("a motion (amplitude) or a point (displacement or force): give one of them")
     if displacement is not None and force is not None:
@@ -131,6 +133,10 @@ def _about_motion(oscillator: Oscillator, amplitude: float, frequency: float | N
     plain = bare.linear(np.zeros(bare.eq.z.numel()), 0.0, spring=float(k[0]), damper=float(d[0]))
     effects = " and ".join(term.effect for term in paths)
     notes = (f"{effects}: by the tangent at rest, whatever the amplitude",) if paths else ()
+    covered = oscillator.amplitude
+    if covered is not None and not covered.min <= amplitude <= covered.max:
+        stated = f"{covered.min:.4g} to {covered.max:.4g} {covered.unit}"
+        notes += (f"the amplitude is outside what the model was identified in, {stated}",)
     return replace(plain, amplitude=float(amplitude), omega=float(omega[0]), notes=notes)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from click.testing import CliRunner
 from dashpot.cli import cli
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator, Range, Response
 from dashpot.model.file import save
 from dashpot.model.linear import linearise
 
@@ -35,6 +36,12 @@ def test_about_a_motion_spring_and_damper_are_the_closed_forms(model):
     assert linear.omega == pytest.approx(math.sqrt(k), rel=1e-9)
     slow = linearise(model, amplitude=amplitude, frequency=2.0)
     assert -slow.A[1, 1] == pytest.approx(D1 + D0 / (math.pi**2 * amplitude), rel=1e-9)
+
+
+def test_an_amplitude_that_no_recording_covered_is_told(model):
+    covered = replace(model, amplitude=Range(1e-4, 9e-3, "m"))
+    assert linearise(covered, amplitude=9e-3).notes == ()
+    assert "0.0001 to 0.009 m" in linearise(covered, amplitude=1e-2).notes[0]
 
 
 def test_about_a_point_it_is_the_tangent_and_the_force_that_holds_it(model):
@@ -85,7 +92,7 @@ def test_the_discrete_pair_is_the_closed_form_of_an_undamped_spring():
         ({"amplitude": 1e-3, "force": 1.0}, "give one of them"),
         ({"force": 1.0, "displacement": 1e-3}, "follow from each other"),
         ({"amplitude": -1e-3}, "above zero"),
-        ({"amplitude": 1e-3, "frequency": 0.0}, "above zero"),
+        ({"amplitude": 1e-3, "frequency": 0.0}, "0 Hz: give a positive number"),
         ({"displacement": math.nan}, "finite"),
     ],
 )
