@@ -131,9 +131,10 @@ def test_derivatives_of_outputs_are_what_differences_come_to(fmu_of, callers, ve
         assert words in caller.texts[-1]
 
 
-def test_a_force_that_is_not_set_again_stays_what_it_was(fmu_of, callers):
-    caller = callers(fmu_of(2), CO_SIMULATION).start(extrapolation=1.0, x0=1e-3)
-    plain = callers(fmu_of(2), CO_SIMULATION).start(x0=1e-3)
+@pytest.mark.parametrize("version", [2, 3])
+def test_a_force_that_is_not_set_again_stays_what_it_was(fmu_of, callers, version):
+    caller = callers(fmu_of(version), CO_SIMULATION).start(extrapolation=1.0, x0=1e-3)
+    plain = callers(fmu_of(version), CO_SIMULATION).start(x0=1e-3)
     for k, force in enumerate((0.0, 0.2)):
         caller.set(F=force)
         caller.fmu.doStep(k * DT, DT)
@@ -145,3 +146,17 @@ def test_a_force_that_is_not_set_again_stays_what_it_was(fmu_of, callers):
         step(plain, k, 0.2, 0.0)
     assert caller.get("displacement", "velocity") == plain.get("displacement", "velocity")
     assert caller.get("F")[0] == 0.2
+
+
+def test_the_python_back_end_carries_the_same_payload(fmus, instances):
+    told = {v.name: v for v in read_model_description(str(fmus("base", "python"))).modelVariables}
+    assert float(told["payload"].min) == -TRUTH["mass"]
+    both = [instances("base", backend).start(payload=0.13, x0=1e-3) for backend in ("native", "python")]
+    for k in range(20):
+        for fmu in both:
+            fmu.step(k * DT, DT, 0.1 * k, 0.1 * (k + 1))
+    names = ("displacement", "velocity", "energy", "total_mass", "stiffness", "natural_frequency")
+    assert both[1].get(*names) == pytest.approx(both[0].get(*names), rel=1e-8)
+    for wrong, words in (({"mass": -1.0}, "bounds"), ({"mass": 0.1, "payload": -0.2}, "more than zero")):
+        both[1].set(**wrong)
+        assert words in both[1].messages[-1]
