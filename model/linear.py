@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from .oscillator import Oscillator
 
 _TURNS = 50
-_SETTLED = 1e-12  # of the static force
+_SETTLED, _RESTING = 1e-12, 1e-6  # change of an inner state, of itself; its rate, of itself, that is none
 _NEAREST, _DOUBLINGS, _HALVINGS = 1e-9, 80, 60  # where a force's displacement is first looked for
 #: Parameters of Eq. 17 that make a force: a motion's spring and damper stand in for all of them.
 _FORCES = ("omega0", "cubic", "preload", "viscous", "dry")
@@ -88,12 +88,13 @@ def linearise(
         amplitude: of the motion about the middle, in the displacement's unit.
         frequency: of that motion, Hz; left out, the natural frequency at this amplitude.
         displacement: of the point; the force that holds it there is found.
-        force: that holds the point; the displacement is found. With neither: the middle, without a force.
+        force: that holds the point; the displacement is found. With neither: the middle, and what holds it there.
 
     Raises:
         BadInput: for a motion and a point at once, an amplitude or frequency that is not above zero, a motion that does
             not exist, or a point that no force holds.
     """
+    oscillator = _without_disturbances(oscillator)
     point = displacement is not None or force is not None
     if amplitude is None and frequency is not None:
         raise BadInput(f"a frequency of {frequency:g} Hz without an amplitude is no motion; give both")
@@ -112,6 +113,13 @@ def linearise(
     if force is not None:
         return at.linear(*at.held_by(force))
     return at.linear(*at.trim(displacement or 0.0))
+
+
+def _without_disturbances(oscillator: Oscillator) -> Oscillator:
+    """The oscillator without forces that nobody recorded, whose phase is free: they are inputs of their own."""
+    eq = equations(oscillator)
+    free = {name.rpartition(".")[0] for name, free in zip(eq.state_names, eq.free, strict=True) if free}
+    return replace(oscillator, terms=tuple(term for term in oscillator.terms if term.effect not in free))
 
 
 def _about_motion(oscillator: Oscillator, amplitude: float, frequency: float | None) -> LinearModel:
@@ -168,41 +176,43 @@ class _Point:
         s[self._still] = 0.0
         return s
 
+    def _settled(self, x: float, u: float) -> tuple[np.ndarray, float]:
+        """State (n,) with the inner states at rest at a displacement under a force, and the acceleration left there."""
+        z = np.array([x, 0.0, *(x if leader == 0 else 0.0 for leader in self.eq.follows[2:])])
+        for _ in range(_TURNS if z.size > 2 else 0):
+            s = self._signs(z, u)
+            rates = np.array(self._value(z, u, s, 0, 0)[0]).ravel()[2:]
+            slopes = np.array(self._tangents(z, u, s, 0, 0)[0])[2:, 2:]
+            change = np.linalg.lstsq(slopes, -rates, rcond=None)[0]
+            z[2:] += change
+            if np.all(np.abs(change) <= _SETTLED * np.abs(z[2:])):
+                break
+        rates = np.array(self._value(z, u, self._signs(z, u), 0, 0)[0]).ravel()
+        resting = np.all(np.abs(rates[2:]) <= _RESTING * (1.0 + np.abs(z[2:])))
+        return z, float(rates[1]) if resting else math.nan
+
     def trim(self, x: float) -> tuple[np.ndarray, float]:
         """State (n,) at rest at the displacement ``x`` and the force that holds it there, friction left aside."""
-        z = np.array([x, 0.0, *(x if leader == 0 else 0.0 for leader in self.eq.follows[2:])])
-        u = 0.0
-        for _ in range(_TURNS):
-            s = self._signs(z, u)
-            rest = np.array(self._value(z, u, s, 0, 0)[0]).ravel()[1:]
-            a, b = (np.array(m) for m in self._tangents(z, u, s, 0, 0)[:2])
-            known = np.column_stack([b[1:], a[1:, 2:]])
-            change = np.linalg.lstsq(known, -rest, rcond=None)[0]
-            u, z[2:] = u + change[0], z[2:] + change[1:]
-            if np.all(np.abs(change) <= _SETTLED * (np.abs([u, *z[2:]]) + 1e-300)) or not np.all(np.isfinite(change)):
-                break
-        rest = np.array(self._value(z, u, self._signs(z, u), 0, 0)[0]).ravel()[1:]
-        scale = 1.0 + self.oscillator.omega0.value**2 * abs(x)
-        if not (np.all(np.isfinite(rest)) and abs(rest[0]) <= 1e-6 * scale):
-            raise BadInput(f"no force holds the displacement {x:g} {self.oscillator.response.displacement_unit}")
-        return z, float(u)
+        rest = self._settled(x, 0.0)[1]
+        push = -math.copysign(1.0, rest)
+        mass = 1.0 if self.oscillator.mass is None else self.oscillator.mass.value
+        size = _root(lambda w: push * self._settled(x, push * w)[1], abs(rest), 0.5 * mass * abs(rest))
+        if size is None:
+            unit = self.oscillator.response.displacement_unit
+            raise BadInput(
+                f"no force is found that holds the displacement {x:g} {unit}; choose one nearer to the middle"
+            )
+        return self._settled(x, push * size)[0], push * size
 
     def held_by(self, force: float) -> tuple[np.ndarray, float]:
         """State (n,) at rest under ``force``, and that force: the nearest to the middle where there are several."""
-
-        def short(x: float) -> float:
-            return self.trim(x)[1] - force
-
-        side = math.copysign(1.0, force)
-        if force == 0.0 or side * short(0.0) >= 0.0:
-            return self.trim(0.0)[0], force
-        low, high = 0.0, side * _NEAREST
-        for _ in range(_DOUBLINGS):
-            if side * short(high) >= 0.0:
-                x = _bisected(short, low, high, side)
-                return self.trim(x if abs(x) > 1e-9 * _NEAREST else 0.0)[0], force  # a preloaded spring at its seat
-            low, high = high, 2 * high
-        raise BadInput(f"the spring holds no force of {force:g} {self.input_unit}; give a smaller one")
+        rest = self._settled(0.0, force)[1]
+        way = math.copysign(1.0, rest)
+        size = _root(lambda w: -way * self._settled(way * w, force)[1], abs(rest), _NEAREST)
+        if size is None:
+            raise BadInput(f"the spring holds no force of {force:g} {self.input_unit}; give a smaller one")
+        seated = size <= 1e-9 * _NEAREST  # a preloaded spring
+        return self._settled(0.0 if seated else way * size, force)[0], force
 
     @property
     def input_unit(self) -> str:
@@ -232,10 +242,20 @@ class _Point:
         )
 
 
-def _bisected(value: Callable[[float], float], low: float, high: float, side: float) -> float:
+def _root(value: Callable[[float], float], short: float, first: float) -> float | None:
+    """Where ``value``, at zero -``short``, first rises above zero, looked for from ``first`` on; None: nowhere."""
+    if short == 0.0:
+        return 0.0
+    low, high = 0.0, first
+    for _ in range(_DOUBLINGS):
+        if value(high) >= 0.0:
+            break
+        low, high = high, 2 * high
+    else:
+        return None
     for _ in range(_HALVINGS):
         middle = 0.5 * (low + high)
         if middle in (low, high):
             break
-        low, high = (low, middle) if side * value(middle) >= 0.0 else (middle, high)
+        low, high = (low, middle) if value(middle) >= 0.0 else (middle, high)
     return high

@@ -73,6 +73,15 @@ def test_inner_states_settle_and_the_actuator_stays_in_the_model():
     assert about.notes == ("actuator-lag: by the tangent at rest, whatever the amplitude",)
 
 
+def test_an_actuator_with_a_dead_zone_must_be_pushed_through_it_and_a_hum_is_no_part_of_the_rig():
+    values = {"tonal-disturbance.amplitude": 1.0, "tonal-disturbance.frequency": 314.0}
+    values["actuator-dead-zone.threshold"] = 0.3
+    model = Oscillator.from_values(TRUTH | values, effects=("actuator-dead-zone", "tonal-disturbance"))
+    point = linearise(model, displacement=2e-3)
+    assert point.state_names == ("displacement", "velocity")
+    assert point.input == pytest.approx(0.3 + M * (W0**2 * 2e-3 + C3 * 8e-9 + P), rel=1e-12)
+
+
 def test_the_discrete_pair_is_the_closed_form_of_an_undamped_spring():
     values = {"omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.0, "dry": 0.0}
     linear = linearise(Oscillator.from_values(values, response=Response("acceleration", "m/s2")))
