@@ -299,6 +299,31 @@ def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: 
         say(f"written: {path}")
 
 
+@cli.command()
+@click.argument("model", type=FILE)
+@click.option("--amplitude", type=float, metavar="A", help="Of the motion to linearise about, in the model's unit.")
+@click.option(
+    "--frequency", type=float, metavar="HZ", help="Of that motion; default: the natural frequency at this amplitude."
+)
+@click.option("--displacement", type=float, metavar="X", help="Of a point to linearise about; its force is found.")
+@click.option("--force", type=float, metavar="F", help="That holds a point; its displacement is found.")
+@click.option("--step", type=float, metavar="S", help="Sample time; adds the discrete A and B, the force held.")
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@with_laws
+def linearise(model: Path, step: float | None, as_json: bool, **about: float | None) -> None:
+    """A, B, C, D of the linear model about a motion (--amplitude) or about a point, the middle by default."""
+    from .model.file import load
+    from .model.linear import linearise as linear
+    from .model.show_linear import as_json as linear_json
+    from .model.show_linear import describe
+
+    found = linear(load(model), **about)
+    if as_json:
+        print_json(linear_json(found, step))
+    else:
+        click.echo(describe(found, step))
+
+
 @cli.command(cls=CommandOfSeveral)
 @click.argument("model", type=FILE)
 @click.argument("recordings", nargs=-1, required=True, type=FILE)

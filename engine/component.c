@@ -195,6 +195,20 @@ static int dp_get_reals(dp_component *c, const unsigned *vr, size_t n, double *v
     return DP_FINE;
 }
 
+/* Whether these values would leave nothing that moves. */
+static int dp_weightless(const dp_instance *m, const unsigned *vr, size_t n, const double *value) {
+    double p[DP_NP + 1], machine[DP_NM + 1];
+    size_t i, found = 0;
+    if (DP_NM == 0) return 0;
+    for (i = 0; i < n; ++i) found += dp_variables[vr[i]].kind == DP_PARAMETER;
+    if (found == 0) return 0;
+    dp_instance_parameters(m, p);
+    for (i = 0; i < n; ++i)
+        if (dp_variables[vr[i]].kind == DP_PARAMETER) p[dp_variables[vr[i]].index] = value[i];
+    dp_physical(p, machine);
+    return !(machine[0] > 0.0);
+}
+
 static int dp_set_reals(dp_component *c, const unsigned *vr, size_t n, const double *value, const char *function) {
     size_t i;
     if (dp_refused(c, DP_NEW | DP_INITIALISING | DP_RUNNING, function)) return DP_ERROR;
@@ -204,10 +218,10 @@ static int dp_set_reals(dp_component *c, const unsigned *vr, size_t n, const dou
         if (!isfinite(value[i]))
             return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u: not a finite number", function, vr[i]);
         /* an importer that integrates may set states one by one, as CasADi does */
-        if (kind >= DP_OUTPUT && kind <= DP_TIME &&
+        if (((kind >= DP_OUTPUT && kind <= DP_TIME) || kind == DP_PHYSICAL) &&
             !(c->state.mode == DP_CONTINUOUS && dp_instance_state(&dp_variables[vr[i]]) >= 0))
             return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is computed, not set", function, vr[i]);
-        if ((kind == DP_INITIAL || kind == DP_LONGEST_STEP) && c->state.model.running)
+        if ((kind == DP_INITIAL || kind == DP_LONGEST_STEP || kind == DP_EXTRAPOLATION) && c->state.model.running)
             return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is fixed after initialization", function, vr[i]);
         if (kind == DP_LONGEST_STEP && !(value[i] > 0.0))
             return dp_report(c, DP_ERROR, DP_FMI "%s: the longest internal step must be positive, not %g", function,
@@ -215,7 +229,12 @@ static int dp_set_reals(dp_component *c, const unsigned *vr, size_t n, const dou
         if (kind == DP_SMOOTHING && !(value[i] >= 0.0))
             return dp_report(c, DP_ERROR, DP_FMI "%s: the smoothing must be zero or positive, not %g", function,
                              value[i]);
+        if (value[i] < dp_variables[vr[i]].low || value[i] > dp_variables[vr[i]].high)
+            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u: %g is outside its bounds, %g to %g", function, vr[i],
+                             value[i], dp_variables[vr[i]].low, dp_variables[vr[i]].high);
     }
+    if (dp_weightless(&c->state.model, vr, n, value))
+        return dp_report(c, DP_ERROR, DP_FMI "%s: mass and payload must come to more than zero", function);
     for (i = 0; i < n; ++i) dp_instance_set(&c->state.model, vr[i], value[i]);
     return DP_FINE;
 }
@@ -227,6 +246,7 @@ static int dp_move(const dp_component *c, unsigned known, double rate, dp_direct
     switch (v->kind) {
     case DP_INPUT: d->force += rate; return 1;
     case DP_SLOPE:
+    case DP_EXTRAPOLATION:
     case DP_LONGEST_STEP: return 1;
     case DP_TIME: d->time += rate; return 1;
     case DP_PARAMETER: d->p[v->index] += rate; return 1;
@@ -268,6 +288,7 @@ static int dp_derivative(dp_component *c, const unsigned *unknown, size_t n, con
         case DP_POWER: sensitivity[i] = change.power[v->index]; break;
         case DP_DERIVATIVE: sensitivity[i] = change.f[v->index]; break;
         case DP_INDICATOR: sensitivity[i] = change.g[v->index]; break;
+        case DP_PHYSICAL: sensitivity[i] = change.machine[v->index]; break;
         case DP_STATE: sensitivity[i] = direction.z[v->index]; break;
         case DP_SWING:
         case DP_OUTSIDE: sensitivity[i] = 0.0; break;

@@ -50,6 +50,31 @@ static int dp_do_step(dp_component *c, double t, double dt, const char *function
                                                   : "the motion grows beyond bounds");
 }
 
+/* First derivatives of outputs by time, as the motion goes and as the force went at the end of the latest step. */
+static int dp_output_rates(dp_component *c, const unsigned *vr, size_t n, const int *order, double *value,
+                           const char *function) {
+    dp_change change;
+    size_t i;
+    if (dp_refused(c, DP_STEPPING | DP_FAILED | DP_ENDED, function)) return DP_ERROR;
+    if (c->state.model.exchange) return dp_unsupported(c, function);
+    if (dp_bad_references(c, vr, n, value, function)) return DP_ERROR;
+    if (n > 0 && !order) return dp_null(c, function);
+    for (i = 0; i < n; ++i) {
+        const int kind = dp_variables[vr[i]].kind;
+        if (kind < DP_OUTPUT || kind > DP_OUTSIDE)
+            return dp_report(c, DP_ERROR, DP_FMI "%s: variable %u is no output", function, vr[i]);
+        if (order[i] != 1) return dp_report(c, DP_ERROR, DP_FMI "%s: gives derivatives of order 1", function);
+    }
+    if (n > 0) dp_continuous_course(&c->state.model, &change);
+    for (i = 0; i < n; ++i) {
+        const dp_variable *v = &dp_variables[vr[i]];
+        value[i] = v->kind == DP_OUTPUT ? change.y[v->index] : v->kind == DP_POWER ? change.power[v->index] : 0.0;
+        if (!isfinite(value[i]))
+            return dp_report(c, DP_DISCARD, DP_FMI "%s: variable %u has no finite derivative here", function, vr[i]);
+    }
+    return DP_FINE;
+}
+
 /* Model exchange ------------------------------------------------------------------------------------------------- */
 
 /* What an importer must be told after an event. */

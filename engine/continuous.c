@@ -146,13 +146,13 @@ typedef struct {
 } dp_direction;
 
 typedef struct {
-    double f[DP_NZ], y[DP_NY], power[2], g[DP_NS + 1];
+    double f[DP_NZ], y[DP_NY], power[2], g[DP_NS + 1], machine[DP_NM + 1];
 } dp_change;
 
 static void dp_change_along(const dp_engine *e, const dp_line *line, const double *s, const dp_direction *d,
                             const double *ds, dp_change *out) {
     dp_tangent(e->z, line->t0, line->c[0], e->p, s, d->z, d->time, d->force, d->p, ds, out->f, out->y, out->power,
-               out->g);
+               out->g, out->machine);
 }
 
 /* For a held motion, that change together with what the surfaces it rests on carry: so much that the acceleration stays
@@ -212,4 +212,15 @@ static void dp_continuous_tangent(dp_instance *m, const dp_direction *d, dp_chan
     }
     for (j = 0; j < DP_NS; ++j)
         out->g[j] = smoothing > 0.0 && dp_kind[j] != DP_VELOCITY ? 0.0 : j == e->hold ? spare : e->s[j] * out->g[j];
+}
+
+/* How outputs, energy and dissipated power change with the time, as the motion goes and the force went last. */
+static void dp_continuous_course(dp_instance *m, dp_change *out) {
+    dp_direction d;
+    memset(&d, 0, sizeof d);
+    dp_continuous_rates(m);
+    memcpy(d.z, m->f, sizeof m->f);
+    d.time = 1.0;
+    d.force = m->rate;
+    dp_continuous_tangent(m, &d, out);
 }

@@ -128,8 +128,7 @@ FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, cons
 
 FMI2_EXPORT fmi2Status fmi2GetRealOutputDerivatives(fmi2Component c, const fmi2ValueReference vr[], size_t n,
                                                     const fmi2Integer order[], fmi2Real value[]) {
-    (void)vr, (void)n, (void)order, (void)value;
-    return (fmi2Status)dp_unsupported((dp_component *)c, "GetRealOutputDerivatives");
+    return (fmi2Status)dp_output_rates((dp_component *)c, vr, n, order, value, "GetRealOutputDerivatives");
 }
 
 FMI2_EXPORT fmi2Status fmi2DoStep(fmi2Component c, fmi2Real t, fmi2Real dt, fmi2Boolean no_set_before) {

@@ -128,10 +128,11 @@ FMI3_EXPORT fmi3Status fmi3EnterStepMode(fmi3Instance c) {
     return (fmi3Status)dp_unsupported((dp_component *)c, "EnterStepMode"); /* co-simulation without event mode */
 }
 
-FMI3_EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance c, const fmi3ValueReference vr[], size_t n,
+FMI3_EXPORT fmi3Status fmi3GetOutputDerivatives(fmi3Instance instance, const fmi3ValueReference vr[], size_t n,
                                                 const fmi3Int32 order[], fmi3Float64 value[], size_t values) {
-    (void)vr, (void)n, (void)order, (void)value, (void)values;
-    return (fmi3Status)dp_unsupported((dp_component *)c, "GetOutputDerivatives");
+    dp_component *c = (dp_component *)instance;
+    if (dp_uneven(c, n, values, "GetOutputDerivatives")) return fmi3Error;
+    return (fmi3Status)dp_output_rates(c, vr, n, order, value, "GetOutputDerivatives");
 }
 
 FMI3_EXPORT fmi3Status fmi3DoStep(fmi3Instance instance, fmi3Float64 t, fmi3Float64 dt, fmi3Boolean no_set_before,

@@ -15,13 +15,16 @@ enum {
     DP_PARAMETER,
     DP_INITIAL,
     DP_LONGEST_STEP,
-    DP_SMOOTHING
+    DP_SMOOTHING,
+    DP_EXTRAPOLATION, /* of a force that is set without a slope */
+    DP_PHYSICAL       /* the machine in its own units: follows from the parameters */
 };
 
 typedef struct {
     int kind;
     int index; /* within the kind: which output, parameter, initial state */
     double start;
+    double low, high; /* bounds; infinite where there is none */
 } dp_variable;
 
 #include "variables.h" /* generated: the variables by value reference, and the sizes of the motion */
@@ -35,6 +38,9 @@ typedef struct {
     dp_engine engine;
     double value[DP_NV];     /* by value reference, of what can be set */
     double slope[DP_ORDERS]; /* derivatives of the force at the start of the next step */
+    double rate;             /* slope of the force at the end of the latest step */
+    double told, told_at;    /* the force that was last set, and when the step began that it was set for */
+    int fed, feeds;          /* whether the force was set since the latest step; steps that told is from, at most one */
     double y[DP_NY];         /* computed at the present state, where ready says so */
     double power[2];
     double f[DP_NZ];
@@ -53,6 +59,12 @@ static void dp_instance_reset(dp_instance *m, int exchange) {
     for (i = 0; i < DP_NV; ++i) m->value[i] = dp_variables[i].start;
 }
 
+static void dp_instance_parameters(const dp_instance *m, double *p) {
+    int i;
+    for (i = 0; i < DP_NV; ++i)
+        if (dp_variables[i].kind == DP_PARAMETER) p[dp_variables[i].index] = m->value[i];
+}
+
 /* Puts the engine at the start with the values set so far; again after each of them while initialising. */
 static void dp_instance_prepare(dp_instance *m) {
     double p[DP_NP], z[DP_NZ], step = 0.0;
@@ -60,8 +72,8 @@ static void dp_instance_prepare(dp_instance *m) {
     if (m->engine_ready) return;
     memset(p, 0, sizeof p);
     memset(z, 0, sizeof z);
+    dp_instance_parameters(m, p);
     for (i = 0; i < DP_NV; ++i) {
-        if (dp_variables[i].kind == DP_PARAMETER) p[dp_variables[i].index] = m->value[i];
         if (dp_variables[i].kind == DP_INITIAL) z[dp_variables[i].index] = m->value[i];
         if (dp_variables[i].kind == DP_LONGEST_STEP) step = m->value[i];
     }
@@ -98,6 +110,7 @@ static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
         m->ready = 0;
         return;
     }
+    if (v->kind == DP_INPUT) m->fed = 1;
     if (m->value[reference] == value) return; /* setting what is there already changes no bit of the run */
     m->value[reference] = value;
     m->ready = 0;
@@ -132,8 +145,28 @@ static double dp_instance_get(dp_instance *m, unsigned reference) {
     case DP_DERIVATIVE: dp_continuous_rates(m); return m->f[v->index];
     case DP_INDICATOR: dp_continuous_indicators(m); return m->indicator[v->index];
     case DP_TIME: return m->engine.t;
+    case DP_PHYSICAL: {
+        double p[DP_NP + 1], machine[DP_NM + 1];
+        dp_instance_parameters(m, p);
+        dp_physical(p, machine);
+        return machine[v->index];
+    }
     default: return m->value[reference];
     }
+}
+
+/* Makes the line go on as the last two values of the force go that were set, where that is asked for and no slope is
+ * given. A force that is not set again stays at the last: it was told, and what came of it is a guess. */
+static void dp_instance_extrapolate(dp_instance *m, dp_line *line, double t) {
+    const double part = m->value[DP_EXTRAPOLATION_AT];
+    double now = line->c[0];
+    if (!(part > 0.0)) return;
+    if (m->feeds && !m->fed) line->c[0] = now = m->told;
+    if (m->feeds && m->fed && t > m->told_at && line->c[1] == 0.0 && line->c[2] == 0.0 && line->c[3] == 0.0)
+        line->c[1] = part * (now - m->told) / (t - m->told_at);
+    m->told = now;
+    m->told_at = t;
+    m->feeds = 1;
 }
 
 /* Runs from t to t + dt, the force from its value with its derivatives. It then stays where it came to until it is
@@ -145,6 +178,7 @@ static int dp_instance_step(dp_instance *m, double t, double dt) {
     line.c[1] += m->slope[0];
     line.c[2] = m->slope[1] / 2.0;
     line.c[3] = m->slope[2] / 6.0;
+    dp_instance_extrapolate(m, &line, t);
     line.t0 = e->t = t; /* the importer's clock: sums of steps would drift */
     if (!dp_glide(e, &line, dt)) {
         const dp_engine before = *e;
@@ -157,6 +191,8 @@ static int dp_instance_step(dp_instance *m, double t, double dt) {
         }
     }
     m->value[DP_FORCE] = e->node_u;
+    m->rate = line.c[1] + dt * (2.0 * line.c[2] + dt * 3.0 * line.c[3]);
+    m->fed = 0;
     memset(m->slope, 0, sizeof m->slope);
     m->ready = 0;
     return DP_OK;

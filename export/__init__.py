@@ -43,10 +43,13 @@ def files(path: Path) -> tuple[Path, ...]:
         return both
     if path.suffix == ".casadi":
         from .casadi_functions import DESCRIPTION, FUNCTIONS
+        from .step_c import HEADER, SOURCE
 
-        beside = [path.with_name(f"{path.name.removesuffix('.casadi')}.{end}") for end in (*FUNCTIONS[1:], DESCRIPTION)]
-        for place in beside:
-            check_ours(place, b'"dashpot-casadi/' if place.suffix == ".json" else b"jhpnnagiieah")  # CasADi's own
+        marks = {DESCRIPTION: b'"dashpot-casadi/', SOURCE: b"made by dashpot", HEADER: b"made by dashpot"}
+        beside = []
+        for end in (*FUNCTIONS[1:], SOURCE, HEADER, DESCRIPTION):
+            beside.append(path.with_name(f"{path.name.removesuffix('.casadi')}.{end}"))
+            check_ours(beside[-1], marks.get(end, b"jhpnnagiieah"))  # that is CasADi's own
         return path, *beside
     return (path,)
 

@@ -6,6 +6,7 @@
 ``OUT.smooth.casadi``      right-hand side with every sign replaced by tanh(surface / width)
 ``OUT.smooth.step.casadi`` discrete step of the smooth right-hand side
 ``OUT.casadi.json``        names, units, values with errors, state of the fit, widths, step
+``OUT.smooth.step.c, .h``  the discrete smooth step and its Jacobian by state and force as C
 
 All take the state ``x``, the force ``u`` and the parameters ``p``; where a law depends on the time itself there is a
 last input ``t``, zero where it is left out. (CasADi takes positional arguments only in full number, so that an input
@@ -30,8 +31,11 @@ from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_output, exact_step, with_defaults
 from ..simulate.runge_kutta import dormand_prince
 from ..writing import together, write
+from .description import identifier_of
 from .facts import Facts
+from .plain_c import prefix_of
 from .smoothing import Sample, Surface, check_step, surfaces
+from .step_c import HEADER, SOURCE, step_c
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -42,6 +46,8 @@ DESCRIPTION = "casadi.json"
 #: Internal steps of the smooth step per period of the fastest motion, and per time constant of what merely decays.
 _SMOOTH_STEPS = 60.0
 _SMOOTH_STEPS_PER_DECAY = 2.0
+#: Instructions of one stage, times internal steps, up to which the smooth step is written out; beyond, it calls itself.
+_EXPANDED = 5000
 #: What to give a step at the sample time of the recordings, by how their force ran between samples.
 _STEP_TAKES = {
     "zero": "u: the recorded force was held from sample to sample",
@@ -76,8 +82,9 @@ def functions(facts: Facts, dt: float = 1e-3) -> Functions:
     Returns:
         ``casadi``: f(x, u, p) -> xdot; ``step.casadi``: step(x, u, p) -> x_next; both again under ``smooth.``;
         ``output.casadi``: h(x, u, p) -> y. ``x`` is displacement, velocity, inner states; ``u`` the force (for a step
-        also two values, at its start and its end, with a straight line between them); elements of ``p`` left at their
-        default, inf, take the identified values. Where a law depends on time, t is the last input of all.
+        also two values, at its start and its end, with a straight line between them); ``p`` left out, or an element of
+        it that is inf, takes the identified value, in functions that CasADi derives too. Where a law depends on time,
+        t is the last input of all.
 
     Raises:
         BadInput: where ``dt`` is longer than half a cycle or shorter than a millionth of that, or takes too many
@@ -98,10 +105,9 @@ def functions(facts: Facts, dt: float = 1e-3) -> Functions:
     event_step = exact_step(oscillator, dt, facts.longest)
     smoothed = surfaces(oscillator, eq, facts.sample)
     names = ["x", "u", "p", "t"] if timed else ["x", "u", "p"]
-    options = {"default_in": [0.0, 0.0, ca.inf, 0.0][: len(names)]}
 
     def function(name: str, inputs: list[Expression], result: Expression, output: str) -> Expression:
-        return ca.Function(name, inputs[: len(names)], [result], names, [output], options)
+        return ca.Function(name, inputs[: len(names)], [result], names, [output])
 
     x, u, p = ca.SX.sym("x", eq.z.numel()), ca.SX.sym("u"), ca.SX.sym("p", eq.p.numel())
     t = ca.SX.sym("t") if timed else ca.SX(0)
@@ -128,7 +134,10 @@ def functions(facts: Facts, dt: float = 1e-3) -> Functions:
         state = dormand_prince(
             lambda z, tau: field(z, clock + tau, forces[0] + force_line * tau, full), state, n * h, h
         )
-    made["smooth.step.casadi"] = function("step_smooth", inputs, state, "x_next")
+    smooth_step = function("step_smooth", inputs, state, "x_next")
+    if count * field.n_instructions() <= _EXPANDED:
+        smooth_step = smooth_step.expand()  # scalar by scalar: an optimiser's derivatives cost about half
+    made["smooth.step.casadi"] = smooth_step
     return Functions(made, tuple(smoothed), timed)
 
 
@@ -163,6 +172,13 @@ def export_casadi(oscillator: Oscillator, path: Path, *, dt: float = 1e-3) -> tu
             target = path.with_name(f"{stem}.{suffix}")
             write(target, serialised(function))
             written.append(target)
+        header = f"{stem}.{HEADER}"
+        texts = step_c(
+            made.by_suffix["smooth.step.casadi"], prefix_of(identifier_of(oscillator.name)), oscillator.name, dt, header
+        )
+        for name, text in zip((f"{stem}.{SOURCE}", header), texts, strict=True):
+            write(path.with_name(name), text)
+            written.append(path.with_name(name))
         target = path.with_name(f"{stem}.{DESCRIPTION}")
         write(target, json.dumps(describe(facts, stem, dt, made), indent=2, ensure_ascii=False) + "\n")
     return (*written, target)
@@ -209,7 +225,7 @@ def describe(facts: Facts, stem: str, dt: float, made: Functions) -> dict[str, A
             {"name": name, "value": q.value, "std": q.std, "unit": q.unit, "description": descriptions[name]}
             for name, q in oscillator.parameters().items()
         ],
-        "p_default": "inf in an element of p stands for the identified value",
+        "p_default": "p left out (all zeros) stands for the identified values, inf in an element for its own",
         "y": [{"name": name, "unit": unit} for name, unit in zip(eq.output_names, output_units, strict=True)],
         "state_of_fit": state_of_fit(oscillator),
         "recordings": [dict(recording) for recording in oscillator.identified.recordings],

@@ -9,9 +9,10 @@ from typing import TYPE_CHECKING
 
 from ..errors import BadInput
 from ..model import units
-from ..model.equations import Equations
+from ..model.equations import PAYLOAD, Equations
 from ..model.fit_state import state_of_fit
 from ..model.oscillator import HOLDS
+from ..model.physical import QUANTITIES, physical
 from .facts import Facts
 from .knowns import Knowns
 from .render import plain_text
@@ -47,6 +48,8 @@ _WORDS = {
     "initial": ("parameter", "fixed"),
     "longest-step": ("parameter", "fixed"),
     "smoothing": ("parameter", "tunable"),
+    "extrapolation": ("parameter", "fixed"),
+    "physical": ("calculatedParameter", "tunable"),
 }
 
 
@@ -65,6 +68,7 @@ class Variable:
         initial_knowns: names of inputs, parameters and start values that it depends on at the start.
         derivative_of: name of the state whose derivative it is.
         nominal: typical size of a state.
+        min, max: bounds; None for none.
     """
 
     name: str
@@ -77,6 +81,8 @@ class Variable:
     initial_knowns: tuple[str, ...] = ()
     derivative_of: str | None = None
     nominal: float | None = None
+    min: float | None = None
+    max: float | None = None
 
     @property
     def causality(self) -> str:
@@ -150,7 +156,7 @@ class Description:
         return {name: units.base_exponents(name) if _is_si(name) else None for name in names}
 
 
-def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> Description:
+def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, payload: bool = True) -> Description:
     """Table of the FMU's variables.
 
     Args:
@@ -158,11 +164,12 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> 
         version: of FMI: 3 has no call for the slope of an input, so that it is an input of its own, ``F_rate``, and
             wants time and event indicators among the variables.
         continuous: with what model exchange needs: states and derivatives.
+        payload: with what a load and the machine's own quantities need.
 
     Raises:
         BadInput: where a value is not a finite number or a unit cannot be read.
     """
-    oscillator, eq, size = facts.oscillator, facts.equations, facts.size
+    oscillator, eq, size = facts.oscillator, facts.loaded if payload else facts.equations, facts.size
     length = oscillator.response.displacement_unit
     speed, acceleration = (units.compose(template, length) for template in ("X/s", "X/s2"))
     force = Variable("F", "input", 0, oscillator.force_unit, "excitation force, positive along x", 0.0)
@@ -171,16 +178,22 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> 
         force = replace(force, unit=acceleration, description=text)
     elif oscillator.hold != "smooth":
         force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")
-    descriptions = oscillator.descriptions()
+    descriptions, bounds = oscillator.descriptions(), oscillator.bounds()
     known = Knowns(eq)
+    if eq.payload:
+        descriptions["mass"] += f" of the recordings, by which all forces scale; a load is {PAYLOAD}"
     variables = [force, *_outputs(oscillator, eq, known, size if continuous else None)]
     for i, (name, parameter) in enumerate(oscillator.parameters().items()):
         if not math.isfinite(parameter.value):
             raise BadInput(
                 f"parameter {name!r} is {parameter.value}; an FMU needs a finite number, so identify it first"
             )
-        variables.append(Variable(name, "parameter", i, parameter.unit, descriptions[name], parameter.value))
+        low, high = _holding(bounds[name], parameter.value)
+        variables.append(
+            Variable(name, "parameter", i, parameter.unit, descriptions[name], parameter.value, min=low, max=high)
+        )
     variables += [
+        *_machine(oscillator, eq, known),
         Variable("x0", "initial", 0, length, "displacement at the start", 0.0),
         Variable("v0", "initial", 1, speed, "velocity at the start", 0.0),
         *_inner_starts(oscillator, eq),
@@ -192,6 +205,7 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> 
             "longest internal step: a seventy-fifth of the fastest period of the identified model; "
             "shorten it when changed parameters make the motion faster",
             facts.max_step,
+            min=0.0,
         ),
     ]
     if continuous:
@@ -217,6 +231,32 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True) -> 
         (covered.min, covered.max) if covered is not None else (0.0, math.inf),
         state_of_fit(oscillator) or "",
     )
+
+
+def _holding(bounds: tuple[float, float], value: float) -> tuple[float | None, float | None]:
+    """Bounds that are finite, but for those that the value itself breaks: a fit may find what no machine has."""
+    low, high = bounds
+    return (
+        low if math.isfinite(low) and low <= value else None,
+        high if math.isfinite(high) and value <= high else None,
+    )
+
+
+def _machine(oscillator: Oscillator, eq: Equations, known: Knowns) -> list[Variable]:
+    """The payload, and the machine in kg, N/m and N; nothing where the mass is not known."""
+    if oscillator.mass is None or not eq.payload:
+        return []
+    mass, length = oscillator.mass, oscillator.response.displacement_unit
+    text = "mass carried beyond that of the recordings; springs, dampers and friction stay what they are"
+    place = eq.parameter_names.index(PAYLOAD)
+    variables = [
+        Variable(PAYLOAD, "parameter", place, mass.unit, text, 0.0, min=-mass.value if mass.value > 0 else None)
+    ]
+    expressions = physical(eq)
+    for i, (name, unit, words) in enumerate(QUANTITIES):
+        composed = unit if unit == "Hz" else units.compose(unit, length, oscillator.force_unit)
+        variables.append(Variable(name, "physical", i, composed, words, None, (), known.of(expressions[i])[1]))
+    return variables
 
 
 def _outputs(oscillator: Oscillator, eq: Equations, known: Knowns, size: MotionSize | None) -> list[Variable]:
@@ -281,7 +321,19 @@ def _continuous(
             "model exchange only: 0 changes signs at located events; above 0, for importers that locate none, they are "
             "tanh over this part of the motion (1e-3, say), and nothing sticks",
             0.0,
-        )
+            min=0.0,
+        ),
+        Variable(
+            "extrapolation",
+            "extrapolation",
+            0,
+            "1",
+            "co-simulation without a slope of F: 0 holds F over a step, 1 goes on in a straight line from the last two "
+            "values that were set",
+            0.0,
+            min=0.0,
+            max=1.0,
+        ),
     ]
     names = ["displacement", "velocity", *eq.state_names[2:]]
     state_units = [length, units.compose("X/s", length)]

@@ -34,6 +34,11 @@ class Facts:
         return equations(self.oscillator)
 
     @cached_property
+    def loaded(self) -> Equations:
+        """The same of a rig that may carry a payload: an FMU's."""
+        return equations(self.oscillator, payload=True)
+
+    @cached_property
     def values(self) -> dict[str, float]:
         """Plain values of the parameters by their names."""
         return self.oscillator.values()

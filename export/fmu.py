@@ -14,7 +14,7 @@ from .archive import write_archive
 from .backend import choose_backend
 from .binaries import binaries, chosen, inside, remark
 from .contents import further_contents
-from .description import Description, describe_fmu
+from .description import Description, Variable, describe_fmu
 from .documentation import documentation, guid_of
 from .facts import Facts
 from .model_description import build_description, model_description
@@ -40,6 +40,8 @@ _KINDS = {
     "initial": "DP_INITIAL",
     "longest-step": "DP_LONGEST_STEP",
     "smoothing": "DP_SMOOTHING",
+    "extrapolation": "DP_EXTRAPOLATION",
+    "physical": "DP_PHYSICAL",
 }
 _HOLD = {
     2: "The input F is held over a communication step; give its slope with fmi2SetRealInputDerivatives before each "
@@ -121,7 +123,7 @@ def fmu_sources(
     """The C texts of the FMU by file name, and the GUID that ties them to their modelDescription.xml."""
     description = description or describe_fmu(facts, version=version)
     sources = engine.fmu_texts(version)
-    sources["law.c"] = law_source(facts.equations, exported=True)
+    sources["law.c"] = law_source(facts.loaded, exported=True)
     sources[_MAIN] = engine.included("law.c", *engine.FMU[version])
     text = model_description(description, "", version=version)
     guid = guid_of([_variables_header(description, ""), text, *sorted(sources.values())])
@@ -151,7 +153,9 @@ def _native_entries(
 
 def _variables_header(description: Description, guid: str) -> str:
     """The C table of the variables, the motion's sizes, the state of the fit. No text of a model's own reaches it."""
-    rows = [f"    {{{_KINDS[v.role]}, {v.index}, {v.start_text or '0.0'}}},\n" for v in description.variables]
+    rows = [
+        f"    {{{_KINDS[v.role]}, {v.index}, {v.start_text or '0.0'}, {_bounds(v)}}},\n" for v in description.variables
+    ]
     follows = ", ".join("-1" if leader is None else str(leader) for leader in description.follows)
     slope, (low, high) = description.place("slope"), description.amplitude
     return (
@@ -163,6 +167,7 @@ def _variables_header(description: Description, guid: str) -> str:
         f"#define DP_FORCE {description.reference('F')}\n"
         f"#define DP_FORCE_RATE {-1 if slope is None else slope}\n"
         f"#define DP_SMOOTHING_AT {description.place('smoothing')}\n"
+        f"#define DP_EXTRAPOLATION_AT {description.place('extrapolation')}\n"
         f"#define DP_AMPLITUDE_MIN {low!r}\n"
         f"#define DP_AMPLITUDE_MAX {'HUGE_VAL' if math.isinf(high) else repr(high)}\n"
         f"static const dp_variable dp_variables[DP_NV] = {{\n{''.join(rows)}}};\n"
@@ -172,3 +177,8 @@ def _variables_header(description: Description, guid: str) -> str:
         "/* What each surface goes through. */\n"
         f"static const double dp_range[DP_NS + 1] = {{{', '.join(map(repr, (*description.ranges, 1.0)))}}};\n"
     )
+
+
+def _bounds(variable: Variable) -> str:
+    low, high = variable.min, variable.max
+    return f"{'-HUGE_VAL' if low is None else repr(low)}, {'HUGE_VAL' if high is None else repr(high)}"

@@ -65,7 +65,7 @@ def model_description(
         outputs=entries("output", "power", "swing", "outside"),
         derivatives=entries("derivative"),
         indicators=entries("indicator"),
-        initial=entries("output", "power", "swing", "outside", "state", "derivative"),
+        initial=entries("output", "power", "swing", "outside", "physical", "state", "derivative"),
         events=len(description.ranges),
         source_files=source_files,
         python=python,

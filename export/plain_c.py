@@ -34,7 +34,7 @@ _PLAIN = str.maketrans(
 )
 
 
-class _Program(str):
+class Program(str):
     """C text of ours, which stands as it is."""
 
 
@@ -69,7 +69,7 @@ def plain_c(facts: Facts, header: str) -> tuple[str, str]:
     Raises BadInput where a value of the model is not finite.
     """
     oscillator, eq = facts.oscillator, facts.equations
-    description = describe_fmu(facts)
+    description = describe_fmu(facts, payload=False)
     prefix = prefix_of(description.identifier)
     values: dict[str, Any] = {
         "id": prefix,
@@ -82,15 +82,15 @@ def plain_c(facts: Facts, header: str) -> tuple[str, str]:
     }
     struct, declarations = _engine_header()
     numbers = {"DP_NZ": eq.z.numel(), "DP_NP": eq.p.numel(), "DP_NS": len(eq.kinds)}
-    declared = _render("plain.h.j2", {**values, "members": _Program(_sized(struct, numbers))})
+    declared = render_c("plain.h.j2", {**values, "members": Program(_sized(struct, numbers))})
     sources = engine.engine_texts() | {"engine.h": ""}
     parts = [
-        f"/* {_comment(description.name)}: one oscillator in plain C, made by dashpot {__version__}. */\n"
+        f"/* {comment(description.name)}: one oscillator in plain C, made by dashpot {__version__}. */\n"
         f'#include "{header}"\n',
         own(law_source(eq)),
         f"typedef {prefix}_model dp_engine;\n\n{own(declarations)}",
         _amalgamated(sources, "engine.c"),
-        _render("plain.c.j2", values),
+        render_c("plain.c.j2", values),
     ]
     return "\n".join(parts), declared
 
@@ -132,12 +132,12 @@ def _words(oscillator: Oscillator, description: Description, eq: Equations) -> d
     """Everything in the header that a person reads."""
     words, parameters = oscillator.descriptions(), oscillator.parameters()
     outputs = [v for v in description.variables if v.role == "output"]
-    lines = [_comment(line) for line in description.equation.split("; ")]
+    lines = [comment(line) for line in description.equation.split("; ")]
     return {
         "name": description.name,
         "software": f"dashpot {__version__}",
         "equation": [piece for line in lines for piece in textwrap.wrap(line, _WIDTH, subsequent_indent="    ")],
-        "about": [piece for text in _about(oscillator, description) for piece in textwrap.wrap(_comment(text), _WIDTH)],
+        "about": [piece for text in _about(oscillator, description) for piece in textwrap.wrap(comment(text), _WIDTH)],
         "parameters": [
             (symbol, f"{_value(parameters[name])} {parameters[name].unit}: {words[name]}")
             for symbol, name in zip(symbols(list(parameters)), parameters, strict=True)
@@ -199,7 +199,7 @@ def _value(parameter: Parameter) -> str:
     return f"{value} +/- {error}" if error else value
 
 
-def _comment(text: str) -> str:
+def comment(text: str) -> str:
     """``text`` fit to stand in a comment of C: one line of ASCII that neither ends the comment nor begins another."""
     plain = unicodedata.normalize("NFKD", text.translate(_PLAIN))
     plain = "".join(c for c in plain if not unicodedata.combining(c))
@@ -208,7 +208,7 @@ def _comment(text: str) -> str:
     return re.sub(r"\?(?=\?)", "? ", plain)  # three-character names for characters of old begin with two of them
 
 
-def _render(name: str, values: dict[str, Any]) -> str:
+def render_c(name: str, values: dict[str, Any]) -> str:
     """The template filled in; every value is made fit for a comment, which changes no identifier and no number."""
     from jinja2 import Environment, StrictUndefined
 
@@ -217,6 +217,6 @@ def _render(name: str, values: dict[str, Any]) -> str:
         trim_blocks=True,
         lstrip_blocks=True,
         keep_trailing_newline=True,
-        finalize=lambda value: value if isinstance(value, _Program) else _comment(str(value)),
+        finalize=lambda value: value if isinstance(value, Program) else comment(str(value)),
     )
     return environment.from_string(template(name)).render(**values)

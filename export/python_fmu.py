@@ -19,6 +19,7 @@ from pathlib import Path
 from ..model import units
 from ..model.equations import Equations
 from ..model.law import Expression
+from ..model.physical import physical
 from ..simulate.casadi_step import exact_output, exact_step
 from ..templates import template
 from ..writing import fill
@@ -54,8 +55,8 @@ def python_entries(facts: Facts, description: Description) -> dict[str, bytes]:
         script = folder / f"{module}.py"
         fill(script, text)
         resources = [folder / "step.casadi", folder / "output.casadi", folder / "model.json"]
-        fill(resources[0], serialised(exact_step(facts.oscillator, longest, longest)))
-        fill(resources[1], serialised(output_function(facts.equations)))
+        fill(resources[0], serialised(exact_step(facts.oscillator, longest, longest, payload=True)))
+        fill(resources[1], serialised(output_function(facts.loaded)))
         fill(resources[2], _model_json(description))
         built = folder / "built.fmu"
         with _imports_undone(module):
@@ -73,10 +74,10 @@ def python_entries(facts: Facts, description: Description) -> dict[str, bytes]:
 
 
 def output_function(eq: Equations) -> Expression:
-    """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration; energy and its loss."""
+    """``y = output(z, u, p, t)``: response as recorded, displacement, velocity, acceleration; power; machine."""
     import casadi as ca
 
-    y = exact_output(eq, eq.z, eq.u, eq.p, eq.t, ca.vertcat(eq.y, eq.energy, eq.dissipated))
+    y = exact_output(eq, eq.z, eq.u, eq.p, eq.t, ca.vertcat(eq.y, eq.energy, eq.dissipated, physical(eq)))
     return ca.Function("output", [eq.z, eq.u, eq.p, eq.t], [y], ["z", "u", "p", "t"], ["y"])
 
 
@@ -88,8 +89,12 @@ def _with_slope(description: Description) -> Description:
 
 
 def _model_json(description: Description) -> str:
-    keys = ("name", "role", "index", "start")
-    outputs = [v.name for v in description.variables if v.causality == "output"]
+    keys = ("name", "role", "index", "start", "min", "max")
+    computed = sorted(
+        (v for v in description.variables if v.causality in ("output", "calculatedParameter")),
+        key=lambda v: v.role == "physical",
+    )
+    outputs = [v.name for v in computed]
     variables = [
         {key: asdict(v)[key] for key in keys}
         | {"causality": v.causality, "variability": v.variability, "initial": v.initial}

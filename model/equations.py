@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 
 #: Structures whose equations are kept; a search goes through some hundred of them.
 _KEPT = 512
+#: Name of the mass beyond the identified one.
+PAYLOAD = "payload"
 
 
 class SurfaceKind(IntEnum):
@@ -57,6 +59,7 @@ class Equations:
         inner: the inner states, in the order of ``z`` behind the first two.
         reaches: how far each of them goes, as an expression of p.
         recorded: which quantity the response is.
+        payload: whether the last parameter is a mass beyond the identified one.
     """
 
     z: Expression
@@ -79,6 +82,7 @@ class Equations:
     inner: tuple[InnerState, ...] = ()
     reaches: Expression = None
     recorded: str = "displacement"
+    payload: bool = False
 
     @property
     def follows(self) -> tuple[int | None, ...]:
@@ -104,25 +108,32 @@ class Structure:
         parameters: names, in the order of ``Oscillator.parameters()``.
         laws: of the terms beside Eq. 17, in their order; a law read again from a changed file is another one.
         recorded: what the recordings show: displacement, velocity or acceleration.
+        payload: whether a further mass, ``payload``, is its last parameter; forces stay what they are.
     """
 
     parameters: tuple[str, ...]
     laws: tuple[Law, ...] = field(hash=False)
     recorded: str
+    payload: bool = False
 
 
-def structure_of(oscillator: Oscillator) -> Structure:
-    """The structure of an oscillator, by which what is made of its equations alone is kept."""
+def structure_of(oscillator: Oscillator, *, payload: bool = False) -> Structure:
+    """The structure of an oscillator, by which what is made of its equations alone is kept.
+
+    Without a mass there is none to add to, and ``payload`` is ignored.
+    """
     laws = tuple(term.law for term in oscillator.terms)
-    return Structure(tuple(oscillator.parameters()), laws, oscillator.response.quantity)
+    loaded = payload and oscillator.mass is not None
+    names = (*oscillator.parameters(), *((PAYLOAD,) if loaded else ()))
+    return Structure(names, laws, oscillator.response.quantity, loaded)
 
 
-def equations(oscillator: Oscillator) -> Equations:
+def equations(oscillator: Oscillator, *, payload: bool = False) -> Equations:
     """The laws of an oscillator assembled; only its structure matters, the values stay symbols.
 
     Oscillators of one structure share one value: an export or a fit asks for it dozens of times.
     """
-    return equations_of(structure_of(oscillator))
+    return equations_of(structure_of(oscillator, payload=payload))
 
 
 @lru_cache(maxsize=_KEPT)
@@ -153,7 +164,11 @@ def equations_of(structure: Structure) -> Equations:
             drive = ask(law, own, drive)
     inner = sum(ask(law, value) for law in BASE)
     inner += sum(ask(law, own) for law, own in terms if law.force)
-    acceleration = (drive / value["mass"] if "mass" in value else drive) - inner
+    if structure.payload:  # the forces are those of the identified mass, whatever moves with it
+        total = value["mass"] + value[PAYLOAD]
+        acceleration = drive / total - value["mass"] / total * inner
+    else:
+        acceleration = (drive / value["mass"] if "mass" in value else drive) - inner
     recorded = {"displacement": x, "velocity": v, "acceleration": acceleration}[structure.recorded]
     for law, own in terms:
         if law.record:
@@ -174,7 +189,7 @@ def equations_of(structure: Structure) -> Equations:
     mass = value.get("mass", 1.0)
     forces, stored = (ca.vertcat(*column) for column in zip(*taken, strict=True))
     storing = ca.jtimes(stored, ca.vertcat(scalars, t), ca.vertcat(zdot, 1))
-    energy = mass * (v**2 / 2 + ca.sum1(stored))
+    energy = mass * (v**2 / 2 + ca.sum1(stored)) + (value[PAYLOAD] * v**2 / 2 if structure.payload else 0)
     dissipated = mass * ca.sum1(forces * v - storing)  # law by law, so that a spring cancels before anything is summed
     zdot, g, y, drive, energy, dissipated = ca.substitute([zdot, g, y, drive, energy, dissipated], [scalars], [z])
     g_rate = ca.jtimes(g, z, zdot) + ca.jtimes(g, t, ca.SX(1)) + ca.jtimes(g, u, u_rate)
@@ -198,6 +213,7 @@ def equations_of(structure: Structure) -> Equations:
         inner=tuple(inner_states),
         reaches=ca.vertcat(ca.SX(0, 1), *(motion.reaches[i] for i in order)),
         recorded=structure.recorded,
+        payload=structure.payload,
     )
 
 

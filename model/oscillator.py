@@ -239,6 +239,15 @@ class Oscillator:
             descriptions.update({f"{term.effect}.{p.name}": p.description for p in term.law.parameters})
         return descriptions
 
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Lower and upper bound of each parameter, in its unit; infinite where there is none."""
+        bounds = {} if self.mass is None else {"mass": (0.0, math.inf)}
+        for law in BASE:
+            bounds.update({p.name: (p.lower, p.upper) for p in law.parameters})
+        for term in self.terms:
+            bounds.update({f"{term.effect}.{p.name}": (p.lower, p.upper) for p in term.law.parameters})
+        return bounds
+
     def equation(self, shown: Callable[[str], str] | None = None) -> str:
         """The equation of motion as text, for reports; further equations and what the paths do stand behind semicolons.
 

@@ -268,27 +268,28 @@ class _Stepper:
         return self.flow(z, tau, hi * remaining, line, p, s, held), hi, breaks
 
 
-def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression:
+def exact_step(oscillator: Oscillator, dt: float, max_step: float, *, payload: bool = False) -> Expression:
     """Event-exact step ``x_next = step(x, u, p, t, dt)``.
 
     Args:
         oscillator: its structure and the parameters' identified values.
         dt: nominal step, s; the number of internal steps is fixed from it.
         max_step: longest internal step at the nominal ``dt``, s.
+        payload: whether the last parameter is a further mass, by default none.
 
     Returns:
         casadi.Function. ``u`` is (2,): force at the start and at the end of the step, a straight line between them; a
-        single number is held. Elements of ``p`` left at their default (inf) take the identified value; ``dt``
-        left at its default is the nominal step; ``t`` is the time at the start.
+        single number is held. ``p`` left out, or an element of it that is inf, takes the identified value
+        (``with_defaults``); ``dt`` left out is the nominal step; ``t`` is the time at the start.
     """
     import casadi as ca
 
-    structure = structure_of(oscillator)
+    structure = structure_of(oscillator, payload=payload)
     go, nz, np_ = _phase(structure), len(equations_of(structure).state_names), len(structure.parameters)
     x, force, given = ca.MX.sym("x", nz), ca.MX.sym("u", 2), ca.MX.sym("p", np_)
     clock, length = ca.MX.sym("t"), ca.MX.sym("dt")
-    values = with_defaults(given, list(oscillator.values().values()))
-    duration = ca.if_else(length < ca.inf, length, dt)
+    values = with_defaults(given, [*oscillator.values().values(), *([0.0] if structure.payload else [])])
+    duration = ca.if_else(length > 0, length, dt)
     slope = (force[1] - force[0]) / duration
     count = max(1, math.ceil(dt / max_step - 1e-9))
     inner = duration / count
@@ -299,8 +300,7 @@ def exact_step(oscillator: Oscillator, dt: float, max_step: float) -> Expression
             current, part = go(rest > 0, current, at, rest, inner, force[0], slope, clock, values)
             at, rest = at + part * rest, rest * (1 - part)
     inputs = [x, force, given, clock, length]
-    options = {"default_in": [0.0, 0.0, ca.inf, 0.0, ca.inf]}
-    return ca.Function("step", inputs, [current], ["x", "u", "p", "t", "dt"], ["x_next"], options)
+    return ca.Function("step", inputs, [current], ["x", "u", "p", "t", "dt"], ["x_next"])
 
 
 @cache
@@ -362,7 +362,16 @@ def exact_output(
 
 
 def with_defaults(given: Expression, identified: list[float]) -> Expression:
-    """``given`` with the identified value wherever an element was left at infinity, CasADi's way to say "not given"."""
+    """Parameters (n,) from those given: the identified values where all are zero or, one by one, where one is inf.
+
+    Zeros are what CasADi itself puts where an input is left out, also in functions that it derives (``jacobian``,
+    ``factory``, ``mapaccum``) and to which no default of ours passes on; no oscillator has nothing but zeros. There the
+    derivative by p is that at the identified values.
+    """
     import casadi as ca
 
-    return ca.if_else(given < ca.inf, given, ca.DM(identified))
+    none = given[0] == 0
+    for i in range(1, given.numel()):
+        none = ca.logic_and(none, given[i] == 0)
+    values = ca.DM(identified)
+    return ca.if_else(none, values + given, ca.if_else(given < ca.inf, given, values))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from ..model.equations import Equations, rates_feel_rest
 from ..model.law import Expression
+from ..model.physical import physical
 from .generated_c import generated_c
 
 _HEADER = """\
@@ -92,16 +93,25 @@ DP_APART void dp_power(const double *z, double t, double u, const double *p, con
 """
 
 _TANGENT = """
-/* How rates, outputs, energy and dissipated power, and surfaces change in a direction of states, time, force,
- * parameters and signs. */
+/* The machine in kg, N/m and N: DP_NM quantities. */
+DP_APART void dp_physical(const double *p, double *out) {
+    const double *arg[1];
+    double *res[1];
+    arg[0] = p;
+    res[0] = out;
+    dp_law_physical(arg, res, 0, 0, 0);
+}
+
+/* How rates, outputs, energy and dissipated power, surfaces, and the machine's quantities change in a direction of
+ * states, time, force, parameters and signs. */
 DP_APART void dp_tangent(const double *z, double t, double u, const double *p, const double *s, const double *dz,
                          double dt, double du, const double *dp, const double *ds, double *df, double *dy, double *dw,
-                         double *dg) {
+                         double *dg, double *dm) {
     const double *arg[10];
-    double *res[4];
+    double *res[5];
     arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
     arg[5] = dz, arg[6] = &dt, arg[7] = &du, arg[8] = dp, arg[9] = ds;
-    res[0] = df, res[1] = dy, res[2] = dw, res[3] = dg;
+    res[0] = df, res[1] = dy, res[2] = dw, res[3] = dg, res[4] = dm;
     dp_law_tangent(arg, res, 0, 0, 0);
 }
 """
@@ -115,7 +125,8 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
     Args:
         eq: the equations.
         exported: with what an importer asks for beyond the motion: ``dp_power`` writes energy and dissipated power, two
-            values in ``Oscillator.energy_units``, and ``dp_tangent`` gives directional derivatives; a fit does without.
+            values in ``Oscillator.energy_units``, ``dp_physical`` the machine in its own units, and ``dp_tangent``
+            gives directional derivatives; a fit does without.
     """
     import casadi as ca
 
@@ -130,6 +141,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
     if exported:
         functions += [
             ("dp_law_power", state, [ca.vertcat(eq.energy, eq.dissipated)]),
+            ("dp_law_physical", [eq.p], [physical(eq)]),
             ("dp_law_tangent", *_tangent(eq, state)),
         ]
     for name, inputs, outputs in functions:
@@ -150,7 +162,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
             feels_rest=int(rates_feel_rest(eq)),
             kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
         )
-        + (_POWER + _TANGENT if exported else "")
+        + (f"#define DP_NM {physical(eq).numel()}\n{_POWER}{_TANGENT}" if exported else "")
     )
 
 
@@ -162,6 +174,6 @@ def _tangent(eq: Equations, state: list[Expression]) -> tuple[list[Expression], 
     point, direction = ca.veccat(*state), ca.veccat(*directions)
     results = [
         ca.jtimes(expression, point, direction)
-        for expression in (eq.zdot, eq.y, ca.vertcat(eq.energy, eq.dissipated), eq.surfaces)
+        for expression in (eq.zdot, eq.y, ca.vertcat(eq.energy, eq.dissipated), eq.surfaces, physical(eq))
     ]
     return [*state, *directions], results

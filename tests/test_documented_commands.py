@@ -55,7 +55,7 @@ def typed(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
 def test_there_are_commands_to_run():
     assert {page for page in PAGES if commands(page)} == {"README.md", "docs/laws.md"}
     assert [words[1] for words in commands("README.md") if words[0] == "make"] == ["demo", "test"]
-    assert sum(words[0] == "dashpot" for words in commands("README.md")) == 12
+    assert sum(words[0] == "dashpot" for words in commands("README.md")) == 13
     assert sum(words[0] == "dashpot" for words in commands("docs/laws.md")) == 3
 
 

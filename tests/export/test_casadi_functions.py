@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import json
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from dashpot.export.facts import Facts
 from dashpot.model import Oscillator, Range
 from dashpot.model.equations import equations, signed
 from dashpot.model.laws import LIBRARY
+from dashpot.simulate.compiler import find_compiler
 from dashpot.simulate.core import core_of, internal_step
 
 DT = 1e-3
@@ -44,7 +46,8 @@ def load(folder, suffix):
 
 def test_the_files_are_there_and_nothing_else(folder):
     names = sorted(path.name for path in folder.iterdir())
-    suffixes = ("casadi", "casadi.json", "output.casadi", "smooth.casadi", "smooth.step.casadi", "step.casadi")
+    suffixes = ("casadi", "casadi.json", "output.casadi", "smooth.casadi", "smooth.step.c", "smooth.step.casadi")
+    suffixes += ("smooth.step.h", "step.casadi")
     assert names == [f"rig.{suffix}" for suffix in suffixes]
 
 
@@ -74,6 +77,46 @@ def test_inputs_and_outputs_are_named_and_the_identified_values_are_the_default(
     assert np.array(f(x, u, heavier)).ravel() != pytest.approx(default)
 
 
+@pytest.mark.parametrize("suffix", ["casadi", "smooth.casadi", "smooth.step.casadi"])
+def test_derived_functions_without_p_are_those_of_the_identified_values(folder, suffix):
+    f, at = load(folder, suffix), {"x": [2e-3, -0.1], "u": 0.3}
+    (output,) = f.name_out()
+    known, left_out = f.jacobian()(**at, p=VALUES), f.jacobian()(**at)
+    for name, value in known.items():  # by x, by u, and by p itself
+        assert np.array(left_out[name]) == pytest.approx(np.array(value), rel=1e-12)
+        assert np.any(np.array(value))
+    without = f.factory("J", ["x", "u"], [f"jac:{output}:x"])
+    assert np.array(without(**at)[f"jac_{output}_x"]) == pytest.approx(np.array(known[f"jac_{output}_x"]), rel=1e-12)
+    x, u = casadi.MX.sym("x", 2), casadi.MX.sym("u")
+    composed = casadi.Function("J", [x, u], [casadi.jacobian(f(x=x, u=u)[output], x)])
+    assert np.array(composed(*at.values())) == pytest.approx(np.array(known[f"jac_{output}_x"]), rel=1e-12)
+    if "step" in suffix:
+        rows, z = np.array(f.mapaccum(3)(x=at["x"], u=np.full((2, 3), 0.3))["x_next"]), at["x"]
+        for k in range(3):
+            z = f(z, 0.3, VALUES)
+            assert rows[:, k] == pytest.approx(np.array(z).ravel(), rel=1e-12)
+
+
+def test_the_smooth_step_and_its_jacobian_in_c_are_those_of_casadi(folder, tmp_path):
+    compiler = find_compiler()
+    if compiler is None:
+        pytest.skip("there is no C compiler")
+    library = tmp_path / "step.so"
+    flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", "-shared", "-fPIC", "-I", str(folder)]
+    subprocess.run([compiler, *flags, str(folder / "rig.smooth.step.c"), "-o", str(library), "-lm"], check=True)
+    c, step = ctypes.CDLL(str(library)), load(folder, "smooth.step.casadi")
+    x, u, p = (ctypes.c_double * 2)(2e-3, -0.1), (ctypes.c_double * 2)(0.3, 0.4), (ctypes.c_double * 6)(*VALUES)
+    x_next, a, b = (ctypes.c_double * 2)(), (ctypes.c_double * 4)(), (ctypes.c_double * 4)()
+    derivative = step.jacobian()(x=list(x), u=list(u))
+    for given in (p, None):
+        assert c.stand_smooth_step(x, u, given, x_next) == 0
+        assert c.stand_smooth_step_jacobian(x, u, given, a, b) == 0
+        assert list(x_next) == pytest.approx(np.array(step(x=list(x), u=list(u))["x_next"]).ravel(), rel=1e-12)
+        for got, name in ((a, "x"), (b, "u")):
+            wanted = np.array(derivative[f"jac_x_next_{name}"])
+            assert np.reshape(list(got), (2, 2), order="F") == pytest.approx(wanted, rel=1e-9)
+
+
 def test_the_mass_sticks_within_its_friction(folder):
     f = load(folder, "casadi")
     limit = TRUTH["mass"] * (TRUTH["dry"] + TRUTH["preload"])
@@ -97,8 +140,7 @@ def test_the_smooth_law_is_the_exact_one_outside_its_width(folder):
     exact, smooth = load(folder, "casadi"), load(folder, "smooth.casadi")
     for x, v in ((5e-3, 0.3), (-5e-3, 0.3), (2e-3, -0.2)):
         assert np.array(smooth(x=[x, v], u=0.1)["xdot"]) == pytest.approx(np.array(exact(x=[x, v], u=0.1)["xdot"]))
-    jacobian = smooth.factory("J", ["x", "u", "p"], ["jac:xdot:x"])
-    slope = float(jacobian(x=[0, 0], u=0, p=VALUES)["jac_xdot_x"][1, 0])  # derived functions drop the defaults
+    slope = float(smooth.factory("J", ["x", "u", "p"], ["jac:xdot:x"])(x=[0, 0], u=0)["jac_xdot_x"][1, 0])
     width = 9e-6  # a thousandth of the amplitude
     assert slope == pytest.approx(-(TRUTH["omega0"] ** 2) - TRUTH["preload"] / width, rel=1e-6)
 

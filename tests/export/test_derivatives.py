@@ -49,15 +49,19 @@ def sizes(caller: Any, knowns: Sequence[str]) -> np.ndarray:
 
 
 def differences(caller: Any, names: list[str], known: str, step: float) -> np.ndarray:
-    """Central difference of fourth order of the values of ``names`` as ``known`` moves."""
+    """Difference of fourth order of the values of ``names`` as ``known`` moves, central but at a bound."""
     (at,) = caller.get(known)
+    parts, weights = (-2, -1, 1, 2), [1.0, -8.0, 8.0, -1.0]
+    if at in caller.known.bounds.get(known, ()):
+        parts, weights = (0, 1, 2, 3, 4), [-25.0, 48.0, -36.0, 16.0, -3.0]
+        step = -step if at == caller.known.bounds[known][1] else step
     move = caller.fmu.setTime if known == "time" else lambda value: caller.set(**{known: value})
     values = []
-    for part in (-2, -1, 1, 2):
+    for part in parts:
         move(at + part * step)
         values.append(caller.get(*names))
     move(at)
-    return np.array([1.0, -8.0, 8.0, -1.0]) @ np.array(values) / (12.0 * step)
+    return np.array(weights) @ np.array(values) / (12.0 * step)
 
 
 def check(caller: Any, knowns: Sequence[str]) -> None:

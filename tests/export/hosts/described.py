@@ -26,6 +26,7 @@ class Described:
         states: names of the continuous states, in the order in which the calls of model exchange hold them.
         starts: start values of the states, in the same order.
         tunable: parameters that may change in a run.
+        bounds: lower and upper bound of each variable, infinite where it has none.
         indicators: how many event indicators there are.
         interpolates: whether FMI 2.0 co-simulation takes derivatives of its inputs.
     """
@@ -40,6 +41,7 @@ class Described:
     states: tuple[str, ...]
     starts: tuple[str, ...]
     tunable: tuple[str, ...]
+    bounds: dict[str, tuple[float, float]]
     indicators: int
     interpolates: bool
 
@@ -76,7 +78,15 @@ def describe(fmu: Path) -> Described:
         tuple(n for n, v in zip(names, variables, strict=True) if v.get("causality") == "output"),
         states,
         tuple({"displacement": "x0", "velocity": "v0"}.get(name, f"{name}0") for name in states),
-        tuple(n for n, v in zip(names, variables, strict=True) if v.get("variability") == "tunable"),
+        tuple(
+            n
+            for n, v in zip(names, variables, strict=True)
+            if v.get("variability") == "tunable" and v.get("causality") == "parameter"
+        ),
+        {
+            name: (float(v.get("min", "-inf")), float(v.get("max", "inf")))
+            for name, v in zip(names, bearers, strict=True)
+        },
         indicators,
         slave is not None and slave.get("canInterpolateInputs") == "true",
     )

@@ -1,0 +1,1 @@
+"""Controllers designed with an identified model, run against its FMU."""

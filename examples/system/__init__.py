@@ -1,0 +1,1 @@
+"""Two rigs and a spring in co-simulation, and a controller beside them."""

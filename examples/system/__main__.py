@@ -1,0 +1,60 @@
+"""``python -m dashpot.examples.system [DIR]``: two coupled rigs, told in four ways and damped; draws ``system.svg``."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from ...report.style import AFTER, BEFORE, EXACT, FORCED, MEASURED, drawing, log_ticks, svg
+from ...writing import write
+from ..identified import identified
+from .coupled import WAYS, Rig, coupled
+
+STIFFNESS, PAYLOAD, START = 1000.0, 0.1, 5e-3  # N/m, kg, m
+GAIN = 4.0  # N.s/m, of the controller's velocity feedback
+STEP, FINE = 1e-3, 1e-4  # s; the latter with curvature is the reference
+_COLORS = dict(zip(WAYS, (BEFORE, MEASURED, AFTER, FORCED), strict=True))
+
+
+def main(arguments: list[str]) -> None:
+    """The experiment in a folder, by default ``system``."""
+    folder = Path(arguments[0]) if arguments else Path("system")
+    picture, sentences = compare(identified(folder)[1])
+    write(folder / "system.svg", picture)
+    print("\n".join([*sentences, f"written: {folder / 'system.svg'}"]))
+
+
+def compare(fmu: Path, seconds: float = 1.0) -> tuple[str, list[str]]:
+    """SVG of the errors and of the controlled motion, and the errors in a sentence each."""
+    rigs = (Rig(x0=START), Rig(payload=PAYLOAD))
+    true = coupled(fmu, rigs, STIFFNESS, way="curvature", step=FINE, seconds=seconds)[:: round(STEP / FINE)]
+    t, sentences = STEP * np.arange(len(true)), []
+    with drawing(height=3.6) as figure:
+        errors, motion = figure.subplots(1, 2)
+        for way in WAYS:
+            error = (
+                np.abs(coupled(fmu, rigs, STIFFNESS, way=way, step=STEP, seconds=seconds) - true).max(axis=1) / START
+            )
+            errors.semilogy(t[1:], 100 * np.maximum.accumulate(error[1:]), color=_COLORS[way], label=way)
+            sentences.append(f"{way:12} largest error {100 * error.max():.2g} % of the start's displacement")
+        errors.set(
+            title="Coupled at 1 ms, not iterated", xlabel="Time [s]", ylabel="Largest error so far [% of the start]"
+        )
+        errors.set_ylim(1e-4, 100)
+        log_ticks(errors.yaxis)
+        errors.legend()
+        damped = (Rig(x0=START, actuator=lambda _t, _x, v: -GAIN * v), rigs[1])
+        controlled = coupled(fmu, damped, STIFFNESS, way="curvature", step=STEP, seconds=seconds)
+        motion.plot(t, 1e3 * true[:, 1], color=EXACT, lw=0.9, label="free")
+        motion.plot(t, 1e3 * controlled[:, 1], color=AFTER, label="the other rig's controller on")
+        motion.set(title="The rig with the payload", xlabel="Time [s]", ylabel="Displacement [mm]")
+        motion.legend()
+        return svg(
+            figure, "system", "Errors of co-simulation over time; motion with and without a controller"
+        ), sentences
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
