@@ -39,8 +39,8 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
         entry: dict[str, Any] = {
             "record": table.where,
             "channels": [
-                {"number": i, "name": column.name, "unit": column.unit_text, "kind": column.kind}
-                for i, column in enumerate(columns, start=1)
+                {"number": i, "name": c.name, "unit": c.unit_text, "unit_apart": c.base == c.name, "kind": c.kind}
+                for i, c in enumerate(columns, start=1)
             ],
             "fs_stated": table.fs,
             "recordings": [],
@@ -103,7 +103,7 @@ def described(entry: Mapping[str, Any]) -> str:
     """One record of ``look`` in words and pictures."""
     channels = ", ".join(
         f"{channel['number']} {channel['name'] or '(no name)'}"
-        + (f" [{channel['unit']}]" if channel["unit"] and channel["unit"] not in channel["name"] else "")
+        + (f" [{channel['unit']}]" if channel["unit"] and channel["unit_apart"] else "")
         for channel in entry["channels"][:40]
     )
     more = len(entry["channels"]) - 40

@@ -10,18 +10,23 @@ from typing import NamedTuple
 from ...errors import BadInput
 from ..content import unpacked
 from ..table import Table
+from .apart import broken, read_apart
 
 
 class Format(NamedTuple):
-    """A kind of file: what it is called, the module here that reads it, the package that needs, its extra."""
+    """A kind of file: what it is called, the module here that reads it, the package that needs, its extra.
+
+    `apart` says that a library of others parses it, in a process of its own.
+    """
 
     name: str
     module: str
     package: str = ""
     extra: str = ""
+    apart: bool = True
 
 
-_TEXT = Format("text", "delimited")
+_TEXT = Format("text", "delimited", apart=False)
 _HDF5 = Format("HDF5", "hdf5", "h5py", "hdf5")
 _UFF = Format("UFF58", "uff58", "pyuff", "uff")
 _EXCEL = Format("Excel", "excel", "openpyxl", "excel")
@@ -33,8 +38,8 @@ FORMATS = {
     ".tsv": _TEXT,
     ".dat": _TEXT,
     ".mat": Format("MAT", "mat"),
-    ".npz": Format("NPZ", "npz"),
-    ".wav": Format("WAV", "wav"),
+    ".npz": Format("NPZ", "npz", apart=False),
+    ".wav": Format("WAV", "wav", apart=False),
     ".h5": _HDF5,
     ".hdf5": _HDF5,
     ".uff": _UFF,
@@ -71,24 +76,24 @@ def read_tables(name: str, content: bytes, most: float) -> list[Table]:
         BadInput: the kind is not known, its package is not there, or the content is not of that kind.
     """
     kind = format_of(name)
-    read: Callable[[str, bytes, float], list[Table]] = import_module(f".{kind.module}", __package__).read_tables
     content = content if kind is _TEXT else unpacked(name, content, most)
     if not content:
         raise BadInput(f"{name} is empty; record or copy it again")
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what a library remarks on a file is no sentence for a user
-            tables = read(name, content, most)
+            if kind.apart:
+                tables = read_apart(kind.module, kind.name, name, content, most)
+            else:
+                read: Callable[[str, bytes, float], list[Table]]
+                read = import_module(f".{kind.module}", __package__).read_tables
+                tables = read(name, content, most)
     except BadInput:
         raise
     except ModuleNotFoundError as error:
         raise missing(name, kind, error) from None
     except Exception as error:  # a parser of others ends a damaged file in any way: IndexError, struct.error, ...
-        reason = str(error).strip().split("\n")[0][:120] or type(error).__name__
-        raise BadInput(
-            f"{name} cannot be read as {kind.name} ({reason}): it is damaged, cut short or of another kind; copy it "
-            "again, or export it as CSV"
-        ) from None
+        raise BadInput(broken(name, kind.name, error)) from None
     if not tables:
         raise BadInput(f"{name} holds no channel of numbers; dashpot reads vectors of samples, each with a name")
     return tables

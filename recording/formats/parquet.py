@@ -14,8 +14,8 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
         BadInput: it unpacks to more than ``most`` MB.
         ModuleNotFoundError: without pyarrow.
     """
-    import pyarrow
-    from pyarrow import parquet
+    import pyarrow  # pyright: ignore[reportMissingImports]
+    from pyarrow import parquet  # pyright: ignore[reportMissingImports]
 
     file = parquet.ParquetFile(pyarrow.BufferReader(content))
     if file.metadata.num_rows * max(file.metadata.num_columns, 1) * 8 > most * 1e6:

@@ -6,6 +6,7 @@ import io
 
 import numpy as np
 
+from ...errors import BadInput
 from ..channels import Channel, table_of
 from ..content import too_large
 from ..table import Table
@@ -15,13 +16,15 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     """The records of a file: channels of one group and one rate.
 
     Raises:
-        BadInput: it holds more than ``most`` MB.
+        BadInput: it holds more than ``most`` MB, or its last segment is not whole.
         ModuleNotFoundError: without nptdms.
     """
     from nptdms import TdmsFile
 
     groups: list[tuple[str, float, list[Channel]]] = []
     with TdmsFile.open(io.BytesIO(content)) as file:
+        if file.file_status.incomplete_final_segment:
+            raise BadInput(f"{where} is cut short, its last segment is not whole; copy it again, or export it as CSV")
         channels = [(group.name, channel) for group in file.groups() for channel in group.channels()]
         numeric = [pair for pair in channels if pair[1].dtype is not None and pair[1].dtype.kind in "iuf"]
         if sum(len(channel) for _, channel in numeric) * 8 > most * 1e6:

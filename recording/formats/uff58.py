@@ -34,7 +34,7 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
         path.write_bytes(content)
         file = pyuff.UFF(str(path))
         kinds = [int(kind) for kind in np.atleast_1d(file.get_set_types())]
-        sets = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
+        sets: list[Any] = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
     groups: list[tuple[tuple[int, float], list[Channel]]] = []
     for data in sets:
         values = np.asarray(data["data"])
