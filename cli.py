@@ -59,6 +59,33 @@ def paper(output: Path) -> None:
 
 
 @cli.command()
+@click.argument("files", nargs=-1, required=True, type=FILE)
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@with_recordings
+def look(files: tuple[Path, ...], as_json: bool, **options: Any) -> None:
+    """What would be read of files: channels, units, rates, kinds of motion, a small picture; nothing else is done."""
+    from .look import described
+    from .look import look as seen_in
+    from .recording.part import parse_part
+
+    options["part"] = parse_part(options["part"]) if options["part"] else None
+    entries, refused = [], []
+    for file in files:
+        try:
+            entries += seen_in(file, options)
+        except BadInput as problem:  # the other files are shown all the same
+            refused.append(str(problem))
+    if as_json:
+        print_json(entries)
+    elif entries:
+        click.echo("\n\n".join(described(entry) for entry in entries))
+    if refused:
+        raise BadInput("\n".join(refused))
+    if any("refused" in recording for entry in entries for recording in entry["recordings"]):
+        sys.exit(2)
+
+
+@cli.command()
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for curves (CSV), laws (JSON) and the page.")
 @click.option("--json", "as_json", is_flag=True, help="Print the laws as JSON.")
@@ -226,9 +253,10 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     outputs_checked([output], [model, recording])
     if len(options["response"]) > 1:
         raise BadInput("simulate writes one response; name one column with --response")
-    (measured,) = in_the_same_band(
-        held_as(read_all((recording,), options, say), oscillator.hold), oscillator.identified.band
-    )
+    given = read_all((recording,), options, say)
+    if len(given) > 1:
+        raise BadInput(f"simulate writes one response, {recording} holds {len(given)} records; name {given[0].name}")
+    (measured,) = in_the_same_band(held_as(given, oscillator.hold), oscillator.identified.band)
     if not of_one_motion(measured, oscillator.response):
         raise BadInput(
             f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "

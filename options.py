@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 FILE = click.Path(path_type=Path)
 
 _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
-    click.option("--time", metavar="COLUMN", help="Column of the time, by name or number."),
+    click.option("--time", metavar="COLUMN", help="Column of the time, by name, pattern ('*clock*') or number."),
     click.option("--force", metavar="COLUMN", help="Column of the force; none: leave it out."),
     click.option(
         "--response",
         metavar="COLUMN",
         multiple=True,
-        help="Column of the response, by name or number; several times for several sensors.",
+        help="Column of the response, by name, pattern or number; several times for several sensors.",
     ),
     click.option(
         "--quantity",
@@ -35,6 +35,14 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     ),
     click.option("--unit", metavar="UNIT", help="Unit of the response, for example mm."),
     click.option("--force-unit", metavar="UNIT", help="Unit of the force, for example kN."),
+    click.option(
+        "--calibration",
+        metavar="COLUMN=FACTOR",
+        multiple=True,
+        callback=lambda _context, _option, texts: calibrations(texts),
+        help="What the numbers of a column stand for, such as force='22.4 N/V' or '*acc*=10.2 mV/g': force, response, "
+        "or a column by name or pattern; several times.",
+    ),
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
     click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
     click.option(
@@ -119,6 +127,20 @@ def most_left(context: click.Context, parameter: click.Parameter, text: str | No
     return MostLeft(part=size / 100.0) if text.strip().endswith("%") else MostLeft(times=size)
 
 
+def calibrations(texts: tuple[str, ...]) -> dict[str, str]:
+    """``COLUMN=FACTOR`` as a dictionary of texts, which are understood beside the column they are for."""
+    from .recording.calibration import parse_calibration
+
+    made = {}
+    for text in texts:
+        name, sign, factor = text.partition("=")
+        if not sign or not name.strip():
+            raise click.BadParameter(f"'{text}' is not COLUMN=FACTOR, such as force='22.4 N/V'")
+        parse_calibration(factor, f"--calibration {name.strip()}")
+        made[name.strip()] = factor.strip()
+    return made
+
+
 def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option that adds laws to the library before the command reads a model."""
     return click.option(
@@ -134,8 +156,8 @@ def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
 
 
 def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Callable[[str], None]) -> list[Recording]:
-    """The recordings, each note on them said."""
-    from .recording import read
+    """The recordings, all of a file that holds several, each note on them said."""
+    from .recording import read_records
     from .recording.part import parse_part
 
     columns = options["response"] or (None,)
@@ -144,8 +166,9 @@ def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Callable[[st
     options = {**options, "part": parse_part(options["part"]) if options["part"] else None}
     recordings = []
     for file, column in product(files, columns):
-        recording = read(file, **(options | {"response": column}))
-        recordings.append(replace(recording, name=f"{recording.name} ({column})") if len(columns) > 1 else recording)
+        for recording in read_records(file, **(options | {"response": column})):
+            named = f"{recording.name} ({column})" if len(columns) > 1 else recording.name
+            recordings.append(replace(recording, name=named))
     for recording in recordings:
         for note in recording.notes:
             say(f"note: {note}")

@@ -19,7 +19,7 @@ def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
     from .writing import same_place, writable
 
     seen: list[Path] = []
-    read = list(inputs)
+    read = [place for source in inputs for place in (source, Path(str(source).partition("#")[0]))]  # FILE#RECORD
     for output in outputs:
         writable(output)
         if any(same_place(output, source) for source in read):

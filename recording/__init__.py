@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from .checks import Problem, check
-from .read import read
+from .read import from_data, read, read_records
 from .recording import Recording, from_sep5
 
-__all__ = ["Problem", "Recording", "check", "from_sep5", "read"]
+__all__ = ["Problem", "Recording", "check", "from_data", "from_sep5", "read", "read_records"]

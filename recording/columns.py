@@ -6,6 +6,7 @@ import difflib
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 
 from ..errors import BadInput
 from .table import Table
@@ -71,8 +72,9 @@ def choose_columns(
 ) -> Choice:
     """Return which columns to read: those named by the options, then those whose names tell.
 
-    An option is a column's name, the name without its unit, or its number from 1; "none" leaves it out. Raises
-    BadInput when a named column is absent or the names leave a choice that the user must make.
+    An option is a column's name, the name without its unit, a pattern of either with * and ?, or its number from 1;
+    "none" leaves it out. Raises BadInput when a named column is absent or the names leave a choice that the user must
+    make.
     """
     columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
     given = {"time": time, "force": force, "response": response}
@@ -83,8 +85,9 @@ def choose_columns(
     if not table.has_header and response is None:
         if len(columns) > 1:
             raise BadInput(
-                f"{table.where} has no header line to name its {len(columns)} columns; say which is which by number, "
-                + ("e.g. --time 1 --response 2" if len(columns) == 2 else "e.g. --time 1 --force 2 --response 3")
+                f"{table.where} has no {'names for' if table.fs else 'header line to name'} its "
+                f"{len(columns)} columns; say which is which by number, "
+                + _by_number(len(columns), table.fs is not None)
             )
         chosen.setdefault("response", 0)
     free = [i for i in range(len(columns)) if i not in chosen.values()]
@@ -113,6 +116,13 @@ def choose_columns(
             f"name the columns with {options}" + ("" if chosen["time"] is not None else " (and --time or --fs)")
         )
     return Choice(chosen["time"], chosen["force"], likely[0])
+
+
+def _by_number(count: int, rate: bool) -> str:
+    """How columns are named by number, where the file states a rate and where it does not."""
+    if rate:
+        return "e.g. --force 1 --response 2"
+    return "e.g. --time 1 --response 2" if count == 2 else "e.g. --time 1 --force 2 --response 3"
 
 
 def _split_suffix(name: str) -> tuple[str, str]:
@@ -154,12 +164,16 @@ def _find(table: Table, columns: Sequence[Column], role: str, option: str | int)
         lambda c: c.name == text,
         lambda c: c.name.lower() == text.lower(),
         lambda c: c.base.lower() == text.lower(),
+        lambda c: fnmatchcase(c.name.lower(), text.lower()) or fnmatchcase(c.base.lower(), text.lower()),
     ):
         matches = [i for i, column in enumerate(columns) if column.name and same(column)]
         if len(matches) == 1:
             return matches[0]
         if matches:
-            raise BadInput(f"{table.where}: --{role} {text} fits {len(matches)} columns; give the number of the column")
+            raise BadInput(
+                f"{table.where}: --{role} {text} fits {len(matches)} columns, "
+                f"{', '.join(f'{i + 1} {table.label(i)}' for i in matches[:5])}; give the number of one"
+            )
     if text.isascii() and text.isdigit():
         if len(text) < 9 and 1 <= int(text) <= len(columns):  # Python converts no number of thousands of digits
             return int(text) - 1

@@ -27,7 +27,7 @@ def content_of(path: Path, most: float = MOST_MB) -> bytes:
         if not stat.S_ISREG(found.st_mode):
             raise BadInput(f"{path} is a pipe or a device, which may never end; save it as a file first")
         if found.st_size > most * 1e6:
-            raise _too_large(str(path), most)
+            raise too_large(str(path), most)
         with path.open("rb") as file:
             content = file.read(int(most * 1e6) + 1)
     except FileNotFoundError:
@@ -36,7 +36,7 @@ def content_of(path: Path, most: float = MOST_MB) -> bytes:
         reason = getattr(error, "strerror", None) or error
         raise BadInput(f"{path} cannot be read ({reason}); check its permissions") from None
     if len(content) > most * 1e6:  # it grows while it is read
-        raise _too_large(str(path), most)
+        raise too_large(str(path), most)
     return content
 
 
@@ -54,9 +54,10 @@ def unpacked(where: str, content: bytes, most: float = MOST_MB) -> bytes:
     except (EOFError, zlib.error, gzip.BadGzipFile):
         raise BadInput(f"{where} is a gzip file that is cut short or damaged; copy it again") from None
     if len(plain) > most * 1e6:
-        raise _too_large(where, most)
+        raise too_large(where, most)
     return plain
 
 
-def _too_large(where: str, most: float) -> BadInput:
+def too_large(where: str, most: float) -> BadInput:
+    """What is said of a file that holds more than ``most`` MB."""
     return BadInput(f"{where} holds more than {most:g} MB; record less at once, or raise the limit with --max-size")

@@ -1,19 +1,23 @@
-"""Reading a file into a Recording, with every doubt about it settled or said."""
+"""Reading files and objects into Recordings, with every doubt about them settled or said."""
 
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
+from .address import addressed, parse_address, single
+from .calibration import applied, of_column
 from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
-from .delimited import read_delimited
 from .fact import changed
+from .formats import read_tables
+from .objects import tables_of_object
 from .part import cut_out
 from .recording import QUANTITIES, Recording
 from .sampling import uniform_sampling
@@ -21,14 +25,51 @@ from .table import Table
 from .time_stamps import in_seconds
 from .units import Unit, parse_unit
 
-# A further format is one module with a function (where, content, most) -> Table, and its suffixes here.
-READERS: dict[str, Callable[[str, bytes, float], Table]] = dict.fromkeys(
-    (".csv", ".txt", ".tsv", ".dat"), read_delimited
-)
+
+def read(path: str | Path, **options: Any) -> Recording:
+    """Read one recording and convert it to SI.
+
+    Args:
+        path: of the file; behind # the name or number of one of its records where it holds several.
+        options: of ``recording_of``, and `max_size`, the most MB that are read, 500 if not said.
+
+    Raises BadInput with one sentence for each thing that is wrong.
+    """
+    file, _ = parse_address(path)
+    sha256, tables = tables_at(path, options.pop("max_size", MOST_MB))
+    return recording_of(single(file.name, tables), sha256=sha256, **options)
 
 
-def read(
-    path: str | Path,
+def read_records(path: str | Path, **options: Any) -> list[Recording]:
+    """Read all recordings of a file, or the one that is named behind #; else as ``read``."""
+    sha256, tables = tables_at(path, options.pop("max_size", MOST_MB))
+    return [recording_of(table, sha256=sha256, **options) for table in tables]
+
+
+def from_data(data: Any, *, name: str = "recording", **options: Any) -> Recording:
+    """Make a Recording of what a program holds, with the checks that files get.
+
+    Args:
+        data: a pandas DataFrame, an xarray Dataset or DataArray, SEP 5 dictionaries, or arrays by name, each (n,):
+            see ``tables_of_object``.
+        name: of the recording.
+        options: of ``recording_of``.
+
+    Raises BadInput with one sentence for each thing that is wrong.
+    """
+    return recording_of(single(name, tables_of_object(data, name)), **options)
+
+
+def tables_at(path: str | Path, max_size: float = MOST_MB) -> tuple[str, list[Table]]:
+    """The SHA-256 of a file, and the tables of its records, or of the one that is named behind #; raises BadInput."""
+    file, record = parse_address(path)
+    content = content_of(file, max_size)
+    tables = addressed(file.name, read_tables(file.name, content, max_size), record)
+    return hashlib.sha256(content).hexdigest(), tables
+
+
+def recording_of(
+    table: Table,
     *,
     time: str | int | None = None,
     force: str | int | None = None,
@@ -37,46 +78,32 @@ def read(
     unit: str | None = None,
     force_unit: str | None = None,
     fs: float | None = None,
+    calibration: Mapping[str, str | float] | None = None,
     part: tuple[float, float] | None = None,
     hold: str | None = None,
-    max_size: float = MOST_MB,
     checked: bool = True,
+    sha256: str | None = None,
 ) -> Recording:
-    """Read one recording and convert it to SI.
+    """The recording that the columns of a table make, in SI.
 
-    `time`, `force`, `response` name a column or give its number from 1 ("none" leaves time or force out); `quantity` is
-    displacement, velocity or acceleration; `unit` and `force_unit` overrule the header; `fs` in Hz stands in for a
-    time column; `part` keeps the stretch from and to so many seconds after the first sample; `hold` says how
-    the force runs between samples (zero, linear, smooth; None: not said); `max_size`, in MB, limits what is
-    read. With `checked`, the errors
-    that `check` finds are raised and its notes kept in `Recording.notes`.
+    `time`, `force`, `response` name a column, by a pattern such as "*shaker*" too, or give its number from 1 ("none"
+    leaves time or force out); `quantity` is displacement, velocity or acceleration; `unit` and `force_unit` overrule
+    the header; `fs` in Hz stands in for a time column; `calibration` says by role (force, response), name or pattern of
+    a column what its numbers stand for, "22.4 N/V"; `part` keeps the stretch from and to so many seconds
+    after the first sample; `hold` says how the force runs between samples (zero, linear, smooth; None: not said). With
+    `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`. `sha256` is kept.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
-    path = Path(path)
     if quantity is not None and quantity not in QUANTITIES:
         raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
-    content = content_of(path, max_size)
-    table = _reader(path)(path.name, content, max_size)
     choice = choose_columns(table, time, force, response, quantity)
-    recording = _recording(table, choice, quantity, unit, force_unit, fs, hashlib.sha256(content).hexdigest())
+    factors = {key: str(text) for key, text in (calibration or {}).items()}
+    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256)
     recording = replace(recording, hold=hold)
     if part is not None:
         recording = cut_out(recording, part)
     return _checked(recording, stated=unit is not None) if checked else recording
-
-
-def _reader(path: Path) -> Callable[[str, bytes, float], Table]:
-    suffixes = [suffix.lower() for suffix in path.suffixes]
-    if suffixes and suffixes[-1] == ".gz":
-        suffixes.pop()
-    suffix = suffixes[-1] if suffixes else ""
-    if suffix not in READERS:
-        raise BadInput(
-            f"{path.name}: files of the kind '{suffix}' cannot be read; supported are {', '.join(READERS)}, "
-            "each also with .gz"
-        )
-    return READERS[suffix]
 
 
 def _recording(
@@ -86,11 +113,14 @@ def _recording(
     unit_text: str | None,
     force_unit_text: str | None,
     fs: float | None,
-    sha256: str,
+    calibration: dict[str, str],
+    sha256: str | None,
 ) -> Recording:
-    notes = list(choice.notes)
-    unit = _unit(table, choice.response, unit_text, "--unit")
-    force_unit = None if choice.force is None else _unit(table, choice.force, force_unit_text, "--force-unit")
+    notes = [*table.notes, *choice.notes]
+    factor, unit = _scale(table, choice.response, "response", unit_text, "--unit", calibration)
+    force_factor, force_unit = 1.0, None
+    if choice.force is not None:
+        force_factor, force_unit = _scale(table, choice.force, "force", force_unit_text, "--force-unit", calibration)
     quantity = _quantity(table, choice.response, unit, quantity)
     if unit is None:
         unit = parse_unit({"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity], table.where)
@@ -102,6 +132,7 @@ def _recording(
             f"{table.where}: the force column {table.label(choice.force or 0)} has the unit '{force_unit.text}', "
             "which is none of a force; choose another column with --force, or state the unit with --force-unit"
         )
+    force_factor *= force_unit.factor if force_unit else 1.0
     indices = [i for i in (choice.response, choice.force, choice.time) if i is not None]
     numbers = table.numbers(indices)
     signals = numbers[:, : 1 if choice.force is None else 2]
@@ -114,8 +145,8 @@ def _recording(
     return Recording(
         name=table.where,
         fs=sampling.fs,
-        response=columns[:, 0] * unit.factor,
-        force=None if choice.force is None else columns[:, 1] * (force_unit.factor if force_unit else 1.0),
+        response=columns[:, 0] * (factor * unit.factor),
+        force=None if choice.force is None else columns[:, 1] * force_factor,
         quantity=quantity,
         unit=unit.si,
         force_unit=force_unit.si if force_unit else "N",
@@ -123,6 +154,19 @@ def _recording(
         sha256=sha256,
         notes=(*notes, *sampling.notes),
     )
+
+
+def _scale(
+    table: Table, index: int, role: str, option: str | None, flag: str, calibration: dict[str, str]
+) -> tuple[float, Unit | None]:
+    """What a column is multiplied by to be in its unit, and that unit, None where nobody says it."""
+    name, stated = table.names[index], table.units[index]
+    factor = of_column(calibration, role, name, stated, table.where)
+    if factor is None:
+        return 1.0, _unit(table, index, option, flag)
+    if option is not None and factor.value is not None:
+        raise BadInput(f"{table.where}: {flag} {option} and --calibration both say the unit of the {role}; drop one")
+    return applied(factor, _unit(table, index, option, flag), f"{table.where}, column {table.label(index)}")
 
 
 def _unit(table: Table, index: int, option: str | None, flag: str) -> Unit | None:

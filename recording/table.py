@@ -1,4 +1,4 @@
-"""What every file reader returns: named columns whose numbers are read when they are asked for."""
+"""What every reader of a format returns: named columns whose numbers are read when they are asked for."""
 
 from __future__ import annotations
 
@@ -10,11 +10,12 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Table:
-    """The columns of one file.
+    """The columns of one record of a file.
 
     `names` and `units` have one entry a column, "" where the file says nothing. `numbers(indices)` returns a float
     array (rows, len(indices)) and raises BadInput where a cell is no number. `fs` is the rate in Hz if the file's
-    format states one.
+    format states one; `record` is its name where the file holds several, and then a part of `where`; `notes` are
+    sentences on what was left out.
     """
 
     where: str
@@ -22,6 +23,8 @@ class Table:
     units: tuple[str, ...]
     numbers: Callable[[Sequence[int]], np.ndarray]
     fs: float | None = None
+    record: str = ""
+    notes: tuple[str, ...] = ()
 
     @property
     def has_header(self) -> bool:

@@ -53,13 +53,13 @@ def typed(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_there_are_commands_to_run():
-    assert {page for page in PAGES if commands(page)} == {"README.md", "docs/laws.md"}
+    assert {page for page in PAGES if commands(page)} == {"README.md", "docs/formats.md", "docs/laws.md"}
     assert [words[1] for words in commands("README.md") if words[0] == "make"] == ["demo", "test"]
     assert sum(words[0] == "dashpot" for words in commands("README.md")) == 13
     assert sum(words[0] == "dashpot" for words in commands("docs/laws.md")) == 3
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/laws.md"])
+@pytest.mark.parametrize("page", ["README.md", "docs/formats.md", "docs/laws.md"])
 def test_commands_and_options_exist_and_inputs_are_there_when_they_are_read(page):
     there = {*RECORDED, "magnet.py"}
     for words in commands(page):
@@ -153,6 +153,15 @@ def check_identified(folder: Path, words: list[str]) -> None:
             assert parameter.value == 0.0
         elif not fixed and parameter.std:
             assert abs(parameter.value - true) < 5 * parameter.std, f"{shlex.join(words)}: {name}"
+
+
+@pytest.mark.long
+def test_the_commands_on_formats_do_what_they_say(stand):
+    before = sorted(stand.iterdir())
+    decays, sweep = (typed(words, stand) for words in commands("docs/formats.md"))
+    assert "motion     decay" in decays.stdout
+    assert json.loads(sweep.stdout)[0]["recordings"][0]["motion"] == "sweep"
+    assert sorted(stand.iterdir()) == before
 
 
 @pytest.mark.long

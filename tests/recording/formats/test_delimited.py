@@ -7,7 +7,7 @@ import gzip
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.recording.delimited import read_delimited
+from dashpot.recording.formats.delimited import read_delimited
 
 ROWS = np.array([[0.0, 1.5], [0.1, -2.5e-3], [0.2, 3.0]])
 

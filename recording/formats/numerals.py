@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from ..errors import BadInput
+from ...errors import BadInput
 
 _ALONE = r"(?<![\d.,'])(?:0|\d{4,})?{0}\d"  # 0,5 and 1234,5: no group of thousands begins so
 _DECIMAL = _ALONE + r"|{0}\d{{1,2}}(?![\d.,])|{0}\d{{4}}|{0}\d+[eE]"

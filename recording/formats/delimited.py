@@ -9,36 +9,48 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..errors import BadInput
-from .content import MOST_MB, unpacked
+from ...errors import BadInput
+from ..content import MOST_MB, unpacked
+from ..table import Table
 from .numerals import Numerals, numerals_of
-from .table import Table
-from .units import find_unit
+from .preamble import below_preamble, is_unit_row
 
 _COMMENT = ("#", "%")
 _GROUPED = re.compile("[-+]?[0-9.,'\u2019\u00a0\u202f\u2009]+([eE][-+]?[0-9]+)?")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 
 
+def read_tables(where: str, content: bytes, most: float) -> list[Table]:
+    """The one record of a text file: see ``read_delimited``."""
+    return [read_delimited(where, content, most)]
+
+
 def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
     """Return the table that the bytes of a text file hold, at most `most` MB; `where` names the file in messages.
 
     Delimiter and decimal comma are found from the data; lines that begin with # or % are comments, of which the last
-    one above the data may hold the column names; a second header row may hold units. Raises BadInput for a file that
+    one above the data may hold the column names; a second header row may hold units, and what a logger writes above
+    and between these is passed over. Raises BadInput for a file that
     is empty, binary, a broken gzip, without numbers, or whose rows differ in length.
     """
     numbered = [(i, line) for i, line in enumerate(_text(where, content, most).splitlines(), start=1) if line.strip()]
     lines = [(i, line) for i, line in numbered if not line.lstrip().startswith(_COMMENT)]
     if not lines:
         raise BadInput(f"{where} has no rows of numbers; it needs a header line and one row for each sample")
-    delimiter = _delimiter([line for _, line in lines[:20]])
+    sample = min(len(lines) - 1, max(19, len(lines) // 2))
+    delimiter = _delimiter([lines[0][1], lines[sample][1]])
+    begin, names_of, units_of = below_preamble([line for _, line in lines], sample, lambda x: _cells(x, delimiter))
+    above, lines = lines[:begin], lines[begin:]
     numerals = Numerals()
     if delimiter != "," and any("," in line for _, line in lines[1:20]):
         numerals = numerals_of(where, "\n".join(line for _, line in lines[2:]) or lines[-1][1])
     header, units = [], []
-    if not _numeric(_cells(lines[0][1], delimiter), numerals):
+    if begin:
+        header = [] if names_of is None else _cells(above[names_of][1], delimiter)
+        units = [] if units_of is None else [cell.strip("[]() ") for cell in _cells(above[units_of][1], delimiter)]
+    elif not _numeric(_cells(lines[0][1], delimiter), numerals):
         header = _cells(lines.pop(0)[1], delimiter)
-        if lines and _is_unit_row(_cells(lines[0][1], delimiter)):
+        if lines and is_unit_row(_cells(lines[0][1], delimiter)):
             units = [cell.strip("[]() ") for cell in _cells(lines.pop(0)[1], delimiter)]
     if not lines:
         raise BadInput(f"{where} has a header and no rows of numbers below it; write one row for each sample")
@@ -111,11 +123,6 @@ def _is_number(text: str) -> bool:
 def _numeric(cells: list[str], numerals: Numerals) -> bool:
     """Whether this is a row of data: a header has no number in it."""
     return any(_is_number(numerals.plain(cell)) for cell in cells)
-
-
-def _is_unit_row(cells: list[str]) -> bool:
-    words = [cell.strip("[]() ") for cell in cells]
-    return any(words) and all(not word or word == "-" or find_unit(word) is not None for word in words)
 
 
 def _commented_header(above: list[str], delimiter: str | None, width: int) -> list[str]:

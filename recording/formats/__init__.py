@@ -1,0 +1,109 @@
+"""The kinds of files that hold recordings: each one module, and one line in the table below."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from importlib import import_module
+from typing import NamedTuple
+
+from ...errors import BadInput
+from ..content import unpacked
+from ..table import Table
+from .apart import broken, read_apart
+
+
+class Format(NamedTuple):
+    """A kind of file: what it is called, the module here that reads it, the package that needs, its extra.
+
+    `apart` says that a library of others parses it, in a process of its own.
+    """
+
+    name: str
+    module: str
+    package: str = ""
+    extra: str = ""
+    apart: bool = True
+
+
+_TEXT = Format("text", "delimited", apart=False)
+_HDF5 = Format("HDF5", "hdf5", "h5py", "hdf5")
+_UFF = Format("UFF58", "uff58", "pyuff", "uff")
+_EXCEL = Format("Excel", "excel", "openpyxl", "excel")
+#: By suffix. A module has ``read_tables(where, content, most) -> list[Table]``: the name for messages, the bytes of
+#: the file, and how many MB they may unpack to. MAT files of version 7.3 are HDF5, which their reader finds out.
+FORMATS = {
+    ".csv": _TEXT,
+    ".txt": _TEXT,
+    ".tsv": _TEXT,
+    ".dat": _TEXT,
+    ".mat": Format("MAT", "mat"),
+    ".npz": Format("NPZ", "npz", apart=False),
+    ".wav": Format("WAV", "wav", apart=False),
+    ".h5": _HDF5,
+    ".hdf5": _HDF5,
+    ".uff": _UFF,
+    ".unv": _UFF,
+    ".tdms": Format("TDMS", "tdms", "nptdms", "tdms"),
+    ".parquet": Format("Parquet", "parquet", "pyarrow", "parquet"),
+    ".xlsx": _EXCEL,
+    ".xlsm": _EXCEL,
+}
+
+
+def format_of(name: str) -> Format:
+    """The kind of a file by its name, with or without .gz behind; raises BadInput for one that is not read."""
+    stem = name.lower().removesuffix(".gz")
+    suffix = next((suffix for suffix in FORMATS if stem.endswith(suffix)), None)
+    if suffix is None:
+        own = f".{stem.rpartition('.')[2]}" if "." in stem else ""
+        raise BadInput(
+            f"{name}: files of the kind '{own}' cannot be read; supported are {', '.join(FORMATS)}, each also with "
+            ".gz: save or export it as one of these, CSV if in doubt"
+        )
+    return FORMATS[suffix]
+
+
+def read_tables(name: str, content: bytes, most: float) -> list[Table]:
+    """The records of a file, at least one, each as a table.
+
+    Args:
+        name: of the file, whose suffix says what it is.
+        content: its bytes.
+        most: how many MB they may unpack to.
+
+    Raises:
+        BadInput: the kind is not known, its package is not there, or the content is not of that kind.
+    """
+    kind = format_of(name)
+    content = content if kind is _TEXT else unpacked(name, content, most)
+    if not content:
+        raise BadInput(f"{name} is empty; record or copy it again")
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what a library remarks on a file is no sentence for a user
+            if kind.apart:
+                tables = read_apart(kind.module, kind.name, name, content, most)
+            else:
+                read: Callable[[str, bytes, float], list[Table]]
+                read = import_module(f".{kind.module}", __package__).read_tables
+                tables = read(name, content, most)
+    except BadInput:
+        raise
+    except ModuleNotFoundError as error:
+        raise missing(name, kind, error) from None
+    except Exception as error:  # a parser of others ends a damaged file in any way: IndexError, struct.error, ...
+        raise BadInput(broken(name, kind.name, error)) from None
+    if not tables:
+        raise BadInput(f"{name} holds no channel of numbers; dashpot reads vectors of samples, each with a name")
+    return tables
+
+
+def missing(name: str, kind: Format, error: ModuleNotFoundError) -> BadInput:
+    """What is said where the package that reads a kind of file is not there."""
+    if (error.name or "").partition(".")[0] != kind.package:
+        return BadInput(f"{name} cannot be read: {error}; install it with pip")
+    return BadInput(
+        f"{name}: files of the kind {kind.name} need {kind.package}, which is not installed; "
+        f"pip install 'dashpot[{kind.extra}]', or export the file as CSV"
+    )
