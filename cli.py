@@ -15,6 +15,7 @@ import click
 from . import __version__
 from .endings import ended
 from .errors import BadInput
+from .model_commands import COMMANDS
 from .options import FILE, fixed_values, most_left, read_all, with_laws, with_mode, with_recordings, with_time_limit
 from .several_values import CommandOfSeveral, SeveralValues
 from .terminal import outputs_checked, print_json, progress_shown, say
@@ -213,145 +214,6 @@ def identify(
         sys.exit(1)
 
 
-@cli.command()
-@click.argument("model", type=FILE)
-@click.option("--json", "as_json", is_flag=True, help="As JSON.")
-@with_laws
-def show(model: Path, as_json: bool) -> None:
-    """Parameters with their errors, equation and validity."""
-    from .model.file import load
-    from .model.show import as_json as model_json
-    from .model.show import describe
-
-    oscillator = load(model)
-    if as_json:
-        print_json(model_json(oscillator))
-    else:
-        click.echo(describe(oscillator))
-
-
-@cli.command()
-@click.argument("model", type=FILE)
-@click.argument("recording", type=FILE)
-@click.option("-o", "--output", type=FILE, required=True, help="CSV file to write (.csv or .csv.gz).")
-@with_laws
-@with_recordings
-def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
-    """Response of a model to the force of a recording, event-exact."""
-    import numpy as np
-
-    from .identify.hold import held_as
-    from .identify.identification import of_one_motion
-    from .identify.modes import in_the_same_band
-    from .identify.replay import replay
-    from .model.file import load
-    from .recording.csv_output import write_response
-
-    oscillator = load(model)
-    if not output.name.endswith((".csv", ".csv.gz")):
-        raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
-    outputs_checked([output], [model, recording])
-    if len(options["response"]) > 1:
-        raise BadInput("simulate writes one response; name one column with --response")
-    given = read_all((recording,), options, say)
-    if len(given) > 1:
-        raise BadInput(f"simulate writes one response, {recording} holds {len(given)} records; name {given[0].name}")
-    (measured,) = in_the_same_band(held_as(given, oscillator.hold), oscillator.identified.band)
-    if not of_one_motion(measured, oscillator.response):
-        raise BadInput(
-            f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "
-            f"{oscillator.response.quantity} in {oscillator.response.unit}; "
-            "say what the column is with --quantity and --unit"
-        )
-    simulated = replay(oscillator, measured)
-    write_response(output, measured, simulated)
-    say(f"written: {output}")
-    lost = np.flatnonzero(~np.isfinite(simulated))
-    if lost.size:
-        at = measured.time[lost[0]]
-        say(f"{model}: the simulation runs away; from {at:.4g} s on {output} holds nan: check units and parameters")
-        sys.exit(1)
-
-
-@cli.command()
-@click.argument("model", type=FILE)
-@click.argument("outputs", nargs=-1, required=True, type=FILE)
-@click.option(
-    "--fmi",
-    "version",
-    type=click.Choice(["2", "3"]),
-    default="2",
-    show_default=True,
-    callback=lambda _context, _option, value: int(value),
-    help="Version of FMI.",
-)
-@click.option(
-    "--backend",
-    type=click.Choice(["native", "python"]),
-    help="Of an FMU; default: native, in Python where no C compiler is.",
-)
-@click.option(
-    "--platform",
-    metavar="NAMES",
-    help="What an FMU is compiled for: all, or some of linux64, linux-arm64, win64, darwin-x64, darwin-arm64, "
-    "with commas between them; default: all that can be built here.",
-)
-@click.option(
-    "--step", type=float, default=1e-3, show_default=True, metavar="S", help="Sample time of the CasADi step."
-)
-@click.option(
-    "--draws", type=click.IntRange(min=0), metavar="N", help="Of an SSP: parameters drawn from their covariance; 20."
-)
-@click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the draws.")
-@with_laws
-def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: int | None, **options: Any) -> None:
-    """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp)."""
-    from .export import export as write
-    from .export import files
-    from .export.platforms import parse_platforms
-    from .export.ssp import note
-    from .model.file import load
-    from .writing import together
-
-    oscillator = load(model)
-    platforms = None if platform is None else parse_platforms(platform)
-    if not 0 < options["step"] < float("inf"):
-        raise BadInput(f"--step {options['step']}: the sample time must be a positive number of seconds")
-    outputs_checked([file for output in outputs for file in files(output)], [model])
-    with together():
-        for output in outputs:
-            if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
-                say(f"note: {remark}")
-            write(oscillator, output, platforms=platforms, draws=draws, progress=say, **options)
-    for path in (file for output in outputs for file in files(output)):
-        say(f"written: {path}")
-
-
-@cli.command()
-@click.argument("model", type=FILE)
-@click.option("--amplitude", type=float, metavar="A", help="Of the motion to linearise about, in the model's unit.")
-@click.option(
-    "--frequency", type=float, metavar="HZ", help="Of that motion; default: the natural frequency at this amplitude."
-)
-@click.option("--displacement", type=float, metavar="X", help="Of a point to linearise about; its force is found.")
-@click.option("--force", type=float, metavar="F", help="That holds a point; its displacement is found.")
-@click.option("--step", type=float, metavar="S", help="Sample time; adds the discrete A and B, the force held.")
-@click.option("--json", "as_json", is_flag=True, help="As JSON.")
-@with_laws
-def linearise(model: Path, step: float | None, as_json: bool, **about: float | None) -> None:
-    """A, B, C, D of the linear model about a motion (--amplitude) or about a point, the middle by default."""
-    from .model.file import load
-    from .model.linear import linearise as linear
-    from .model.show_linear import as_json as linear_json
-    from .model.show_linear import describe
-
-    found = linear(load(model), **about)
-    if as_json:
-        print_json(linear_json(found, step))
-    else:
-        click.echo(describe(found, step))
-
-
 @cli.command(cls=CommandOfSeveral)
 @click.argument("model", type=FILE)
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
@@ -426,6 +288,10 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time
     click.echo(result.sentence())
     if not result.passed:
         sys.exit(1)
+
+
+for _command in COMMANDS:
+    cli.add_command(_command)
 
 
 def main(arguments: list[str] | None = None) -> None:
