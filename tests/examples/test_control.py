@@ -26,6 +26,7 @@ def fmu(model, tmp_path_factory):
         return export_fmu(model, tmp_path_factory.mktemp("fmu") / "rig.fmu", platforms=(own_platform(),))
 
 
+@pytest.mark.long
 def test_the_nonlinear_prediction_halves_the_error_of_the_best_linear_one(model, fmu, tmp_path):
     worst = []
     for linear in (True, False):

@@ -144,6 +144,7 @@ def contents(everywhere):
         return {name: archive.read(name) for name in archive.namelist()}
 
 
+@pytest.mark.long
 def test_an_fmu_for_all_desktops_is_small_and_sound(everywhere, contents):
     assert {name for name in contents if name.startswith("binaries/")} == {
         "binaries/linux64/stand.so",
@@ -159,6 +160,7 @@ def test_an_fmu_for_all_desktops_is_small_and_sound(everywhere, contents):
         assert words in page
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("folder", "kind"), [("linux64", "x86-64"), ("aarch64-linux", "aarch64")])
 def test_linux_needs_the_c_library_of_2012(contents, folder, kind):
     binary = elf(contents[f"binaries/{folder}/stand.so"])
@@ -169,6 +171,7 @@ def test_linux_needs_the_c_library_of_2012(contents, folder, kind):
     assert binary.exports == FMI2
 
 
+@pytest.mark.long
 def test_windows_needs_what_is_part_of_it(contents):
     binary = pe(contents["binaries/win64/stand.dll"])
     assert (binary.kind, binary.name) == ("x86-64", "stand.dll")
@@ -176,6 +179,7 @@ def test_windows_needs_what_is_part_of_it(contents):
     assert binary.exports == FMI2
 
 
+@pytest.mark.long
 def test_macos_has_one_file_for_both_processors(contents):
     both = [macho(part) for part in thin(contents["binaries/darwin64/stand.dylib"])]
     assert [(binary.kind, binary.versions) for binary in both] == [("x86-64", {(10, 13)}), ("aarch64", {(11, 0)})]
@@ -185,6 +189,7 @@ def test_macos_has_one_file_for_both_processors(contents):
         assert binary.exports - _OF_THE_LINKER == FMI2
 
 
+@pytest.mark.long
 def test_the_signature_that_arm64_asks_for_holds(contents):
     _, arm = thin(contents["binaries/darwin64/stand.dylib"])
     (signature,) = [struct.unpack_from("<2I", arm, at + 8) for command, at, _ in commands(arm) if command == 0x1D]
@@ -202,6 +207,7 @@ def test_the_signature_that_arm64_asks_for_holds(contents):
         assert blob[at + hashes + 32 * i :][:32] == hashlib.sha256(page).digest()
 
 
+@pytest.mark.long
 def test_fmi_3_has_a_folder_for_each(contents, models):
     sources, _ = fmu_sources(Facts(models["base"]()))
     files = binaries(sources, "all.c", "stand", PLATFORMS, version=3)
@@ -232,6 +238,7 @@ def test_same_model_same_bytes_and_no_trace_of_where(everywhere, contents, model
                 assert trace not in content, name
 
 
+@pytest.mark.long
 def test_a_build_that_fails_names_its_platform_and_leaves_nothing(everywhere, models, tmp_path, monkeypatch):
     monkeypatch.setenv("DASHPOT_CACHE", str(tmp_path / "cache"))
     broken = (sys.executable, "-c", "import sys; sys.exit('the disk is full')")
@@ -242,6 +249,7 @@ def test_a_build_that_fails_names_its_platform_and_leaves_nothing(everywhere, mo
     assert list((tmp_path / "cache" / "compiled").iterdir()) == []
 
 
+@pytest.mark.long
 def test_what_takes_long_the_first_time_is_said_then_and_only_then(everywhere, models, tmp_path, monkeypatch):
     def fake(compiler, sources, main, name, *, flags, before):
         before()
@@ -269,6 +277,7 @@ def test_what_is_inside_is_said(monkeypatch):
     assert "at least as new" in inside(can_build())
 
 
+@pytest.mark.long
 def test_whatever_a_law_can_be_made_of_links_everywhere(everywhere):
     import casadi as ca
 

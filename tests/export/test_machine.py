@@ -40,8 +40,8 @@ def step(caller, k, force, slope):
     caller.fmu.doStep(k * DT, DT)
 
 
-@pytest.mark.parametrize("version", [2, 3])
-@pytest.mark.parametrize("payload", [0.13, -0.1])
+@pytest.mark.parametrize("version", [pytest.param(2, marks=pytest.mark.long), 3])
+@pytest.mark.parametrize("payload", [0.13, pytest.param(-0.1, marks=pytest.mark.long)])
 def test_a_payload_is_more_mass_on_the_same_springs(fmu_of, callers, version, payload):
     t = np.arange(801) * DT
     force = 0.8 * np.sin(2 * np.pi * (6 + 6 * t) * t)

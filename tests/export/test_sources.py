@@ -16,7 +16,7 @@ from dashpot.simulate.force import straight_lines
 from dashpot.verify.fmu_run import FmuRun
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("version", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_fmpy_compiles_it(fmu_of, tmp_path, version):
     path = os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", "")])
     if shutil.which("cmake", path=path) is None:

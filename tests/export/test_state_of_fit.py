@@ -33,7 +33,7 @@ def in_log(model):
     return state_of_fit(model).replace("%", "per cent")
 
 
-@pytest.mark.parametrize("version", [2, 3])
+@pytest.mark.parametrize("version", [pytest.param(2, marks=pytest.mark.long), 3])
 def test_an_fmu_describes_it_and_logs_it_where_the_importer_wants_a_log(lacking, callers, fmu_of, tmp_path, version):
     path = export_fmu(lacking, tmp_path / "rig.fmu", version=version, platforms=(own_platform(),))
     assert validate_fmu(str(path)) == []

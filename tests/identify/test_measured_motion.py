@@ -35,6 +35,7 @@ def test_a_periodic_force_is_found_with_its_amplitude_whatever_its_phases(rig):
     assert len(set(guess.phases.values())) == len(regression.rows)
 
 
+@pytest.mark.long
 def test_play_in_the_papers_stand_is_seen_in_the_measured_motion():
     folder = Path(examples.__file__).parent / "recordings" / "paper-stand-backlash"
     recordings = [read(folder / f"{name}.csv.gz") for name in ("bursts", "sweep_low")]

@@ -57,7 +57,9 @@ def test_what_was_never_rounded_has_none():
     assert rounding_of(Signal(np.sin(TURN), FS)) is None
 
 
-@pytest.mark.parametrize(("channel", "levels", "before"), [("force", 32, 5.0), ("response", 16, 4.0)])
+@pytest.mark.parametrize(
+    ("channel", "levels", "before"), [("force", 32, 5.0), pytest.param("response", 16, 4.0, marks=pytest.mark.long)]
+)
 def test_errors_of_parameters_cover_it(channel, levels, before, monkeypatch):
     """Without it no parameter's error says how far it is off."""
     stand = STANDS["slow"]
