@@ -257,7 +257,7 @@ def test_what_we_made_is_made_again(here, capsys):
     for _ in range(2):
         cli.main(["export", "rig.yaml", "x.casadi", "x.c"])
     said = capsys.readouterr().err.splitlines()
-    assert sum(line.startswith("written: ") for line in said) == 2 * 8
+    assert sum(line.startswith("written: ") for line in said) == 2 * 10
 
 
 def test_a_second_name_is_a_copy_where_the_disk_knows_no_links(here, monkeypatch):

@@ -41,8 +41,7 @@ def test_play_in_the_papers_stand_is_seen_in_the_measured_motion():
     recordings = [read(folder / f"{name}.csv.gz") for name in ("bursts", "sweep_low")]
     model = Oscillator.from_values(TRUTH)
     regression = Regression(data_of(recordings, model), model)
-    guess = regression.best(find("actuator-backlash"))
-    assert guess is not None
+    assert (guess := regression.best(find("actuator-backlash"))) is not None
     assert guess.misfit < 0.3 * regression.plain()
     assert guess.values["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.2)
     assert guess.values["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.25)

@@ -151,5 +151,5 @@ def test_what_a_fit_runs_does_not_change_with_it(with_law):
     assert list(without) == ["dp_law_field", "dp_law_surface", "dp_law_output"]
     assert "dp_power" not in law_source(eq)
     assert extended.pop("dp_law_power").count("res[0][1]") == 1
-    assert list(extended) == [*without, "dp_law_tangent"]
+    assert list(extended) == [*without, "dp_law_physical", "dp_law_tangent"]
     assert {name: extended[name] for name in without} == without
