@@ -7,10 +7,10 @@ Prints (found - true) / std of each parameter: an honest error gives a root mean
 lie within 1.96. A fit that leaves more than noise, or a parameter beyond five of its errors, has missed the optimum;
 whether it says so is counted. Rigs are drawn at random (0.01 to 100 kg, 0.5 to 500 Hz, damping ratio 0.1 to 10 %, a
 spring that hardens or softens by up to half at the largest amplitude, 15 to 80 samples a cycle, noise 0.01 to 0.5 % of
-the amplitude, with and without preload and dry friction) and simulated by the Taylor-series integrator of the examples,
-which shares no code with the package. ``--bound``: no noise on the force, and errors are compared with the Cramér-Rao
-bound, by differences of that integrator's motions. ``--hold``: how the force runs between its samples, which is to be
-found.
+the amplitude, with and without preload and dry friction, which the low sweep overcomes) and simulated by the
+Taylor-series integrator of the examples, which shares no code with the package. ``--bound``: no noise on the force, and
+errors are compared with the Cramér-Rao bound, by differences of that integrator's motions. ``--hold``: how the force
+runs between its samples, which is to be found.
 """
 
 from __future__ import annotations
@@ -122,6 +122,12 @@ def random_rig(seed: int, which: str = "joint", force_noise: float = 1e-3, hold:
         "viscous": 2 * ratio * omega0,
         "dry": scale * float(random.choice([0.0, 10 ** random.uniform(-3.3, -1.5)])),
     }
+    if which != "free":  # else the low sweep would never set it in motion
+        at_resonance = truth["viscous"] * amplitude * omega0
+        truth["dry"], truth["preload"] = (
+            min(truth["dry"], 0.2 * at_resonance),
+            min(truth["preload"], 0.15 * at_resonance),
+        )
     samples, cycles = random.uniform([15, 60], [80, 200]).tolist()
     fs = frequency * samples
     noise = 10 ** random.uniform(-4, -2.3)
