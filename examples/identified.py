@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import argparse
 from pathlib import Path
 
 from ..model import Oscillator
@@ -20,3 +21,10 @@ def identified(folder: Path) -> tuple[Oscillator, Path]:
     folder.mkdir(parents=True, exist_ok=True)
     save(model, folder / "rig.yaml")
     return model, export_fmu(model, folder / "rig.fmu", platforms=(own_platform(),))
+
+
+def folder_named(arguments: list[str], name: str, about: str) -> Path:
+    """The folder that a program is told on its command line, ``name`` where it is told none."""
+    parser = argparse.ArgumentParser(prog=f"python -m dashpot.examples.{name}", description=about)
+    parser.add_argument("folder", nargs="?", type=Path, default=Path(name), help=f"for the files; default: {name}")
+    return parser.parse_args(arguments).folder

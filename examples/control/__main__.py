@@ -10,7 +10,7 @@ import numpy as np
 from ...model import Oscillator
 from ...report.style import AFTER, BEFORE, EXACT, MEASURED, drawing, svg
 from ...writing import write
-from ..identified import identified
+from ..identified import folder_named, identified
 from . import damping, tracking
 
 TURN_ON = 0.1  # s that the tracking takes to settle
@@ -18,7 +18,11 @@ TURN_ON = 0.1  # s that the tracking takes to settle
 
 def main(arguments: list[str]) -> None:
     """Both experiments in a folder, by default ``control``."""
-    folder = Path(arguments[0]) if arguments else Path("control")
+    folder = folder_named(
+        arguments,
+        "control",
+        "An identified rig under predictive control and under LQR with a Kalman filter; draws control.svg.",
+    )
     model, fmu = identified(folder)
     picture, sentences = compare(model, fmu, folder)
     write(folder / "control.svg", picture)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...report.style import AFTER, BEFORE, EXACT, FORCED, MEASURED, drawing, log_ticks, svg
 from ...writing import write
-from ..identified import identified
+from ..identified import folder_named, identified
 from .coupled import WAYS, Rig, coupled
 
 STIFFNESS, PAYLOAD, START = 1000.0, 0.1, 5e-3  # N/m, kg, m
@@ -20,7 +20,9 @@ _COLORS = dict(zip(WAYS, (BEFORE, MEASURED, AFTER, FORCED), strict=True))
 
 def main(arguments: list[str]) -> None:
     """The experiment in a folder, by default ``system``."""
-    folder = Path(arguments[0]) if arguments else Path("system")
+    folder = folder_named(
+        arguments, "system", "Two rigs coupled through a spring, told in four ways and damped; draws system.svg."
+    )
     picture, sentences = compare(identified(folder)[1])
     write(folder / "system.svg", picture)
     print("\n".join([*sentences, f"written: {folder / 'system.svg'}"]))
