@@ -197,8 +197,14 @@ def bound(rig: Rig, quantity: str, noise: float, names: tuple[str, ...]) -> np.n
 
 def scores(identification: Identification, truth: dict[str, float]) -> np.ndarray:
     """Distance of each identified parameter from the truth, in its own standard errors."""
-    parameters = identification.oscillator.parameters()
-    return np.array([(parameters[name].value - truth[name]) / (parameters[name].std or np.nan) for name in NAMES])
+    parameters = identification.oscillator.parameters()  # without a mass, where no recording has a force
+    found = [parameters.get(name) for name in NAMES]
+    return np.array(
+        [
+            np.nan if p is None else (p.value - truth[name]) / (p.std or np.nan)
+            for p, name in zip(found, NAMES, strict=True)
+        ]
+    )
 
 
 def outcome(seed: int, quantity: str, which: str, bounded: bool, hold: str) -> Outcome:
