@@ -24,12 +24,13 @@ from ..model.law import Law
 from ..model.laws import LIBRARY, find
 from ..recording.fact import changed
 from ..recording.recording import Recording
+from .changed_rig import changed_rig
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, less_offsets, stranger
 from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
-from .mend import exported, no_finding, record_fits, unmended
+from .mend import exported, follows_any, no_finding, record_fits, unmended
 from .place.locate import locate
 from .place.missing_force import latent_forces
 from .recordings import carries, same_quantity, split, why_unused
@@ -156,6 +157,8 @@ def diagnose(
         )
     if after is None:
         left = before_left
+        if not other_rig and not follows_any([record for record in records if record.holdout]):
+            notes += filter(None, [changed_rig(recordings, holdout)])
     remainder = remainder_sentence(left)
     effects: tuple[Effect, ...] = ()
     if after is not None:
