@@ -164,7 +164,10 @@ def recordings_of(rig: Rig, quantity: str, seed: int) -> tuple[list[Recording], 
 
 
 def bound(rig: Rig, quantity: str, noise: float, names: tuple[str, ...]) -> np.ndarray:
-    """Cramér-Rao bound of the named parameters in white noise, every record's first motion unknown; 0 for others."""
+    """Cramér-Rao bound of the named parameters in white noise, every record's first motion unknown; 0 for others.
+
+    All that a fit estimates are named, also those that are zero in truth: which they are it does not know.
+    """
     information = np.zeros((len(NAMES), len(NAMES)))
     for record in rig.records:
         size = max(float(abs(shown(rig.truth, record, "displacement")).max()), 1e-12)
@@ -232,7 +235,7 @@ def outcome(seed: int, quantity: str, which: str, bounded: bool, hold: str) -> O
     over = nothing
     if bounded:
         parameters = found.oscillator.parameters()
-        names = tuple(n for n in NAMES if n in parameters and parameters[n].std and rig.truth[n] != 0.0)
+        names = tuple(n for n in NAMES if n in parameters and parameters[n].std)  # zero too is to be found
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.array([parameters[n].value - rig.truth[n] if n in names else np.nan for n in NAMES])
             over = errors / bound(rig, quantity, noise, names)
