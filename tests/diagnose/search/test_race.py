@@ -395,8 +395,6 @@ def test_a_segment_whose_motion_the_leader_lost_begins_where_the_motion_shows_it
     initial[lost] = [0.2, 0.0]
     start = started(Entry((), softens, initial), data, Measure())
     assert start is not None
-    residuals = start.fitted.residuals
-    assert np.std(residuals[lost]) < 1.01 * np.std(own.fitted.residuals[lost])
+    assert np.std(start.fitted.residuals[lost]) < 1.01 * np.std(own.fitted.residuals[lost])
     assert start.fitted.initial[lost] == pytest.approx(own.fitted.initial[lost], rel=1e-3, abs=1e-5)
-    # that of the other is as it was proposed, but for settling
     assert start.fitted.initial[kept] == pytest.approx(initial[kept], rel=1e-3, abs=1e-5)
