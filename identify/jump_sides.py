@@ -12,20 +12,26 @@ from collections.abc import Callable
 
 import numpy as np
 
+from .odds import BEYOND_ERRORS
+from .segments import Segment
+
 
 def nearer_sides(
-    measured: np.ndarray, response: np.ndarray, signs: np.ndarray, under: Callable[[np.ndarray], np.ndarray]
+    segment: Segment, response: np.ndarray, signs: np.ndarray, under: Callable[[np.ndarray], np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
     """(n,) response with the samples beside its jumps on the nearer side, and (n, surfaces + 1) signs that it has then.
 
     Args:
-        measured: (n,).
+        segment: what was measured, and its noise.
         response: (n,) as simulated.
         signs: (n, surfaces + 1) of that simulation; see ``simulate.core.Core.record``.
-        under: gives the response (n,) of the same motion under other signs.
+        under: gives the response (n,) of the same motion under other signs; asked where a sample beside a jump is so
+            far off that it is decisively likelier to be on the other side of one.
     """
+    measured = segment.response
     before = np.flatnonzero(np.any(signs[1:] != signs[:-1], axis=1))
-    if not before.size:
+    off = np.abs(measured - response)
+    if not np.any(np.maximum(off[before], off[before + 1]) > BEYOND_ERRORS * segment.noise):
         return response, signs
     surfaces: list[slice] = [slice(None)]
     if np.any(np.diff(before) == 1):  # several surfaces change about one sample, and it may be on either side of each

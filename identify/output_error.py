@@ -323,7 +323,7 @@ class OutputError:
         response = self.simulate(i, state, keep=keep if self._jumps(i) else None)
         if self.memory != FREE or not self._jumps(i):  # what a prediction corrects by is as simulated
             return response, keep
-        return nearer_sides(segment.response, response, keep, lambda signs: self.simulate(i, state, signs=signs))
+        return nearer_sides(segment, response, keep, lambda signs: self.simulate(i, state, signs=signs))
 
     def _size(self, i: int, k: int, state: State) -> float:
         """What the step of an unknown is measured by."""

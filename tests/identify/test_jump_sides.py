@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -26,24 +27,44 @@ def crossed(at, n=10):
     return np.stack([np.where(np.arange(n) <= at, 1, -1), np.zeros(n)], axis=1).astype(np.int8)
 
 
+def shown(measured, noise=0.01):
+    return SimpleNamespace(response=measured, noise=noise)
+
+
 @pytest.mark.parametrize("off", [-1, 0, 1])
 def test_a_jump_one_sample_early_or_late_is_none_the_worse(off):
     measured, signs = step(crossed(4)), crossed(4 + off)
-    response, taken = nearer_sides(measured, step(signs), signs, step)
+    response, taken = nearer_sides(shown(measured), step(signs), signs, step)
     assert np.array_equal(response, measured)
     assert np.array_equal(taken, crossed(4))
 
 
 def test_a_jump_two_samples_off_is():
     measured, signs = step(crossed(4)), crossed(6)
-    response, _ = nearer_sides(measured, step(signs), signs, step)
+    response, _ = nearer_sides(shown(measured), step(signs), signs, step)
     assert np.flatnonzero(response != measured).tolist() == [5]
 
 
 def test_what_does_not_jump_is_as_it_is():
     signs = crossed(10)
     response = np.linspace(0.0, 1.0, 10)
-    assert nearer_sides(response + 1.0, response, signs, step)[0] is response
+    assert nearer_sides(shown(response + 1.0), response, signs, step)[0] is response
+
+
+@pytest.mark.parametrize(("noise", "asked"), [(2.0 / 3.6, False), (2.0 / 3.8, True), (1e-3, True)])
+def test_a_side_is_asked_for_where_a_sample_is_decisively_off(noise, asked):
+    """By odds of a thousand: 3.7 standard deviations."""
+    measured, signs = step(crossed(4)), crossed(5)
+    response, _ = nearer_sides(shown(measured, noise), step(signs), signs, step)
+    assert np.array_equal(response, measured) is asked
+
+
+def test_near_enough_no_other_run_is_made():
+    def never(_signs):
+        raise AssertionError
+
+    signs = crossed(4)
+    nearer_sides(shown(step(signs) + 0.01, 0.01), step(signs), signs, never)
 
 
 @pytest.mark.parametrize("noise", [1e-7, 1e-6])
