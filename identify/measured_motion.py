@@ -19,10 +19,12 @@ from ..model import Oscillator
 from ..model.law import Law, Scales
 from ..model.laws import LIBRARY, find
 from ..model.terms import with_term
+from .blows import ContactForce
 from .data import Data
 from .displacement import displacement
 from .equivalent import along_of
 from .excitation import band_of
+from .normal_equations import least_squares
 from .regression import smooth_motion
 from .segments import stretches
 from .structure import SLACK
@@ -108,6 +110,8 @@ class Regression:
         self.present = [(t.law, {n: q.value for n, q in t.parameters.items()}) for t in model.terms]
         self.slack = data.segments[0].slide
         self.forced = any(segment.force is not None for segment in data.segments)
+        # a blow is over before a window has opened to it, and says nothing of the mass there: that stays as it is
+        self.struck = any(isinstance(segment.force, ContactForce) for segment in data.segments)
         self.rows: list[_Rows] = []
         for joined in stretches(data.segments):
             i, segment, last = joined[0], data.segments[joined[0]], data.segments[joined[-1]]
@@ -303,13 +307,17 @@ class Regression:
             normal, right, power, count = normal + a.T @ a, right + a.T @ b, power + float(b @ b), count + b.size
         matrix, vector = np.asarray(normal), np.asarray(right)
         used = np.diag(matrix) > 0
-        solved = _least_squares(matrix, vector, used)
+        solved = least_squares(matrix, vector, used)
         # what comes out beyond its bound, beside the law's first strength, stays at it: a contact without damping
         for place, p in zip(range(self._base + 1, self._base + len(strengths)), strengths[1:], strict=False):
             if law.force is not None and not p.lower <= solved[place] <= p.upper:
                 used[place] = False
-                solved = _least_squares(matrix, vector, used)
+                solved = least_squares(matrix, vector, used)
         misfit = (power - float(vector @ solved)) / count
+        if self.struck and self.model.mass is not None:
+            used[0], known = False, np.eye(used.size)[0] / -self.model.mass.value
+            solved = known + least_squares(matrix, vector - matrix @ known, used)
+            misfit = (power - float((2 * vector - matrix @ solved) @ solved)) / count
         stiffness = float(solved[2])
         if stiffness <= 0 and self.slack:
             stiffness = (SLACK / self.data.scales.duration) ** 2
@@ -355,15 +363,6 @@ def probes(law: Law, scales: Scales) -> list[dict[str, float]]:
         else:
             axes.append([(p.name, float(probe) * p.natural(scales)) for probe in p.probes])
     return [dict(combination) for combination in itertools.product(*axes)]
-
-
-def _least_squares(matrix: np.ndarray, vector: np.ndarray, used: np.ndarray) -> np.ndarray:
-    """Solution of the normal equations in the columns that are used; zero in the others."""
-    solved = np.zeros(vector.size)
-    size = np.sqrt(np.diag(matrix)[used])
-    normal = matrix[np.ix_(used, used)] / np.outer(size, size)
-    solved[used] = np.linalg.lstsq(normal, vector[used] / size, rcond=1e-10)[0] / size
-    return solved
 
 
 def _real(columns: np.ndarray, std: np.ndarray) -> np.ndarray:

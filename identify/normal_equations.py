@@ -69,3 +69,12 @@ def shared_information(blocks: Sequence[Block], k: int) -> np.ndarray:
         border = normal[:k, k:]
         total += normal[:k, :k] - border @ pseudo_inverse(normal[k:, k:]) @ border.T
     return total
+
+
+def least_squares(matrix: np.ndarray, vector: np.ndarray, used: np.ndarray) -> np.ndarray:
+    """Solution of the normal equations in the columns that are used; zero in the others."""
+    solved = np.zeros(vector.size)
+    size = np.sqrt(np.diag(matrix)[used])
+    normal = matrix[np.ix_(used, used)] / np.outer(size, size)
+    solved[used] = np.linalg.lstsq(normal, vector[used] / size, rcond=1e-10)[0] / size
+    return solved

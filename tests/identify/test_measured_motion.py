@@ -12,7 +12,8 @@ import pytest
 from dashpot import examples
 from dashpot.examples.truth import ACTUATOR, TRUTH
 from dashpot.identify.data import data_of
-from dashpot.identify.measured_motion import Guess, Regression, _least_squares, _project, _soft_sign, probes
+from dashpot.identify.measured_motion import Guess, Regression, _project, _soft_sign, probes
+from dashpot.identify.normal_equations import least_squares
 from dashpot.identify.structure import SLACK
 from dashpot.identify.weakform import windows
 from dashpot.model import Oscillator
@@ -395,6 +396,6 @@ def test_least_squares_in_the_columns_that_are_used():
     random = np.random.default_rng(0)
     columns, target = random.standard_normal((30, 3)) * (1.0, 1e-6, 1e6), random.standard_normal(30)
     used = np.array([True, False, True])
-    solved = _least_squares(columns.T @ columns, columns.T @ target, used)
+    solved = least_squares(columns.T @ columns, columns.T @ target, used)
     assert solved[used] == pytest.approx(np.linalg.lstsq(columns[:, used], target)[0])
     assert solved[1] == 0.0
