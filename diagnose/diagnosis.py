@@ -31,12 +31,13 @@ from .family import cut_for, family_of, first_fit, less_offsets, stranger
 from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
 from .mend import exported, follows_any, no_finding, record_fits, unmended
+from .needless import without_needless
 from .place.locate import locate
 from .place.missing_force import latent_forces
 from .recordings import carries, same_quantity, split, why_unused
 from .result import Considered, Diagnosis, Effect
 from .search.candidate import STAGES, Candidate, key
-from .search.judgement import names_of, only_a_name, standing, why_not
+from .search.judgement import leaves_mismatch, names_of, only_a_name, standing, why_not
 from .search.residual_test import leftovers
 from .search.residual_test import sentence as remainder_sentence
 from .search.search import Search
@@ -106,8 +107,11 @@ def diagnose(
     family = first_fit(search, best.model)
     memory = search.data.memory
     selected = search.from_family(family)
-    forget()
     family = search.candidates[()].fit or family
+    if search.data.memory == FREE and len(selected.laws) > 1 and not leaves_mismatch(selected, search.parts):
+        progress("whether all laws are needed", 0.85)
+        selected = without_needless(selected, search, lambda fitted: _finely(fitted, model, recordings))
+    forget()
     fitted = selected.fit or family
     # what is left is said of simulations: a prediction leaves less
     data = replace(search.data, memory=FREE)
@@ -200,6 +204,14 @@ def _survivors(selected: Candidate, search: Search, best: Oscillator) -> dict[st
         if candidate.fit is not None:
             models.setdefault(name, candidate.fit.model)
     return models
+
+
+def _finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) -> Fit:
+    """A structure of a search as it would be delivered, but for what predictions say otherwise."""
+    shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
+    return delivered(
+        fitted.model, data_of(recordings, cut_by, coarse=False), shapes, initial=fitted.initial, doubted=False
+    )
 
 
 def _delivered(

@@ -79,7 +79,7 @@ class Search:
     def from_family(self, family: Fitted) -> Candidate:
         """The best structure there is, starting from the given family."""
         self._compare_by(family)
-        leader = self.candidates[()] = self._weigh((), family)
+        leader = self.candidates[()] = self.weigh((), family)
         led: dict[tuple[str, ...], float] = {}
         while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
             led[leader.laws] = leader.value
@@ -201,7 +201,7 @@ class Search:
                 self._left(laws, first, best)
                 continue
             self.progress("weighing what arrived", 0.95)
-            candidate = self._weigh(laws, first.fitted)
+            candidate = self.weigh(laws, first.fitted)
             known = self.candidates.get(laws)
             if known is None or candidate.value > known.value:
                 self.candidates[laws] = candidate
@@ -232,7 +232,7 @@ class Search:
         self._measures = measure_by(front, self.data), measure_by(judged(front.model, apart), apart)
         for laws, candidate in self.candidates.items():
             if candidate.stage == "judged" and candidate.fit is not None:
-                self.candidates[laws] = self._weigh(laws, candidate.fit, candidate.held_out)
+                self.candidates[laws] = self.weigh(laws, candidate.fit, candidate.held_out)
 
     def _race(self, starts: Sequence[Start], standing: Fitted) -> None:
         def told(what: str, part: float) -> None:
@@ -263,7 +263,7 @@ class Search:
         )
         self.candidates[laws] = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
 
-    def _weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
+    def weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
         """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
         evidence, told = weighed(fitted, self.data, self._measures[0])
         # before anything was measured each law of the library was as likely as any other, and one of them in all
@@ -393,7 +393,7 @@ class Search:
         self.candidates = {laws: c for laws, c in self.candidates.items() if c.stage != "judged"}
         self._compare_by(start.fitted)
         if family is not None:
-            self.candidates[()] = self._weigh((), family)
-        again = self._weigh(leader.laws, start.fitted)
+            self.candidates[()] = self.weigh((), family)
+        again = self.weigh(leader.laws, start.fitted)
         self.candidates[leader.laws] = again
         return again

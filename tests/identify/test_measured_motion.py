@@ -13,7 +13,6 @@ from dashpot import examples
 from dashpot.examples.truth import ACTUATOR, TRUTH
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import Guess, Regression, _project, _soft_sign, probes
-from dashpot.identify.normal_equations import least_squares
 from dashpot.identify.structure import SLACK
 from dashpot.identify.weakform import windows
 from dashpot.model import Oscillator
@@ -390,12 +389,3 @@ def test_a_sign_that_changes_within_a_sample_counts_by_the_part_before_and_behin
     assert _soft_sign(values, slope, 0.1) == pytest.approx([-1.0, -0.25, 0.0, 0.5, 1.0])
     assert _soft_sign(values, -slope, 0.1) == pytest.approx([-1.0, -0.25, 0.0, 0.5, 1.0])
     assert _soft_sign(np.array([-3.0, 0.0, 3.0]), np.zeros(3), 0.1) == pytest.approx([-1.0, 0.0, 1.0])
-
-
-def test_least_squares_in_the_columns_that_are_used():
-    random = np.random.default_rng(0)
-    columns, target = random.standard_normal((30, 3)) * (1.0, 1e-6, 1e6), random.standard_normal(30)
-    used = np.array([True, False, True])
-    solved = least_squares(columns.T @ columns, columns.T @ target, used)
-    assert solved[used] == pytest.approx(np.linalg.lstsq(columns[:, used], target)[0])
-    assert solved[1] == 0.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.normal_equations import promise, pseudo_inverse, shared_information, solve
+from dashpot.identify.normal_equations import least_squares, promise, pseudo_inverse, shared_information, solve
 
 SHARED, OWN, SEGMENTS, SAMPLES = 4, 3, 5, 40
 
@@ -111,3 +111,12 @@ def test_information_below_what_the_arithmetic_carries_is_none(apart, kept):
     inverse = pseudo_inverse(np.array([[1.0, 1.0 - apart], [1.0 - apart, 1.0]]))
     difference = np.array([1.0, -1.0]) / np.sqrt(2)
     assert (difference @ inverse @ difference > 1e12) == kept
+
+
+def test_least_squares_in_the_columns_that_are_used():
+    random = np.random.default_rng(0)
+    columns, target = random.standard_normal((30, 3)) * (1.0, 1e-6, 1e6), random.standard_normal(30)
+    used = np.array([True, False, True])
+    solved = least_squares(columns.T @ columns, columns.T @ target, used)
+    assert solved[used] == pytest.approx(np.linalg.lstsq(columns[:, used], target)[0])
+    assert solved[1] == 0.0
