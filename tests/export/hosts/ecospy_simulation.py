@@ -10,6 +10,7 @@ Traps:
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ def run(
     simulation = simulation_of(dt, structure=structure)
     simulation.init(parameter_set="given")
     response = [simulation.get_real(f"rig::{output}")]
-    for now, after in zip(force[:-1], force[1:], strict=True):
+    for now, after in pairwise(force):
         simulation.set_real("rig::F", float(now))
         if hold == "first":
             simulation.set_real(f"rig::{SLOPE}", float((after - now) / dt))

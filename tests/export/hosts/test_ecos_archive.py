@@ -1,4 +1,4 @@
-"""Two rigs in an SSP archive under Ecos, the one that docs/hosts/ecos.md shows: the first one's decay drives the second."""
+"""Two rigs in an SSP archive under Ecos, that of docs/hosts/ecos.md: the first one's decay drives the second."""
 
 from __future__ import annotations
 
