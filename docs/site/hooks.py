@@ -56,7 +56,12 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
                 result.append(item)
         return result
 
+    from dashpot.report.law_page import laws, page_name
+
     nav = kept(list(config.nav or []))
+    for section in nav:
+        if isinstance(section, dict) and "Laws" in section:
+            section["Laws"].append({"Each law": [{law.name: f"library/{page_name(law)}.md"} for law in laws()]})
     more: list[Any] = sorted(there - named)
     config.nav = [*nav, {"More": more}] if more else nav
     return config
@@ -100,7 +105,8 @@ def on_page_markdown(markdown: str, *, page: Page, config: MkDocsConfig, files: 
 
 
 def on_page_content(html: str, *, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Equations as MathML."""
+    """Equations as MathML, and in tables a bar in code without the sign that keeps it from parting cells."""
+    html = html.replace("\\|", "|")
     html = re.sub(r'(<span class="arithmatex">)\\\((.*?)\\\)(</span>)', lambda m: _math(m, "inline"), html, flags=re.S)
     return re.sub(r'(<div class="arithmatex">)\\\[(.*?)\\\](</div>)', lambda m: _math(m, "block"), html, flags=re.S)
 

@@ -1,0 +1,88 @@
+"""The site of docs/: its entries, its links, and that it is whole without the network."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+MKDOCS = "make docs, or pip install 'dashpot[docs]'"
+#: Entries that may have no page: others write them.
+LATER = {"python.md", "fleets.md"}
+
+
+@pytest.fixture(scope="module")
+def hooks():
+    pytest.importorskip("mkdocs", reason=MKDOCS)
+    spec = importlib.util.spec_from_file_location("site_hooks", ROOT / "docs/site/hooks.py")
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_every_page_has_an_entry_and_every_entry_a_page():
+    entries = set(
+        re.findall(r"^ +- (?:[A-Z][\w ]*: )?(\S+\.md)$", (ROOT / "mkdocs.yml").read_text("utf-8"), re.MULTILINE)
+    )
+    pages = {path.relative_to(ROOT / "docs").as_posix() for path in ROOT.glob("docs/**/*.md")}
+    made = {"changelog.md", "contributing.md", "security.md", "examples.md"}
+    assert pages <= entries
+    assert entries - pages - made <= LATER
+
+
+@pytest.mark.parametrize(
+    ("page", "link", "on_site"),
+    [
+        ("paper.md", "../examples/README.md", "examples.md"),
+        ("howto/system.md", "../fmu.md", "../fmu.md"),
+        ("howto/system.md", "../../examples/system/coupled.py", "../source/examples/system/coupled.py"),
+        ("changelog.md", "docs/noise.md", "noise.md"),
+        ("changelog.md", "SECURITY.md", "security.md"),
+        ("examples.md", "../docs/fmu.md", "fmu.md"),
+        ("house.md", "../README.md", "index.md"),
+    ],
+)
+def test_links_lead_where_they_lead_in_the_repository(hooks, page, link, on_site):
+    assert hooks._on_site(page, link) == on_site
+
+
+def test_equations_become_mathml(hooks):
+    html = (
+        '<p><span class="arithmatex">\\(a &lt; b_0\\)</span></p>\n<div class="arithmatex">\\[\n\\frac{F}{m}\n\\]</div>'
+    )
+    made = hooks.on_page_content(html, page=None, config=None, files=None)
+    assert made.count("<math") == 2
+    assert 'display="block"' in made
+    assert "<mfrac>" in made
+    assert "\\" not in made
+
+
+@pytest.mark.long
+def test_the_site_builds_without_a_warning_and_fetches_nothing(tmp_path):
+    pytest.importorskip("material", reason=MKDOCS)
+    line = [sys.executable, "-P", "-m", "mkdocs", "build", "--strict", "--site-dir", str(tmp_path / "site")]
+    nowhere = {f"{name}_proxy": "http://127.0.0.1:9" for name in ("http", "https", "HTTP", "HTTPS")}
+    environment = {**os.environ, **nowhere, "NO_MKDOCS_2_WARNING": "1"}
+    built = subprocess.run(line, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
+    assert built.returncode == 0, built.stderr
+    assert "WARNING" not in built.stderr
+    site = tmp_path / "site"
+    pages = list(site.rglob("*.html"))
+    assert len(pages) > 50
+    assert (site / "library" / "hysteresis.svg").is_file()
+    for page in pages:
+        text = page.read_text("utf-8")
+        fetched = re.findall(r'<(?:script|img|iframe|source)[^>]* src="?(https?:[^" >]+)', text)
+        fetched += re.findall(r'<link[^>]* href="?(https?:[^" >]+)', text)
+        assert fetched == [], page
+        assert "\\(" not in re.sub(r"<(code|pre|script).*?</\1>", "", text, flags=re.DOTALL), page
+    assert "__index" in (site / "search" / "search_index.js").read_text("utf-8")[:40]
+    assert sum(path.stat().st_size for path in site.rglob("*") if path.is_file()) < 12e6
