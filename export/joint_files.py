@@ -64,12 +64,11 @@ def export_joint(
         oscillator: the model; its mass known, in m and N or rad and N·m.
         path: where to.
         suffix: of TARGETS.
-        dof: of a platform, one of DOFS; HydroDyn needs it, the others have none.
+        dof: of a platform, one of DOFS; HydroDyn needs it, the others take no notice.
         progress: called with a line for each thing left out.
 
     Raises:
-        BadInput: where the model is in other units or without a mass, or ``dof`` is missing, too much or of the other
-            kind.
+        BadInput: where the model is in other units or without a mass, or ``dof`` is missing or of the other kind.
     """
     target, joint = TARGETS[suffix], joint_of(oscillator)
     row = _row(joint, target, dof, path)
@@ -82,7 +81,7 @@ def export_joint(
         identifier=identifier_of(joint.name),
         software=f"dashpot {__version__}",
         missing=[plain_text(sentence).replace("--", "- -") for sentence in missing],
-        number=repr,
+        number=lambda value: repr(float(value)),
         timestep=float(f"{period / _STEPS:.1g}"),
         row=row,
         dof=dof,
@@ -104,8 +103,6 @@ def _terms(target: Target, joint: Joint) -> frozenset[str]:
 def _row(joint: Joint, target: Target, dof: str | None, path: Path) -> int | None:
     """Place of the degree of freedom; None for a program that has none."""
     if target.program != "HydroDyn":
-        if dof is not None:
-            raise BadInput(f"{path}: --dof says where a platform moves; leave it out for {target.program}")
         return None
     fitting = [name for name, rotates in DOFS.items() if rotates == joint.rotates]
     if dof not in fitting:
