@@ -28,14 +28,34 @@ def hooks():
     return module
 
 
-def test_every_page_has_an_entry_and_every_entry_a_page():
-    entries = set(
-        re.findall(r"^ +- (?:[A-Z][\w ]*: )?(\S+\.md)$", (ROOT / "mkdocs.yml").read_text("utf-8"), re.MULTILINE)
-    )
+def test_every_entry_has_a_page():
+    """A page without an entry comes last (hooks.py), so that nothing is lost; an entry without a page is a slip."""
+    text = (ROOT / "mkdocs.yml").read_text("utf-8")
+    entries = set(re.findall(r"^ +- (?:[A-Z][\w ]*: )?(\S+\.md)$", text, re.MULTILINE))
     pages = {path.relative_to(ROOT / "docs").as_posix() for path in ROOT.glob("docs/**/*.md")}
-    made = {"changelog.md", "contributing.md", "security.md", "examples.md"}
-    assert pages <= entries
-    assert entries - pages - made <= LATER
+    assert len(entries) > 25
+    assert entries - pages - set(made_elsewhere()) <= LATER
+
+
+def made_elsewhere() -> list[str]:
+    return re.findall(r'^    "\S+\.md": "(\S+\.md)",$', (ROOT / "docs/site/hooks.py").read_text("utf-8"), re.MULTILINE)
+
+
+def test_a_page_without_an_entry_comes_last_and_an_entry_without_a_page_is_left_out(hooks, tmp_path):
+    from types import SimpleNamespace
+
+    for name in ("index.md", "fleets.md"):
+        (tmp_path / name).write_text("# A page")
+    handlers = {"python": {}}
+    config = SimpleNamespace(
+        docs_dir=str(tmp_path),
+        nav=[{"Home": "index.md"}, {"How to": ["python.md"]}],
+        plugins={"mkdocstrings": SimpleNamespace(config=SimpleNamespace(handlers=handlers))},
+    )
+    nav = hooks.on_config(config).nav
+    assert nav[:2] == [{"Home": "index.md"}, {"How to": []}]
+    assert nav[-1] == {"More": sorted(["fleets.md", *made_elsewhere()])}
+    assert (Path(handlers["python"]["paths"][0]) / "dashpot" / "model" / "law.py").is_file()
 
 
 @pytest.mark.parametrize(
