@@ -50,7 +50,8 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         for item in items:
             ((title, value),) = item.items() if isinstance(item, dict) else ((None, item),)
             if isinstance(value, list):
-                result.append({title: kept(value)})
+                if inside := kept(value):
+                    result.append({title: inside})
             elif value in there:
                 named.add(value)
                 result.append(item)

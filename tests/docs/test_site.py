@@ -49,11 +49,11 @@ def test_a_page_without_an_entry_comes_last_and_an_entry_without_a_page_is_left_
     handlers = {"python": {}}
     config = SimpleNamespace(
         docs_dir=str(tmp_path),
-        nav=[{"Home": "index.md"}, {"How to": ["python.md"]}],
+        nav=[{"Home": "index.md"}, {"How to": ["python.md"]}, {"Here": [{"There": "index.md"}]}],
         plugins={"mkdocstrings": SimpleNamespace(config=SimpleNamespace(handlers=handlers))},
     )
     nav = hooks.on_config(config).nav
-    assert nav[:2] == [{"Home": "index.md"}, {"How to": []}]
+    assert nav[:2] == [{"Home": "index.md"}, {"Here": [{"There": "index.md"}]}]
     assert nav[-1] == {"More": sorted(["fleets.md", *made_elsewhere()])}
     assert (Path(handlers["python"]["paths"][0]) / "dashpot" / "model" / "law.py").is_file()
 
