@@ -1,7 +1,7 @@
 # Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-all check proof benchmark gallery setup clean distclean
+.PHONY: help demo test test-all check docs proof benchmark gallery setup clean distclean
 
 # Folders that another workspace put on Python's path must not reach into .venv.
 unexport PYTHONPATH PYTHONHOME
@@ -37,6 +37,11 @@ check: ## set up, then check style, types and structure
 	.venv/bin/pytest tests/test_structure.py || status=1; \
 	exit $$status
 
+docs: ## set up, then build the site of docs/ into site/, with nothing from the network
+	@sh .ci/setup docs
+	@NO_MKDOCS_2_WARNING=1 .venv/bin/mkdocs build --strict --quiet
+	@echo "site/index.html"
+
 proof: ## set up, then the blind proof of the diagnosis (an hour or two; ARGS="--short 8" for a taste); results in proof/
 	@sh .ci/setup dev
 	@.venv/bin/python -P -m dashpot.examples.concealed.proof -o proof $(ARGS)
@@ -53,7 +58,7 @@ setup: ## set up .venv for development, nothing else
 	@sh .ci/setup dev
 
 clean: ## remove what the commands made, but for .venv
-	@rm -rf build dist demo proof recorded dashpot.egg-info .pytest_cache .ruff_cache
+	@rm -rf build dist demo proof recorded site dashpot.egg-info .pytest_cache .ruff_cache
 	@find . -name .venv -prune -o -name __pycache__ -type d -prune -exec rm -rf {} +
 
 distclean: clean ## remove .venv as well

@@ -157,6 +157,7 @@ def identify(
     The model is written whatever it leaves. Exit code 1 where it is good for nothing but a start, where --max-left is
     exceeded or where --faults found one.
     """
+    from .export import SUFFIXES
     from .identify import identify as find
     from .identify.modes import mode_alone
     from .model.file import load, save
@@ -167,7 +168,7 @@ def identify(
     from .writing import together, write
 
     outputs_checked([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
-    if output.suffix in (".fmu", ".casadi", ".c", ".ssp", ".csv", ".html"):
+    if output.suffix in (*SUFFIXES, ".csv", ".html"):
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
         )

@@ -103,9 +103,31 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     "--draws", type=click.IntRange(min=0), metavar="N", help="Of an SSP: parameters drawn from their covariance; 20."
 )
 @click.option("--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the draws.")
+@click.option(
+    "--as",
+    "form",
+    type=click.Choice(["mujoco", "urdf", "hydrodyn"]),
+    help="A model of that program, whatever the file's name is.",
+)
+@click.option(
+    "--dof",
+    type=click.Choice(["surge", "sway", "heave", "roll", "pitch", "yaw"]),
+    help="For HydroDyn: which motion of the platform the model is of.",
+)
 @with_laws
-def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: int | None, **options: Any) -> None:
-    """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp)."""
+def export(
+    model: Path,
+    outputs: tuple[Path, ...],
+    platform: str | None,
+    draws: int | None,
+    form: str | None,
+    **options: Any,
+) -> None:
+    """Write the model as an FMU (.fmu), CasADi functions (.casadi), plain C (.c), or FMU with uncertainty (.ssp).
+
+    Or as a joint of MuJoCo (.mjcf) or URDF (.urdf), or as damping of a platform in HydroDyn (.hydrodyn); what these
+    cannot express is said.
+    """
     from .export import export as write
     from .export import files
     from .export.platforms import parse_platforms
@@ -117,13 +139,13 @@ def export(model: Path, outputs: tuple[Path, ...], platform: str | None, draws: 
     platforms = None if platform is None else parse_platforms(platform)
     if not 0 < options["step"] < float("inf"):
         raise BadInput(f"--step {options['step']}: the sample time must be a positive number of seconds")
-    outputs_checked([file for output in outputs for file in files(output)], [model])
+    outputs_checked([file for output in outputs for file in files(output, form)], [model])
     with together():
         for output in outputs:
             if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
                 say(f"note: {remark}")
-            write(oscillator, output, platforms=platforms, draws=draws, progress=say, **options)
-    for path in (file for output in outputs for file in files(output)):
+            write(oscillator, output, platforms=platforms, draws=draws, form=form, progress=say, **options)
+    for path in (file for output in outputs for file in files(output, form)):
         say(f"written: {path}")
 
 

@@ -1,4 +1,4 @@
-"""Model to FMU, SSP, plain C and CasADi functions."""
+"""Model to FMU, SSP, plain C, CasADi functions, and joints of other programs."""
 
 from __future__ import annotations
 
@@ -14,34 +14,50 @@ if TYPE_CHECKING:
 
 __all__ = ["SUFFIXES", "check_suffix", "export", "files"]
 
-#: What a model can be made into.
-SUFFIXES = (".fmu", ".casadi", ".c", ".ssp")
+#: What a model can be made into: the last three for MuJoCo, URDF and HydroDyn.
+SUFFIXES = (".fmu", ".casadi", ".c", ".ssp", ".mjcf", ".urdf", ".hydrodyn")
 
 
-def check_suffix(path: Path) -> None:
-    """Make sure that the suffix says what to make. Raises BadInput where it does not."""
-    if Path(path).suffix not in SUFFIXES:
+def check_suffix(path: Path, form: str | None = None) -> str:
+    """The suffix that says what to make: ``form`` (``mujoco``, ``urdf``, ``hydrodyn``) in place of the name's own.
+
+    Raises BadInput where neither says it.
+    """
+    from .joint_files import SUFFIX_OF
+
+    if form is not None:
+        if form not in SUFFIX_OF:
+            raise BadInput(f"{path}: cannot make {form!r} of a model; known are {', '.join(SUFFIX_OF)}")
+        return SUFFIX_OF[form]
+    suffix = Path(path).suffix
+    if suffix not in SUFFIXES:
         known = f"{', '.join(SUFFIXES[:-1])} and {SUFFIXES[-1]}"
-        raise BadInput(f"{path}: cannot tell what to make from the suffix {Path(path).suffix!r}; known are {known}")
+        raise BadInput(
+            f"{path}: cannot tell what to make from the suffix {suffix!r}; known are {known}, and with "
+            f"--as {', '.join(SUFFIX_OF)} any other"
+        )
+    return suffix
 
 
-def files(path: Path) -> tuple[Path, ...]:
+def files(path: Path, form: str | None = None) -> tuple[Path, ...]:
     """All files that ``export`` writes for ``path``: itself, and what goes beside it.
 
     Raises:
         BadInput: for an unknown suffix, or where one of them that is not plainly meant to be replaced is there and was
-            not made by dashpot: a file beside ``path``, or a C source.
+            not made by dashpot: a file beside ``path``, a C source, or a model of another program.
     """
     from ..writing import check_ours
 
     path = Path(path)
-    check_suffix(path)
-    if path.suffix == ".c":
+    suffix = check_suffix(path, form)
+    if suffix in (".mjcf", ".urdf", ".hydrodyn"):
+        check_ours(path, b"made by dashpot")
+    if suffix == ".c":
         both = path, path.with_suffix(".h")
         for place in both:
             check_ours(place, b"made by dashpot")
         return both
-    if path.suffix == ".casadi":
+    if suffix == ".casadi":
         from .casadi_functions import DESCRIPTION, FUNCTIONS
         from .step_c import HEADER, SOURCE
 
@@ -64,9 +80,11 @@ def export(
     step: float = 1e-3,
     draws: int | None = None,
     seed: int = 0,
+    form: str | None = None,
+    dof: str | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> tuple[Path, ...]:
-    """Write the model in the form that the suffix of ``path`` names: ``.fmu``, ``.casadi``, ``.c`` or ``.ssp``.
+    """Write the model in the form that the suffix of ``path`` names, one of SUFFIXES, or that ``form`` does.
 
     Args:
         oscillator: the model.
@@ -78,6 +96,8 @@ def export(
         step: sample time of the discrete CasADi step, s.
         draws: of an SSP: sets of parameters drawn from the covariance; None: 20, or none without a covariance.
         seed: of the draws.
+        form: ``mujoco``, ``urdf`` or ``hydrodyn``, whatever the file's name is; what these cannot express is said.
+        dof: for HydroDyn, the platform's motion that the model is of, ``surge`` to ``yaw``.
         progress: called with one line before what takes long, and with what an FMU runs on.
 
     Returns:
@@ -88,22 +108,27 @@ def export(
         ToolchainMissing: where the compiler for a native FMU or one of the platforms is missing or fails.
     """
     path = Path(path)
-    files(path)
+    files(path, form)
+    suffix = check_suffix(path, form)
     how: dict[str, Any] = {"backend": backend, "platforms": platforms, "progress": progress}
-    if path.suffix == ".fmu":
+    if suffix == ".fmu":
         from .fmu import export_fmu
 
         return (export_fmu(oscillator, path, version=version, **how),)
-    if path.suffix == ".ssp":
+    if suffix == ".ssp":
         from .ssp import export_ssp
 
         if version != 2:
             raise BadInput(f"{path}: SSP 1.0 is for FMUs of FMI 2; leave out --fmi {version}")
         return (export_ssp(oscillator, path, draws=draws, seed=seed, **how),)
-    if path.suffix == ".c":
+    if suffix == ".c":
         from .plain_c import export_plain_c
 
         return export_plain_c(oscillator, path)
+    if suffix != ".casadi":
+        from .joint_files import export_joint
+
+        return (export_joint(oscillator, path, suffix, dof=dof, progress=progress),)
     from .casadi_functions import export_casadi
 
     return export_casadi(oscillator, path, dt=step)

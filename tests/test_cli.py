@@ -279,7 +279,7 @@ def test_bad_model_files_are_refused(capsys, tmp_path, text, says):
 
 
 def test_an_unknown_suffix_is_refused(capsys, tmp_path, model):
-    refused(capsys, tmp_path, "export", model, tmp_path / "rig.exe", says=".fmu, .casadi, .c and .ssp")
+    refused(capsys, tmp_path, "export", model, tmp_path / "rig.exe", says=".ssp, .mjcf, .urdf and .hydrodyn")
 
 
 def test_what_is_no_fmu_is_refused(capsys, tmp_path, sweep, model):

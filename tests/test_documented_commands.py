@@ -18,11 +18,13 @@ from dashpot.cli import cli
 from dashpot.examples.force import chirp, multisine
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.model.file import load
+from dashpot.model import Oscillator, Response
+from dashpot.model.file import load, save
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = {
-    page.relative_to(ROOT).as_posix(): page.read_text("utf-8") for page in [ROOT / "README.md", *ROOT.glob("docs/*.md")]
+    page.relative_to(ROOT).as_posix(): page.read_text("utf-8")
+    for page in [ROOT / "README.md", *sorted(ROOT.glob("docs/**/*.md"))]
 }
 FS, NOISE = 500.0, 1e-6
 #: Recordings that the README's commands read.
@@ -30,6 +32,13 @@ RECORDED = {
     *("decays.csv", "sweep.csv.gz", "another.csv", "decay.csv", "more.csv"),
     *("sweep_high.csv", "sweep_low.csv", "multisine.csv", "decay_low.csv"),
 }
+#: Recordings that the tutorial's Python gets from the built-in stands.
+COPIED = {
+    *("bursts.csv.gz", "sweep_low.csv.gz", "sweep_high.csv.gz", "multisine.csv.gz"),
+    *("play_bursts.csv.gz", "play_sweep_low.csv.gz", "play_sweep_high.csv.gz"),
+}
+#: Models that a page speaks of as there already.
+MODELS = {"rig.yaml", "roll.yaml"}
 
 
 def commands(page: str) -> list[list[str]]:
@@ -42,7 +51,22 @@ def commands(page: str) -> list[list[str]]:
 def written(words: list[str]) -> list[str]:
     """The files and folders that a command is told to write."""
     named = [after for word, after in pairwise(words) if word in ("-o", "--report", "--json")]
-    return named + ([word for word in words[3:] if not word.startswith("-")] if words[1] == "export" else [])
+    return named + ([word for word in words[3:] if re.search(r"\.[a-z]", word)] if words[1] == "export" else [])
+
+
+TUTORIAL = "docs/tutorial.md"
+#: Pages whose commands are typed beside the README's recordings; fast ones, and those that identify or build.
+TYPED = {
+    "docs/hosts/joints.md": (),
+    "docs/control.md": pytest.mark.long,
+    **{f"docs/hosts/{host}.md": pytest.mark.long for host in ("simulink", "openmodelica", "dymola", "amesim")},
+    **{f"docs/howto/{path}.md": pytest.mark.long for path in ("vibration", "system", "control")},
+}
+
+
+def makes_its_model(page: str) -> bool:
+    """Whether the page identifies the model that its commands are about."""
+    return any(words[:2] == ["dashpot", "identify"] for words in commands(page))
 
 
 def typed(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
@@ -53,15 +77,22 @@ def typed(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
 
 
 def test_there_are_commands_to_run():
-    assert {page for page in PAGES if commands(page)} == {"README.md", "docs/formats.md", "docs/laws.md"}
+    assert {page for page in PAGES if commands(page)} == {
+        *TYPED,
+        "README.md",
+        "docs/formats.md",
+        "docs/laws.md",
+        TUTORIAL,
+    }
     assert [words[1] for words in commands("README.md") if words[0] == "make"] == ["demo", "test"]
     assert sum(words[0] == "dashpot" for words in commands("README.md")) == 13
     assert sum(words[0] == "dashpot" for words in commands("docs/laws.md")) == 3
 
 
-@pytest.mark.parametrize("page", ["README.md", "docs/formats.md", "docs/laws.md"])
+@pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
 def test_commands_and_options_exist_and_inputs_are_there_when_they_are_read(page):
-    there = {*RECORDED, "magnet.py"}
+    there = {*RECORDED, "magnet.py"} if page != TUTORIAL else set(COPIED)
+    there |= MODELS if page in TYPED and not makes_its_model(page) else set()
     for words in commands(page):
         if words[0] == "make":
             continue
@@ -153,6 +184,50 @@ def check_identified(folder: Path, words: list[str]) -> None:
             assert parameter.value == 0.0
         elif not fixed and parameter.std:
             assert abs(parameter.value - true) < 5 * parameter.std, f"{shlex.join(words)}: {name}"
+
+
+@pytest.mark.parametrize("page", [pytest.param(page, marks=marks) for page, marks in TYPED.items()])
+def test_the_commands_of_a_page_leave_what_they_were_told_to(page, tmp_path, request):
+    """Beside the README's recordings, and where the page does not identify them, models of the stand and of a roll."""
+    reads = any(word in RECORDED for words in commands(page) for word in words)
+    stand = request.getfixturevalue("stand") if reads else tmp_path
+    if not makes_its_model(page):
+        save(Oscillator.from_values(TRUTH, name="rig"), stand / "rig.yaml")
+        angle = Response("displacement", "rad")
+        save(Oscillator.from_values(TRUTH, name="roll", response=angle, force_unit="N.m"), stand / "roll.yaml")
+    for words in commands(page):
+        ended = typed(words, stand)
+        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
+        for name in written(words):
+            assert (stand / name).exists(), f"{shlex.join(words)} wrote no {name}"
+
+
+@pytest.mark.long
+def test_the_tutorial_does_what_it_says(tmp_path, monkeypatch):
+    """Its Python and its commands, in the order of the page, in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    for kind, block in re.findall(r"```(python|console)\n(.*?)```", PAGES[TUTORIAL], re.DOTALL):
+        if kind == "python":
+            exec(compile(block, TUTORIAL, "exec"), {})
+        for words in map(shlex.split, block.splitlines()) if kind == "console" else ():
+            if words[0] == "make":
+                continue
+            ended = typed(words, tmp_path)
+            assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
+            for name in written(words):
+                assert (tmp_path / name).exists(), f"{shlex.join(words)} wrote no {name}"
+            if "rig.yaml" in written(words):
+                check_identified(tmp_path, words)
+    assert {path.name for path in tmp_path.iterdir()} >= COPIED
+    diagnosis = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text("utf-8"))
+    assert [row["effect"] for row in diagnosis["effects"]] == ["actuator-backlash"]
+
+
+@pytest.mark.parametrize("page", ["docs/howto/control.md"])
+def test_the_python_of_a_page_runs(page, capsys):
+    for block in re.findall(r"```python\n(.*?)```", PAGES[page], re.DOTALL):
+        exec(compile(block, page, "exec"), {})
+        assert capsys.readouterr().out.strip()
 
 
 @pytest.mark.long

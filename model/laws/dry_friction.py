@@ -11,4 +11,5 @@ LAW = Law(
     sentence="Friction of constant size against the motion; at rest it holds up to that size.",
     phrase="dry friction of constant size",
     source="Feldman, Bucher, Rotberg, Eqs. 7 and 17; sticking as a Filippov solution",
+    curves="Adds 2 D/(pi omega A) to the damping curve, which grows towards small amplitudes; the backbone stays.",
 )

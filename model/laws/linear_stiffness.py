@@ -12,4 +12,5 @@ LAW = Law(
     sentence="A spring whose force grows in proportion to the displacement.",
     phrase="a linear spring",
     source="Feldman, Bucher, Rotberg, Eqs. 2 and 17",
+    curves="The backbone stands upright at omega0; the damping curve stays.",
 )

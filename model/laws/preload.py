@@ -12,4 +12,6 @@ LAW = Law(
     sentence="A pre-tensioned spring that must first be lifted off its seat; raises the frequency of small motions.",
     phrase="a pre-tensioned spring that must first be lifted off its seat",
     source="Feldman and Braun 1993; Feldman, Bucher, Rotberg, Eqs. 1 and 2",
+    curves="The backbone rises without end towards small amplitudes, and is twice omega0 at 0.414 F0/k; the "
+    "damping curve stays.",
 )

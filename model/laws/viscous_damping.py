@@ -11,4 +11,5 @@ LAW = Law(
     sentence="Damping in proportion to the velocity.",
     phrase="damping in proportion to the speed",
     source="Feldman, Bucher, Rotberg, Eqs. 7 and 16 (viscous = 2 h)",
+    curves="Lifts the damping curve evenly, by half of itself; the backbone stays.",
 )

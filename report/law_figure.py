@@ -1,0 +1,196 @@
+"""What a law of the library does to a rig, drawn: the tell-tales by which it is known in a recording.
+
+The rig is a slightly hardening spring with viscous damping, once alone and once with the law at a size that shows. What
+is drawn follows from where the law lives: backbone and damping curve of what acts on the motion, the frequency response
+at two levels of what lies between force and record, a decay over time of what changes by itself; and always the
+spectrum that a sine leaves. All of it is computed by the package's own describing functions and simulation.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from ..model import Oscillator
+from ..model.describing import natural_motion
+from ..model.law import Law, LawParameter, Scales
+from ..model.laws import BASE
+from ..model.oscillator import Response
+from ..simulate.core import core_of, internal_step
+from ..simulate.force import force_between
+from .style import AFTER, EXACT, drawing, legend_below, log_ticks, svg
+
+#: The rig: 12.7 Hz, 2 % of critical damping, 2.5 % stiffer in frequency at the largest amplitude, 8 mm.
+LENGTH, OMEGA = 8e-3, 79.6
+RIG = {"mass": 0.27, "omega0": OMEGA, "cubic": 7e6, "preload": 0.0, "viscous": 3.2, "dry": 0.0}
+#: What the laws of Eq. 17 are shown by, in place of the rig's own.
+_MORE = {"omega0": 1.05 * OMEGA, "cubic": 2.8e7, "preload": 0.3, "viscous": 6.4, "dry": 0.3}
+#: The force that drives it, N, to some 6 mm in resonance.
+FORCE = 0.27 * 3.2 * OMEGA * 6e-3
+SCALES = Scales(LENGTH, OMEGA, FORCE, LENGTH, duration=4.0, mass=0.27, lines=(2.4 * OMEGA,))
+#: Size of a strength as a part of what is natural for its unit, by where the law lives: springs show less than dampers.
+_STRENGTHS = {"dissipation": 0.03, "environment": 0.1, "measurement": 0.04}
+_STRENGTH = 0.2
+#: A friction, as a part of the force that drives the rig.
+_FRICTION = 0.2
+#: Cycles that a driven rig is given to settle, that are looked at, and samples of each.
+_SETTLE, _LOOK, _SAMPLES = 60, 40, 64
+#: Frequencies at which a response is computed, over the natural one, and its levels over FORCE.
+_RATIOS = np.linspace(0.65, 1.35, 57)
+_LEVELS = (1.0, 0.25)
+_HARMONICS = 8
+#: What lies below this, in dB of the fundamental, is not drawn.
+_FLOOR = -90.0
+
+
+@dataclass(frozen=True, eq=False)
+class Pair:
+    """The rig alone and with the law."""
+
+    without: Oscillator
+    having: Oscillator
+
+    @property
+    def both(self) -> tuple[tuple[Oscillator, dict[str, Any]], ...]:
+        """Each with how it is drawn."""
+        return (
+            (self.without, {"color": EXACT, "linestyle": "--", "linewidth": 0.9, "label": "without it"}),
+            (self.having, {"color": AFTER, "label": "with the law"}),
+        )
+
+
+def example(law: Law) -> Pair:
+    """The rig alone, and with the law at a size that shows; of a law of Eq. 17 with more of it than the rig has."""
+    own = law in BASE
+    values = _MORE if own else {f"{law.name}.{p.name}": _size(law, p) for p in law.parameters}
+    taken = {p.name: values[p.name] for p in law.parameters} if own else values
+    response = Response("displacement", "m")
+    having = Oscillator.from_values({**RIG, **taken}, effects=() if own else (law.name,), response=response)
+    return Pair(Oscillator.from_values(RIG, response=response), having)
+
+
+def _size(law: Law, p: LawParameter) -> float:
+    if p.probes == "lines":
+        return SCALES.lines[0]
+    if law.path == "dissipation" and p.unit == "X/s2":
+        return _FRICTION * FORCE / RIG["mass"]
+    probe = p.probes[len(p.probes) // 2] if p.probes else 1.0
+    part = _STRENGTHS.get(law.path, _STRENGTH) if p.strength else 1.0
+    return float(np.clip(part * float(probe) * p.natural(SCALES), p.lower, p.upper))
+
+
+def law_figure(law: Law, key: str) -> str:
+    """SVG of three pictures; ``key`` as ``style.svg`` wants it."""
+    pair = example(law)
+    with drawing(width=9.6, height=3.1) as figure:
+        axes = figure.subplots(1, 3)
+        if law.path == "environment":
+            _decay(axes[:2], pair)
+            shown = "a decay's frequency and amplitude over time"
+        elif law.force is None or law.path == "inertia":
+            _responses(axes[:2], pair)
+            shown = "the frequency response at two levels"
+        else:
+            _curves(axes[:2], pair)
+            shown = "backbone and damping curve"
+        _spectra(axes[2], pair)
+        handles, labels = axes[0].get_legend_handles_labels()
+        legend_below(figure, handles, labels, columns=len(labels))
+        return svg(figure, key, f"{law.name}: {shown}, and the spectrum that a sine leaves, with the law and without")
+
+
+def _curves(axes: Any, pair: Pair) -> None:
+    amplitude = np.geomspace(0.02, 1.0, 80) * LENGTH
+    for model, how in pair.both:
+        omega, h = natural_motion(model, amplitude)
+        axes[0].plot(omega / (2 * np.pi), 1e3 * amplitude, **how)
+        axes[1].plot(1e3 * amplitude, h, **how)
+    axes[0].set(title="Backbone", xlabel="Natural frequency [Hz]", ylabel="Amplitude [mm]", ylim=(0, None))
+    axes[1].set(title="Damping curve", xlabel="Amplitude [mm]", ylabel="h [1/s]", xlim=(0, None), ylim=(0, None))
+    low, high = axes[0].get_xlim()
+    if high - low < 0.5:  # a curve that stays is to look so
+        axes[0].set_xlim((low + high) / 2 - 0.25, (low + high) / 2 + 0.25)
+
+
+def _responses(axes: Any, pair: Pair) -> None:
+    for model, how in pair.both:
+        for level, width in zip(_LEVELS, (1.5, 0.8), strict=True):
+            tone = np.array([fundamental(model, level * FORCE, ratio * OMEGA) for ratio in _RATIOS]) / (level * FORCE)
+            share = "full" if level == 1 else "a quarter of the"
+            style = {**how, "linewidth": width, "label": f"{how['label']}, {share} force"}
+            axes[0].plot(_RATIOS * OMEGA / (2 * np.pi), 1e3 * np.abs(tone), **style)
+            axes[1].plot(_RATIOS * OMEGA / (2 * np.pi), np.degrees(np.unwrap(np.angle(tone))), **style)
+    axes[0].set(title="Response over force", xlabel="Frequency [Hz]", ylabel="[mm/N]", ylim=(0, None))
+    axes[1].set(title="Its phase", xlabel="Frequency [Hz]", ylabel="[°]")
+
+
+def _decay(axes: Any, pair: Pair) -> None:
+    dt = 2 * np.pi / OMEGA / _SAMPLES
+    for model, how in pair.both:
+        x = _run(model, None, round(SCALES.duration / dt), dt, begin=LENGTH)
+        t = dt * np.arange(x.size)
+        x = x - np.mean(x[-10 * _SAMPLES :])
+        up = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
+        crossing = t[up] - dt * x[up] / (x[up + 1] - x[up])
+        peak = [np.max(np.abs(x[a:b])) for a, b in pairwise(up)]
+        axes[0].plot(crossing[1:], 1 / np.diff(crossing), **how)
+        axes[1].semilogy(crossing[1:], 1e3 * np.array(peak), **how)
+    log_ticks(axes[1].yaxis)
+    axes[0].set(title="Frequency of a decay", xlabel="Time [s]", ylabel="[Hz]")
+    axes[1].set(title="Its amplitude", xlabel="Time [s]", ylabel="[mm]")
+
+
+def _spectra(axes: Any, pair: Pair) -> None:
+    for model, how in pair.both:
+        order, level = spectrum(model)
+        axes.plot(order, np.maximum(level, _FLOOR), **{**how, "linewidth": 1.0})
+    axes.set(title="Spectrum under a sine", xlabel="Frequency over the sine's", ylabel="Acceleration [dB]")
+    axes.set(xlim=(0, _HARMONICS + 0.5), ylim=(_FLOOR, 5), xticks=range(1, _HARMONICS + 1))
+
+
+def spectrum(model: Oscillator) -> tuple[np.ndarray, np.ndarray]:
+    """Of what is recorded under a sine at the natural frequency, turned into an acceleration.
+
+    Returns:
+        Frequency over the sine's (n,), and the level (n,) in dB of the fundamental.
+    """
+    steady = _driven(model, FORCE, OMEGA)
+    window = np.blackman(steady.size)
+    order = np.arange(steady.size // 2 + 1) / _LOOK
+    lines = np.abs(np.fft.rfft((steady - np.mean(steady)) * window)) * order**2
+    near = int(np.argmax(lines * (np.abs(order - 1) < 0.5)))
+    inside = order <= _HARMONICS + 0.5
+    with np.errstate(divide="ignore"):
+        return order[inside], 20 * np.log10(lines[inside] / lines[near])
+
+
+def harmonics(model: Oscillator, least: float = -60.0) -> list[tuple[int, float]]:
+    """The harmonics, from the second, that ``spectrum`` shows above ``least`` dB: order and level."""
+    order, level = spectrum(model)
+    at = {n: float(np.max(level[np.abs(order - n) < 2.5 / _LOOK])) for n in range(2, _HARMONICS + 1)}
+    return [(n, value) for n, value in at.items() if value > least]
+
+
+def fundamental(model: Oscillator, force: float, omega: float) -> complex:
+    """What is recorded of a steady motion under ``force`` cos(``omega`` t), N: its complex amplitude, m."""
+    steady = _driven(model, force, omega)
+    turn = np.exp(-2j * np.pi * np.arange(steady.size) / _SAMPLES)
+    return complex(2 * np.mean(steady * turn))
+
+
+def _driven(model: Oscillator, force: float, omega: float) -> np.ndarray:
+    """The last (n,) samples, whole cycles from a crest of the force, of a run from rest."""
+    n, dt = (_SETTLE + _LOOK) * _SAMPLES, 2 * np.pi / omega / _SAMPLES
+    given = force * np.cos(2 * np.pi * np.arange(n + 1) / _SAMPLES)
+    return _run(model, given, n, dt)[_SETTLE * _SAMPLES :]
+
+
+def _run(model: Oscillator, force: np.ndarray | None, n: int, dt: float, begin: float = 0.0) -> np.ndarray:
+    core, values = core_of(model), model.values()
+    smooth = None if force is None else force_between(force, dt, "smooth", 2.0 / (dt * _SAMPLES))
+    numbers = np.array([values[name] for name in core.parameter_names])
+    step = internal_step(model, values, LENGTH)
+    return core.record(numbers, np.array([begin, 0.0]), smooth, n, dt, step)
