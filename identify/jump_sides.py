@@ -2,8 +2,8 @@
 
 On which side the sample before a jump and the one after it were taken is known no better than the instant of the jump,
 and that a hair of any parameter moves. Taken as simulated, the likelihood would have steps of many units, and a law
-could buy such samples, one by one, with changes of the motion that nobody sees. So each is taken on the side to which
-the measured value is nearer. That leaves a smooth likelihood; of what the sample tells, the size of the jump stays.
+could buy such samples, one by one, with changes of the motion that nobody sees. So one that is decisively off is taken
+on the other side where it is nearer to that. What is left are steps below decisive odds.
 """
 
 from __future__ import annotations
@@ -30,8 +30,9 @@ def nearer_sides(
     """
     measured = segment.response
     before = np.flatnonzero(np.any(signs[1:] != signs[:-1], axis=1))
-    off = np.abs(measured - response)
-    if not np.any(np.maximum(off[before], off[before + 1]) > BEYOND_ERRORS * segment.noise):
+    # nearer, noise alone is as likely a cause, and a choice that follows it would bend the size of the jump
+    off = np.abs(measured - response) > BEYOND_ERRORS * segment.noise
+    if not np.any(off[before] | off[before + 1]):
         return response, signs
     surfaces: list[slice] = [slice(None)]
     if np.any(np.diff(before) == 1):  # several surfaces change about one sample, and it may be on either side of each
@@ -42,6 +43,6 @@ def nearer_sides(
             across = signs.copy()
             across[there, changed] = signs[beside, changed]
             other = under(across)
-            nearer = np.abs(measured - other) < np.abs(measured - response)
+            nearer = off & (np.abs(measured - other) < np.abs(measured - response))
             response, taken = np.where(nearer, other, response), np.where(nearer[:, None], across, taken)
     return response, taken
