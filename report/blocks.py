@@ -27,10 +27,15 @@ class Text:
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell; ``tone`` is ``good``, ``bad``, ``quiet``, ``code``, ``level0`` to ``level4`` (shades) or plain."""
+    """One cell; ``tone`` is ``good``, ``bad``, ``quiet``, ``code``, ``level0`` to ``level4`` (shades) or plain.
+
+    ``link`` is a file beside the page that the text leads to, ``svg`` a small picture ahead of the text.
+    """
 
     text: str
     tone: str = ""
+    link: str = ""
+    svg: str = ""
 
 
 @dataclass(frozen=True)
