@@ -9,7 +9,8 @@ from pathlib import Path
 import click
 
 from .errors import BadInput
-from .options import FILE
+from .options import FILE, with_laws
+from .several_values import CommandOfSeveral, SeveralValues
 from .terminal import outputs_checked, print_json, say
 
 
@@ -107,4 +108,68 @@ def batch(
         sys.exit(1)
 
 
-COMMANDS = (batch,)
+@click.command(cls=CommandOfSeveral)
+@click.argument("first", type=FILE)
+@click.argument("second", type=FILE)
+@click.option(
+    "--repeats",
+    cls=SeveralValues,
+    type=FILE,
+    metavar="MODEL...",
+    help="Models of one unchanged rig, or the results of a fleet with repeats, to learn from how far repeats lie apart: "
+    "all up to the next option.",
+)
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@with_laws
+def compare(first: Path, second: Path, repeats: tuple[Path, ...], as_json: bool) -> None:
+    """What changed from one model to another: the fewest parameters that explain it, and which law appeared.
+
+    Exit code 1 where something did.
+    """
+    from .change import compare as changed
+    from .change.wording import describe
+    from .lives import repeats_of
+    from .model.file import load
+
+    found = changed(load(first), load(second), repeats_of(repeats))
+    if as_json:
+        print_json(found.as_json())
+    else:
+        click.echo(describe(found))
+    if found.changed:
+        sys.exit(1)
+
+
+@click.command()
+@click.argument("models", nargs=-1, required=True, type=FILE)
+@click.option("--rig", metavar="NAME", help="Of a fleet's results, this rig alone.")
+@click.option("--report", type=FILE, metavar="OUT.html", help="HTML page to write, with pictures over time.")
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@with_laws
+def watch(models: tuple[Path, ...], rig: str | None, report: Path | None, as_json: bool) -> None:
+    """Which parameters moved over a rig's life, and when: models in order, or the folder that batch wrote.
+
+    Exit code 1 where something did.
+    """
+    from .change.life_wording import describe
+    from .lives import lives_of
+
+    if report is not None:
+        outputs_checked([report], models)
+    lives = lives_of(models, rig, say)
+    if report is not None:
+        from .report.life_page import life_page
+        from .writing import write
+
+        write(report, life_page(lives))
+    if as_json:
+        print_json([life.as_json() for life in lives])
+    else:
+        click.echo("\n\n".join(describe(life) for life in lives))
+    if report is not None:
+        say(f"written: {report}")
+    if any(life.changed for life in lives):
+        sys.exit(1)
+
+
+COMMANDS = (batch, compare, watch)
