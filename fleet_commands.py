@@ -116,8 +116,8 @@ def batch(
     cls=SeveralValues,
     type=FILE,
     metavar="MODEL...",
-    help="Models of one unchanged rig, or the results of a fleet with repeats, to learn from how far repeats lie apart: "
-    "all up to the next option.",
+    help="Models of one unchanged rig, or the results of a fleet with repeats, from which it is learnt how far repeats "
+    "lie apart: all up to the next option.",
 )
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @with_laws

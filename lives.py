@@ -11,8 +11,8 @@ from typing import Any
 from .change import Life, Point, watch
 from .errors import BadInput
 from .fleet.store import FLEET, FORMAT
-from .model.consistency import suggestion
 from .model import Oscillator
+from .model.consistency import suggestion
 from .model.file import load
 from .reading import content_of
 

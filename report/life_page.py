@@ -59,14 +59,20 @@ def _table(life: Life) -> Table:
     names = life.estimates.names
     moved = () if life.moved is None else life.moved.best.moved
     timed = any(point.when is not None for point in life.points)
+    marked = any(point.state is not None for point in life.points)
     units = [pretty_unit(unit) for unit in life.estimates.units]
-    head = ("Test", "State", *(["When"] if timed else []), *(f"{n} [{u}]" for n, u in zip(names, units, strict=True)))
+    head = (
+        "Test",
+        *(["State"] if marked else []),
+        *(["When"] if timed else []),
+        *(f"{n} [{u}]" for n, u in zip(names, units, strict=True)),
+    )
     rows = []
     for point in life.points:
         parameters = point.model.parameters()
         when = [] if not timed else ["" if point.when is None else str(point.when).removesuffix("T00:00:00+00:00")]
         cells = [Cell(plus_minus(parameters[name]).replace("-", "−"), "bad" if name in moved else "") for name in names]
-        rows.append((point.name, point.state or "", *when, *cells))
+        rows.append((point.name, *([point.state or ""] if marked else []), *when, *cells))
     return Table(
         head, tuple(rows), tuple(range(len(head) - len(names), len(head))), "As each model states it, ± one error."
     )
