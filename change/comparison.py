@@ -58,6 +58,7 @@ class Comparison:
         shifts: each parameter that both estimate.
         moved: the fewest parameters that explain the difference; see there.
         explained: value and error of each of them in both, given that nothing else moved.
+        change_errors: the standard error of each of these changes.
         repeatability: that it was judged by.
         appeared, vanished: laws.
         notes: what a user should know.
@@ -68,6 +69,7 @@ class Comparison:
     shifts: tuple[Shift, ...]
     moved: Moved
     explained: dict[str, tuple[tuple[float, float], tuple[float, float]]]
+    change_errors: dict[str, float]
     repeatability: Repeatability
     appeared: tuple[str, ...]
     vanished: tuple[str, ...]
@@ -152,6 +154,11 @@ def compare(
         second=second.name,
         shifts=_shifts(estimates, states.covariance * moved.inflation, known, moved, level),
         moved=moved,
+        change_errors={
+            name: float(np.hypot(*moved.apart[:, j]) * scale[j])
+            for j, name in enumerate(estimates.names)
+            if name in moved.best.moved
+        },
         explained=explained,  # pyright: ignore[reportArgumentType]
         repeatability=known,
         appeared=tuple(law for law in other if law not in one),

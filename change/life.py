@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -15,9 +14,10 @@ from ..identify.odds import BY_CHANCE
 from ..model import Oscillator
 from .comparison import remarks, trusted
 from .estimates import Estimates, laws_of, side_by_side
-from .moved import Moved, joined, what_moved
-from .repeatability import Repeatability, learnt_from, stated_errors
-from .steps import Step, drift_of, steps_of
+from .moved import Moved
+from .repeatability import Repeatability, learnt_from
+from .steps import Step
+from .stretches import Found, judged, leaps, neighbours
 
 #: From so many states on, neighbours stand for repeats where there are none: with fewer a step looks like scatter.
 ENOUGH = 6
@@ -49,10 +49,8 @@ class Life:
         points: in order.
         groups: places of the points of each state, the states in order of their first point.
         estimates: of the points.
-        moved: which parameters moved over all states; None where there is one state.
+        found: which parameters moved, and where; None where there is one state.
         repeatability: that it was judged by.
-        steps: of each parameter that moved, from which state to which.
-        drifts: change per state of each of them that moves in a straight line rather than in steps, with its error.
         laws: (state, appeared, vanished) where the laws differ from those of the state before.
         notes: what a user should know.
     """
@@ -61,12 +59,25 @@ class Life:
     points: tuple[Point, ...]
     groups: tuple[tuple[int, ...], ...]
     estimates: Estimates
-    moved: Moved | None
+    found: Found | None
     repeatability: Repeatability
-    steps: tuple[Step, ...]
-    drifts: dict[str, tuple[float, float]]
     laws: tuple[tuple[int, tuple[str, ...], tuple[str, ...]], ...]
     notes: tuple[str, ...]
+
+    @property
+    def moved(self) -> Moved | None:
+        """Which parameters moved."""
+        return None if self.found is None else self.found.moved
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """Where they stepped."""
+        return () if self.found is None else self.found.steps
+
+    @property
+    def drifts(self) -> dict[str, tuple[float, float]]:
+        """Change per state of what moves in a straight line, with its error."""
+        return {} if self.found is None else self.found.drifts
 
     @property
     def changed(self) -> bool:
@@ -86,10 +97,11 @@ class Life:
     def values(self, name: str) -> tuple[np.ndarray, np.ndarray]:
         """(m,) value of a parameter in each state and its error, given that what did not move did not."""
         j = self.estimates.names.index(name)
-        if self.moved is None:
-            first = self.estimates.values[:1, j], np.sqrt(self.estimates.covariance[:1, j, j])
-            return first[0] * self.estimates.scale[j], first[1] * self.estimates.scale[j]
-        return self.moved.values[:, j] * self.estimates.scale[j], self.moved.errors[:, j] * self.estimates.scale[j]
+        scale = self.estimates.scale[j]
+        if self.found is None:
+            place = list(self.groups[0])
+            return self.estimates.values[place, j] * scale, np.sqrt(self.estimates.covariance[place, j, j]) * scale
+        return self.found.values[:, j] * scale, self.found.errors[:, j] * scale
 
     def as_json(self) -> dict[str, Any]:
         """``dashpot-watch/1``."""
@@ -148,21 +160,25 @@ def watch(points: Sequence[Point], name: str = "rig", *, level: float = BY_CHANC
     if len(points) < 2:
         raise BadInput(f"{name}: one model has no life to watch; name two or more")
     models = [point.model for point in points]
-    estimates, groups = side_by_side(models), _states(points)
-    known = _known(estimates, groups, [], trusted(models))
-    moved, steps, drifts = _judged(estimates, groups, known, level)
-    if known.source == "neighbours" and steps:  # what lies across a step is no repeat
-        known = _known(estimates, groups, [step.state for step in steps], trusted(models))
-        moved, steps, drifts = _judged(estimates, groups, known, level)
+    estimates, groups, believed = side_by_side(models), _states(points), trusted(models)
+    marked = any(len(group) > 1 for group in groups)
+    if marked or len(groups) < ENOUGH:
+        known = learnt_from(estimates, groups, trusted=believed)
+        found = judged(estimates, groups, known, level)
+    else:  # neighbours stand for repeats, but for those that a step parts
+        cuts = leaps(estimates, groups)
+        known = learnt_from(estimates, neighbours(groups, cuts), trusted=believed, source="neighbours")
+        found = judged(estimates, groups, known, level)
+        if found is not None and (parted := {*cuts, *found.cuts}) != set(cuts):
+            known = learnt_from(estimates, neighbours(groups, parted), trusted=believed, source="neighbours")
+            found = judged(estimates, groups, known, level)
     return Life(
         name=name,
         points=tuple(points),
         groups=tuple(tuple(group) for group in groups),
         estimates=estimates,
-        moved=moved,
+        found=found,
         repeatability=known,
-        steps=steps,
-        drifts=drifts,
         laws=tuple(_laws(points, groups)),
         notes=(*estimates.given, *remarks(models, known)),
     )
@@ -181,40 +197,6 @@ def _states(points: Sequence[Point]) -> list[list[int]]:
         key = (False, str(i)) if point.state is None else (True, point.state)
         groups.setdefault(key, []).append(i)
     return list(groups.values())
-
-
-def _known(
-    estimates: Estimates, groups: Sequence[Sequence[int]], steps: Sequence[int], believed: bool
-) -> Repeatability:
-    """By repeats where there are any; by neighbours between the steps where there are enough; else as stated."""
-    if any(len(group) > 1 for group in groups):
-        return learnt_from(estimates, groups, trusted=believed)
-    if len(groups) < ENOUGH:
-        return stated_errors(estimates.k, trusted=believed)
-    edges = [0, *sorted(set(steps)), len(groups)]
-    pairs = [[groups[i][0], groups[i + 1][0]] for low, high in pairwise(edges) for i in range(low, high - 1, 2)]
-    return learnt_from(estimates, pairs, trusted=believed, source="neighbours")
-
-
-def _judged(
-    estimates: Estimates, groups: Sequence[Sequence[int]], known: Repeatability, level: float
-) -> tuple[Moved | None, tuple[Step, ...], dict[str, tuple[float, float]]]:
-    if len(groups) < 2:
-        return None, (), {}
-    states = joined(estimates.names, estimates.values, estimates.covariance, groups, known)
-    moved = what_moved(states, level)
-    steps: list[Step] = []
-    drifts = {}
-    for name in moved.best.moved:
-        j = estimates.names.index(name)
-        values, errors = moved.values[:, j] * estimates.scale[j], moved.errors[:, j] * estimates.scale[j]
-        freedom = min(float(known.freedom[j]), moved.best.freedom if moved.inflation > 1 else math.inf)
-        found = steps_of(name, values, errors, freedom, level)
-        slope = drift_of(values, errors, level) if len(found) > 1 else None
-        if slope is not None:
-            drifts[name] = slope
-        steps += found
-    return moved, tuple(sorted(steps, key=lambda step: step.state)), drifts
 
 
 def _laws(

@@ -86,6 +86,7 @@ class Moved:
         common: (k,) the value of what did not move, by all states together; NaN of what moved.
         values, errors: (m, k) each state's value of what moved, given that the rest did not, and its standard error;
             of the rest its common value.
+        apart: (m, k) the part of these errors that the states do not share: that of their differences.
     """
 
     nothing: Hypothesis
@@ -96,6 +97,7 @@ class Moved:
     common: np.ndarray
     values: np.ndarray
     errors: np.ndarray
+    apart: np.ndarray
 
 
 def what_moved(states: States, level: float = BY_CHANCE) -> Moved:
@@ -112,8 +114,7 @@ def what_moved(states: States, level: float = BY_CHANCE) -> Moved:
     inflation = max(1.0, best.left / best.freedom) if rest and best.freedom else 1.0
     same = [h for h in _beside(states, best) if h.moved != best.moved]
     rivals = [h for h in same if (h.left - best.left) / (2 * inflation) < DECISIVE and (rest or h.chance > level)]
-    common, values, errors = _values(states, best.moved, inflation)
-    return Moved(nothing, best, tuple(rivals), alone, inflation, common, values, errors)
+    return Moved(nothing, best, tuple(rivals), alone, inflation, *values_given(states, best.moved, inflation))
 
 
 def _tested(states: States, moved: Sequence[str]) -> Hypothesis:
@@ -184,26 +185,28 @@ def _beside(states: States, best: Hypothesis) -> list[Hypothesis]:
     return made
 
 
-def _values(states: States, moved: Sequence[str], inflation: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """See ``Moved``: values given that all but ``moved`` is the same in all states."""
+def values_given(
+    states: States, moved: Sequence[str], inflation: float
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """See ``Moved``: common, values, errors and apart, given that all but ``moved`` is the same in all states."""
     m, k = states.values.shape
     go = [i for i, name in enumerate(states.names) if name in moved]
     stay = [i for i in range(k) if i not in go]
-    common, values, errors = np.full(k, np.nan), np.empty((m, k)), np.zeros((m, k))
+    common, values, errors, apart = np.full(k, np.nan), np.empty((m, k)), np.zeros((m, k)), np.zeros((m, k))
     covariance = inflation * states.covariance
-    of_mean = np.zeros((0, 0))
-    if stay:
-        inverse = np.linalg.inv(covariance[np.ix_(range(m), stay, stay)])
-        of_mean = np.linalg.inv(inverse.sum(axis=0))
-        common[stay] = of_mean @ np.einsum("ijk,ik->j", inverse, states.values[:, stay])
-        values[:, stay], errors[:, stay] = common[stay], np.sqrt(np.diag(of_mean))
-    for c in range(m):
-        whole = covariance[c]
-        if not stay:
-            values[c], errors[c] = states.values[c], np.sqrt(np.diag(whole))
-            continue
-        gain = whole[np.ix_(go, stay)] @ np.linalg.inv(whole[np.ix_(stay, stay)])
-        values[c, go] = states.values[c, go] + gain @ (common[stay] - states.values[c, stay])
-        doubt = whole[np.ix_(go, go)] - gain @ whole[np.ix_(stay, go)] + gain @ of_mean @ gain.T
-        errors[c, go] = np.sqrt(np.maximum(np.diag(doubt), 0.0))
-    return common, values, errors
+    if not stay:
+        own = np.sqrt(np.einsum("ijj->ij", covariance))
+        return common, states.values, own, own
+    inner = covariance[np.ix_(range(m), stay, stay)]
+    inverse = np.linalg.inv(inner)
+    of_mean = np.linalg.inv(inverse.sum(axis=0))
+    common[stay] = of_mean @ np.einsum("ijk,ik->j", inverse, states.values[:, stay])
+    values[:, stay], errors[:, stay] = common[stay], np.sqrt(np.diag(of_mean))
+    across = covariance[np.ix_(range(m), go, stay)]
+    gain = across @ inverse
+    values[:, go] = states.values[:, go] + np.einsum("ijk,ik->ij", gain, common[stay] - states.values[:, stay])
+    own = np.einsum("ijj->ij", covariance[np.ix_(range(m), go, go)] - gain @ np.swapaxes(across, 1, 2))
+    for made, weight in ((errors, gain), (apart, gain - gain.mean(axis=0))):
+        doubt = own + np.einsum("ijk,kl,ijl->ij", weight, of_mean, weight)
+        made[:, go] = np.sqrt(np.maximum(doubt, 0.0))
+    return common, values, errors, apart

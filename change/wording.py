@@ -53,7 +53,7 @@ def sentence(comparison: Comparison) -> str:
     units = {shift.name: shift.unit for shift in comparison.shifts}
     for name, (first, second) in comparison.explained.items():
         share = percent_change(first[0], second[0])
-        error = math.hypot(first[1], second[1])
+        error = comparison.change_errors[name]
         size = f", {abs(second[0] - first[0]) / error:.3g} of its errors" if error > 0 else ""
         parts.append(
             f"{name} from {first[0]:.5g} to {second[0]:.5g} {units[name]}{f' ({share}{size})' if share else ''}"

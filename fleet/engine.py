@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import as_completed as as_they_come
 from typing import Any
 
 from ..errors import BadInput
@@ -28,7 +29,7 @@ def local(module: str, jobs: int) -> Engine:
         pool = ThreadPoolExecutor(jobs)  # each thread waits for one process
         try:
             waiting = {pool.submit(children.answer, task): task for task in tasks}
-            for future in as_completed(waiting):
+            for future in as_they_come(waiting):
                 yield waiting[future], future.result()
         finally:  # also where whoever asks is interrupted
             pool.shutdown(wait=False, cancel_futures=True)
@@ -45,32 +46,42 @@ def dask(module: str, scheduler: str, say: Callable[[str], None]) -> Engine:
         BadInput: Dask is not installed, or nobody answers at the address.
     """
     try:
-        from distributed import Client  # pyright: ignore[reportMissingImports]
+        from distributed import Client, as_completed  # pyright: ignore[reportMissingImports]
     except ModuleNotFoundError:
         raise BadInput(
             "--scheduler needs dask and distributed, which are not installed; pip install 'dashpot[fleet]', or leave "
             "the option out and use --jobs"
         ) from None
-    try:
-        client: Any = Client(scheduler, timeout=10, set_as_default=False)
-    except (OSError, ValueError, TypeError) as problem:
-        words = " ".join(str(problem).split())[:200]
-        raise BadInput(
-            f"--scheduler {scheduler}: no Dask scheduler answers there ({words}); check the address"
-        ) from None
-    say(f"dashboard: {client.dashboard_link}")
+    told: list[str] = []
 
     def run(tasks: Sequence[Task]) -> Iterator[Answer]:
-        from distributed import as_completed as as_they_come  # pyright: ignore[reportMissingImports]
-
-        waiting = {client.submit(_on_a_worker, module, task, pure=False): task for task in tasks}
         try:
-            for future in as_they_come(list(waiting)):
-                yield waiting[future], future.result()
-        finally:
-            client.cancel(list(waiting))
+            client: Any = Client(scheduler, timeout=10, set_as_default=False)
+        except (OSError, ValueError, TypeError) as problem:
+            words = " ".join(str(problem).split())[:200]
+            raise BadInput(f"--scheduler {scheduler}: no Dask scheduler answers ({words}); check the address") from None
+        with client:
+            if client.dashboard_link not in told:
+                told.append(client.dashboard_link)
+                say(f"dashboard: {client.dashboard_link}")
+            waiting = {client.submit(_on_a_worker, module, task, pure=False): task for task in tasks}
+            for future in as_completed(list(waiting), loop=client.loop):
+                yield waiting[future], _result(future)
 
     return run
+
+
+def _result(future: Any) -> dict[str, Any]:
+    try:
+        return future.result()
+    except BadInput:
+        raise
+    except Exception as problem:  # the cluster's own: a worker that went, a scheduler that is no more
+        words = " ".join(str(problem).split())[:200]
+        raise BadInput(
+            f"the cluster did not do its work ({type(problem).__name__}: {words}); mend it and run again: what is done "
+            "is kept"
+        ) from None
 
 
 def _on_a_worker(module: str, task: Task) -> dict[str, Any]:
