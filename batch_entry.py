@@ -159,7 +159,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     most = how["max_left"]
     more = left_over(model) if most is None else beyond(model, parse_most_left(most))
     unfit = bool(more or found.useless)
-    page = identification_page(found, files=(MODEL,))
+    page, without = _page(how["report"], lambda: identification_page(found, files=(MODEL,)))
     picture, left = _picture(found)
     outcome = Outcome(
         key=key,
@@ -172,14 +172,26 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
         model=MODEL,
         picture=picture,
         left=left,
-        notes=tuple(dict.fromkeys([*(s.removeprefix("note: ") for s in said), *found.notes])),
+        page=None if page is None else REPORT,
+        notes=tuple(dict.fromkeys([*(s.removeprefix("note: ") for s in said), *found.notes, *without])),
     )
 
     def files(place: Path) -> None:
         save(model, place / MODEL)
-        write(place / REPORT, page)
+        if page is not None:
+            write(place / REPORT, page)
 
     return outcome, files
+
+
+def _page(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]:
+    """A page, and what is to be said where there is none: a model is worth more than its picture."""
+    if not wanted:
+        return None, []
+    try:
+        return make(), []
+    except Exception as problem:
+        return None, [f"there is no page: {sentence(problem)}"]
 
 
 def _told(found: Identification, more: list[str]) -> str:
@@ -198,6 +210,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
     from .diagnose.files import DIAGNOSIS as RESULT
     from .diagnose.files import EXPERIMENT, FMU, write_folder
     from .diagnose.files import MODEL as MENDED
+    from .diagnose.files import REPORT as PAGE
     from .identify.modes import in_band_of, in_the_same_band, mode_alone
     from .model.file import load
     from .report.diagnosis_page import diagnosis_page
@@ -214,7 +227,8 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
         found = diagnose(model, training, held, fmu=artefact)
         fmu = artefact.read_bytes() if artefact.exists() else None
     found = replace(found, model=in_band_of(found.model, band))
-    page = diagnosis_page(found, files=tuple(name for name in (RESULT, MENDED, FMU, EXPERIMENT) if fmu or name != FMU))
+    files = tuple(name for name in (RESULT, MENDED, FMU, EXPERIMENT) if fmu or name != FMU)
+    page, without = _page(True, lambda: diagnosis_page(found, files=files))
     whole = found.remainder is None
     state = "good" if found.verdict == "consistent" else "mended" if found.effects and whole else "doubtful"
     outcome = replace(
@@ -228,13 +242,14 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
         effects=tuple(effect.effect for effect in found.effects),
         parameters=_parameters(found.model) if found.effects else before.parameters,
         model=f"{DIAGNOSIS}/{MENDED}" if found.effects else before.model,
-        notes=tuple(dict.fromkeys([*before.notes, *found.notes])),
+        page=before.page if page is None else f"{DIAGNOSIS}/{PAGE}",
+        notes=tuple(dict.fromkeys([*before.notes, *found.notes, *without])),
     )
 
-    def files(folder: Path) -> None:
-        write_folder(folder / DIAGNOSIS, found, page, fmu)
+    def written(folder: Path) -> None:
+        write_folder(folder / DIAGNOSIS, found, page or "".join(without), fmu)
 
-    return outcome, files
+    return outcome, written
 
 
 def _parameters(model: Oscillator) -> dict[str, dict[str, Any]]:

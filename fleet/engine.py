@@ -10,6 +10,8 @@ from typing import Any
 from ..errors import BadInput
 from .child import Children
 
+#: How long a scheduler is waited for, s.
+PATIENCE = 10.0
 Task = dict[str, Any]
 Answer = tuple[Task, dict[str, Any]]
 #: Answers to tasks, in the order in which they come.
@@ -45,30 +47,33 @@ def dask(module: str, scheduler: str, say: Callable[[str], None]) -> Engine:
     Raises:
         BadInput: Dask is not installed, or nobody answers at the address.
     """
-    try:
-        from distributed import Client, as_completed  # pyright: ignore[reportMissingImports]
-    except ModuleNotFoundError:
-        raise BadInput(
-            "--scheduler needs dask and distributed, which are not installed; pip install 'dashpot[fleet]', or leave "
-            "the option out and use --jobs"
-        ) from None
-    told: list[str] = []
+    with _client(scheduler) as client:  # before anything is begun
+        say(f"dashboard: {client.dashboard_link}")
 
     def run(tasks: Sequence[Task]) -> Iterator[Answer]:
-        try:
-            client: Any = Client(scheduler, timeout=10, set_as_default=False)
-        except (OSError, ValueError, TypeError) as problem:
-            words = " ".join(str(problem).split())[:200]
-            raise BadInput(f"--scheduler {scheduler}: no Dask scheduler answers ({words}); check the address") from None
-        with client:
-            if client.dashboard_link not in told:
-                told.append(client.dashboard_link)
-                say(f"dashboard: {client.dashboard_link}")
+        from distributed import as_completed  # pyright: ignore[reportMissingImports]
+
+        with _client(scheduler) as client:
             waiting = {client.submit(_on_a_worker, module, task, pure=False): task for task in tasks}
             for future in as_completed(list(waiting), loop=client.loop):
                 yield waiting[future], _result(future)
 
     return run
+
+
+def _client(scheduler: str) -> Any:
+    try:
+        from distributed import Client  # pyright: ignore[reportMissingImports]
+    except ModuleNotFoundError:
+        raise BadInput(
+            "--scheduler needs dask and distributed, which are not installed; pip install 'dashpot[fleet]', or leave "
+            "the option out and use --jobs"
+        ) from None
+    try:
+        return Client(scheduler, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError, TypeError) as problem:
+        words = " ".join(str(problem).split())[:200]
+        raise BadInput(f"--scheduler {scheduler}: no Dask scheduler answers ({words}); check the address") from None
 
 
 def _result(future: Any) -> dict[str, Any]:

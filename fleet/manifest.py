@@ -38,7 +38,7 @@ class Entry:
         when: a number, or a time as ISO 8601; None: not said, the manifest's order counts.
         recordings, holdout: files, with the name of a record behind # where one is meant.
         reading: options of ``recording.read``, and ``response``, a tuple of columns.
-        how: ``with``, ``fix``, ``mode``, ``faults``, ``max_left``, ``diagnose``.
+        how: ``with``, ``fix``, ``mode``, ``faults``, ``max_left``, ``diagnose``, ``report``.
         start: model to start from.
         laws: Python files with laws of the user's own.
     """
@@ -169,6 +169,7 @@ def _entry(
         "faults": bool(options.get("faults")),
         "max_left": options.get("max_left"),
         "diagnose": options.get("diagnose") or "unfit",
+        "report": options.get("report") is not False,
     }
     state = rig.state
     return Entry(

@@ -34,7 +34,7 @@ class Outcome:
         seconds: that each stage took, by its name.
         parameters: value, std and unit by name, of the model that is given.
         recordings: what the model leaves of each, as in the model file.
-        model: its file, below the entry's folder; None where there is none.
+        model, page: their files, below the entry's folder; None where there is none.
         verdict, effects: of the diagnosis.
         picture: size of the motion over time, 0 to 1, and ``left``: of what the model leaves, in the same scale.
         notes: what a user should know.
@@ -51,6 +51,7 @@ class Outcome:
     parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     recordings: tuple[Mapping[str, Any], ...] = ()
     model: str | None = None
+    page: str | None = None
     verdict: str | None = None
     effects: tuple[str, ...] = ()
     picture: tuple[float, ...] = ()

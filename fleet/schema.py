@@ -53,6 +53,7 @@ class OptionsForm(_Form):
     max_left: _Word | None = Field(default=None, alias="max-left")
     law: list[_Place] | None = None
     diagnose: Literal["unfit", "never", "always"] | None = None
+    report: bool | None = None
 
 
 class RigForm(OptionsForm):

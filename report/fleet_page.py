@@ -95,8 +95,7 @@ def _row(row: Row) -> tuple[str | Cell, ...]:
 def _link(row: Row) -> str:
     if row.folder is None:
         return ""
-    file = "diagnosis/report.html" if row.outcome.verdict else "report.html" if row.outcome.model else "entry.json"
-    return quote(f"{row.folder.as_posix()}/{file}")
+    return quote(f"{row.folder.as_posix()}/{row.outcome.page or 'entry.json'}")
 
 
 def _f0(parameters: Any) -> str:
