@@ -47,6 +47,7 @@ class Table:
         rows: cells, as text where they need no tone; the first of each row is its name.
         numeric: columns that are set flush right.
         caption: what it shows.
+        cards: whether each row becomes a card of its own on a narrow screen, for tables with sentences in them.
     """
 
     kind: ClassVar[str] = "table"
@@ -54,6 +55,7 @@ class Table:
     rows: tuple[tuple[str | Cell, ...], ...]
     numeric: tuple[int, ...] = ()
     caption: str = ""
+    cards: bool = False
 
     def cells(self) -> list[list[Cell]]:
         """Rows with every cell as a Cell."""

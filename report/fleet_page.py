@@ -63,8 +63,8 @@ def fleet_page(name: str, rows: Sequence[Row]) -> str:
 def _rows(rows: Sequence[Row]) -> tuple[Block, ...]:
     if not rows:
         return ()
-    head = ("Entry", "State", "Motion", "Left", "f0", "Damping", "What is known of it")
-    blocks: list[Block] = [Table(head, tuple(_row(row) for row in rows[:MOST_ROWS]), (3, 4, 5))]
+    head = ("Entry", "State", "Motion", "Left", "f0", "Damping", "In words")
+    blocks: list[Block] = [Table(head, tuple(_row(row) for row in rows[:MOST_ROWS]), (3, 4, 5), cards=True)]
     if len(rows) > MOST_ROWS:
         blocks.append(Text(f"And {len(rows) - MOST_ROWS} more rows, in fleet.csv."))
     return tuple(blocks)
