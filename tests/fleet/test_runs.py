@@ -85,6 +85,27 @@ def test_what_takes_too_long_is_ended_and_tried_again(fleet, tmp_path):
         assert "--time-limit" in row.outcome.sentence
 
 
+def test_a_process_that_takes_more_memory_than_it_may_spoils_its_row(fleet, tmp_path):
+    rows = run(fleet("hungry", "good"), tmp_path / "out", local("worker", 2), memory=4000.0)
+    assert states(rows) == {"hungry": "memory", "good": "good"}
+    assert "memory" in rows[0].outcome.sentence
+
+
+def test_an_interrupted_run_ends_its_processes_and_keeps_what_is_done(fleet, tmp_path):
+    asked, engine = fleet("good", "slow"), local("worker", 2)
+
+    def interrupted(tasks):
+        for answer in engine(tasks):
+            yield answer
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run(asked, tmp_path / "out", interrupted)  # and waits for no 600 s
+    assert len(kept(tmp_path / "out")) == 1
+    assert states(run(asked, tmp_path / "out", local("worker", 2), limit=1.0)) == {"good": "good", "slow": "timeout"}
+    assert begun(tmp_path)["identify good"] == 1
+
+
 def test_a_file_that_is_not_there_spoils_one_row_until_it_is(fleet, tmp_path):
     asked = fleet("good", "later")
     (tmp_path / "later.csv").unlink()

@@ -25,6 +25,8 @@ def happens(name):
         os.kill(os.getpid(), signal.SIGSEGV)
     if "slow" in name:
         time.sleep(600)
+    if "hungry" in name:
+        bytearray(8_000_000_000)
     if "memory" in name:
         raise MemoryError
     if "bad" in name:
