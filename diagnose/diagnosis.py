@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import shutil
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -23,12 +24,13 @@ from ..model.law import Law
 from ..model.laws import LIBRARY, find
 from ..recording.fact import changed
 from ..recording.recording import Recording
+from .changed_rig import changed_rig
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, less_offsets, stranger
 from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
-from .mend import exported, no_finding, record_fits
+from .mend import exported, follows_any, no_finding, record_fits, unmended
 from .place.locate import locate
 from .place.missing_force import latent_forces
 from .recordings import carries, same_quantity, split, why_unused
@@ -40,7 +42,7 @@ from .search.residual_test import sentence as remainder_sentence
 from .search.search import Search
 from .search.weigh import forget
 from .search.weigh import judged as judged_by
-from .verdict import sentence_of, verdict_of
+from .verdict import explained_share, sentence_of, verdict_of
 
 #: The law of a sensor that sits elsewhere all the time.
 _SENSOR_OFFSET = "sensor-offset"
@@ -137,14 +139,16 @@ def diagnose(
             recordings, holdout = ([changed(r, hold=after.hold) for r in group] for group in (recordings, holdout))
             chain = [fact for fact in chain if fact.what != "hold"] + [hold_of(after.hold, found=True)]
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
-    records = record_fits(before, after, recordings, holdout=False)
-    if after is not None and (why := no_finding(records)):
-        # however much more probable than the others
-        after, records = None, record_fits(before, None, recordings, holdout=False)
-        notes.append(f"the most probable structure ({' + '.join(selected.laws)}) {why}: no effect is named")
     with TemporaryDirectory() as folder:
-        artefact = exported(after, fmu or Path(folder) / "model.fmu") if after is not None else None
+        artefact = exported(after, Path(folder) / "model.fmu") if after is not None else None
+        records = record_fits(before, after, recordings, holdout=False)
         records += record_fits(before, after, holdout, holdout=True, fmu=artefact)
+        if after is not None and (why := no_finding(records, explained_share(before_left, left))):
+            # however much more probable than the others
+            after, records = None, [unmended(record) for record in records]
+            notes.append(f"the most probable structure ({' + '.join(selected.laws)}) {why}: no effect is named")
+        elif artefact is not None and fmu is not None:
+            shutil.move(artefact, fmu)
     rugged = [law for law in selected.laws if find(law).rugged]
     if after is not None and rugged and remainder_sentence(left):
         notes.append(
@@ -153,6 +157,8 @@ def diagnose(
         )
     if after is None:
         left = before_left
+        if not other_rig and not follows_any([record for record in records if record.holdout]):
+            notes += filter(None, [changed_rig(recordings, holdout)])
     remainder = remainder_sentence(left)
     effects: tuple[Effect, ...] = ()
     if after is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from ..recording.recording import Recording
 from ..verify.fmu_run import FmuRun
 from ..verify.noise_floor import floor_of_model, pieces
 from .result import RecordFit
+from .search.judgement import MATTERS
 
 #: What a model leaves of a measured record is its noise at least; less than this part of it was computed.
 _COMPUTED = 0.5
@@ -48,11 +50,46 @@ def record_fits(
             run.__exit__(None, None, None)
 
 
-def no_finding(records: Sequence[RecordFit]) -> str | None:
-    """Why the best of all structures is nothing to name; None where it is."""
-    if not follows_any(records):
+def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:
+    """Why the best of all structures is nothing to name; None where it is.
+
+    However much more probable it is than all others by what is predicted from a cycle or two before: a model is used in
+    free simulation, and that is where it must be seen to improve.
+
+    Args:
+        records: all recordings.
+        share: of what the family lacks that it takes away in free simulation; None where the family lacks nothing.
+    """
+    held = [record for record in records if record.holdout]
+    if not follows_any([record for record in records if not record.holdout]):
         return "follows no recording either"
-    return None if takes_something(records) else "takes nothing away that a sensor could have shown"
+    if not takes_something(records):
+        return "takes nothing away that a sensor could have shown"
+    if share is not None and share < MATTERS:
+        return "takes nothing away of what the model lacks where it is simulated freely"
+    if held and not follows_any(held):
+        return "follows nothing of what was held out"
+    if held and tells_worse(held):
+        return "tells what was held out worse than the given family"
+    return None
+
+
+def tells_worse(records: Sequence[RecordFit]) -> bool:
+    """Whether the mended model leaves more of the motion, by enough to matter; each recording's share counts alike."""
+    before, after = (sum(error**2 for error in errors) for errors in zip(*map(_errors, records), strict=True))
+    return after > (1.0 + MATTERS) * before
+
+
+def _errors(record: RecordFit) -> tuple[float, float]:
+    """What a recording is left with beyond its noise, before and after; one that runs away counts without end."""
+    found = (max(error, record.noise_floor) for error in (record.nrmse_before, record.nrmse_after))
+    before, after = (error if np.isfinite(error) else np.inf for error in found)
+    return before, after
+
+
+def unmended(record: RecordFit) -> RecordFit:
+    """A recording's row where nothing is mended."""
+    return replace(record, nrmse_after=record.nrmse_before, after=record.before)
 
 
 def follows_any(records: Sequence[RecordFit]) -> bool:

@@ -122,6 +122,10 @@ def delivered(
     state = structure.state(initial)
     if initial is None and memory == FREE:
         state = settled(problem, state)
+    # what the sensors show at zero was taken off by that search, or it guesses here what the motion itself explains
+    bare = replace(state, offsets=np.zeros_like(state.offsets))
+    if plain_cost(problem.residuals(bare)) <= plain_cost(problem.residuals(state)):
+        state = bare
     problem, state = kept_offsets(problem, state, start)
     return ended(problem, state, start, recordings, {}, np.inf, [], doubted=doubted, most=_LAST_STEPS)
 

@@ -6,6 +6,7 @@ import numpy as np
 
 from ..recording.fact import fact
 from ..recording.recording import QUANTITIES, Recording
+from .decays import find_free_motion
 from .signals import Signal, drive_of, response_of
 
 #: What is slower than this many cycles of the slowest motion is drift of the integration. A decay is loudest at its
@@ -28,7 +29,8 @@ def displacement(recording: Recording) -> Signal:
     if times == 0:
         return response
     x, slowest, cycles = response.samples, response.frequency, TREND_CYCLES
-    if drive is not None and np.ptp(drive.samples) > 0:
+    # what is struck rings at its own frequency, and has no slower motion, however low its blows reach
+    if drive is not None and np.ptp(drive.samples) > 0 and not find_free_motion(recording).blows:
         slowest, cycles = min(slowest, max(drive.band[0], 1.5 * recording.fs / x.size)), DRIVEN_TREND_CYCLES
     for _ in range(times):
         x = _integrate(x, recording.fs, slowest / cycles)

@@ -92,11 +92,12 @@ def _floor(noise: float, envelope: np.ndarray, period: int) -> float:
     """Envelope of the noise: of the white noise, or of the recording where it is at rest, whichever is larger."""
     top = float(np.max(envelope))
     white = np.sqrt(2) * noise
-    low = int(np.argmin(envelope))
+    # within a cycle of either end the kernel sees its own mirror image, which may be lower than any motion there is
+    low = period + int(np.argmin(envelope[period:-period]))
     level = 1.5 * float(envelope[low])
     a, b = _run(envelope <= level, low)
     rest = 0.0
-    if b - a >= 8 * period:
+    if b - a >= 8 * period and b - a < envelope.size:  # what fills the record is its motion
         first, last = np.median(envelope[a : a + 2 * period]), np.median(envelope[b - 2 * period : b])
         if abs(first - last) < 0.25 * max(first, last):
             rest = float(np.median(envelope[a:b]))

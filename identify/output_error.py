@@ -21,6 +21,7 @@ import numpy as np
 from ..simulate.core import Core
 from ..simulate.force import Force
 from .descent import Descent, blocks_of
+from .jump_sides import nearer_sides
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
@@ -230,9 +231,10 @@ class OutputError:
         return list(self._pool.map(lambda job: job(), jobs))  # the core releases the interpreter lock
 
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
-        """Measured minus response."""
-        jobs = [(lambda i=i: self.segments[i].response - self.simulate(i, state)) for i in range(len(self.segments))]
-        return tuple(self.parallel(jobs))
+        """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
+        every = range(len(self.segments))
+        made = self.parallel([lambda i=i: self._beside_jumps(i, state)[0] for i in every])
+        return tuple(segment.response - response for segment, response in zip(self.segments, made, strict=True))
 
     def states(self, index: int, state: State) -> np.ndarray:
         """(n, states) displacement, velocity and inner states along one segment, simulated freely."""
@@ -252,16 +254,15 @@ class OutputError:
         the response by more than its phase can turn are left at zero, unless the ``raw`` quotients are asked for.
         """
         jobs: list[Callable[[], np.ndarray]] = []
-        signs: list[np.ndarray | None] = [None] * len(self.segments)
         jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
-        for i, taken in zip(jumping, self.parallel([lambda i=i: self._signs(i, state) for i in jumping]), strict=True):
-            signs[i] = taken
+        taken = self.parallel([lambda i=i: self._beside_jumps(i, state)[1] for i in jumping])
+        signs = dict(zip(jumping, taken, strict=True))
 
         def slope(i: int, k: int, base: np.ndarray) -> np.ndarray:
             """Difference quotient; to the other side where the model does not simulate beyond; else zero."""
             ahead = (-self.step if backward else self.step) * self._size(i, k, state)
             for step in (ahead, -ahead):
-                moved = (self.simulate(i, self._moved(i, k, state, step), signs=signs[i]) - base) / step
+                moved = (self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i)) - base) / step
                 if np.all(np.isfinite(moved)):
                     return moved
             return np.zeros_like(base)
@@ -283,14 +284,12 @@ class OutputError:
                     jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
         rows = iter(self.parallel(jobs))
         jacobians = [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
-        return (
-            jacobians
-            if raw
-            else [
-                self._bounded(i, made, state, self.segments[i].response - residuals[i])
-                for i, made in enumerate(jacobians)
-            ]
-        )
+        if raw:
+            return jacobians
+        bases = [segment.response - residual for segment, residual in zip(self.segments, residuals, strict=True)]
+        return [
+            self._bounded(i, made, state, base) for i, (made, base) in enumerate(zip(jacobians, bases, strict=True))
+        ]
 
     def _is_sensors(self, k: int) -> bool:
         """Whether an unknown is what a sensor shows beside a motion that knows nothing of it: needs no simulation."""
@@ -318,11 +317,13 @@ class OutputError:
         """Whether a segment's response jumps where a surface is crossed."""
         return self.segments[i].quantity == "acceleration" and bool(self.core.equations.kinds)
 
-    def _signs(self, i: int, state: State) -> np.ndarray:
-        """Signs of a segment's surfaces at each sample."""
-        keep = self.core.signs(self.segments[i].n)
-        self.simulate(i, state, keep=keep)
-        return keep
+    def _beside_jumps(self, i: int, state: State) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) response of a segment, beside its jumps on the nearer side, and (n, surfaces + 1) the signs it has."""
+        segment, keep = self.segments[i], self.core.signs(self.segments[i].n)
+        response = self.simulate(i, state, keep=keep if self._jumps(i) else None)
+        if self.memory != FREE or not self._jumps(i):  # what a prediction corrects by is as simulated
+            return response, keep
+        return nearer_sides(segment.response, response, keep, lambda signs: self.simulate(i, state, signs=signs))
 
     def _size(self, i: int, k: int, state: State) -> float:
         """What the step of an unknown is measured by."""

@@ -111,7 +111,7 @@ def run_along(
 
     rest = float(run(initial, 1)[0])  # a sensor may show a mass at rest to be elsewhere than at zero
     moved = measured - (rest if np.isfinite(rest) else 0.0)
-    if starts_at_rest(moved, recording.dt, omega, response_of(recording).noise):
+    if forced and starts_at_rest(moved, recording.dt, omega, response_of(recording).noise):
         own = phases
     else:
         own = list(range(scale.size - 1))

@@ -19,6 +19,7 @@ from ..errors import BadInput
 from .curves import BackboneFit, DampingFit, backbone_omega0, fit_backbone, fit_damping
 from .decays import Decay, find_free_motion
 from .displacement import displacement
+from .envelope import motion_frequency
 from .forced_regression import forced_regression
 from .freevib import freevib
 from .regression import RegressionStart, Rows, Segment, regress_rows, segment_rows
@@ -131,7 +132,7 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
 
     By regression; at the backbone's frequency; at that of the largest line.
     """
-    lines = [response_of(r).frequency for r in recordings]
+    lines = [_line(response_of(r)) for r in recordings]
     omegas = [2 * np.pi * float(np.median(lines))]
     if estimate.backbone is not None:
         omegas.insert(0, float(estimate.backbone.omega0))
@@ -199,6 +200,11 @@ def _regression(segments: list[Segment], notes: list[str]) -> tuple[RegressionSt
     return regressions[0], regressions[1]
 
 
+def _line(signal: Signal) -> float:
+    """Frequency in Hz of a signal's largest line, whatever rests elsewhere or drifts beneath it."""
+    return motion_frequency(signal.samples, signal.fs) or signal.frequency
+
+
 def _combine(
     motions: list[Segment],
     curves: list[Curve],
@@ -226,7 +232,7 @@ def _combine(
         std = {k: fits[k + "_std"] for k in value}
     else:
         source = "spectrum"
-        value["omega0"] = 2 * np.pi * float(np.median([m.displacement.frequency for m in motions]))
+        value["omega0"] = 2 * np.pi * float(np.median([_line(m.displacement) for m in motions]))
         value["viscous"] = _PLAIN_DAMPING * value["omega0"]
         notes.append("No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum.")
     moved = [m.displacement.samples for m in motions]

@@ -10,14 +10,16 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data, likelihood
 from ...identify.descent import Descent
+from ...identify.from_prediction import keeps_step
 from ...identify.odds import DECISIVE
+from ...identify.output_error import OutputError, State
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
@@ -86,7 +88,7 @@ class Start:
         self.data = data
         self.structure = Structure(entry.model, data, entry.fixed)
         problem = self.structure.problem
-        self.descent = Descent(problem, settled(problem, self.structure.state(entry.initial)))
+        self.descent = Descent(problem, self._begun(problem, entry.initial))
         self.steps = 0
         self.credit = 1.0
         self._white = True
@@ -96,6 +98,22 @@ class Start:
         self.measure = measure
         self._measure()
         self.resting = not np.isfinite(self.value)
+
+    def _begun(self, problem: OutputError, initial: np.ndarray | None) -> State:
+        """Where it begins: as proposed but, where whoever proposed it had lost the motion, as the motion itself shows.
+
+        The initial state of a segment that a leader does not follow says nothing of another law's.
+        """
+        state = settled(problem, self.structure.state(initial))
+        lost = [not keeps_step([s], [r]) for s, r in zip(problem.segments, problem.residuals(state), strict=True)]
+        if initial is None or not any(lost):
+            return state
+        begun = np.array(initial)
+        begun[lost, :2] = self.structure.state(None).initial[lost, :2]
+        anew = settled(problem, self.structure.state(begun))
+        pairs = zip(problem.residuals(state), problem.residuals(anew), strict=True)
+        better = [not np.sum(before**2) <= np.sum(after**2) and np.all(np.isfinite(after)) for before, after in pairs]
+        return replace(state, initial=np.where(np.array(better)[:, None], anew.initial, state.initial))
 
     def measured_by(self, measure: Measure) -> None:
         """Go on in another measure."""

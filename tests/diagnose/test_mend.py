@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.mend import exported, follows_any, no_finding, record_fits, takes_something
+from dashpot.diagnose.mend import exported, follows_any, no_finding, record_fits, takes_something, unmended
 from dashpot.diagnose.result import RecordFit
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Response
@@ -171,10 +171,59 @@ def test_a_model_shown_nothing_follows_nothing():
 def test_a_mended_model_takes_nothing_away_where_most_records_have_less_than_their_noise(before, takes):
     records = [row(1e-6, 1e-9, 1e-3), row(before, 1e-9, 1e-3), row(before, 1e-9, 1e-3)]
     assert takes_something(records) is takes
-    why = no_finding(records)
+    why = no_finding(records, 0.9)
     assert (why is None) is takes
     assert takes or "a sensor could have shown" in why
 
 
 def test_what_follows_nothing_is_no_finding_whatever_it_takes_away():
-    assert "follows no recording" in no_finding([row(5.0, 0.9, 1e-3)])
+    assert "follows no recording" in no_finding([row(5.0, 0.9, 1e-3)], 0.9)
+
+
+# --- whether what was held out bears it out
+
+
+def held(before, after, floor=1e-3):
+    return replace(row(before, after, floor), holdout=True)
+
+
+@pytest.mark.parametrize(("share", "named"), [(None, True), (0.011, True), (0.009, False), (0.0, False)])
+def test_what_takes_away_less_than_a_hundredth_of_what_was_lacking_is_no_finding(share, named):
+    assert (no_finding([row(0.5, 0.1)], share) is None) is named
+
+
+@pytest.mark.parametrize(("after", "named"), [(0.49, True), (0.51, False), (math.nan, False)])
+def test_what_follows_nothing_of_what_was_held_out_is_no_finding(after, named):
+    """Even where it tells all it was fitted to: then the rig was another, or the law fits by chance."""
+    why = no_finding([row(0.6, 0.01), held(1.0, after)], 0.9)
+    assert (why is None) is named
+    assert named or "nothing of what was held out" in why
+
+
+def test_one_held_out_recording_that_is_followed_suffices():
+    assert no_finding([row(0.6, 0.01), held(1.0, 0.9), held(0.9, 0.1)], 0.9) is None
+
+
+@pytest.mark.parametrize(
+    ("errors", "worse"),
+    [
+        ([(0.1, 0.1004)], False),
+        ([(0.1, 0.101)], True),
+        ([(0.1, 0.11), (0.2, 0.15)], False),
+        ([(0.1, 0.2), (0.2, 0.18)], True),
+        ([(1e-4, 9e-4)], False),
+        ([(math.inf, 0.3)], False),
+    ],
+)
+def test_what_tells_held_out_motion_worse_is_no_finding(errors, worse):
+    """Each recording by its share of the motion, none below its noise, and not by less than what matters."""
+    records = [row(0.6, 0.01), *(held(*pair) for pair in errors)]
+    why = no_finding(records, 0.9)
+    assert (why is not None) is worse
+    assert not worse or "worse than the given family" in why
+
+
+def test_where_nothing_is_mended_the_row_says_before_twice():
+    record = unmended(row(0.5, 0.1))
+    assert record.nrmse_after == 0.5
+    assert record.after is record.before

@@ -94,3 +94,21 @@ def test_beam_between_magnets_after_its_shaker():
     driven = np.max(np.abs(r.response[:10000]))
     before, after = (np.max(np.abs(r.response[i : i + 50])) for i in (decay.start - 100, decay.start + 50))
     assert before > 0.9 * driven > after
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+@pytest.mark.parametrize(("ratio", "cycles"), [(1e-3, 20), (2e-4, 100), (3e-4, 100), (1e-4, 400), (2.5e-3, 100)])
+def test_a_lightly_damped_decay_is_found_whole_that_falls_by_a_tenth_or_more(ratio, cycles, noise):
+    """Its last cycles are as good as level, and are no rest after it."""
+    t = np.arange(40 * cycles) / 40
+    x = np.exp(-2 * np.pi * ratio * t) * np.cos(2 * np.pi * t)
+    seen = x + noise * np.random.default_rng(cycles).standard_normal(t.size)
+    assert [(d.start, d.stop) for d in find_decays(Recording("fork", 40.0, seen))] == [(0, t.size)]
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+def test_a_tone_that_does_not_fall_by_a_tenth_is_no_decay(noise):
+    t = np.arange(4000) / 40
+    x = np.exp(-2 * np.pi * 1e-4 * t) * np.cos(2 * np.pi * t)  # by 6 %
+    seen = x + noise * np.random.default_rng(1).standard_normal(t.size)
+    assert find_decays(Recording("tone", 40.0, seen)) == ()

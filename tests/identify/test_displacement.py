@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from dashpot.identify.displacement import displacement
 from dashpot.recording import Recording
+from scipy.signal import lsim, lti
 
 FS, PACE, RATE = 500.0, 2 * np.pi * 10.0, 0.05
 TIME = np.arange(4000) / FS
@@ -31,3 +32,24 @@ def test_what_is_integrated_is_the_motion_and_an_offset_is_not(order, quantity, 
     # what an integration adds is known worst at the ends, ten cycles and for the second one thirty
     ends, part = ((500, 0.01), (1500, 0.05))[order - 1]
     assert found.samples[ends:-ends] == pytest.approx(motion(0)[ends:-ends], abs=part * 5e-3)
+
+
+@pytest.mark.parametrize("noise", [1e-3, 3e-2])
+def test_what_is_struck_has_no_motion_slower_than_its_ringing(noise):
+    """Four blows that reach from zero upwards: what the integration adds below the ringing is no motion of the rig."""
+    fs, omega, ratio = 3000.0, 2 * np.pi * 20.0, 0.02
+    t = np.arange(24000) / fs
+    force = np.zeros(t.size)
+    pulse = np.sin(np.pi * np.arange(12) / 12)
+    for at, size in ((600, 1.0), (6900, 0.7), (12300, 1.3), (18300, 0.9)):
+        force[at : at + pulse.size] = size * pulse
+    system = lti([1.0], [1.0, 2 * ratio * omega, omega**2])
+    truth = lsim(system, force, t)[1]
+    rate = lsim(lti([1.0, 0.0], [1.0, 2 * ratio * omega, omega**2]), force, t)[1]
+    acceleration = force - 2 * ratio * omega * rate - omega**2 * truth
+    seen = acceleration + noise * np.std(acceleration) * np.random.default_rng(4).standard_normal(t.size)
+    recording = Recording("hits", fs, seen, force, "acceleration", "m/s2")
+    found = displacement(recording)
+    assert found.frequency == pytest.approx(20.0, rel=0.02)
+    ringing = slice(700, 3000)
+    assert np.std((found.samples - truth)[ringing]) < 0.05 * np.std(truth[ringing])

@@ -71,3 +71,12 @@ def test_a_motion_that_runs_away_is_followed_first_as_far_as_it_goes():
     replay = run_along(simulator, Recording("lab", 1 / DT, moved, unit="rad"))
     assert replay.initial[:2] == pytest.approx(begin, abs=1e-6)
     assert replay.response == pytest.approx(moved, abs=1e-3)
+
+
+def test_what_nothing_pushes_does_not_begin_at_rest():
+    """However loud the noise over its first cycle: at rest it would stay there, held by friction."""
+    truth = SOFT | {"cubic": 0.0, "viscous": 0.02}
+    x, _ = integrate_pieces(truth, np.zeros((1200, 1)), DT, 0.05, 0.0)
+    seen = x + 0.02 * np.random.default_rng(8).standard_normal(x.size)
+    replay = replayed(Oscillator.from_values(truth), Recording("loud", 1 / DT, seen, unit="rad"))
+    assert np.std(replay.response - x) < 0.1 * np.std(x)

@@ -9,10 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
+from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.displacement import displacement
 from dashpot.identify.freevib import freevib
-from dashpot.identify.start import hilbert_start
+from dashpot.identify.identification import identify
+from dashpot.identify.start import hilbert_start, plain_starts
 from dashpot.recording.recording import Recording
 
 DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[3] / "shared" / "data"))
@@ -176,3 +178,16 @@ def test_a_backbone_elsewhere_over_most_amplitudes_is_told(recorded, monkeypatch
     monkeypatch.setattr("dashpot.identify.start.freevib", elsewhere)
     estimate = hilbert_start([recorded(TRUTH, begin=(8e-3, 0.0), seconds=3.0)])
     assert any("differ by" in note for note in estimate.notes) == told
+
+
+def test_four_swings_and_then_rest_where_friction_left_it_start_near_their_own_frequency():
+    """The step from the release to the rest is larger than a tenth of the record's spectrum can tell from a line."""
+    rig = {"mass": 1.0, "omega0": 65.0, "cubic": -2e7, "preload": 0.0, "viscous": 10.0, "dry": 0.44}
+    x, _ = integrate_pieces(rig, np.zeros((490, 2)), 1 / 350.0, 4.3e-3, 0.0)
+    seen = x + 1.6e-5 * np.random.default_rng(0).standard_normal(x.size)
+    recording = Recording("stops", 350.0, seen)
+    assert hilbert_start([recording]).omega0 == pytest.approx(65.0, rel=0.1)
+    assert plain_starts(hilbert_start([recording]), [recording])[-1]["omega0"] == pytest.approx(65.0, rel=0.1)
+    parameters = identify([recording]).oscillator.parameters()
+    for name in ("omega0", "cubic", "viscous", "dry"):
+        assert parameters[name].value == pytest.approx(rig[name], abs=3 * parameters[name].std)

@@ -382,3 +382,19 @@ def test_once_one_comes_to_the_noise_patience_ends():
     other = Runner("other", 0.0, 1.0, 2.0, ceiling=10.0, patience=2)
     assert [what for what, _ in told(best, other)] == ["best"]
     assert other.patience == 0
+
+
+@pytest.mark.parametrize(("lost", "kept"), [(0, 1), (1, 0)])
+def test_a_segment_whose_motion_the_leader_lost_begins_where_the_motion_shows_it(plain, lost, kept):
+    """Beyond the top of its hill a softening spring pushes away, and no step leads back from there."""
+    data, model = plain
+    softens = replace(model, cubic=replace(model.cubic, value=-((model.omega0.value / 0.1) ** 2)))
+    own = started(Entry((), softens), data, Measure())
+    assert own is not None
+    initial = own.fitted.initial.copy()
+    initial[lost] = [0.2, 0.0]
+    start = started(Entry((), softens, initial), data, Measure())
+    assert start is not None
+    assert np.std(start.fitted.residuals[lost]) < 1.01 * np.std(own.fitted.residuals[lost])
+    assert start.fitted.initial[lost] == pytest.approx(own.fitted.initial[lost], rel=1e-3, abs=1e-5)
+    assert start.fitted.initial[kept] == pytest.approx(initial[kept], rel=1e-3, abs=1e-5)

@@ -1,0 +1,67 @@
+"""A sample beside a jump may be on either side of it, and costs nothing there."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.examples.truth import TRUTH
+from dashpot.examples.virtual_recording import recording_of
+from dashpot.identify.data import data_of
+from dashpot.identify.jump_sides import nearer_sides
+from dashpot.identify.plainest import plain_cost
+from dashpot.identify.settle import settled
+from dashpot.identify.structure import Structure
+from dashpot.model import Oscillator, Response
+
+
+def step(signs):
+    """A response that is one while its surface is on the one side, and minus one on the other."""
+    return np.where(signs[:, 0] > 0, 1.0, -1.0)
+
+
+def crossed(at, n=10):
+    """(n, 2) signs of a surface that is crossed after a sample."""
+    return np.stack([np.where(np.arange(n) <= at, 1, -1), np.zeros(n)], axis=1).astype(np.int8)
+
+
+@pytest.mark.parametrize("off", [-1, 0, 1])
+def test_a_jump_one_sample_early_or_late_is_none_the_worse(off):
+    measured, signs = step(crossed(4)), crossed(4 + off)
+    response, taken = nearer_sides(measured, step(signs), signs, step)
+    assert np.array_equal(response, measured)
+    assert np.array_equal(taken, crossed(4))
+
+
+def test_a_jump_two_samples_off_is():
+    measured, signs = step(crossed(4)), crossed(6)
+    response, _ = nearer_sides(measured, step(signs), signs, step)
+    assert np.flatnonzero(response != measured).tolist() == [5]
+
+
+def test_what_does_not_jump_is_as_it_is():
+    signs = crossed(10)
+    response = np.linspace(0.0, 1.0, 10)
+    assert nearer_sides(response + 1.0, response, signs, step)[0] is response
+
+
+@pytest.mark.parametrize("noise", [1e-7, 1e-6])
+def test_the_likelihood_of_an_accelerometer_decay_has_no_steps(noise):
+    """Friction and preload make two jumps a half cycle; over two standard errors of the frequency it is a parabola."""
+    recording = recording_of(begin=(8e-3, 0.0), quantity="acceleration", noise=noise, seconds=6.0)
+    values = {name: value for name, value in TRUTH.items() if name != "mass"}
+    model = Oscillator.from_values(values, response=Response("acceleration", "m/s2"))
+    structure = Structure(model, data_of([recording], model, coarse=False))
+    problem = structure.problem
+    state = problem.search(settled(problem, structure.state(None)), tolerance=1e-3).state
+    place = list(model.parameters()).index("omega0")
+    moves = np.linspace(-1.0, 1.0, 41) * 10 * noise
+    costs = []
+    for move in moves:
+        moved = state.values.copy()
+        moved[place] *= 1 + move
+        costs.append(plain_cost(problem.residuals(replace(state, values=moved))))
+    assert np.ptp(costs) > 20.0
+    assert costs == pytest.approx(np.polyval(np.polyfit(moves, costs, 2), moves), abs=2.0)
+    assert abs(int(np.argmin(costs)) - 20) <= 1
