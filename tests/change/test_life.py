@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -101,6 +102,7 @@ def of_file(name, fixed=None, **options):
     return identify([read(DATA / name, **options)], name=name.split(".")[0], fixed=fixed or {}).oscillator
 
 
+@cache
 def wheel(gap):
     """The columns bear each other's names; see the gallery."""
     return of_file(f"driven_wheel_{gap}mm.csv.gz", force="phi_rad", force_unit="V", response="driver_rad")
