@@ -96,14 +96,12 @@ def _most_likely(estimates: Estimates, groups: Sequence[Sequence[int]]) -> np.nd
     def loss(logs: np.ndarray) -> float:
         variance = np.exp(logs)
         inverse = np.linalg.inv(variance[0] * stated + np.diag(variance[1:]))
-        total = -np.sum(np.linalg.slogdet(inverse)[1])
-        for g in range(len(groups)):
-            own = label == g
-            weight = inverse[own].sum(axis=0)
-            total += np.linalg.slogdet(weight)[1]
-            mean = np.linalg.solve(weight, np.einsum("ijk,ik->j", inverse[own], values[own]))
-            rest = values[own] - mean
-            total += np.einsum("ij,ijk,ik->", rest, inverse[own], rest)
+        weight, pull = np.zeros((len(groups), k, k)), np.zeros((len(groups), k))
+        np.add.at(weight, label, inverse)
+        np.add.at(pull, label, np.einsum("ijk,ik->ij", inverse, values))
+        rest = values - np.einsum("ijk,ik->ij", np.linalg.inv(weight), pull)[label]
+        total = np.einsum("ij,ijk,ik->", rest, inverse, rest)
+        total += np.sum(np.linalg.slogdet(weight)[1]) - np.sum(np.linalg.slogdet(inverse)[1])
         return 0.5 * float(total)
 
     means = np.array([values[label == g].mean(axis=0) for g in range(len(groups))])

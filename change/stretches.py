@@ -91,16 +91,23 @@ def _cut(
     """Edges of the stretches between the states ``low`` and ``high``."""
     if high - low < 2:
         return [low, high]
-    sides = []
-    for at in range(low + 1, high):
-        before, behind = ([place for group in groups[a:b] for place in group] for a, b in ((low, at), (at, high)))
-        sides.append(what_moved(_of(estimates, [before, behind], known), level / (len(groups) - 1)))
-    best = max(range(len(sides)), key=lambda i: sides[i].nothing.left)
-    if not sides[best].best.moved:
+    at = low + 1 + int(np.argmax(_apart(_of(estimates, groups[low:high], known))))
+    before, behind = ([place for group in groups[a:b] for place in group] for a, b in ((low, at), (at, high)))
+    if not what_moved(_of(estimates, [before, behind], known), level / (len(groups) - 1)).best.moved:
         return [low, high]
-    at = low + 1 + best
     left = _cut(estimates, groups, known, low, at, level)
     return [*left[:-1], *_cut(estimates, groups, known, at, high, level)]
+
+
+def _apart(states: States) -> np.ndarray:
+    """(m - 1,) chi² by which the states before and from each place on differ."""
+    weight = np.linalg.inv(states.covariance)
+    sums = np.cumsum(weight, axis=0), np.cumsum(np.einsum("ijk,ik->ij", weight, states.values), axis=0)
+    sides = [(sums[0][:-1], sums[1][:-1]), (sums[0][-1] - sums[0][:-1], sums[1][-1] - sums[1][:-1])]
+    covariance = [np.linalg.inv(w) for w, _ in sides]
+    means = [np.einsum("ijk,ik->ij", c, s) for c, (_, s) in zip(covariance, sides, strict=True)]
+    difference = means[1] - means[0]
+    return np.einsum("ij,ijk,ik->i", difference, np.linalg.inv(covariance[0] + covariance[1]), difference)
 
 
 def leaps(estimates: Estimates, groups: Sequence[Sequence[int]]) -> tuple[int, ...]:

@@ -125,7 +125,10 @@ def killed_in_the_middle(arguments, folder, done):
     finally:
         process.kill()
         process.wait()
-    time.sleep(0.5)  # its children end with it, and what was being written is written
+    time.sleep(0.3)  # its children end with it,
+    store = Store(folder)  # and what was being written is written: by then nobody holds a lock
+    while any(store.busy(lock.stem) for lock in folder.glob("locks/*.lock")):
+        time.sleep(0.01)
     return kept(folder)
 
 
