@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -108,17 +110,22 @@ def batch(
         sys.exit(1)
 
 
+def _with_repeats(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option that says what repeatability is learnt from."""
+    return click.option(
+        "--repeats",
+        cls=SeveralValues,
+        type=FILE,
+        metavar="MODEL...",
+        help="Models of one unchanged rig, or the results of a fleet with repeats, from which it is learnt how far "
+        "repeats lie apart: all up to the next option.",
+    )(command)
+
+
 @click.command(cls=CommandOfSeveral)
 @click.argument("first", type=FILE)
 @click.argument("second", type=FILE)
-@click.option(
-    "--repeats",
-    cls=SeveralValues,
-    type=FILE,
-    metavar="MODEL...",
-    help="Models of one unchanged rig, or the results of a fleet with repeats, from which it is learnt how far repeats "
-    "lie apart: all up to the next option.",
-)
+@_with_repeats
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @with_laws
 def compare(first: Path, second: Path, repeats: tuple[Path, ...], as_json: bool) -> None:
@@ -140,13 +147,16 @@ def compare(first: Path, second: Path, repeats: tuple[Path, ...], as_json: bool)
         sys.exit(1)
 
 
-@click.command()
+@click.command(cls=CommandOfSeveral)
 @click.argument("models", nargs=-1, required=True, type=FILE)
+@_with_repeats
 @click.option("--rig", metavar="NAME", help="Of a fleet's results, this rig alone.")
 @click.option("--report", type=FILE, metavar="OUT.html", help="HTML page to write, with pictures over time.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @with_laws
-def watch(models: tuple[Path, ...], rig: str | None, report: Path | None, as_json: bool) -> None:
+def watch(
+    models: tuple[Path, ...], repeats: tuple[Path, ...], rig: str | None, report: Path | None, as_json: bool
+) -> None:
     """Which parameters moved over a rig's life, and when: models in order, or the folder that batch wrote.
 
     Exit code 1 where something did.
@@ -155,8 +165,8 @@ def watch(models: tuple[Path, ...], rig: str | None, report: Path | None, as_jso
     from .lives import lives_of
 
     if report is not None:
-        outputs_checked([report], models)
-    lives = lives_of(models, rig, say)
+        outputs_checked([report], [*models, *repeats])
+    lives = lives_of(models, rig, say, repeats)
     if report is not None:
         from .report.life_page import life_page
         from .writing import write

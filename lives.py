@@ -19,22 +19,25 @@ from .reading import content_of
 _MOST_BYTES = 100_000_000
 
 
-def lives_of(places: Sequence[Path], rig: str | None, say: Callable[[str], None]) -> list[Life]:
+def lives_of(
+    places: Sequence[Path], rig: str | None, say: Callable[[str], None], repeats: Sequence[Path] = ()
+) -> list[Life]:
     """The lives that model files, or the folders of fleets, tell.
 
     Args:
         places: model files in order, which are of one rig; or folders that ``dashpot batch`` wrote.
         rig: of a fleet, this one alone; None: each. Where no rig has two models, all are taken for one.
         say: called with one line for each that cannot be watched.
+        repeats: as ``repeats_of`` takes them, to learn repeatability from.
 
     Raises:
         BadInput: there is no such file, folder or rig, or the models cannot be compared.
     """
-    folders = [place for place in places if place.is_dir()]
+    folders, taught = [place for place in places if place.is_dir()], repeats_of(repeats)
     if not folders:
         if rig is not None:
             raise BadInput("--rig chooses from a fleet's results; name the folder that dashpot batch wrote")
-        return [watch(_distinct(places), _common(places))]
+        return [watch(_distinct(places), _common(places), taught)]
     if len(folders) < len(places):
         raise BadInput("name model files in order, or folders that dashpot batch wrote, but not both")
     rigs: dict[str, list[Point]] = {}
@@ -51,13 +54,13 @@ def lives_of(places: Sequence[Path], rig: str | None, say: Callable[[str], None]
     if rig is not None:
         if rig not in rigs:
             raise BadInput(f"{folders[0]}: has no rig {rig!r}; {suggestion(rig, rigs)}")
-        return [watch(rigs[rig], rig)]
+        return [watch(rigs[rig], rig, taught)]
     if all(len(points) < 2 for points in rigs.values()):
-        return [watch([point for points in rigs.values() for point in points], "fleet")]
+        return [watch([point for points in rigs.values() for point in points], "fleet", taught)]
     for name, points in rigs.items():
         if len(points) < 2:
             say(f"note: {name} has one model and no life to watch")
-    return [watch(points, name) for name, points in rigs.items() if len(points) > 1]
+    return [watch(points, name, taught) for name, points in rigs.items() if len(points) > 1]
 
 
 def repeats_of(places: Sequence[Path]) -> list[list[Oscillator]]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -43,6 +43,11 @@ class Estimates:
     def k(self) -> int:
         """How many parameters."""
         return len(self.names)
+
+
+def of_first(estimates: Estimates, n: int) -> Estimates:
+    """Those of the first ``n`` models."""
+    return replace(estimates, values=estimates.values[:n], covariance=estimates.covariance[:n])
 
 
 def side_by_side(models: Sequence[Oscillator]) -> Estimates:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..errors import BadInput
 from ..identify.odds import BY_CHANCE
 from ..model import Oscillator
 from .comparison import remarks, trusted
-from .estimates import Estimates, laws_of, side_by_side
+from .estimates import Estimates, laws_of, of_first, side_by_side
 from .moved import Moved
 from .repeatability import Repeatability, learnt_from
 from .steps import Step
@@ -145,12 +146,19 @@ class Life:
         }
 
 
-def watch(points: Sequence[Point], name: str = "rig", *, level: float = BY_CHANCE) -> Life:
+def watch(
+    points: Sequence[Point],
+    name: str = "rig",
+    repeats: Sequence[Sequence[Oscillator]] = (),
+    *,
+    level: float = BY_CHANCE,
+) -> Life:
     """Which parameters moved over a rig's life, and when.
 
     Args:
         points: two or more, in any order where all bear a time, else in order.
         name: of the rig.
+        repeats: further groups of models, each of one rig in one state, to learn repeatability from.
         level: how often chance alone may be taken for a change.
 
     Raises:
@@ -160,10 +168,12 @@ def watch(points: Sequence[Point], name: str = "rig", *, level: float = BY_CHANC
     if len(points) < 2:
         raise BadInput(f"{name}: one model has no life to watch; name two or more")
     models = [point.model for point in points]
-    estimates, groups, believed = side_by_side(models), _states(points), trusted(models)
-    marked = any(len(group) > 1 for group in groups)
-    if marked or len(groups) < ENOUGH:
-        known = learnt_from(estimates, groups, trusted=believed)
+    further = [model for group in repeats for model in group]
+    every, groups = side_by_side([*models, *further]), _states(points)
+    estimates, believed = of_first(every, len(points)), trusted([*models, *further])
+    teachers = [*groups, *_places(repeats, len(points))]
+    if any(len(group) > 1 for group in teachers) or len(groups) < ENOUGH:
+        known = learnt_from(every, teachers, trusted=believed)
         found = judged(estimates, groups, known, level)
     else:  # neighbours stand for repeats, but for those that a step parts
         cuts = leaps(estimates, groups)
@@ -182,6 +192,12 @@ def watch(points: Sequence[Point], name: str = "rig", *, level: float = BY_CHANC
         laws=tuple(_laws(points, groups)),
         notes=(*estimates.given, *remarks(models, known)),
     )
+
+
+def _places(repeats: Sequence[Sequence[Oscillator]], first: int) -> list[list[int]]:
+    """Where the models of each group stand behind ``first`` others."""
+    ends = np.cumsum([first, *map(len, repeats)])
+    return [list(range(low, high)) for low, high in pairwise(ends)]
 
 
 def in_order(points: Sequence[Point]) -> list[Point]:

@@ -74,6 +74,16 @@ def test_repeats_are_entries_of_one_rig_in_one_state(fleet):
         repeats_of([folder / "e0.yaml"])
 
 
+def test_repeats_of_another_rig_teach_what_is_scatter(fleet):
+    folder = fleet(("a", None, 5.0), ("a", None, 5.5), *[("b", "new", 5.0 + 0.3 * (-1) ** i) for i in range(10)])
+    (stated,) = lives_of([folder], "a", print)
+    assert stated.moved.best.moved == ("viscous",)
+    (taught,) = lives_of([folder], "a", print, [folder])
+    assert not taught.changed
+    assert taught.repeatability.learnt == 9
+    assert len(taught.estimates.values) == 2
+
+
 def test_what_cannot_be_watched_is_said(fleet, tmp_path):
     folder = fleet(("stand", None, 5.0), ("stand", None, 5.0))
     with pytest.raises(BadInput, match="did you mean stand"):
