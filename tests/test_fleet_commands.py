@@ -100,3 +100,16 @@ def test_what_cannot_be_done_is_said_and_nothing_written(capsys, stand, monkeypa
     assert says in err
     assert out == ""
     assert not (stand / "out2").exists()
+
+
+def test_a_model_is_kept_where_its_page_cannot_be_made():
+    from dashpot.batch_entry import _page
+
+    def broken():
+        raise ValueError("no picture")
+
+    page, notes = _page(True, broken)
+    assert page is None
+    assert notes[0].startswith("there is no page: this is a fault of dashpot")
+    assert _page(False, broken) == (None, [])
+    assert _page(True, lambda: "a page") == ("a page", [])
