@@ -15,6 +15,7 @@ import click
 from . import __version__
 from .endings import ended
 from .errors import BadInput
+from .fleet_commands import COMMANDS as FLEET_COMMANDS
 from .model_commands import COMMANDS
 from .options import FILE, fixed_values, most_left, read_all, with_laws, with_mode, with_recordings, with_time_limit
 from .several_values import CommandOfSeveral, SeveralValues
@@ -291,7 +292,7 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time
         sys.exit(1)
 
 
-for _command in COMMANDS:
+for _command in (*COMMANDS, *FLEET_COMMANDS):
     cli.add_command(_command)
 
 

@@ -85,7 +85,7 @@ def sentence(problem: BaseException) -> str:
     """What a user is told of a problem."""
     if isinstance(problem, DashpotError):
         return str(problem)
-    if isinstance(problem, MemoryError) or any(words in str(problem) for words in _NO_MEMORY):
+    if out_of_memory(problem):
         return "there is not enough memory for this; use a part of the recordings (--part), or a lower sampling rate"
     if isinstance(problem, OSError) and problem.strerror:
         what = problem.filename if isinstance(problem.filename, str) else "the system"
@@ -96,6 +96,11 @@ def sentence(problem: BaseException) -> str:
         f"{_place(problem)}); please write to those who make dashpot, with the command, its files and what "
         f"{TRACEBACK}=1 before it shows"
     )
+
+
+def out_of_memory(problem: BaseException) -> bool:
+    """Whether a problem is that memory has ended."""
+    return isinstance(problem, MemoryError) or any(words in str(problem) for words in _NO_MEMORY)
 
 
 def _place(problem: BaseException) -> str:

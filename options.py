@@ -112,19 +112,12 @@ def fixed_values(context: click.Context, parameter: click.Parameter, values: tup
 
 def most_left(context: click.Context, parameter: click.Parameter, text: str | None) -> MostLeft | None:
     """``5%`` of the motion or ``3x`` the noise as the most that a model may leave."""
-    from .model.fit_state import MostLeft
+    from .model.fit_state import parse_most_left
 
-    if text is None:
-        return None
     try:
-        size = float(text.strip()[:-1])
-    except ValueError:
-        size = -1.0
-    if not 0.0 < size < float("inf") or text.strip()[-1] not in "%x":
-        raise click.BadParameter(
-            f"'{text}' is neither a share of the motion, such as 5%, nor times the noise, such as 3x"
-        )
-    return MostLeft(part=size / 100.0) if text.strip().endswith("%") else MostLeft(times=size)
+        return None if text is None else parse_most_left(text)
+    except BadInput as problem:
+        raise click.BadParameter(str(problem)) from None
 
 
 def calibrations(texts: tuple[str, ...]) -> dict[str, str]:

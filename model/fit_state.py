@@ -11,6 +11,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ..errors import BadInput
+
 if TYPE_CHECKING:
     from .oscillator import Oscillator
 
@@ -24,6 +26,17 @@ class MostLeft:
 
     part: float = math.inf
     times: float = math.inf
+
+
+def parse_most_left(text: str) -> MostLeft:
+    """``5%`` of the motion or ``3x`` the noise; raises BadInput for anything else."""
+    try:
+        size = float(text.strip()[:-1])
+    except ValueError:
+        size = -1.0
+    if not 0.0 < size < float("inf") or text.strip()[-1] not in "%x":
+        raise BadInput(f"'{text}' is neither a share of the motion, such as 5%, nor times the noise, such as 3x")
+    return MostLeft(part=size / 100.0) if text.strip().endswith("%") else MostLeft(times=size)
 
 
 def beyond(oscillator: Oscillator, most: MostLeft) -> list[str]:

@@ -93,9 +93,9 @@ class _Loader(yaml.SafeLoader):
         if isinstance(event, yaml.AliasEvent):
             raise _refusal("aliases (*name) are not allowed here; write the value out", event)
         if getattr(event, "tag", None) is not None:
-            raise _refusal("tags (!name) are not allowed here; a model file is plain data", event)
+            raise _refusal("tags (!name) are not allowed here; such a file is plain data", event)
         if self.depth >= MAX_DEPTH:
-            raise _refusal(f"nested more than {MAX_DEPTH} levels deep; no model file is", event)
+            raise _refusal(f"nested more than {MAX_DEPTH} levels deep; no file of dashpot is", event)
         self.depth += 1
         node = super().compose_node(parent, index)
         self.depth -= 1
@@ -138,7 +138,7 @@ def read_yaml(text: str, where: str) -> Document:
         BadInput: the text is too long or not YAML, or it has a tag, an alias or too deep nesting.
     """
     if len(text) > MAX_CHARACTERS:
-        raise BadInput(f"{where}: longer than {MAX_CHARACTERS} characters; this is not a model file")
+        raise BadInput(f"{where}: longer than {MAX_CHARACTERS} characters; no file of dashpot is")
     try:
         loader = _Loader(text)
         try:

@@ -27,10 +27,15 @@ class Text:
 
 @dataclass(frozen=True)
 class Cell:
-    """One cell; ``tone`` is ``good``, ``bad``, ``quiet``, ``code``, ``level0`` to ``level4`` (shades) or plain."""
+    """One cell; ``tone`` is ``good``, ``bad``, ``quiet``, ``code``, ``level0`` to ``level4`` (shades) or plain.
+
+    ``link`` is a file beside the page that the text leads to, ``svg`` a small picture ahead of the text.
+    """
 
     text: str
     tone: str = ""
+    link: str = ""
+    svg: str = ""
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,7 @@ class Table:
         rows: cells, as text where they need no tone; the first of each row is its name.
         numeric: columns that are set flush right.
         caption: what it shows.
+        cards: whether each row becomes a card of its own on a narrow screen, for tables with sentences in them.
     """
 
     kind: ClassVar[str] = "table"
@@ -49,6 +55,7 @@ class Table:
     rows: tuple[tuple[str | Cell, ...], ...]
     numeric: tuple[int, ...] = ()
     caption: str = ""
+    cards: bool = False
 
     def cells(self) -> list[list[Cell]]:
         """Rows with every cell as a Cell."""

@@ -80,6 +80,7 @@ def test_there_are_commands_to_run():
     assert {page for page in PAGES if commands(page)} == {
         *TYPED,
         "README.md",
+        "docs/fleets.md",
         "docs/formats.md",
         "docs/laws.md",
         TUTORIAL,
@@ -91,7 +92,7 @@ def test_there_are_commands_to_run():
 
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
 def test_commands_and_options_exist_and_inputs_are_there_when_they_are_read(page):
-    there = {*RECORDED, "magnet.py"} if page != TUTORIAL else set(COPIED)
+    there = {*RECORDED, "magnet.py", "fleet.yaml"} if page != TUTORIAL else set(COPIED)
     there |= MODELS if page in TYPED and not makes_its_model(page) else set()
     for words in commands(page):
         if words[0] == "make":
@@ -237,6 +238,36 @@ def test_the_commands_on_formats_do_what_they_say(stand):
     assert "motion     decay" in decays.stdout
     assert json.loads(sweep.stdout)[0]["recordings"][0]["motion"] == "sweep"
     assert sorted(stand.iterdir()) == before
+
+
+def test_the_manifest_of_the_page_on_fleets_is_one(stand):
+    from dashpot.fleet.manifest import read_manifest
+
+    entries = read_manifest(manifest_of_the_page(stand)).entries
+    assert [entry.name for entry in entries] == ["monday", "tuesday", "friday", "decay_low"]
+    assert {Path(name).name for entry in entries for name in (*entry.recordings, *entry.holdout)} <= RECORDED
+
+
+def manifest_of_the_page(folder: Path) -> Path:
+    (text,) = re.findall(r"```yaml\n(.*?)```", PAGES["docs/fleets.md"], re.DOTALL)
+    (folder / "fleet.yaml").write_text(text, encoding="utf-8")
+    return folder / "fleet.yaml"
+
+
+@pytest.mark.long
+def test_the_commands_on_fleets_do_what_they_say(stand):
+    """Nothing is wrong with this rig, and nothing changes: each ends with 0."""
+    manifest_of_the_page(stand)
+    said = []
+    for words in commands("docs/fleets.md"):
+        ended = typed(words, stand)
+        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
+        for name in written(words):
+            assert (stand / name).exists()
+        said.append(ended.stdout)
+    assert said[0] == "4 rows: 4 good\n"
+    assert said[1].startswith("stand: Nothing moved")
+    assert said[-1].startswith("Nothing moved")
 
 
 @pytest.mark.long

@@ -1,0 +1,96 @@
+"""The life of a rig in sentences, and as a table of text."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from ..model.parameter import Parameter
+from ..model.show import value_and_error
+from .wording import percent_change, spoken, verdict
+
+if TYPE_CHECKING:
+    from .life import Life
+
+_MOST = 8  # steps that are told one by one
+
+
+def sentences(life: Life) -> list[str]:
+    """What moved, then when."""
+    if life.moved is None:
+        return ["One state: nothing to compare it with."]
+    told = [f"{verdict(life.moved, differs=life.differs)}."]
+    for name in life.moved.best.moved:
+        unit = life.estimates.units[life.estimates.names.index(name)]
+        steps = [step for step in life.steps if step.parameter == name]
+        if name in life.drifts:
+            slope, error = life.drifts[name]
+            told.append(f"{name} drifts by {slope:.3g} ± {error:.2g} {unit} from state to state, in a straight line.")
+            continue
+        if not steps:
+            told.append(f"{name}: no single step stands out.")
+        for step in steps[:_MOST]:
+            share = percent_change(step.before, step.after)
+            size = abs(step.after - step.before) / step.error if step.error > 0 else math.inf
+            much = f"{share}{', ' if share else ''}{size:.3g} of its errors"
+            told.append(
+                f"{name} changes between {life.label(step.state - 1)} and {life.label(step.state)}: from "
+                f"{step.before:.5g} to {step.after:.5g} {unit} ({much})."
+            )
+        if len(steps) > _MOST:
+            told.append(f"{name}: and {len(steps) - _MOST} more steps.")
+    for state, new, gone in life.laws:
+        for words, laws in (("appears", new), ("vanishes", gone)):
+            if laws:
+                told.append(f"{spoken(laws)} {words} at {life.label(state)}.")
+    return told
+
+
+def repeatability_told(life: Life) -> str:
+    """What the changes were held against."""
+    known = life.repeatability
+    inflation = known.inflation * (1.0 if life.moved is None else life.moved.inflation)
+    text = {
+        "repeats": f"Held against repeats ({known.learnt} degrees of freedom).",
+        "neighbours": f"Held against how neighbours differ ({known.learnt} degrees of freedom): no repeats are marked.",
+        "errors": "Held against the stated errors: no repeats are marked, and there are few tests.",
+    }[known.source]
+    if inflation > 1.001:
+        text += f" The stated errors were taken {math.sqrt(inflation):.3g} times as large."
+    spread = [
+        f"{name} {known.spread[j] * life.estimates.scale[j]:.2g} {life.estimates.units[j]}"
+        for j, name in enumerate(life.estimates.names)
+        if known.spread[j] > 0
+    ]
+    if spread:
+        text += f" Between repeats beyond that: {', '.join(spread)}."
+    return text
+
+
+def describe(life: Life) -> str:
+    """What ``dashpot watch`` prints of a rig."""
+    names = life.estimates.names
+    moved = () if life.moved is None else life.moved.best.moved
+    head = ["", "when", *(f"{name}{' *' if name in moved else ''}" for name in names)]
+    rows = [head]
+    for point in life.points:
+        parameters = point.model.parameters()
+        rows.append(
+            [
+                point.name if point.state is None else f"{point.name} ({point.state})",
+                "" if point.when is None else str(point.when).removesuffix("T00:00:00+00:00"),
+                *(plus_minus(parameters[name]) for name in names),
+            ]
+        )
+    if not any(row[1] for row in rows[1:]):
+        rows = [[row[0], *row[2:]] for row in rows]
+    width = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    lines = ["  ".join(f"{cell:<{width[i]}}" for i, cell in enumerate(row)).rstrip() for row in rows]
+    notes = [f"- {note}" for note in life.notes]
+    return "\n".join([f"{life.name}: {' '.join(sentences(life))}", "", *lines, "", repeatability_told(life), *notes])
+
+
+def plus_minus(parameter: Parameter) -> str:
+    """``1.0480 ± 0.0028``."""
+    value, error = value_and_error(parameter)
+    return f"{value} ± {error}" if error else value

@@ -1,0 +1,104 @@
+"""What changed, in sentences and in a table of text."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from .moved import Hypothesis, Moved
+
+if TYPE_CHECKING:
+    from .comparison import Comparison
+
+
+def spoken(words: Sequence[str], last: str = "and") -> str:
+    """``a, b and c``."""
+    return " ".join([", ".join(words[:-1]), last, words[-1]]) if len(words) > 1 else "".join(words)
+
+
+def chance_text(chance: float) -> str:
+    """A chance for a sentence."""
+    return "p < 1e-12" if chance < 1e-12 else f"p = {chance:.2g}"
+
+
+def percent_change(first: float, second: float) -> str:
+    """How far a value went, in percent of where it was; empty where it was zero."""
+    if not first or not math.isfinite(second / first):
+        return ""
+    share = 100 * (second - first) / abs(first)
+    return f"{share:+.3g} %" if abs(share) < 9.5e2 else f"{share:+.2g} %"
+
+
+def verdict(moved: Moved, *, differs: bool) -> str:
+    """Which parameters moved, and what cannot be told from that."""
+    best = moved.best.moved
+    if not best and not differs:
+        return "Nothing moved: the models differ by no more than chance makes"
+    if not best:
+        return "The models differ by more than their errors, but no parameter stands out from the rest"
+    several = "moved together" if len(best) > 1 else "moved"
+    rivals = f", or else {_rivals(moved.rivals)}, which cannot be told from that" if moved.rivals else ""
+    stays = ", and nothing else" if moved.best.freedom else ": all that both estimate"
+    return f"{spoken(best)} {several}{stays}{rivals}"
+
+
+def _rivals(rivals: Sequence[Hypothesis]) -> str:
+    return spoken([spoken(rival.moved) for rival in rivals], "or")
+
+
+def sentence(comparison: Comparison) -> str:
+    """The whole in one sentence or two."""
+    parts = []
+    units = {shift.name: shift.unit for shift in comparison.shifts}
+    for name, (first, second) in comparison.explained.items():
+        share = percent_change(first[0], second[0])
+        error = comparison.change_errors[name]
+        size = f", {abs(second[0] - first[0]) / error:.3g} of its errors" if error > 0 else ""
+        parts.append(
+            f"{name} from {first[0]:.5g} to {second[0]:.5g} {units[name]}{f' ({share}{size})' if share else ''}"
+        )
+    said = verdict(comparison.moved, differs=comparison.differs)
+    text = f"{said}{': ' if parts else ''}{'; '.join(parts)}."
+    for words, laws in (("appeared", comparison.appeared), ("vanished", comparison.vanished)):
+        if laws:
+            text += f" {spoken(laws)} {words}."
+    return text[0].upper() + text[1:] if comparison.moved.best.moved == () else text
+
+
+def describe(comparison: Comparison) -> str:
+    """What ``dashpot compare`` prints."""
+    head = ("parameter", comparison.first[:24], comparison.second[:24], "change", "errors", "in all", "p", "")
+    rows: list[tuple[str, ...]] = [head]
+    for s in comparison.shifts:
+        rows.append(
+            (
+                s.name,
+                f"{s.first:.5g} ± {s.first_error:.2g}",
+                f"{s.second:.5g} ± {s.second_error:.2g}",
+                percent_change(s.first, s.second) or f"{s.change:+.3g}",
+                f"{s.errors:+.1f}",
+                f"{s.repeats:+.1f}",
+                f"{s.chance:.2g}",
+                "moved" if s.moved else f"seen from ±{s.seen_from:.2g} {s.unit}",
+            )
+        )
+    width = [max(len(row[i]) for row in rows) for i in range(len(head))]
+    lines = [
+        "  ".join(f"{cell:{'<' if i in (0, 7) else '>'}{width[i]}}" for i, cell in enumerate(row)).rstrip()
+        for row in rows
+    ]
+    judged = judged_by(comparison)
+    notes = [f"- {note}" for note in comparison.notes]
+    return "\n".join([sentence(comparison), "", *lines, "", judged, *notes])
+
+
+def judged_by(comparison: Comparison) -> str:
+    """What the errors are in the columns, for a reader of the table."""
+    known = comparison.repeatability
+    words = "errors: of the difference, as stated; in all: with what "
+    if known.source == "errors":
+        words += "did not move makes of them" if not known.trusted else "repeats would add, of which none were given"
+    else:
+        words += f"repeats add ({known.learnt} degrees of freedom)"
+    return f"{words}; p: by that, for one of {len(comparison.shifts)} parameters"

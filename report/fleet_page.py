@@ -1,0 +1,148 @@
+"""A fleet on one page: how many rows stand where, each row with a picture and a link, parameters over the fleet."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
+
+from ..model.display import number, percent_text, pretty_unit, times_text
+from .blocks import Block, Cell, Section, Table, Text, page
+from .sparkline import motion_sparkline, value_sparkline
+
+if TYPE_CHECKING:
+    from ..fleet.table import Row
+
+#: Rows of a table on the page; of a larger fleet the rest stands in the CSV, so that the page stays below 1 MB.
+MOST_ROWS = 300
+#: Values of a parameter that are drawn.
+_MOST_DOTS = 200
+#: Mark, tone and words of each state.
+_SHOWN = {
+    "good": ("✓", "good", "the model leaves no more than it may"),
+    "mended": ("◆", "good", "a diagnosis named what was missing, and nothing remains"),
+    "doubtful": ("▲", "bad", "the model leaves more than it may"),
+    "bad-input": ("✕", "bad", "the input cannot be used; tried again when it changes"),
+    "fault": ("✕", "bad", "a fault of dashpot; tried again with --again"),
+    "killed": ("✕", "bad", "the process was ended; tried again in the next run"),
+    "timeout": ("✕", "bad", "took too long; tried again in the next run"),
+    "memory": ("✕", "bad", "memory ended; tried again in the next run"),
+    "open": ("…", "quiet", "not done yet"),
+}
+
+
+def fleet_page(name: str, rows: Sequence[Row]) -> str:
+    """The overview as HTML text: no script, nothing loaded from elsewhere; links lead to the entries' own pages.
+
+    Args:
+        name: of the manifest.
+        rows: in the manifest's order.
+    """
+    from ..fleet.outcome import BELIEVED
+    from ..fleet.table import counts
+
+    believed = [row for row in rows if row.outcome.state in BELIEVED]
+    others = [row for row in rows if row.outcome.state not in BELIEVED]
+    told = ", ".join(f"{count} {state}" for state, count in counts(rows).items())
+    lead = Text(
+        f"{len(believed)} of {len(rows)} rows are done and believed ({told}).",
+        "good" if not others else "bad",
+        "✓ All believed." if not others else "▲ Look at these first.",
+    )
+    sections = [
+        Section("Not done, or not believed", _rows(others)),
+        Section("Done and believed", _rows(believed)),
+        Section("Parameters over the fleet", _parameters(rows)),
+        Section("What the states mean", _states(rows)),
+    ]
+    return page(f"Fleet {name}", sections, lead=[lead], footer="All rows and all numbers: fleet.csv, fleet.json.")
+
+
+def _rows(rows: Sequence[Row]) -> tuple[Block, ...]:
+    if not rows:
+        return ()
+    head = ("Entry", "State", "Motion", "Left", "f0", "Damping", "In words")
+    blocks: list[Block] = [Table(head, tuple(_row(row) for row in rows[:MOST_ROWS]), (3, 4, 5), cards=True)]
+    if len(rows) > MOST_ROWS:
+        blocks.append(Text(f"And {len(rows) - MOST_ROWS} more rows, in fleet.csv."))
+    return tuple(blocks)
+
+
+def _row(row: Row) -> tuple[str | Cell, ...]:
+    outcome = row.outcome
+    mark, tone, _ = _SHOWN[outcome.state]
+    picture = motion_sparkline(outcome.picture, outcome.left, f"{row.entry.name}: motion, and what is left of it")
+    nrmse, times = row.worst("nrmse"), row.worst("over_noise")
+    left = "" if nrmse is None else percent_text(100 * nrmse)
+    if times is not None:
+        left += f" ({times_text(times)} × noise)"
+    known = outcome.sentence
+    if outcome.effects:
+        known = f"{', '.join(outcome.effects)}. {known}"
+    return (
+        Cell(row.entry.name, link=_link(row)),
+        Cell(f"{mark} {outcome.state}", tone),
+        Cell("", svg=picture),
+        left,
+        _f0(outcome.parameters),
+        _damping(outcome.parameters),
+        Cell(known if len(known) <= 400 else f"{known[:399]}…", "quiet"),
+    )
+
+
+def _link(row: Row) -> str:
+    if row.folder is None:
+        return ""
+    return quote(f"{row.folder.as_posix()}/{row.outcome.page or 'entry.json'}")
+
+
+def _f0(parameters: Any) -> str:
+    value = _value(parameters, "omega0")
+    return "" if value is None else f"{number(value / (2 * math.pi), 5)} Hz"
+
+
+def _damping(parameters: Any) -> str:
+    """The damping ratio of the viscous part, viscous / (2 omega0)."""
+    viscous, omega0 = _value(parameters, "viscous"), _value(parameters, "omega0")
+    return "" if viscous is None or not omega0 else percent_text(100 * viscous / (2 * omega0))
+
+
+def _value(parameters: Any, name: str) -> float | None:
+    return parameters.get(name, {}).get("value")
+
+
+def _parameters(rows: Sequence[Row]) -> tuple[Block, ...]:
+    """Each parameter over the entries: a picture, its median and range."""
+    units: dict[tuple[str, str], list[float | None]] = {}
+    for i, row in enumerate(rows):
+        for name, parameter in row.outcome.parameters.items():
+            column = units.setdefault((name, str(parameter["unit"])), [])
+            column += [None] * (i - len(column)) + [parameter["value"]]
+    lines = []
+    for (name, unit), values in units.items():
+        known = [value for value in values if value is not None]
+        if len(known) < 2:
+            continue
+        step = max(1, math.ceil(len(values) / _MOST_DOTS))
+        title = f"{name} over the entries, in the manifest's order"
+        middle = number(statistics.median(known), 4)
+        ends = (number(min(known), 4), number(max(known), 4))
+        lines.append((name, Cell("", svg=value_sparkline(values[::step], title)), middle, *ends, pretty_unit(unit)))
+    if not lines:
+        return ()
+    caption = "From left to right in the manifest's order. dashpot watch says what changed."
+    return (
+        Table(("Parameter", "Over the fleet", "Median", "Least", "Largest", "Unit"), tuple(lines), (2, 3, 4), caption),
+    )
+
+
+def _states(rows: Sequence[Row]) -> tuple[Block, ...]:
+    there = {row.outcome.state for row in rows}
+    return (
+        Table(
+            ("State", "Meaning"),
+            tuple((f"{mark} {state}", words) for state, (mark, _, words) in _SHOWN.items() if state in there),
+        ),
+    )
