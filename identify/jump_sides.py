@@ -15,6 +15,9 @@ import numpy as np
 from .odds import BEYOND_ERRORS
 from .segments import Segment
 
+#: Standard deviation of normal noise over its median size.
+_OF_MEDIAN = 1.4826
+
 
 def nearer_sides(
     segment: Segment, response: np.ndarray, signs: np.ndarray, under: Callable[[np.ndarray], np.ndarray]
@@ -30,8 +33,11 @@ def nearer_sides(
     """
     measured = segment.response
     before = np.flatnonzero(np.any(signs[1:] != signs[:-1], axis=1))
+    # the jumps themselves are in the highest frequencies too, from which the noise is measured
+    left = np.abs(measured - response)
+    noise = min(segment.noise, _OF_MEDIAN * float(np.median(left)))
     # nearer, noise alone is as likely a cause, and a choice that follows it would bend the size of the jump
-    off = np.abs(measured - response) > BEYOND_ERRORS * segment.noise
+    off = left > BEYOND_ERRORS * noise
     if not np.any(off[before] | off[before + 1]):
         return response, signs
     surfaces: list[slice] = [slice(None)]
