@@ -17,6 +17,7 @@ from .endings import ended
 from .errors import BadInput
 from .model_commands import COMMANDS
 from .options import FILE, fixed_values, most_left, read_all, with_laws, with_mode, with_recordings, with_time_limit
+from .setup_commands import COMMANDS as SETUP_COMMANDS
 from .several_values import CommandOfSeveral, SeveralValues
 from .terminal import outputs_checked, print_json, progress_shown, say
 
@@ -290,7 +291,7 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time
         sys.exit(1)
 
 
-for _command in COMMANDS:
+for _command in (*COMMANDS, *SETUP_COMMANDS):
     cli.add_command(_command)
 
 

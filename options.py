@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import replace
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-
-from .errors import BadInput
 
 if TYPE_CHECKING:
     from .model.fit_state import MostLeft
@@ -157,18 +153,9 @@ def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Callable[[str], None]) -> list[Recording]:
     """The recordings, all of a file that holds several, each note on them said."""
-    from .recording import read_records
-    from .recording.part import parse_part
+    from .recording import recordings_of
 
-    columns = options["response"] or (None,)
-    if len(columns) > 1 and (stated := next((name for name in ("quantity", "unit") if options[name]), None)):
-        raise BadInput(f"--{stated} cannot be that of {len(columns)} responses; state the units in the columns' names")
-    options = {**options, "part": parse_part(options["part"]) if options["part"] else None}
-    recordings = []
-    for file, column in product(files, columns):
-        for recording in read_records(file, **(options | {"response": column})):
-            named = f"{recording.name} ({column})" if len(columns) > 1 else recording.name
-            recordings.append(replace(recording, name=named))
+    recordings = recordings_of(files, **options)
     for recording in recordings:
         for note in recording.notes:
             say(f"note: {note}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -32,6 +33,11 @@ def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
 def say(line: str) -> None:
     """Progress and remarks go to stderr, so that what a program reads from stdout stays clean."""
     click.echo(printable(line), err=True)
+
+
+def coloured(text: str, colour: str) -> str:
+    """The text in a colour on a terminal (``click.echo`` takes it off elsewhere), unless NO_COLOR is set."""
+    return text if os.environ.get("NO_COLOR") else click.style(text, fg=colour)
 
 
 def print_json(value: Any) -> None:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ from ..model import Oscillator, Response
 from ..model.fit_state import LACKING, left_over
 from ..model.oscillator import Band
 from ..recording.checks import reversed_force
+from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from .climb import POOR_NRMSE, QUIET
@@ -44,7 +46,7 @@ _GAIN_RATIO = 300.0
 _MOVES = 30.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Identification:
     """A model and how it was found.
 
@@ -64,6 +66,9 @@ class Identification:
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
     faults: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Identification of {self.oscillator!r} from {', '.join(r.name for r in self.recordings)}>"
 
     @cached_property
     def measured(self) -> HilbertAnalysis:
@@ -88,7 +93,7 @@ class Identification:
 
 
 def identify(
-    recordings: Sequence[Recording],
+    recordings: Sequence[Recording] | Any,
     *,
     name: str = "oscillator",
     effects: Sequence[str] = (),
@@ -103,7 +108,7 @@ def identify(
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
 
     Args:
-        recordings: as read by ``dashpot.recording.read``.
+        recordings: as read by ``dashpot.recording.read``, or what ``recordings_of`` reads.
         name: the rig's name, for the model file.
         effects: names of laws of the library to be fitted beside Eq. 17.
         fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
@@ -119,6 +124,7 @@ def identify(
         BadInput: where the recordings do not belong together, or cannot carry a model; where a law or a parameter is
             not known.
     """
+    recordings = recordings_of(recordings)
     belong_together(recordings)
     progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
