@@ -166,7 +166,8 @@ def _platforms() -> Finding:
     built = can_build()
     there = all(p in built for p in PLATFORMS)
     names = ", ".join(p.name for p in built) or "none"
-    return Finding("platforms", there, False, names + ("" if there else '; for all: pip install "dashpot[platforms]"'))
+    advice = "" if there else '; for all: pip install "dashpot[platforms]"'
+    return Finding("FMUs for", there, False, names + advice)
 
 
 def _cache() -> Finding:

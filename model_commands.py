@@ -54,8 +54,8 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     simulation.save(output)
     say(f"written: {output}")
     if simulation.lost is not None:
-        at = simulation.lost
-        say(f"{model}: the simulation runs away; from {at:.4g} s on {output} holds nan: check units and parameters")
+        told = f"the simulation runs away; from {simulation.lost:.4g} s on {output} holds nan"
+        say(f"{model}: {told}: check units and parameters", always=True)
         sys.exit(1)
 
 

@@ -92,6 +92,15 @@ def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[
         load_law_file(file)
 
 
+def law_names(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
+    """The laws of the library, and of installed packages, whose names begin so: for the completion of a shell."""
+    from .model.installed_laws import take_installed_laws
+    from .model.laws import LIBRARY
+
+    take_installed_laws()
+    return [name for name in LIBRARY if name.startswith(begun)]
+
+
 def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
     """``NAME=VALUE`` as a dictionary."""
     fixed = {}

@@ -14,12 +14,7 @@ _SHELLS = ("bash", "zsh", "fish")
 @click.command()
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 def doctor(as_json: bool) -> None:
-    """What of all that dashpot can use is there: compiler, platforms, extras, cache; exit code 1 where it lacks a need.
-
-    \b
-    Example:
-      dashpot doctor
-    """
+    """What of all that dashpot can use is there: compiler, platforms, extras, cache; 1 where a need is not."""
     from .doctor import checkup
 
     found = checkup()
@@ -37,11 +32,10 @@ def completion(shell: str) -> None:
     """What makes a shell complete dashpot's commands, options, laws and files; to be read by it.
 
     \b
-    Examples:
-      eval "$(dashpot completion bash)"        for this shell
-      dashpot completion bash > ~/.local/share/bash-completion/completions/dashpot
-      dashpot completion zsh  > ~/.zfunc/_dashpot      where ~/.zfunc is in $fpath
-      dashpot completion fish > ~/.config/fish/completions/dashpot.fish
+    bash, for one shell:  eval "$(dashpot completion bash)"
+    bash, for good:  dashpot completion bash > ~/.local/share/bash-completion/completions/dashpot
+    zsh, in a folder of $fpath:  dashpot completion zsh > ~/.zfunc/_dashpot
+    fish:  dashpot completion fish > ~/.config/fish/completions/dashpot.fish
     """
     from click.shell_completion import get_completion_class
 

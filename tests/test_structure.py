@@ -163,6 +163,7 @@ def test_every_module_has_a_place_in_the_table() -> None:
         "aside",
         "several_values",
         "terminal",
+        "waiting",
         "__init__",
         "__main__",
     }
