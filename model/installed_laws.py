@@ -14,6 +14,7 @@ from typing import Any
 
 from ..errors import BadInput
 from .law import Law
+from .laws import LIBRARY
 
 GROUP = "dashpot.laws"
 
@@ -60,6 +61,8 @@ def _laws_of(named: Any) -> Iterator[Law]:
     if isinstance(named, Law):
         yield named
     elif isinstance(named, ModuleType):
-        yield from dict.fromkeys(value for value in vars(named).values() if isinstance(value, Law))
+        ours = {id(law) for law in LIBRARY.values()}  # which it may have imported
+        laws = {id(value): value for value in vars(named).values() if isinstance(value, Law)}
+        yield from (law for key, law in laws.items() if key not in ours)
     elif isinstance(named, list | tuple):
         yield from (value for value in named if isinstance(value, Law))
