@@ -190,10 +190,10 @@ def verify(
         BadInput: the file is no such FMU, it cannot simulate, or no recording fits it.
 
     >>> import dashpot, pathlib, tempfile
-    >>> decay = dashpot.read(dashpot.examples.recordings()["bursts"], part="40:43", force="none")
+    >>> decay = dashpot.read(dashpot.examples.recordings()["bursts"], part="1.6:3.4", force="none")
     >>> from dashpot.examples.truth import TRUTH
     >>> fmu = pathlib.Path(tempfile.mkdtemp()) / "rig.fmu"
-    >>> _ = dashpot.export(dashpot.Model.from_values(TRUTH), fmu, backend="python")
+    >>> _ = dashpot.export(dashpot.Model.from_values(TRUTH), fmu)
     >>> dashpot.verify(fmu, decay).recordings[0].file
     'bursts.csv.gz'
     """

@@ -172,7 +172,7 @@ class Model:
         >>> from dashpot.examples.truth import TRUTH
         >>> curve = dashpot.Model.from_values(TRUTH).backbone([1e-3, 5e-3])
         >>> [round(float(f), 2) for f in curve.frequency]
-        [12.78, 12.8]
+        [12.76, 12.7]
         """
         from .backbone import backbone_of
 
