@@ -23,7 +23,7 @@ class Waiting:
 
     def __init__(self, stream: Any, long: float = _LONG, every: float = _EVERY) -> None:
         self.stream, self.long, self.every = stream, long, every
-        self.doing, self.silent = "working", False
+        self.doing, self.silent = "reading", False
         self.began = time.monotonic()
         self.shown = False
         self.lock = threading.RLock()

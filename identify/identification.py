@@ -6,6 +6,7 @@ only where the regression fails.
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -200,7 +201,10 @@ def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool)
     """The model with parameters set; raises BadInput for a name that it does not have, once all its laws are in."""
     known = model.parameters()
     if final and (unknown := [key for key in values if key not in known and key != "mass"]):
-        raise BadInput(f"there is no parameter {unknown[0]!r} to fix; the model has {', '.join(['mass', *known])}")
+        near = difflib.get_close_matches(unknown[0], known, n=1)
+        meant = f"did you mean {near[0]}? The" if near else "the"
+        there = ", ".join(dict.fromkeys(["mass", *known]))
+        raise BadInput(f"there is no parameter {unknown[0]!r} to fix; {meant} model has {there}")
     if "mass" in values and model.mass is None:
         model = Oscillator.from_values(
             model.values() | {"mass": values["mass"]},

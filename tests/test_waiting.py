@@ -61,7 +61,7 @@ def test_a_result_on_stdout_takes_the_line_away(monkeypatch):
     terminal = terminal_of(monkeypatch)
 
     with waiting.waiting_told():
-        assert terminal.waits_for("… working (").wait(20)
+        assert terminal.waits_for("… reading (").wait(20)
         waiting.silence()
         print("result")
         assert terminal.getvalue().endswith("\r\x1b[K")
