@@ -1,3 +1,112 @@
-"""dashpot: recordings of a vibrating thing in; a model, an FMU and the physics left out, out."""
+"""dashpot: recordings of a vibrating thing in; a model, an FMU and the physics left out, out.
+
+>>> import dashpot
+>>> model = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15")
+>>> round(model["omega0"].value, 1)
+79.6
+
+``model.simulate``, ``.backbone``, ``.linearise``, ``.plot``, ``.save``, ``.export``, ``.verify`` and ``.diagnose`` go
+on from there; every command has a call of its name. docs/python.md has more.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from . import examples as examples
+    from .errors import BadInput, DashpotError, ToolchainMissing
+    from .face.backbone import Backbone
+    from .face.commands import (
+        batch,
+        compare,
+        demo,
+        diagnose,
+        doctor,
+        export,
+        hilbert,
+        identify,
+        linearise,
+        load,
+        load_laws,
+        look,
+        paper,
+        read,
+        simulate,
+        verify,
+        watch,
+    )
+    from .face.diagnosis import Diagnosis
+    from .face.hilbert import Hilbert
+    from .face.model import Model
+    from .face.simulation import Simulation
+    from .model.linear import LinearModel
+    from .recording import Recording
+    from .verify.verification import Verification
 
 __version__ = "0.1.0"
+__all__ = [
+    "Backbone",
+    "BadInput",
+    "DashpotError",
+    "Diagnosis",
+    "Hilbert",
+    "LinearModel",
+    "Model",
+    "Recording",
+    "Simulation",
+    "ToolchainMissing",
+    "Verification",
+    "__version__",
+    "batch",
+    "compare",
+    "demo",
+    "diagnose",
+    "doctor",
+    "examples",
+    "export",
+    "hilbert",
+    "identify",
+    "linearise",
+    "load",
+    "load_laws",
+    "look",
+    "paper",
+    "read",
+    "simulate",
+    "verify",
+    "watch",
+]
+#: Names that are folders or files of the package too; all but the built-in rigs can be called (``callable_module``).
+_MODULES = (
+    *("batch", "demo", "diagnose", "doctor", "examples", "export", "hilbert", "identify", "look", "paper", "simulate"),
+    "verify",
+)
+#: Where the classes stand; the functions stand in ``face.commands``.
+_CLASSES = {
+    "Backbone": "face.backbone",
+    "BadInput": "errors",
+    "DashpotError": "errors",
+    "Diagnosis": "face.diagnosis",
+    "Hilbert": "face.hilbert",
+    "LinearModel": "model.linear",
+    "Model": "face.model",
+    "Recording": "recording",
+    "Simulation": "face.simulation",
+    "ToolchainMissing": "errors",
+    "Verification": "verify.verification",
+}
+
+
+def __getattr__(name: str) -> Any:
+    """The names above, loaded when they are first asked for: what stands behind them is slow to import."""
+    if name in _MODULES:
+        return import_module(f".{name}", __name__)
+    if name in __all__:
+        return getattr(import_module(f".{_CLASSES.get(name, 'face.commands')}", __name__), name)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

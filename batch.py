@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
+from .callable_module import callable_as_its_name
 from .errors import BadInput
 from .fleet.engine import Engine, Task
 from .fleet.key import key_of
@@ -18,6 +19,7 @@ from .fleet.store import FLEET, Store
 from .fleet.table import Row, as_json, csv_text, parquet
 from .writing import together, write
 
+callable_as_its_name(__name__)  # dashpot.batch(...)
 CSV, PARQUET, PAGE = "fleet.csv", "fleet.parquet", "index.html"
 MODULE = "dashpot.batch_entry"
 #: How often what another run works on is asked for, s.

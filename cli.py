@@ -13,13 +13,26 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from . import __version__
+from .command_examples import epilog
 from .endings import ended
 from .errors import BadInput
 from .fleet_commands import COMMANDS as FLEET_COMMANDS
 from .model_commands import COMMANDS
-from .options import FILE, fixed_values, most_left, read_all, with_laws, with_mode, with_recordings, with_time_limit
+from .options import (
+    FILE,
+    fixed_values,
+    law_names,
+    most_left,
+    read_all,
+    with_laws,
+    with_mode,
+    with_recordings,
+    with_time_limit,
+)
+from .setup_commands import COMMANDS as SETUP_COMMANDS
 from .several_values import CommandOfSeveral, SeveralValues
-from .terminal import outputs_checked, print_json, progress_shown, say
+from .terminal import outputs_checked, print_json, progress_shown, say, with_quiet
+from .waiting import waiting_told
 
 if TYPE_CHECKING:
     from .model.fit_state import MostLeft
@@ -112,7 +125,12 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
 @click.option("--report", type=FILE, help="HTML page to write beside it.")
 @click.option("--json", "as_json", is_flag=True, help="Print the model as JSON too.")
 @click.option(
-    "--with", "effects", metavar="LAW", multiple=True, help="Law of the library to fit beside Eq. 17; several times."
+    "--with",
+    "effects",
+    metavar="LAW",
+    multiple=True,
+    shell_complete=law_names,
+    help="Law of the library to fit beside Eq. 17; several times.",
 )
 @click.option(
     "--fix",
@@ -206,12 +224,12 @@ def identify(
     if left_over(identification.oscillator) and not faults:
         say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
     for sentence in faults_of_recordings(identification.oscillator):
-        say(sentence)
+        say(sentence, always=True)
     if identification.useless:
-        say(f"{output}: {identification.useless}")
+        say(f"{output}: {identification.useless}", always=True)
     exceeded = [] if max_left is None else beyond(identification.oscillator, max_left)
     for sentence in exceeded:
-        say(f"{sentence} (--max-left)")
+        say(f"{sentence} (--max-left)", always=True)
     if identification.useless or identification.faults or exceeded:
         sys.exit(1)
 
@@ -274,7 +292,7 @@ def diagnose(
 @cli.command()
 @click.argument("fmu", type=FILE)
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
-@click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result.")
+@click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result; - prints it.")
 @with_time_limit
 @with_recordings
 def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time_limit: float, **options: Any) -> None:
@@ -282,25 +300,37 @@ def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time
     from .verify.verification import verify as check
     from .writing import write
 
-    if json_file is not None:
+    printed = json_file == Path("-")
+    if json_file is not None and not printed:
         outputs_checked([json_file], [fmu, *recordings])
     result = check(fmu, read_all(recordings, options, say), limit=time_limit, progress=say)
-    if json_file is not None:
+    if printed:
+        print_json(result.as_json())
+    elif json_file is not None:
         write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
-    click.echo(result.sentence())
+    if not printed:
+        click.echo(result.sentence())
     if not result.passed:
         sys.exit(1)
 
 
-for _command in (*COMMANDS, *FLEET_COMMANDS):
+for _command in (*COMMANDS, *FLEET_COMMANDS, *SETUP_COMMANDS):
     cli.add_command(_command)
+for _name, _command in cli.commands.items():
+    with_quiet(_command)
+    _command.epilog = epilog(_name)
 
 
 def main(arguments: list[str] | None = None) -> None:
     """Entry point: whatever happens has one of the ends that ``endings`` knows."""
     # the simulations have threads of their own; those of the linear algebra would only stand in their way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    ended(lambda: cli(arguments, prog_name="dashpot", standalone_mode=False))
+
+    def command() -> None:
+        with waiting_told():
+            cli(arguments, prog_name="dashpot", standalone_mode=False)
+
+    ended(command)
 
 
 if __name__ == "__main__":

@@ -8,11 +8,13 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
+from .callable_module import callable_as_its_name
 from .writing import check_ours, together, writable, write
 
 if TYPE_CHECKING:
     from .model import Parameter
 
+callable_as_its_name(__name__)  # dashpot.demo(...)
 #: Recordings to learn from; the multisine is held out and seen by the verification alone.
 _TRAIN = ("bursts", "sweep_low", "sweep_high")
 _HELD_OUT = ("multisine",)

@@ -79,7 +79,7 @@ def batch(
 
     Exit code 1 where a row is not done, or not believed.
     """
-    from . import batch as fleets
+    from .batch import CSV, MODULE, PAGE, PARQUET, run
     from .fleet.engine import dask, local
     from .fleet.manifest import read_manifest
     from .fleet.outcome import BELIEVED
@@ -92,11 +92,11 @@ def batch(
         need_parquet()
     if memory_limit is not None and sys.platform == "win32":
         raise BadInput("--memory-limit needs a system that limits processes, which Windows does not; leave it out")
-    tables = [output / name for name in (FLEET, fleets.CSV, fleets.PAGE, *([fleets.PARQUET] if parquet else []))]
+    tables = [output / name for name in (FLEET, CSV, PAGE, *([PARQUET] if parquet else []))]
     outputs_checked(tables, [manifest])
-    engine = dask(fleets.MODULE, scheduler, say) if scheduler else local(fleets.MODULE, jobs or _cores())
+    engine = dask(MODULE, scheduler, say) if scheduler else local(MODULE, jobs or _cores())
     how = {"limit": time_limit, "memory": memory_limit, "again": again, "with_parquet": parquet}
-    rows = fleets.run(asked, output, engine, shard=shard, say=say, **how)
+    rows = run(asked, output, engine, shard=shard, say=say, **how)
     if as_json:
         print_json(rows_json(rows))
     else:

@@ -7,11 +7,14 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .callable_module import callable_as_its_name
 from .writing import together, write
 
 if TYPE_CHECKING:
+    from .identify.hilbert_result import HilbertAnalysis
     from .recording import Recording
 
+callable_as_its_name(__name__)  # dashpot.hilbert(...)
 FILES = ("curves.csv", "hilbert.json", "report.html")
 
 
@@ -30,22 +33,34 @@ def run(
         BadInput: nothing can be evaluated, or a file cannot be written.
     """
     from .identify import hilbert_analysis
-    from .identify.hilbert_files import as_json, curves_csv, describe
+    from .identify.hilbert_files import describe
     from .identify.modes import mode_alone
-    from .report.hilbert_page import hilbert_page
 
     given, _ = mode_alone(list(recordings), mode, None, say)
     analysis = hilbert_analysis(given)
     for note in analysis.notes:
         say(f"note: {note}")
-    result = as_json(analysis, given)
+    result = write_files(analysis, given, folder)
+    say(f"written: {', '.join(str(folder / name) for name in FILES)}")
+    return result, describe(analysis, given)
+
+
+def write_files(analysis: HilbertAnalysis, recordings: Sequence[Recording], folder: Path) -> dict[str, Any]:
+    """Write ``FILES`` of an analysis of these recordings into a folder, all or none; returns what the JSON file says.
+
+    Raises:
+        BadInput: a file cannot be written.
+    """
+    from .identify.hilbert_files import as_json, curves_csv
+    from .report.hilbert_page import hilbert_page
+
+    result = as_json(analysis, recordings)
     texts = (
-        curves_csv(analysis, given),
+        curves_csv(analysis, recordings),
         json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n",
-        hilbert_page(analysis, given, FILES[:2]),
+        hilbert_page(analysis, recordings, FILES[:2]),
     )
     with together():
         for name, text in zip(FILES, texts, strict=True):
             write(folder / name, text)
-    say(f"written: {', '.join(str(folder / name) for name in FILES)}")
-    return result, describe(analysis, given)
+    return result

@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .callable_module import callable_as_its_name
 from .errors import BadInput, printable
 
 if TYPE_CHECKING:
     from .recording import Recording
     from .recording.table import Table
 
+callable_as_its_name(__name__)  # dashpot.look(...)
 _BLOCKS = "▁▂▃▄▅▆▇█"
 _WIDTH = 60  # characters of a picture
 

@@ -38,14 +38,8 @@ def show(model: Path, as_json: bool) -> None:
 @with_recordings
 def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
     """Response of a model to the force of a recording, event-exact."""
-    import numpy as np
-
-    from .identify.hold import held_as
-    from .identify.identification import of_one_motion
-    from .identify.modes import in_the_same_band
-    from .identify.replay import replay
+    from .face.simulation import along
     from .model.file import load
-    from .recording.csv_output import write_response
 
     oscillator = load(model)
     if not output.name.endswith((".csv", ".csv.gz")):
@@ -56,20 +50,12 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     given = read_all((recording,), options, say)
     if len(given) > 1:
         raise BadInput(f"simulate writes one response, {recording} holds {len(given)} records; name {given[0].name}")
-    (measured,) = in_the_same_band(held_as(given, oscillator.hold), oscillator.identified.band)
-    if not of_one_motion(measured, oscillator.response):
-        raise BadInput(
-            f"{recording}: records {measured.quantity} in {measured.unit}, {model} is of "
-            f"{oscillator.response.quantity} in {oscillator.response.unit}; "
-            "say what the column is with --quantity and --unit"
-        )
-    simulated = replay(oscillator, measured)
-    write_response(output, measured, simulated)
+    simulation = along(oscillator, given)
+    simulation.save(output)
     say(f"written: {output}")
-    lost = np.flatnonzero(~np.isfinite(simulated))
-    if lost.size:
-        at = measured.time[lost[0]]
-        say(f"{model}: the simulation runs away; from {at:.4g} s on {output} holds nan: check units and parameters")
+    if simulation.lost is not None:
+        told = f"the simulation runs away; from {simulation.lost:.4g} s on {output} holds nan"
+        say(f"{model}: {told}: check units and parameters", always=True)
         sys.exit(1)
 
 

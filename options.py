@@ -4,14 +4,10 @@ from __future__ import annotations
 
 import functools
 from collections.abc import Callable
-from dataclasses import replace
-from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-
-from .errors import BadInput
 
 if TYPE_CHECKING:
     from .model.fit_state import MostLeft
@@ -96,6 +92,15 @@ def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[
         load_law_file(file)
 
 
+def law_names(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
+    """The laws of the library, and of installed packages, whose names begin so: for the completion of a shell."""
+    from .model.installed_laws import take_installed_laws
+    from .model.laws import LIBRARY
+
+    take_installed_laws()
+    return [name for name in LIBRARY if name.startswith(begun)]
+
+
 def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
     """``NAME=VALUE`` as a dictionary."""
     fixed = {}
@@ -112,6 +117,7 @@ def fixed_values(context: click.Context, parameter: click.Parameter, values: tup
 
 def most_left(context: click.Context, parameter: click.Parameter, text: str | None) -> MostLeft | None:
     """``5%`` of the motion or ``3x`` the noise as the most that a model may leave."""
+    from .errors import BadInput
     from .model.fit_state import parse_most_left
 
     try:
@@ -150,18 +156,9 @@ def with_laws(command: Callable[..., Any]) -> Callable[..., Any]:
 
 def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Callable[[str], None]) -> list[Recording]:
     """The recordings, all of a file that holds several, each note on them said."""
-    from .recording import read_records
-    from .recording.part import parse_part
+    from .recording import recordings_of
 
-    columns = options["response"] or (None,)
-    if len(columns) > 1 and (stated := next((name for name in ("quantity", "unit") if options[name]), None)):
-        raise BadInput(f"--{stated} cannot be that of {len(columns)} responses; state the units in the columns' names")
-    options = {**options, "part": parse_part(options["part"]) if options["part"] else None}
-    recordings = []
-    for file, column in product(files, columns):
-        for recording in read_records(file, **(options | {"response": column})):
-            named = f"{recording.name} ({column})" if len(columns) > 1 else recording.name
-            recordings.append(replace(recording, name=named))
+    recordings = recordings_of(files, **options)
     for recording in recordings:
         for note in recording.notes:
             say(f"note: {note}")

@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 
+from .callable_module import callable_as_its_name
 from .writing import writable, write
 
+callable_as_its_name(__name__)  # dashpot.paper(...)
 PAGE = "paper.html"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
@@ -12,6 +13,9 @@ from typing import Any
 import click
 
 from .errors import BadInput, printable
+from .waiting import another_shows, doing, silence
+
+_QUIET = "dashpot.quiet"
 
 
 def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
@@ -29,9 +33,45 @@ def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
         seen.append(output)
 
 
-def say(line: str) -> None:
-    """Progress and remarks go to stderr, so that what a program reads from stdout stays clean."""
-    click.echo(printable(line), err=True)
+def say(line: str, *, always: bool = False) -> None:
+    """Progress and remarks go to stderr, so that what a program reads from stdout stays clean.
+
+    With ``--quiet`` only what must ``always`` be said is: bad news, which the exit code tells too.
+    """
+    if always or not quiet():
+        click.echo(printable(line), err=True)
+    doing(printable(line).partition("\n")[0])
+
+
+def quiet() -> bool:
+    """Whether the command was asked to say no more than its result."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.meta.get(_QUIET))
+
+
+def _ask_for_quiet(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked:
+        context.meta[_QUIET] = True
+        silence()
+
+
+def with_quiet(command: click.Command) -> None:
+    """Give a command the option ``--quiet``."""
+    command.params.append(
+        click.Option(
+            ["-q", "--quiet"],
+            is_flag=True,
+            expose_value=False,
+            is_eager=True,
+            callback=_ask_for_quiet,
+            help="Say nothing beside the result: no progress, no notes. Errors and bad news are said.",
+        )
+    )
+
+
+def coloured(text: str, colour: str) -> str:
+    """The text in a colour on a terminal (``click.echo`` takes it off elsewhere), unless NO_COLOR is set."""
+    return text if os.environ.get("NO_COLOR") else click.style(text, fg=colour)
 
 
 def print_json(value: Any) -> None:
@@ -43,11 +83,13 @@ def print_json(value: Any) -> None:
 @contextlib.contextmanager
 def progress_shown() -> Iterator[Callable[[str, float], None]]:
     """A bar on a terminal, one line a stage elsewhere; yields what takes the stage and the part that is done."""
-    if sys.stderr.isatty():
+    if quiet():
+        yield lambda _what, _part: None
+    elif sys.stderr.isatty():
         bar: Any = click.progressbar(
             length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or "")
         )
-        with bar:
+        with another_shows(), bar:
             yield lambda what, part: bar.update(max(0, round(1000 * part) - bar.pos), what)
     else:
         said: list[str] = []

@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -20,9 +21,11 @@ from ..identify.prediction import FREE
 from ..identify.provenance import with_provenance
 from ..identify.structure import Fitted, renamed
 from ..model import Oscillator
+from ..model.installed_laws import take_installed_laws
 from ..model.law import Law
 from ..model.laws import LIBRARY, find
 from ..recording.fact import changed
+from ..recording.given import recordings_of
 from ..recording.recording import Recording
 from .changed_rig import changed_rig
 from .experiment.next_experiment import next_experiment
@@ -51,8 +54,8 @@ _SENSOR_OFFSET = "sensor-offset"
 
 def diagnose(
     model: Oscillator,
-    recordings: Sequence[Recording],
-    holdout: Sequence[Recording] = (),
+    recordings: Sequence[Recording] | Any,
+    holdout: Sequence[Recording] | Any = (),
     *,
     fmu: Path | None = None,
     progress: Callable[[str, float], None] = lambda _what, _part: None,
@@ -61,7 +64,7 @@ def diagnose(
 
     Args:
         model: gives the family: Eq. 17 and whatever terms it has; its values are where the fit starts.
-        recordings: to fit to.
+        recordings: to fit to; here and in ``holdout`` also what ``recordings_of`` reads.
         holdout: of another level or kind, to judge by; where there are none, stretches of each recording that can
             spare them are held out.
         fmu: where to write the mended model as an FMU; a temporary place where None.
@@ -70,9 +73,9 @@ def diagnose(
     Raises:
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
-    notes: list[str] = []
+    notes = list(take_installed_laws())
+    recordings, holdout = recordings_of(recordings), recordings_of(holdout)
     given = [*recordings, *holdout]
-    recordings, holdout = list(recordings), list(holdout)
     belong_together(given)
     same_quantity(model, given)
     unused = [why_unused(r, model) for r in given if not carries(r, model)]

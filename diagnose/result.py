@@ -160,7 +160,7 @@ class Experiment:
     fs: float
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Diagnosis:
     """The whole outcome.
 
@@ -194,6 +194,9 @@ class Diagnosis:
     latent: tuple[LatentForce, ...]
     notes: tuple[str, ...]
     chain: tuple[ChainFact, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Diagnosis: {self.verdict}. {self.sentence}>"
 
     def parameter_shift(self) -> dict[str, dict[str, float | None]]:
         """How far each parameter had been bent by what was missing; ``std`` is the mended model's."""

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from ..callable_module import callable_as_its_name
 from ..errors import BadInput
 
 if TYPE_CHECKING:
@@ -13,6 +14,7 @@ if TYPE_CHECKING:
     from .platforms import Platform
 
 __all__ = ["SUFFIXES", "check_suffix", "export", "files"]
+callable_as_its_name(__name__)  # dashpot.export(...)
 
 #: What a model can be made into: the last three for MuJoCo, URDF and HydroDyn.
 SUFFIXES = (".fmu", ".casadi", ".c", ".ssp", ".mjcf", ".urdf", ".hydrodyn")

@@ -4,12 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ..callable_module import callable_as_its_name
+
 if TYPE_CHECKING:
     from .hilbert_result import HilbertAnalysis, hilbert_analysis
     from .identification import Identification, identify
 
 __all__ = ["HilbertAnalysis", "Identification", "hilbert_analysis", "identify"]
 _OF_HILBERT = ("HilbertAnalysis", "hilbert_analysis")
+
+callable_as_its_name(__name__)  # dashpot.identify(...)
 
 
 def __getattr__(name: str) -> Any:

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ..errors import BadInput
+from ..recording.given import recordings_of
 from .decays import find_free_motion
 from .displacement import displacement
 from .excitation import kind_of
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 _SEVERAL = 3
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class HilbertAnalysis:
     """What the Hilbert transform alone says of a rig.
 
@@ -41,6 +42,10 @@ class HilbertAnalysis:
     freevib: ModalFit | None
     forcevib: ModalFit | None
     notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.of('freevib'))} decays, {len(self.of('forcevib'))} driven stretches"
+        return f"<HilbertAnalysis of {counts}>"
 
     def of(self, method: str) -> tuple[ModalCurve, ...]:
         """The curves of ``freevib`` or ``forcevib``."""
@@ -58,14 +63,15 @@ class HilbertAnalysis:
         return {name: float(np.std([fit[name] for fit in fits], ddof=1)) for name in fits[0]}
 
 
-def hilbert_analysis(recordings: Sequence[Recording]) -> HilbertAnalysis:
+def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
     """FREEVIB on every free decay and FORCEVIB on every driven stretch of recordings of one rig.
 
     Feldman, Bucher, Rotberg 2009: Eqs. 9-12 for the curves, Eqs. 1, 6, 7 for the laws; with a force Feldman 1994.
     Arrays make a recording: ``hilbert_analysis([Recording("decay", 1000.0, x)])`` with x (n,) in m, sampled at 1000 Hz.
 
     Args:
-        recordings: displacement, velocity or acceleration, free or forced, in any mixture.
+        recordings: displacement, velocity or acceleration, free or forced, in any mixture; or what
+            ``recordings_of`` reads.
 
     Returns:
         Curves with arrays of shape (n,) in SI, and the laws fitted to them with standard errors.
@@ -73,6 +79,7 @@ def hilbert_analysis(recordings: Sequence[Recording]) -> HilbertAnalysis:
     Raises:
         BadInput: no recording is given, or none holds a decay or a driven stretch that can be evaluated.
     """
+    recordings = recordings_of(recordings)
     if not recordings:
         raise BadInput("No recording given; give at least one free decay or forced record.")
     notes: list[str] = []

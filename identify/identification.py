@@ -6,10 +6,12 @@ only where the regression fails.
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from ..model import Oscillator, Response
 from ..model.fit_state import LACKING, left_over
 from ..model.oscillator import Band
 from ..recording.checks import reversed_force
+from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from .climb import POOR_NRMSE, QUIET
@@ -44,7 +47,7 @@ _GAIN_RATIO = 300.0
 _MOVES = 30.0
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Identification:
     """A model and how it was found.
 
@@ -64,6 +67,9 @@ class Identification:
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
     faults: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"<Identification of {self.oscillator!r} from {', '.join(r.name for r in self.recordings)}>"
 
     @cached_property
     def measured(self) -> HilbertAnalysis:
@@ -88,7 +94,7 @@ class Identification:
 
 
 def identify(
-    recordings: Sequence[Recording],
+    recordings: Sequence[Recording] | Any,
     *,
     name: str = "oscillator",
     effects: Sequence[str] = (),
@@ -103,7 +109,7 @@ def identify(
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
 
     Args:
-        recordings: as read by ``dashpot.recording.read``.
+        recordings: as read by ``dashpot.recording.read``, or what ``recordings_of`` reads.
         name: the rig's name, for the model file.
         effects: names of laws of the library to be fitted beside Eq. 17.
         fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
@@ -119,6 +125,7 @@ def identify(
         BadInput: where the recordings do not belong together, or cannot carry a model; where a law or a parameter is
             not known.
     """
+    recordings = recordings_of(recordings)
     belong_together(recordings)
     progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
@@ -194,7 +201,10 @@ def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool)
     """The model with parameters set; raises BadInput for a name that it does not have, once all its laws are in."""
     known = model.parameters()
     if final and (unknown := [key for key in values if key not in known and key != "mass"]):
-        raise BadInput(f"there is no parameter {unknown[0]!r} to fix; the model has {', '.join(['mass', *known])}")
+        near = difflib.get_close_matches(unknown[0], known, n=1)
+        meant = f"did you mean {near[0]}? The" if near else "the"
+        there = ", ".join(dict.fromkeys(["mass", *known]))
+        raise BadInput(f"there is no parameter {unknown[0]!r} to fix; {meant} model has {there}")
     if "mass" in values and model.mass is None:
         model = Oscillator.from_values(
             model.values() | {"mass": values["mass"]},

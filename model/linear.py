@@ -30,7 +30,7 @@ _NEAREST, _DOUBLINGS, _HALVINGS = 1e-9, 80, 60  # where a force's displacement i
 _FORCES = ("omega0", "cubic", "preload", "viscous", "dry")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class LinearModel:
     """``dz/dt = A (z - z0) + B (u - u0)``, ``y - y0 = C (z - z0) + D (u - u0)``.
 
@@ -58,6 +58,11 @@ class LinearModel:
     amplitude: float | None = None
     omega: float | None = None
     notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        from .show_linear import describe
+
+        return describe(self)
 
     def discrete(self, dt: float) -> tuple[np.ndarray, np.ndarray]:
         """A (n, n) and B (n, 1) from sample to sample, dt seconds apart, the input held between; exact.

@@ -129,7 +129,7 @@ class Provenance:
     band: Band | None = None
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Oscillator:
     """A single oscillator: the Eq. 17 family and further terms.
 
@@ -154,6 +154,10 @@ class Oscillator:
     amplitude: Range | None = None
     frequency: Range | None = None
     identified: Provenance = field(default_factory=Provenance)
+
+    def __repr__(self) -> str:
+        values = ", ".join(f"{name} {p}" for name, p in self.parameters().items())
+        return f"<Oscillator {self.name!r}: {values}>"
 
     @classmethod
     def from_values(

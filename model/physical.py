@@ -7,9 +7,16 @@ follow from the parameters and are none themselves, so that nothing is said twic
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
 
-from .equations import PAYLOAD, Equations
-from .law import Expression
+from . import units
+from .parameter import Parameter
+
+if TYPE_CHECKING:
+    from .equations import Equations
+    from .law import Expression
+    from .oscillator import Oscillator
 
 #: Name, unit template (``X`` displacement, ``Q`` force) and words.
 QUANTITIES = (
@@ -27,10 +34,78 @@ def physical(eq: Equations) -> Expression:
     """The quantities (n,) as an expression of ``eq.p``; none, (0,), where the equations take no payload."""
     import casadi as ca
 
+    from .equations import PAYLOAD
+
     if not eq.payload:
         return ca.SX(0, 1)
     p = {name: eq.p[i] for i, name in enumerate(eq.parameter_names)}
     mass, total = p["mass"], p["mass"] + p[PAYLOAD]
-    per_mass = [p["omega0"] ** 2, p["cubic"], p["preload"], p["viscous"], p["dry"]]
     frequency = p["omega0"] * ca.sqrt(mass / total) / (2 * math.pi)
-    return ca.vertcat(total, *[mass * quantity for quantity in per_mass], frequency)
+    return ca.vertcat(total, *[mass * quantity for quantity in _per_mass(p)], frequency)
+
+
+def _per_mass(p: Mapping[str, Any]) -> list[Any]:
+    """What of QUANTITIES is the mass times something, over the mass."""
+    return [p["omega0"] ** 2, p["cubic"], p["preload"], p["viscous"], p["dry"]]
+
+
+#: What a drawing states and the FMU has no need of.
+_RATIO = "damping_ratio"
+_RATIO_WORDS = "viscous damping over critical: viscous / (2 omega0)"
+
+
+def machine(oscillator: Oscillator) -> dict[str, Parameter]:
+    """Mass, springs, damping and friction as the machine has them, natural frequency and damping ratio, with errors.
+
+    The standard errors are those of the parameters carried over to first order, with their covariance where the model
+    has one. Without a mass (free decays alone) only natural frequency and damping ratio can be told. What is zero and
+    was not identified (a cubic spring that is not there) is left out.
+    """
+    values = oscillator.values()
+    stds = {name: p.std for name, p in oscillator.parameters().items()}
+    given = {"mass": 1.0} | values
+
+    def of(p: Mapping[str, Any]) -> dict[str, Any]:
+        names = [name for name, _, _ in QUANTITIES]
+        told = [p["mass"], *[p["mass"] * quantity for quantity in _per_mass(p)], p["omega0"] / (2 * math.pi)]
+        return dict(zip(names, told, strict=True)) | {_RATIO: p["viscous"] / (2 * p["omega0"])}
+
+    slopes = {  # by a complex step, which is exact
+        name: {key: q.imag / _STEP for key, q in of(given | {name: complex(given[name], _STEP)}).items()}
+        for name in given
+    }
+    unit, force = oscillator.response.displacement_unit, oscillator.force_unit
+    templates = {name: template for name, template, _ in QUANTITIES} | {_RATIO: "1"}
+    made = {}
+    for name, value in of(given).items():
+        if oscillator.mass is None and name not in ("natural_frequency", _RATIO):
+            continue
+        needs = [key for key in values if slopes[key][name]]
+        known = [stds[key] for key in needs if stds[key] is not None]
+        if value == 0 and not known:
+            continue
+        error = _carried({key: slopes[key][name] for key in needs}, oscillator) if known else None
+        told = templates[name] if templates[name] in ("Hz", "1") else units.compose(templates[name], unit, force)
+        made[name] = Parameter(value, error, told)
+    return made
+
+
+_STEP = 1e-30
+
+
+def machine_words() -> dict[str, str]:
+    """What each quantity of ``machine`` is."""
+    words = {name: text for name, _, text in QUANTITIES} | {_RATIO: _RATIO_WORDS}
+    return words | {"total_mass": "moving mass", "natural_frequency": "undamped natural frequency of the linear part"}
+
+
+def _carried(slopes: Mapping[str, float], oscillator: Oscillator) -> float:
+    """Standard error of what has those slopes over the parameters."""
+    provenance, parameters = oscillator.identified, oscillator.parameters()
+    rows, names = provenance.covariance, provenance.parameters or tuple(parameters)
+    if rows is not None and all(name in names for name in slopes if parameters[name].std):
+        within = [(slopes.get(name, 0.0), i) for i, name in enumerate(names)]
+        variance = sum(a * b * rows[i][j] for a, i in within for b, j in within)
+    else:
+        variance = sum((slope * (parameters[name].std or 0.0)) ** 2 for name, slope in slopes.items())
+    return math.sqrt(max(variance, 0.0))

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from .fit_state import faults_of_recordings, left_over, state_of_fit
 from .oscillator import HOLDS
+from .physical import machine, machine_words
 
 if TYPE_CHECKING:
     from .oscillator import Oscillator
@@ -26,6 +27,7 @@ def describe(oscillator: Oscillator) -> str:
     o = oscillator
     equation = o.equation().replace("; ", "\n  ")
     parts = [f"{o.name}\n\n  {equation}", "Parameters\n" + "\n".join(_table(o))]
+    parts.append("As the machine has it\n" + "\n".join(columns_text(machine_table(o))))
     for term in o.terms:
         parts.append(f"{term.effect} ({term.law.path})\n  {term.law.sentence}")
     strong = [f"  {first} and {second}: {value:+.3f}" for first, second, value in strong_correlations(o)]
@@ -61,6 +63,10 @@ def as_json(oscillator: Oscillator) -> dict[str, Any]:
                 "description": words[name],
             }
             for name, p in o.parameters().items()
+        },
+        "machine": {
+            name: {"value": float(p.value), "std": _finite(p.std), "percent": percent(p), "unit": p.unit}
+            for name, p in machine(o).items()
         },
         "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in o.terms],
         "response": {"quantity": o.response.quantity, "unit": o.response.unit},
@@ -161,6 +167,11 @@ def _softening(o: Oscillator) -> str:
 
 
 def _table(o: Oscillator) -> list[str]:
+    return columns_text(parameter_cells(o))
+
+
+def parameter_cells(o: Oscillator) -> list[tuple[str, ...]]:
+    """A row a parameter: name, value, error, percent, unit, meaning."""
     words = o.descriptions()
     cells = [
         (name, value, f"± {error}" if error else "", _percent_text(p), p.unit, words[name] + _in_hertz(name, p))
@@ -169,9 +180,28 @@ def _table(o: Oscillator) -> list[str]:
     ]
     if o.mass is None:
         cells.insert(0, ("mass", "unknown", "", "", "", "only free decays were recorded"))
-    width = [max(len(cell[i]) for cell in cells) for i in range(5)]
+    return cells
+
+
+def machine_table(o: Oscillator) -> list[tuple[str, ...]]:
+    """As ``parameter_cells``, of what a drawing or a data sheet states: kg, N/m, N s/m, N, Hz, damping ratio."""
+    words = machine_words()
     return [
-        "  " + "  ".join([*(f"{cell[i]:{'<' if i in (0, 2, 4) else '>'}{width[i]}}" for i in range(5)), cell[5]])
+        (name, value, f"± {error}" if error else "", _percent_text(p), "" if p.unit == "1" else p.unit, words[name])
+        for name, p in machine(o).items()
+        for value, error in [value_and_error(p)]
+    ]
+
+
+def columns_text(cells: Sequence[tuple[str, ...]]) -> list[str]:
+    """Rows of cells as lines, one column below the other; the last column is not filled up."""
+    last = len(cells[0]) - 1
+    width = [max(len(cell[i]) for cell in cells) for i in range(last)]
+    return [
+        "  "
+        + "  ".join(
+            [*(f"{cell[i]:{'<' if i in (0, 2, 4) else '>'}{width[i]}}" for i in range(last)), cell[last]]
+        ).rstrip()
         for cell in cells
     ]
 

@@ -76,6 +76,13 @@ def load_law_file(path: str | os.PathLike[str]) -> tuple[Law, ...]:
     laws = tuple(_defined(_run(text, where)))
     if not laws:
         raise BadInput(f"{where}: defines no Law; write LAW = Law(name=..., ...) as docs/laws.md shows")
+    take(laws, where)
+    _loaded[key] = (text, laws)
+    return laws
+
+
+def take(laws: tuple[Law, ...], where: str) -> None:
+    """Take laws into the library; raises BadInput as above, ``where`` in it, and then takes none."""
     taken = {law.name for law in BASE} | set(LIBRARY)
     for law in laws:
         if wrong := next(wrong_types(law), None):
@@ -94,8 +101,6 @@ def load_law_file(path: str | os.PathLike[str]) -> tuple[Law, ...]:
         for law in laws:
             del LIBRARY[law.name]
         raise
-    _loaded[key] = (text, laws)
-    return laws
 
 
 def problems(law: Law) -> Iterator[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import io
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -26,6 +27,11 @@ def write_response(path: Path, recording: Recording, simulated: np.ndarray) -> N
         columns[f"force_{recording.force_unit}"] = recording.force
     columns[f"{recording.quantity}_{unit}"] = recording.response
     columns[f"simulated_{recording.quantity}_{unit}"] = simulated
+    write_columns(path, columns)
+
+
+def write_columns(path: Path, columns: Mapping[str, np.ndarray]) -> None:
+    """Write columns (n,) under their names as CSV; gzipped where the name ends in .gz."""
     text = io.StringIO()
     np.savetxt(text, np.column_stack(list(columns.values())), "%.9g", ",", header=",".join(columns), comments="")
     content = text.getvalue().encode("utf-8")

@@ -28,9 +28,9 @@ def tables_of_object(data: Any, name: str) -> list[Table]:
         tables = [_of_frame(data, name)]
     elif hasattr(data, "dims") and hasattr(data, "coords"):
         tables = [_of_xarray(data, name)]
-    elif _is_sep5(data):
+    elif is_sep5(data):
         tables = [_of_sep5([data], name)]
-    elif isinstance(data, Sequence) and data and all(_is_sep5(series) for series in data):
+    elif isinstance(data, Sequence) and data and all(is_sep5(series) for series in data):
         tables = [_of_sep5(data, name)]
     elif isinstance(data, Mapping):
         tables = tables_of_tree(name, data)
@@ -44,7 +44,8 @@ def tables_of_object(data: Any, name: str) -> list[Table]:
     return tables
 
 
-def _is_sep5(data: Any) -> bool:
+def is_sep5(data: Any) -> bool:
+    """Whether it is a SEP 5 dictionary."""
     return isinstance(data, Mapping) and "data" in data and not isinstance(data["data"], Mapping) and "name" in data
 
 

@@ -18,7 +18,7 @@ QUANTITIES = ("displacement", "velocity", "acceleration")
 HOLDS = ("zero", "linear", "smooth")
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Recording:
     """A uniformly sampled record of a vibrating thing, in SI units.
 
@@ -68,6 +68,12 @@ class Recording:
                 )
             object.__setattr__(self, "force", force)
         object.__setattr__(self, "notes", tuple(self.notes))
+
+    def __repr__(self) -> str:
+        force = "no force" if self.force is None else f"force in {self.force_unit}"
+        return (
+            f"<Recording {self.name!r}: {self.quantity} in {self.unit}, {self.n} samples at {self.fs:.6g} Hz, {force}>"
+        )
 
     @property
     def n(self) -> int:

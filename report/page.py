@@ -17,10 +17,11 @@ from .blocks import Block, Items, Section, Table, Text, page, picture
 from .characteristics import friction_figure, stiffness_figure
 from .comparison import comparisons
 from .modal_table import modal_table
-from .parameters import correlation_table, equation_blocks, parameter_table
+from .parameters import correlation_table, equation_blocks, machine_table, parameter_table
 from .provenance import files_text, recordings_table
 from .time_history import recording_figure
 from .usage import usage_section
+from .used import used_table
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -51,7 +52,10 @@ def identification_page(
     model = identification.oscillator
     shown = comparisons(identification, verification)
     sections = [
-        Section("Parameters", (parameter_table(model, truth), *equation_blocks(model), *_methods(identification))),
+        Section(
+            "Parameters",
+            (parameter_table(model, truth), machine_table(model), *equation_blocks(model), *_methods(identification)),
+        ),
         Section("Backbones and frequency response", tuple(_backbones(identification, verification))),
         agreement_section(identification, shown, "FMU" if verification is not None else "model"),
         Section("Spring and damping", tuple(_characteristics(identification))),
@@ -124,7 +128,7 @@ def _recordings(identification: Identification) -> list[Block]:
         decays = str(len(identification.hilbert.decays[i]))
         rows.append((r.name, kind, length, f"{number(r.fs, 5)} Hz", peak, force, decays))
     head = ("Recording", "Kind", "Length", "Sampled at", "Largest response", "Largest force", "Free decays")
-    blocks: list[Block] = [Table(head, tuple(rows), (2, 3, 4, 5, 6))]
+    blocks: list[Block] = [Table(head, tuple(rows), (2, 3, 4, 5, 6)), *used_table(identification)]
     for i, r in enumerate(identification.recordings):
         decays = identification.hilbert.decays[i]
         caption = f"{plain_text(r.name)} as recorded."

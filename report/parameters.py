@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
 from ..model.display import number, percent_text, pretty_unit, typeset, value_text
+from ..model.physical import machine, machine_words
 from ..model.show import percent
 from .blocks import Cell, Table, Text
 
@@ -39,6 +40,18 @@ def parameter_table(model: Oscillator, truth: Mapping[str, float] | None = None)
     return Table(
         (*head, "Meaning"), tuple(rows), tuple(numeric), "One standard error, at the maximum of the likelihood."
     )
+
+
+def machine_table(model: Oscillator) -> Table:
+    """What a drawing or a data sheet states, with the errors carried over: kg, N/m, N s/m, N, Hz, damping ratio."""
+    words = machine_words()
+    rows = []
+    for name, p in machine(model).items():
+        value, error = value_text(p)
+        unit = "" if p.unit == "1" else pretty_unit(p.unit)
+        rows.append((name, value, error, percent_text(percent(p)), unit, words[name]))
+    head = ("Of the machine", "Value", "± std error", "±", "Unit", "Meaning")
+    return Table(head, tuple(rows), (1, 2, 3), "As the machine has it: from the parameters above, with their errors.")
 
 
 def _against(parameter: Parameter, true: float | None) -> list[str | Cell]:

@@ -64,14 +64,9 @@ _FONT = 'font-family: system-ui, -apple-system, "Segoe UI", "Helvetica Neue", Ar
 
 
 @contextmanager
-def drawing(width: float = WIDTH, height: float = 4.0) -> Iterator[Any]:
-    """A matplotlib Figure of that size in inches, in this style whatever the user's own matplotlibrc says.
-
-    Draw on it and call ``svg`` within the block.
-    """
+def styled() -> Iterator[None]:
+    """Matplotlib in this style, whatever the user's own matplotlibrc says."""
     import matplotlib
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
 
     with matplotlib.rc_context(), warnings.catch_warnings():
         # a name in a script that DejaVu lacks is drawn by the browser's font all the same
@@ -79,6 +74,19 @@ def drawing(width: float = WIDTH, height: float = 4.0) -> Iterator[Any]:
         matplotlib.rcdefaults()
         settings: Any = matplotlib.rcParams  # its stubs know every key by name, and ours are text
         settings.update(_STYLE)
+        yield
+
+
+@contextmanager
+def drawing(width: float = WIDTH, height: float = 4.0) -> Iterator[Any]:
+    """A matplotlib Figure of that size in inches, in this style.
+
+    Draw on it and call ``svg`` within the block.
+    """
+    from matplotlib.backends.backend_svg import FigureCanvasSVG
+    from matplotlib.figure import Figure
+
+    with styled():
         figure = Figure(figsize=(width, height), layout="constrained")
         FigureCanvasSVG(figure)
         yield figure

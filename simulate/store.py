@@ -70,7 +70,7 @@ def private_folder(name: str) -> Path:
 
 @cache
 def _private(folder: Path) -> Path:
-    why = _make_private(folder)
+    why = why_not_private(folder)
     if why is None:
         return folder
     print(
@@ -82,7 +82,7 @@ def _private(folder: Path) -> Path:
     return Path(own)
 
 
-def _make_private(folder: Path) -> str | None:
+def why_not_private(folder: Path) -> str | None:
     """Make the folder and see that nobody else can put anything in; in words why that fails, else None."""
     try:
         folder.parent.mkdir(parents=True, exist_ok=True)

@@ -60,6 +60,12 @@ def read_table(text: str) -> dict[str, set[str]]:
     return table
 
 
+#: Files of the root that import what stands above them, in functions alone.
+REACHES_UP = {
+    "__main__": {"cli"},
+    "__init__": {"face", "model", "recording", "verify", "examples"},  # the names that it hands on
+    "callable_module": {"face"},
+}
 TABLE = read_table((ROOT / "docs/house.md").read_text(encoding="utf-8"))
 
 
@@ -85,7 +91,7 @@ def imported(path: Path, tree: ast.AST) -> Iterator[tuple[int, tuple[str, ...]]]
 def violations(path: Path, text: str) -> list[str]:
     """Return what a file imports against the table, one sentence each."""
     here = path.parts[0] if len(path.parts) > 1 else path.stem
-    allowed = {"__main__": {"cli"}}.get(here, TABLE.get(here, set()))
+    allowed = REACHES_UP.get(here, TABLE.get(here, set()))
     sentences = []
     for line, name in imported(path, ast.parse(text)):
         where = f"{path}:{line}"
@@ -148,7 +154,19 @@ def test_the_table_has_no_circle_and_a_bottom() -> None:
 
 
 def test_every_module_has_a_place_in_the_table() -> None:
-    known = {*TABLE, "errors", "reading", "writing", "aside", "several_values", "terminal", "__init__", "__main__"}
+    known = {
+        *TABLE,
+        *REACHES_UP,
+        "errors",
+        "reading",
+        "writing",
+        "aside",
+        "several_values",
+        "terminal",
+        "waiting",
+        "__init__",
+        "__main__",
+    }
     places = {path.parts[0] if len(path.parts) > 1 else path.stem for path in MODULES}
     assert places <= known, f"no row in docs/house.md: {sorted(places - known)}"
 

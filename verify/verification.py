@@ -23,6 +23,7 @@ from ..identify.hold import held_as
 from ..identify.replay import Replay, force_of, run_along
 from ..identify.signals import noise_levels
 from ..model import Response
+from ..recording.given import recordings_of
 from ..recording.recording import Recording
 from .backbones import Backbone, Compared, compared
 from .chance import Run, by_chance, powers
@@ -42,7 +43,7 @@ DRAWS = 40
 _DRAWS_OF_FMU = 8
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class RecordingCheck:
     """One recording against the FMU.
 
@@ -81,13 +82,23 @@ class RecordingCheck:
     score: Score | None = None
     failed: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        verdict = "passes" if self.passed else "fails"
+        return (
+            f"<{self.file}: {verdict}, NRMSE {self.nrmse:.3g}, noise floor {self.noise_floor:.3g}, "
+            f"limit {self.nrmse_limit:.3g}>"
+        )
 
-@dataclass(frozen=True, eq=False)
+
+@dataclass(frozen=True, eq=False, repr=False)
 class Verification:
     """An FMU against recordings."""
 
     fmu: str
     recordings: tuple[RecordingCheck, ...]
+
+    def __repr__(self) -> str:
+        return "\n".join([self.sentence(), *(f"  {check!r}" for check in self.recordings)])
 
     @property
     def passed(self) -> bool:
@@ -135,7 +146,7 @@ def _finite(value: float | None) -> float | None:
 
 def verify(
     fmu: Path,
-    recordings: Sequence[Recording],
+    recordings: Sequence[Recording] | Any,
     *,
     noise_ratio: float = NOISE_RATIO,
     limit: float = TIME_LIMIT,
@@ -146,7 +157,7 @@ def verify(
     Args:
         fmu: a co-simulation FMU of FMI 2.0 or 3.0 with an input ``F``; each recording is held against
             the first output of its own unit.
-        recordings: what it should reproduce.
+        recordings: what it should reproduce; also what ``recordings_of`` reads.
         noise_ratio: how many times what chance makes of the NRMSE may be left, for the noise is not known exactly.
         limit: longest time, s, that the FMU may take without finishing a step.
         progress: called with one line per recording.
@@ -156,7 +167,7 @@ def verify(
     """
     checks = []
     with FmuRun(Path(fmu), limit=limit) as run:
-        for recording in held_as(recordings, run.hold):
+        for recording in held_as(recordings_of(recordings), run.hold):
             check = _check(run, recording, noise_ratio)
             progress(
                 f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}, "

@@ -90,9 +90,14 @@ LIBRARY: dict[str, Law] = {
 
 
 def find(effect: str) -> Law:
-    """The law of that name; raises BadInput with the closest known names."""
+    """The law of that name, of the library or of an installed package; raises BadInput with the closest known names."""
+    if effect in LIBRARY:
+        return LIBRARY[effect]
+    from ..installed_laws import take_installed_laws
+
+    problems = take_installed_laws()
     if effect in LIBRARY:
         return LIBRARY[effect]
     close = difflib.get_close_matches(effect, LIBRARY, n=3, cutoff=0.4)
     known = f"did you mean {', '.join(close)}?" if close else f"known: {', '.join(sorted(LIBRARY)) or 'none yet'}"
-    raise BadInput(f"effect {effect!r} is not in the library of laws; {known}")
+    raise BadInput("\n".join([f"effect {effect!r} is not in the library of laws; {known}", *problems]))

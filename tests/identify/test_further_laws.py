@@ -180,7 +180,7 @@ def test_a_start_brings_its_laws_and_leads_to_the_same_place():
 @pytest.mark.parametrize("fixed", [{"omga0": 1.0}, {"quadratic-drag.coefficient": 6.0}, {"hysteresis.stiffness": 1.0}])
 def test_a_name_that_the_model_does_not_have_cannot_be_fixed(fixed):
     (name,) = fixed
-    with pytest.raises(BadInput, match=f"there is no parameter '{name}' to fix; the model has mass, omega0"):
+    with pytest.raises(BadInput, match=f"there is no parameter '{name}' to fix; .*he model has mass, omega0"):
         identify(drag()[:1], fixed=fixed)
 
 

@@ -51,7 +51,7 @@ def describe(fmu: Path) -> Described:
     with zipfile.ZipFile(fmu) as archive:
         root = ElementTree.fromstring(archive.read("modelDescription.xml"))
     version = int(root.attrib["fmiVersion"].split(".")[0])
-    variables = [element for element in root.find("ModelVariables") or () if element.get("name")]
+    variables = [element for element in root.findall("ModelVariables/*") if element.get("name")]
     names = [variable.attrib["name"] for variable in variables]
     references = {name: int(v.attrib["valueReference"]) for name, v in zip(names, variables, strict=True)}
     bearers = [variable.find("Real") if version == 2 else variable for variable in variables]

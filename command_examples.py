@@ -1,0 +1,38 @@
+"""An example or two of every command, which stand at the end of its ``--help``."""
+
+from __future__ import annotations
+
+EXAMPLES: dict[str, tuple[str, ...]] = {
+    "batch": ("dashpot batch fleet.yaml -o results", "dashpot batch fleet.yaml -o results --shard 2/8"),
+    "compare": ("dashpot compare before.yaml after.yaml --repeats test1.yaml test2.yaml test3.yaml",),
+    "completion": ('eval "$(dashpot completion bash)"',),
+    "demo": ("dashpot demo -o demo",),
+    "diagnose": (
+        "dashpot diagnose rig.yaml sweep_high.csv decay.csv --holdout multisine.csv -o diagnosis",
+        "dashpot diagnose rig.yaml sweep.csv -o diagnosis --json > diagnosis.json",
+    ),
+    "doctor": ("dashpot doctor",),
+    "export": (
+        "dashpot export rig.yaml rig.fmu rig.casadi",
+        "dashpot export rig.yaml rig.fmu --fmi 3 --platform linux64,win64",
+    ),
+    "hilbert": ("dashpot hilbert decays.csv sweep.csv.gz -o curves",),
+    "identify": (
+        "dashpot identify decays.csv sweep.csv.gz -o rig.yaml --report rig.html",
+        "dashpot identify decay.csv -o rig.yaml --mass 0.27 --unit mm --part 2:30",
+        "dashpot identify sweep.csv.gz -o drag.yaml --with quadratic-drag --fix preload=0",
+    ),
+    "linearise": ("dashpot linearise rig.yaml --amplitude 1e-3 --step 1e-3",),
+    "look": ("dashpot look runs.mat more.csv", "dashpot look runs.mat#run3 --force '*shaker*'"),
+    "paper": ("dashpot paper -o paper",),
+    "show": ("dashpot show rig.yaml", "dashpot show rig.yaml --json | jq .machine.friction"),
+    "simulate": ("dashpot simulate rig.yaml another.csv -o response.csv",),
+    "verify": ("dashpot verify rig.fmu sweep.csv.gz another.csv --json verify.json",),
+    "watch": ("dashpot watch january.yaml march.yaml june.yaml --report life.html",),
+}
+
+
+def epilog(name: str) -> str | None:
+    """What stands at the end of the help of a command; None where there is no example."""
+    lines = EXAMPLES.get(name)
+    return None if lines is None else "\n".join(["\b", "Examples:" if len(lines) > 1 else "Example:", *lines])

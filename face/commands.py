@@ -1,0 +1,352 @@
+"""One function a command.
+
+``given`` recordings are whatever ``read`` takes; ``progress`` is called with one line a step.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Unpack
+
+from ..recording import Reading, Recording, recordings_of
+from .fleet import batch as batch
+from .fleet import compare as compare
+from .fleet import watch as watch
+from .model import Model, oscillator_of
+
+if TYPE_CHECKING:
+    from ..doctor import Checkup
+    from ..model import Oscillator
+    from ..model.law import Law
+    from ..model.linear import LinearModel
+    from ..verify.verification import Verification
+    from .diagnosis import Diagnosis
+    from .hilbert import Hilbert
+    from .simulation import Simulation
+
+Say = Callable[[str], None]
+
+
+def _silent(_: str) -> None:
+    """Say nothing."""
+
+
+def read(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
+    """Recordings of files, arrays, data frames, SEP 5 dictionaries or Recordings, in any mixture, converted to SI.
+
+    Args:
+        given: paths (all records of a file are read; ``runs.mat#run3`` is one), a DataFrame, an xarray Dataset or
+            DataArray, SEP 5 dictionaries, arrays by name such as {"time_s": t, "force_N": f, "x_mm": x}, an array (n,)
+            with ``fs``, Recordings, or lists of these.
+        options: how to read them, see ``dashpot.recording.Reading``.
+
+    Raises:
+        BadInput: with one sentence for each thing that is wrong.
+
+    >>> import dashpot, numpy
+    >>> t = numpy.arange(2000) / 1000.0
+    >>> decay = 5e-3 * numpy.exp(-2.5 * t) * numpy.cos(79.6 * t)
+    >>> dashpot.read(decay, fs=1000.0)
+    [<Recording 'recording 1': displacement in m, 2000 samples at 1000 Hz, no force>]
+    """
+    return recordings_of(*given, **options)
+
+
+def load(path: str | Path) -> Model:
+    """The model of a model file.
+
+    Raises:
+        BadInput: the file cannot be read or is none; one line a problem.
+
+    >>> import dashpot, pathlib, tempfile
+    >>> from dashpot.examples.truth import TRUTH
+    >>> path = dashpot.Model.from_values(TRUTH, name="stand").save(pathlib.Path(tempfile.mkdtemp()) / "stand.yaml")
+    >>> dashpot.load(path).name
+    'stand'
+    """
+    return Model(oscillator_of(Path(path)))
+
+
+def identify(
+    *given: Any,
+    name: str | None = None,
+    laws: Sequence[str] | str = (),
+    fixed: Mapping[str, float] | None = None,
+    mass: float | None = None,
+    start: Model | Oscillator | str | Path | None = None,
+    mode: str | float | None = None,
+    faults: bool = False,
+    progress: Say | None = None,
+    **options: Unpack[Reading],
+) -> Model:
+    """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
+
+    Args:
+        given: recordings of one rig, as ``dashpot.read`` takes them.
+        name: of the rig; left out, that of the first recording.
+        laws: names of laws of the library to fit beside Eq. 17, docs/laws.md.
+        fixed: parameters that keep a value, by name, in SI.
+        mass: kg, where only decays were recorded or it is known.
+        start: model to start from, with its laws.
+        mode: which of several modes, by its number or its frequency in Hz.
+        faults: whether to ask what the measuring chain did to a recording, where more than noise is left.
+        progress: called with one line a step.
+        options: how to read, see ``dashpot.recording.Reading``.
+
+    Returns:
+        The model; ``notes`` has what is to be known of it, ``identification`` the fit.
+
+    Raises:
+        BadInput: the recordings do not belong together or cannot carry a model; a law or parameter is not known.
+
+    >>> import dashpot
+    >>> model = dashpot.identify(dashpot.examples.recordings()["bursts"], part="0:15", name="stand")
+    >>> print(f"{model['mass'].value:.3f} kg, {model['natural_frequency'].value:.2f} Hz")
+    0.270 kg, 12.67 Hz
+    """
+    from ..errors import BadInput
+    from ..identify.identification import belong_together
+    from ..identify.identification import identify as find
+    from ..identify.modes import mode_alone
+    from ..model.laws import find as find_law
+
+    say, notes = progress or _silent, []
+    recordings = read(*given, **options)
+    belong_together(recordings)
+    known = dict(fixed or {}) | ({} if mass is None else {"mass": mass})
+    if not known.get("mass", 1.0) > 0:
+        raise BadInput(f"a mass of {known['mass']:g} kg moves nowhere; give a positive number")
+    begin = None if start is None else oscillator_of(start)
+    alone, band = mode_alone(recordings, None if mode is None else str(mode), begin, notes.append)
+    for note in notes:
+        say(note)
+    found = find(
+        alone,
+        name=name or _stem(recordings[0].name),
+        effects=[find_law(law).name for law in ([laws] if isinstance(laws, str) else laws)],
+        fixed=known,
+        start=begin,
+        band=band,
+        faults=faults,
+        progress=say,
+    )
+    return Model(found.oscillator, found)
+
+
+def _stem(name: str) -> str:
+    """A rig's name of a recording's: without folder and suffixes."""
+    return Path(name.partition("#")[0]).name.partition(".")[0] or "oscillator"
+
+
+def simulate(model: Model | Oscillator | str | Path, *recording: Any, **options: Any) -> Simulation:
+    """The response of a model to a recorded force, or to one of your own; see ``Model.simulate``.
+
+    >>> import dashpot, numpy
+    >>> from dashpot.examples.truth import TRUTH
+    >>> force = numpy.sin(2 * numpy.pi * 12.67 * numpy.arange(3000) / 1000.0)
+    >>> response = dashpot.simulate(dashpot.Model.from_values(TRUTH), force=force, fs=1000.0).response
+    >>> f"{abs(response).max():.4f} m"
+    '0.0092 m'
+    """
+    return Model(oscillator_of(model)).simulate(*recording, **options)
+
+
+def linearise(model: Model | Oscillator | str | Path, **about: float | None) -> LinearModel:
+    """A, B, C, D of the linear model about a motion or a point; see ``Model.linearise``.
+
+    >>> import dashpot
+    >>> from dashpot.examples.truth import TRUTH
+    >>> linear = dashpot.linearise(dashpot.Model.from_values(TRUTH), amplitude=1e-3)
+    >>> linear.discrete(1e-3)[0].shape
+    (2, 2)
+    """
+    return Model(oscillator_of(model)).linearise(**about)
+
+
+def export(model: Model | Oscillator | str | Path, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
+    """Write a model as .fmu, .casadi, .c or .ssp, by the suffix; returns all files written. See ``Model.export``.
+
+    >>> import dashpot, pathlib, tempfile
+    >>> from dashpot.examples.truth import TRUTH
+    >>> folder = pathlib.Path(tempfile.mkdtemp())
+    >>> len(dashpot.export(dashpot.Model.from_values(TRUTH), folder / "rig.casadi"))
+    8
+    """
+    return Model(oscillator_of(model)).export(*paths, **options)
+
+
+def verify(
+    fmu: str | Path, *given: Any, limit: float | None = None, progress: Say | None = None, **options: Unpack[Reading]
+) -> Verification:
+    """Run an FMU with recorded forces and compare response, backbone and parameters; ``passed`` says how it went.
+
+    Args:
+        fmu: its file.
+        given: recordings, as ``dashpot.read`` takes them.
+        limit: longest time, s, without a step that the FMU finished.
+        progress: called with one line a recording.
+        options: how to read, see ``dashpot.recording.Reading``.
+
+    Raises:
+        BadInput: the file is no such FMU, it cannot simulate, or no recording fits it.
+
+    >>> import dashpot, pathlib, tempfile
+    >>> decay = dashpot.read(dashpot.examples.recordings()["bursts"], part="1.6:3.4", force="none")
+    >>> from dashpot.examples.truth import TRUTH
+    >>> fmu = pathlib.Path(tempfile.mkdtemp()) / "rig.fmu"
+    >>> _ = dashpot.export(dashpot.Model.from_values(TRUTH), fmu)
+    >>> dashpot.verify(fmu, decay).recordings[0].file
+    'bursts.csv.gz'
+    """
+    from ..verify.fmu_process import TIME_LIMIT
+    from ..verify.verification import verify as check
+
+    return check(
+        Path(fmu), read(*given, **options), limit=TIME_LIMIT if limit is None else limit, progress=progress or _silent
+    )
+
+
+def diagnose(
+    model: Model | Oscillator | str | Path,
+    *given: Any,
+    holdout: Any = (),
+    mode: str | float | None = None,
+    progress: Callable[[str, float], None] | None = None,
+    **options: Unpack[Reading],
+) -> Diagnosis:
+    """Find the physics that a model lacks and recordings show; takes minutes.
+
+    Args:
+        model: gives the family; a Model, or the path of a model file.
+        given: recordings to fit to, as ``dashpot.read`` takes them.
+        holdout: recordings to judge by, of another level or kind.
+        mode: which of several modes.
+        progress: called with what is done and how much of all is done, 0 to 1.
+        options: how to read, see ``dashpot.recording.Reading``.
+
+    Returns:
+        Verdict, effects, location and the mended model; ``save(folder)`` writes what ``dashpot diagnose`` does.
+
+    Raises:
+        BadInput: the recordings are not of this rig, or cannot carry a diagnosis.
+
+    >>> import dashpot
+    >>> from dashpot.examples.truth import TRUTH
+    >>> dashpot.diagnose(dashpot.Model.from_values(TRUTH))
+    Traceback (most recent call last):
+    dashpot.errors.BadInput: no recording was given; name at least one file with a decay or a driven response
+    """
+    from dataclasses import replace
+
+    from ..diagnose.diagnosis import diagnose as find
+    from ..identify.identification import belong_together
+    from ..identify.modes import in_band_of, in_the_same_band, mode_alone
+    from .diagnosis import Diagnosis
+
+    oscillator = oscillator_of(model)
+    training, held = read(*given, **options), read(holdout, **options)
+    belong_together([*training, *held])
+    alone, band = mode_alone(training, None if mode is None else str(mode), oscillator, _silent)
+    with TemporaryDirectory() as scratch:
+        fmu = Path(scratch) / "model.fmu"
+        result = find(
+            oscillator,
+            alone,
+            in_the_same_band(held, band),
+            fmu=fmu,
+            progress=progress or (lambda _what, _part: None),
+        )
+        mended = fmu.read_bytes() if fmu.exists() else None
+    return Diagnosis(replace(result, model=in_band_of(result.model, band)), mended)
+
+
+def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Reading]) -> Hilbert:
+    """FREEVIB and FORCEVIB: curves over time and amplitude, the laws of Eqs. 1, 6 and 7 fitted to them, with errors.
+
+    Args:
+        given: recordings of one rig, as ``dashpot.read`` takes them.
+        mode: which of several modes.
+        options: how to read, see ``dashpot.recording.Reading``.
+
+    Raises:
+        BadInput: none of them holds a decay or a driven stretch that can be evaluated.
+
+    >>> import dashpot
+    >>> analysis = dashpot.hilbert(dashpot.examples.recordings()["bursts"], part="0:15")
+    >>> round(analysis.freevib.values["omega0"], 1)
+    79.6
+    """
+    from ..identify.hilbert_result import hilbert_analysis
+    from ..identify.modes import mode_alone
+    from .hilbert import Hilbert
+
+    notes: list[str] = []
+    alone, _ = mode_alone(read(*given, **options), None if mode is None else str(mode), None, notes.append)
+    return Hilbert(hilbert_analysis(alone), tuple(alone), tuple(note.removeprefix("note: ") for note in notes))
+
+
+def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]:
+    """What would be read of files, one dictionary a record: channels, units, rate, kind of motion, a small picture.
+
+    >>> import dashpot
+    >>> (record,) = dashpot.look(dashpot.examples.recordings()["bursts"])
+    >>> record["recordings"][0]["motion"]
+    'bursts'
+    """
+    from ..look import look as seen_in
+    from ..recording.content import MOST_MB
+    from ..recording.part import parse_part
+
+    names = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold")
+    response, part = options.get("response"), options.get("part")
+    how = {name: options.get(name) for name in names} | {
+        "max_size": options.get("max_size", MOST_MB),
+        "part": (parse_part(part) if isinstance(part, str) and part else part) or None,
+        "response": () if response is None else (response,) if isinstance(response, str | int) else tuple(response),
+    }
+    return [entry for file in files for entry in seen_in(Path(file), how)]
+
+
+def load_laws(path: str | Path) -> tuple[Law, ...]:
+    """Take the laws of a Python file into the library, as ``--law`` does; docs/laws.md. The file is run.
+
+    Raises:
+        BadInput: the file cannot be run, or a law in it lacks something.
+
+    >>> import dashpot
+    >>> dashpot.load_laws("absent.py")
+    Traceback (most recent call last):
+    dashpot.errors.BadInput: absent.py: cannot be read (No such file or directory); check the path
+    """
+    from ..model.user_laws import load_law_file
+
+    return load_law_file(path)
+
+
+def demo(folder: str | Path = "demo", progress: Say | None = None) -> bool:
+    """The whole story on the built-in rig, into a folder; whether its FMU reproduces all recordings."""
+    from ..demo import run
+
+    return run(Path(folder), progress or print)
+
+
+def paper(folder: str | Path = "paper", progress: Say | None = None) -> Path:
+    """The paper's figures remade from the built-in rig, as a page in a folder; returns its path."""
+    from ..paper import run
+
+    return run(Path(folder), progress or _silent)
+
+
+def doctor() -> Checkup:
+    """What of all that dashpot can use is there: compiler, platforms, extras, cache.
+
+    >>> import dashpot
+    >>> checkup = dashpot.doctor()
+    >>> checkup.python.startswith("3.")
+    True
+    """
+    from ..doctor import checkup
+
+    return checkup()

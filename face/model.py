@@ -1,0 +1,272 @@
+"""The model as a person holds it: its numbers, and what can be done with it, a method each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+from ..model import Oscillator, Parameter, Response
+from ..recording import Reading
+
+if TYPE_CHECKING:
+    from ..identify.identification import Identification
+    from ..model.linear import LinearModel
+    from ..verify.verification import Verification
+    from .backbone import Backbone
+    from .diagnosis import Diagnosis
+    from .simulation import Simulation
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Model:
+    """An identified oscillator.
+
+    ``model["omega0"]`` is a parameter with ``value``, ``std`` and ``unit``.
+
+    Attributes:
+        oscillator: parameters, laws, validity and provenance: what the model file holds.
+        identification: how it was found, with the fit and its recordings; None where it was loaded or made of numbers.
+
+    >>> import dashpot
+    >>> from dashpot.examples.truth import TRUTH
+    >>> model = dashpot.Model.from_values(TRUTH, name="stand")
+    >>> print(model["mass"], "|", model.machine["friction"])
+    0.27 kg | 0.00405 N
+    """
+
+    oscillator: Oscillator
+    identification: Identification | None = None
+
+    @classmethod
+    def from_values(
+        cls,
+        values: Mapping[str, float],
+        *,
+        name: str = "oscillator",
+        quantity: str = "displacement",
+        unit: str = "m",
+        laws: Sequence[str] = (),
+    ) -> Model:
+        """A model made of numbers, in SI: mass (kg; left out where unknown), omega0, cubic, preload, viscous, dry.
+
+        Args:
+            values: by name; those of further laws as ``law.parameter``.
+            name: of the rig.
+            quantity: what the response shows: displacement, velocity or acceleration.
+            unit: of the response, such as m, m/s2 or rad.
+            laws: names of further laws, docs/laws.md.
+
+        Raises:
+            BadInput: a parameter is missing or not known.
+
+        >>> import dashpot
+        >>> rig = {"mass": 1.0, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}
+        >>> dashpot.Model.from_values(rig | {"quadratic-drag.coefficient": 2.0}, laws=["quadratic-drag"]).laws
+        ('quadratic-drag',)
+        """
+        response = Response(quantity, unit)
+        return cls(Oscillator.from_values(values, name=name, response=response, effects=tuple(laws)))
+
+    @property
+    def name(self) -> str:
+        """Of the rig."""
+        return self.oscillator.name
+
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """Every parameter, per unit mass as in Eq. 17, by its name."""
+        return self.oscillator.parameters()
+
+    @property
+    def machine(self) -> dict[str, Parameter]:
+        """The same in kg, N/m, N s/m and N, with natural frequency (Hz) and damping ratio; errors carried over."""
+        from ..model.physical import machine
+
+        return machine(self.oscillator)
+
+    @property
+    def laws(self) -> tuple[str, ...]:
+        """Names of the laws beside Eq. 17."""
+        return tuple(term.effect for term in self.oscillator.terms)
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a user should know, one sentence each: of the identification where there was one, and of the model."""
+        from ..model.show import warnings
+
+        found = () if self.identification is None else (*self.identification.notes, *self.identification.faults)
+        return tuple(dict.fromkeys((*found, *warnings(self.oscillator))))
+
+    def __getitem__(self, name: str) -> Parameter:
+        known = self.parameters
+        if name in known:
+            return known[name]
+        if name in (machine := self.machine):
+            return machine[name]
+        import difflib
+
+        close = difflib.get_close_matches(name, [*known, *machine], n=3, cutoff=0.4)
+        advice = f"did you mean {', '.join(close)}?" if close else f"there are {', '.join([*known, *machine])}"
+        raise KeyError(f"no parameter {name!r}; {advice}")
+
+    def __repr__(self) -> str:
+        from .words import model_text
+
+        return model_text(self)
+
+    def _repr_html_(self) -> str:
+        from .words import model_html
+
+        return model_html(self)
+
+    def describe(self) -> str:
+        """All there is to say of the model, as ``dashpot show`` prints it."""
+        from ..model.show import describe
+
+        return describe(self.oscillator)
+
+    def as_json(self) -> dict[str, Any]:
+        """The same as plain data, as ``dashpot show --json``."""
+        from ..model.show import as_json
+
+        return as_json(self.oscillator)
+
+    def simulate(
+        self,
+        *recording: Any,
+        initial: tuple[float, float] = (0.0, 0.0),
+        seconds: float | None = None,
+        **options: Unpack[Reading],
+    ) -> Simulation:
+        """The response to a recorded force, from the beginning that comes closest; or to a force of one's own.
+
+        Args:
+            recording: a recording as ``dashpot.read`` takes it; left out, ``force`` is an array (n,) in the model's
+                unit of force and ``fs`` its sampling frequency, or there is no force at all for ``seconds``.
+            initial: displacement and velocity at the first sample, where there is no recording.
+            seconds: length of free motion.
+            options: how a recording is read, see ``dashpot.recording.Reading``.
+
+        Raises:
+            BadInput: there is more or less than one recording, or it is not of this rig.
+
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> free = dashpot.Model.from_values(TRUTH).simulate(initial=(5e-3, 0.0), seconds=1.0, fs=1000.0)
+        >>> free.response.shape, bool(abs(free.response[-100:]).max() < 1e-3)
+        ((1000,), True)
+        """
+        from .simulation import simulated
+
+        return simulated(self, recording, initial, seconds, options)
+
+    def backbone(self, amplitude: Any = None) -> Backbone:
+        """Natural frequency and damping ratio over the amplitude.
+
+        Args:
+            amplitude: of the displacement (n,), in its unit; left out, over what the recordings covered.
+
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> curve = dashpot.Model.from_values(TRUTH).backbone([1e-3, 5e-3])
+        >>> [round(float(f), 2) for f in curve.frequency]
+        [12.76, 12.7]
+        """
+        from .backbone import backbone_of
+
+        return backbone_of(self, amplitude)
+
+    def linearise(self, **about: float | None) -> LinearModel:
+        """A, B, C, D about a motion (``amplitude``, ``frequency``) or a point (``displacement``, ``force``).
+
+        >>> import dashpot
+        >>> from dashpot.examples.truth import TRUTH
+        >>> dashpot.Model.from_values(TRUTH).linearise(amplitude=1e-3).A.shape
+        (2, 2)
+        """
+        from ..model.linear import linearise
+
+        return linearise(self.oscillator, **about)
+
+    def plot(self) -> Any:
+        """Backbone and damping ratio, with what was measured where the model was identified; a matplotlib Figure."""
+        return self.backbone().plot()
+
+    def save(self, path: str | Path) -> Path:
+        """Write the model file (YAML), or an HTML report where the name ends in .html; returns the path.
+
+        Raises:
+            BadInput: the place cannot be written, or a report is asked for of a model that was not identified here.
+        """
+        from ..errors import BadInput
+        from ..model.file import save
+        from ..writing import write
+
+        path = Path(path)
+        if path.suffix != ".html":
+            if path.suffix in (".fmu", ".casadi", ".c", ".ssp"):
+                raise BadInput(f"{path}: save writes a model file or a report; use export for this")
+            save(self.oscillator, path)
+        elif self.identification is None:
+            raise BadInput(f"{path}: a report is of an identification, and this model was loaded; identify it here")
+        else:
+            from ..report.page import identification_page
+
+            write(path, identification_page(self.identification))
+        return path
+
+    def export(self, *paths: str | Path, **options: Any) -> tuple[Path, ...]:
+        """Write .fmu, .casadi, .c or .ssp files; ``options`` are those of ``dashpot.export.export``.
+
+        >>> import dashpot, pathlib, tempfile
+        >>> from dashpot.examples.truth import TRUTH
+        >>> model = dashpot.Model.from_values(TRUTH)
+        >>> written = model.export(pathlib.Path(tempfile.mkdtemp()) / "rig.c")
+        >>> [path.name for path in written]
+        ['rig.c', 'rig.h']
+        """
+        from ..export import export
+        from ..writing import together
+
+        with together():
+            return tuple(file for path in paths for file in export(self.oscillator, Path(path), **options))
+
+    def verify(self, *recordings: Any, **options: Unpack[Reading]) -> Verification:
+        """The model as an FMU, run with each recording and compared; nothing is left on disk."""
+        from tempfile import TemporaryDirectory
+
+        from .commands import verify
+
+        with TemporaryDirectory() as folder:
+            path = Path(folder) / "model.fmu"
+            self.export(path)
+            return verify(path, *recordings, **options)
+
+    def diagnose(self, *recordings: Any, holdout: Any = (), **options: Any) -> Diagnosis:
+        """What physics the model lacks that recordings show; see ``dashpot.diagnose``."""
+        from .commands import diagnose
+
+        return diagnose(self, *recordings, holdout=holdout, **options)
+
+    def renamed(self, name: str) -> Model:
+        """The same model under another name."""
+        return replace(self, oscillator=replace(self.oscillator, name=name))
+
+
+def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
+    """The oscillator that is meant: a Model's, one itself, or that of a model file; raises BadInput for others."""
+    from ..errors import BadInput
+    from ..model.file import load
+
+    if isinstance(model, Model):
+        return model.oscillator
+    if isinstance(model, Oscillator):
+        return model
+    if isinstance(model, str | Path):
+        return load(model)
+    raise BadInput(f"a {type(model).__name__} is no model; give a Model, or the path of a model file")
+
+
+Progress = Callable[[str], None]

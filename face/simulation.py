@@ -1,0 +1,183 @@
+"""A simulated response: along a recording, or under a force of one's own."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import BadInput
+from ..model import Oscillator, Response
+from ..recording import Recording, recordings_of
+
+if TYPE_CHECKING:
+    from .model import Model
+
+#: A first guess of how far a force moves a rig, in static deflections: a resonance that is met in passing.
+_RESONANCE = 10.0
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Simulation:
+    """A response of a model, event-exact.
+
+    Attributes:
+        name: of what was simulated.
+        time: (n,), s.
+        response: (n,) as a sensor would show it, in ``shown.unit``; NaN from where the motion runs away.
+        force: (n,) in the unit of the model's force; None for free motion.
+        shown: quantity and unit of the response.
+        measured: the recording that it runs along; None under a force of one's own.
+    """
+
+    name: str
+    time: np.ndarray
+    response: np.ndarray
+    force: np.ndarray | None
+    shown: Response
+    measured: Recording | None = None
+
+    @property
+    def nrmse(self) -> float | None:
+        """rms(simulated - measured) / std(measured); None without a recording."""
+        if self.measured is None:
+            return None
+        left = self.response - self.measured.response
+        return float(np.sqrt(np.mean(left**2)) / np.std(self.measured.response))
+
+    @property
+    def lost(self) -> float | None:
+        """From when on, s, the simulation has run away and holds NaN; None where it has not."""
+        gone = np.flatnonzero(~np.isfinite(self.response))
+        return float(self.time[gone[0]]) if gone.size else None
+
+    def __repr__(self) -> str:
+        peak = float(np.nanmax(np.abs(self.response), initial=0.0))
+        words = (
+            f"{self.name}: {self.shown.quantity} over {self.time.size} samples, {self.time[-1] - self.time[0]:.4g} s, "
+            f"up to {peak:.4g} {self.shown.unit}"
+        )
+        if self.lost is not None:
+            return f"{words}; it runs away at {self.lost:.4g} s"
+        return words if self.nrmse is None else f"{words}; leaves {100 * self.nrmse:.3g} % of the measured motion"
+
+    def _repr_html_(self) -> str:
+        from .words import paragraph
+
+        return paragraph(repr(self)) + self.plot()._repr_svg_()
+
+    def plot(self) -> Any:
+        """Simulated and measured response over time, and what is left; a matplotlib Figure."""
+        from ..model.display import scale_of
+        from ..report.style import MEASURED, MODEL
+        from .plot import new_plot
+
+        scale = scale_of(self.shown.unit, self.response)
+        with new_plot(2 if self.measured is not None else 1) as (figure, axes):
+            if self.measured is not None:
+                measured = np.asarray(self.measured.response)
+                axes[0].plot(self.time, measured * scale.factor, color=MEASURED, linewidth=2.2, label="measured")
+                axes[1].plot(self.time, (measured - self.response) * scale.factor, color=MODEL, linewidth=0.8)
+                axes[1].set_title("What the simulation leaves")
+                axes[1].set_xlabel("Time [s]")
+                axes[1].set_ylabel(scale.label("Residual"))
+            axes[0].plot(self.time, self.response * scale.factor, color=MODEL, linewidth=0.9, label="simulated")
+            axes[0].set_title(self.name)
+            axes[0].set_xlabel("Time [s]")
+            axes[0].set_ylabel(scale.label(self.shown.quantity.capitalize()))
+            axes[0].legend(loc="best")
+        return figure
+
+    def save(self, path: str | Path) -> Path:
+        """Write time, force, measured and simulated response as CSV (.csv or .csv.gz); returns the path."""
+        from ..recording.csv_output import write_columns, write_response
+
+        path = Path(path)
+        if not path.name.endswith((".csv", ".csv.gz")):
+            raise BadInput(f"{path}: a simulation is written as CSV; end the name in .csv or .csv.gz")
+        if self.measured is not None:
+            write_response(path, self.measured, self.response)
+        else:
+            force = {} if self.force is None else {"force_N": self.force}
+            unit = self.shown.unit.replace("/", "_")
+            write_columns(path, {"time_s": self.time, **force, f"{self.shown.quantity}_{unit}": self.response})
+        return path
+
+
+def simulated(
+    model: Model | Oscillator,
+    given: Sequence[Any],
+    initial: tuple[float, float],
+    seconds: float | None,
+    options: Mapping[str, Any],
+) -> Simulation:
+    """See ``Model.simulate``."""
+    from .model import oscillator_of
+
+    oscillator = oscillator_of(model)
+    if given:
+        return along(oscillator, recordings_of(*given, **options))
+    force, fs = options.get("force"), options.get("fs")
+    if fs is None or not fs > 0:
+        raise BadInput("without a recording give the sampling frequency, fs in Hz, and a force (n,) or seconds")
+    if force is None and seconds is None:
+        raise BadInput("without a recording give a force (n,) with fs, or how many seconds of free motion")
+    samples = None if force is None else np.asarray(force, float)
+    if samples is not None and (samples.ndim != 1 or not samples.size or not np.all(np.isfinite(samples))):
+        raise BadInput(f"the force has shape {samples.shape}; give one column of finite numbers")
+    n = round(float(seconds or 0.0) * fs) if samples is None else samples.size
+    if n < 2:
+        raise BadInput(f"{seconds} s at {fs:g} Hz are {n} samples; give at least two")
+    response = _driven(oscillator, samples, n, 1.0 / fs, initial, options.get("hold") or oscillator.hold)
+    return Simulation(oscillator.name, np.arange(n) / fs, response, samples, oscillator.response)
+
+
+def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation:
+    """The response to the force of the one recording, from the beginning that comes closest to it.
+
+    Raises BadInput where there is another number of them, or it is of other units than the model.
+    """
+    from ..identify.hold import held_as
+    from ..identify.identification import of_one_motion
+    from ..identify.modes import in_the_same_band
+    from ..identify.replay import replay
+
+    if len(recordings) != 1:
+        named = f"; name one of {', '.join(r.name for r in recordings[:5])}" if recordings else ""
+        raise BadInput(f"simulate makes one response, and {len(recordings)} records were given{named}")
+    (measured,) = in_the_same_band(held_as(recordings, oscillator.hold), oscillator.identified.band)
+    if not of_one_motion(measured, oscillator.response):
+        raise BadInput(
+            f"{measured.name}: records {measured.quantity} in {measured.unit}, {oscillator.name} is of "
+            f"{oscillator.response.quantity} in {oscillator.response.unit}; "
+            "say what the column is with --quantity and --unit"
+        )
+    response = replay(oscillator, measured)
+    shown = Response(measured.quantity, measured.unit)
+    return Simulation(measured.name, measured.time, response, measured.force, shown, measured)
+
+
+def _driven(
+    oscillator: Oscillator, force: np.ndarray | None, n: int, dt: float, initial: tuple[float, float], hold: str
+) -> np.ndarray:
+    from ..identify.segments import FORCE_BAND
+    from ..simulate.core import core_of, internal_step
+    from ..simulate.force import force_between
+
+    values, omega = oscillator.values(), max(oscillator.omega0.value, 1e-6)
+    highest = FORCE_BAND * omega / (2 * np.pi)
+    pushed = None if force is None else force_between(force, dt, hold, highest)
+    core = core_of(oscillator)
+    begin = np.concatenate([np.asarray(initial, float), np.zeros(len(core.equations.inner))])
+    size = float(np.max(np.abs(force))) / values.get("mass", 1.0) / omega**2 * _RESONANCE if force is not None else 0.0
+    peak = max(abs(begin[0]), abs(begin[1]) / omega, size)
+
+    def run(peak: float, *, states: bool = False) -> np.ndarray:
+        step = internal_step(oscillator, values, peak or 1e-6)
+        return core.record(np.array(list(values.values())), begin, pushed, n, dt, step, states=states)
+
+    reached = float(np.nanmax(np.abs(run(peak, states=True)[:, 0]), initial=0.0))
+    return run(max(peak, reached))

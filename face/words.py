@@ -1,0 +1,75 @@
+"""How results show themselves: in a few lines of text, and in a notebook as a table and a picture."""
+
+from __future__ import annotations
+
+from contextlib import suppress
+from html import escape
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .model import Model
+
+#: Notes that are shown; ``Model.notes`` has all.
+_NOTES = 3
+_STYLE = "font-family: system-ui, sans-serif; line-height: 1.5"
+
+
+def model_text(model: Model) -> str:
+    """The model in a few lines: parameters with errors, what they make of a machine, what it leaves, notes."""
+    from ..model.show import columns_text, machine_table, parameter_cells
+
+    lines = [f"{model.name}: {model.oscillator.equation()}"]
+    lines += columns_text([cells[:5] for cells in parameter_cells(model.oscillator)])
+    if machine := machine_table(model.oscillator):
+        lines += ["as the machine has it", *columns_text([cells[:5] for cells in machine])]
+    return "\n".join([*lines, *_left(model), *(f"note: {note}" for note in model.notes[:_NOTES]), *_more(model)])
+
+
+def _left(model: Model) -> list[str]:
+    return [
+        f"leaves {r['over_noise']:.3g} times the noise of {r['file']}, {100 * r['nrmse']:.2g} % of its motion"
+        for r in model.oscillator.identified.recordings[:4]
+        if r.get("nrmse") is not None and r.get("over_noise") is not None
+    ]
+
+
+def _more(model: Model) -> list[str]:
+    more = len(model.notes) - _NOTES
+    return [f"and {more} more in .notes"] if more > 0 else []
+
+
+def model_html(model: Model) -> str:
+    """The same as tables, with the backbone where the model says for which amplitudes it holds."""
+    from ..errors import BadInput
+    from ..model.show import machine_table, parameter_cells
+
+    parts = [f"<p><b>{escape(model.name)}</b>: <i>{escape(model.oscillator.equation())}</i></p>"]
+    parts.append(_table(parameter_cells(model.oscillator)))
+    if machine := machine_table(model.oscillator):
+        parts.append(_table(machine, "As the machine has it"))
+    parts += [f"<p>{escape(line)}</p>" for line in (*_left(model), *model.notes[:_NOTES], *_more(model))]
+    with suppress(BadInput):  # where no amplitudes are known to draw over
+        parts.append(model.plot()._repr_svg_())
+    return f'<div style="{_STYLE}">{"".join(parts)}</div>'
+
+
+def _table(rows: list[tuple[str, ...]], caption: str = "") -> str:
+    body = "".join(
+        f"<tr><th style='text-align: left'>{escape(name)}</th>"
+        + "".join(f"<td style='text-align: right'>{escape(cell)}</td>" for cell in cells[:3])
+        + "".join(f"<td style='text-align: left'>{escape(cell)}</td>" for cell in cells[3:])
+        + "</tr>"
+        for name, *cells in rows
+    )
+    head = f"<caption style='text-align: left'>{escape(caption)}</caption>" if caption else ""
+    return f"<table>{head}{body}</table>"
+
+
+def paragraph(text: str) -> str:
+    """A sentence for a notebook."""
+    return f'<p style="{_STYLE}">{escape(text)}</p>'
+
+
+def preformatted(text: str) -> str:
+    """Lines of text for a notebook."""
+    return f"<pre>{escape(text)}</pre>"

@@ -1,0 +1,94 @@
+"""The page says what of a recording was not used, and why; and gives the machine's own units with errors."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.examples.truth import TRUTH
+from dashpot.identify import identify
+from dashpot.model import Oscillator
+from dashpot.model.physical import machine
+from dashpot.model.show import as_json, describe
+from dashpot.recording import Recording
+from dashpot.report.page import identification_page
+from dashpot.report.used import unused, used_table
+
+
+@pytest.fixture(scope="module")
+def held(recorded):
+    """A decay that is held for a second before it is let go."""
+    decay = recorded(begin=(8e-3, 0.0), seconds=3.0)
+    noise = 1e-6 * np.random.default_rng(3).standard_normal(500)
+    return Recording("held", decay.fs, np.concatenate([8e-3 + noise, decay.response]))
+
+
+@pytest.fixture(scope="module")
+def found(held):
+    return identify([held], fixed={"mass": TRUTH["mass"]})
+
+
+def test_the_stretch_before_it_is_let_go_is_not_used_and_why(found):
+    (table,) = used_table(found)
+    ((name, share, where, why),) = table.rows
+    assert name == "held"
+    assert 40 < float(share.removesuffix(" %")) < 76
+    assert re.match(r"0 to (0\.9|1\.0|1 )", where)
+    assert "left out" in why
+
+
+def test_what_no_stretch_covers():
+    recording = Recording("x", 10.0, np.arange(100.0))
+    assert unused(recording, []) == [(0, 100)]
+    assert unused(recording, [(0, 50), (51, 100)]) == []
+    assert unused(recording, [(10, 40), (30, 60)]) == [(0, 10), (60, 100)]
+
+
+def test_the_page_has_both_tables(found):
+    page = identification_page(found)
+    assert "Not used" in page
+    assert "As the machine has it" in page
+    assert "damping_ratio" in page
+
+
+def test_the_machine_has_the_numbers_of_a_drawing():
+    values = machine(Oscillator.from_values(TRUTH))
+    m, w = TRUTH["mass"], TRUTH["omega0"]
+    expected = {
+        "total_mass": (m, "kg"),
+        "stiffness": (m * w**2, "N/m"),
+        "cubic_stiffness": (m * TRUTH["cubic"], "N/m3"),
+        "preload_force": (m * TRUTH["preload"], "N"),
+        "damping": (m * TRUTH["viscous"], "N.s/m"),
+        "friction": (m * TRUTH["dry"], "N"),
+        "natural_frequency": (w / (2 * np.pi), "Hz"),
+        "damping_ratio": (TRUTH["viscous"] / (2 * w), "1"),
+    }
+    assert {name: p.unit for name, p in values.items()} == {name: unit for name, (_, unit) in expected.items()}
+    assert {name: p.value for name, p in values.items()} == pytest.approx({n: v for n, (v, _) in expected.items()})
+    assert all(p.std is None for p in values.values())
+
+
+def test_errors_are_carried_over_as_draws_have_them():
+    """With a strong correlation of mass and omega0, against the scatter of draws from the covariance."""
+    rig = Oscillator.from_values(TRUTH)
+    stds = {"mass": 0.01 * TRUTH["mass"], "omega0": 0.01 * TRUTH["omega0"]}
+    cov = -0.9 * stds["mass"] * stds["omega0"]
+    rows = ((stds["mass"] ** 2, cov), (cov, stds["omega0"] ** 2))
+    known = {name: replace(p, std=stds.get(name)) for name, p in rig.parameters().items()}
+    provenance = replace(rig.identified, parameters=("mass", "omega0"), covariance=rows)
+    rig = replace(rig.with_parameters(known), identified=provenance)
+    drawn = np.random.default_rng(1).multivariate_normal([TRUTH["mass"], TRUTH["omega0"]], rows, 200_000)
+    values = machine(rig)
+    assert values["stiffness"].std == pytest.approx(np.std(drawn[:, 0] * drawn[:, 1] ** 2), rel=0.02)
+    assert values["friction"].std == pytest.approx(stds["mass"] * TRUTH["dry"])
+    assert values["natural_frequency"].std == pytest.approx(stds["omega0"] / (2 * np.pi))
+
+
+def test_without_a_mass_frequency_and_damping_ratio_are_told_alone():
+    free = Oscillator.from_values({name: value for name, value in TRUTH.items() if name != "mass"})
+    assert set(machine(free)) == {"natural_frequency", "damping_ratio"}
+    assert set(as_json(free)["machine"]) == {"natural_frequency", "damping_ratio"}
+    assert "As the machine has it\n  natural_frequency" in describe(free)

@@ -1,0 +1,160 @@
+"""doctor, completion, --quiet, the examples of the commands' help, colours."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import subprocess
+import sys
+
+import dashpot
+import pytest
+from dashpot import doctor
+from dashpot.cli import cli, main
+from dashpot.command_examples import EXAMPLES
+from dashpot.examples.truth import TRUTH
+from dashpot.model.laws import LIBRARY
+from dashpot.terminal import coloured
+
+
+def run(capsys, *arguments):
+    code = 0
+    try:
+        main([str(argument) for argument in arguments])
+    except SystemExit as ended:
+        code = ended.code or 0
+    return code, *capsys.readouterr()
+
+
+# doctor ---------------------------------------------------------------------------------------------------------------
+
+
+def test_the_doctor_finds_what_is_there(capsys):
+    code, out, _ = run(capsys, "doctor", "--json")
+    found = json.loads(out)
+    assert code == 0
+    assert found["good"] is True
+    findings = {finding["what"]: finding for finding in found["findings"]}
+    assert {"Python", "numpy", "C compiler", "FMUs for", "cache", "hdf5"} <= set(findings)
+    assert findings["numpy"]["needed"]
+    assert not findings["hdf5"]["needed"]
+    code, out, _ = run(capsys, "doctor")
+    assert out.splitlines()[-1] == "all that is needed is there"
+    assert "\x1b" not in out
+
+
+def test_without_a_compiler_the_exit_code_says_so(capsys, no_compiler):
+    code, out, _ = run(capsys, "doctor")
+    assert code == 1
+    assert "✗ C compiler" in out
+    assert "apt-get install gcc" in out
+    assert out.splitlines()[-1] == "not in order: C compiler"
+
+
+def test_a_package_that_is_missing_or_old_is_told(monkeypatch):
+    versions = {"numpy": "1.20.1", "scipy": "1.18.0"}
+
+    def version(name):
+        if name in versions:
+            return versions[name]
+        raise doctor.metadata.PackageNotFoundError(name)
+
+    monkeypatch.setattr(doctor.metadata, "version", version)
+    assert doctor._found("numpy", ">=1.26") == (False, "1.20.1, and 1.26 or newer is needed")
+    assert doctor._found("scipy", "!=1.18.0,>=1.12")[1].startswith("1.18.0, which does not work")
+    assert doctor._found("absent", ">=1") == (False, "not installed")
+    found = {finding.what: finding for finding in doctor._packages()}
+    assert not found["numpy"].good
+    assert found["numpy"].needed
+
+
+def test_a_cache_that_cannot_be_written_is_told(monkeypatch, tmp_path):
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("DASHPOT_CACHE", str(tmp_path / "file"))
+    found = doctor._cache()
+    assert not found.good
+    assert "set DASHPOT_CACHE" in found.words
+
+
+def test_colours_are_left_out_where_nobody_wants_them(monkeypatch):
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    assert coloured("x", "red").startswith("\x1b[31m")
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert coloured("x", "red") == "x"
+
+
+# completion -----------------------------------------------------------------------------------------------------------
+
+
+def completed(words, last):
+    """What bash would be told of a line whose last word is begun so."""
+    told = {"COMP_WORDS": " ".join(["dashpot", *words, last]), "COMP_CWORD": str(len(words) + 1)}
+    environment = {**os.environ, **told, "_DASHPOT_COMPLETE": "bash_complete"}
+    line = [sys.executable, "-P", "-m", "dashpot"]
+    said = subprocess.run(line, env=environment, capture_output=True, text=True, check=False).stdout
+    return {line.partition(",")[2] for line in said.splitlines()}
+
+
+def test_commands_options_and_laws_are_completed():
+    assert completed([], "li") == {"linearise"}
+    assert {"--fault", "--fix", "--force"} & completed(["identify"], "--f") >= {"--fix", "--force"}
+    assert completed(["identify", "--with"], "qu") == {name for name in LIBRARY if name.startswith("qu")}
+
+
+@pytest.mark.parametrize(
+    ("shell", "word"), [("bash", "complete -o"), ("zsh", "#compdef dashpot"), ("fish", "complete")]
+)
+def test_what_a_shell_reads_is_printed(capsys, shell, word):
+    code, out, _ = run(capsys, "completion", shell)
+    assert code == 0
+    assert word in out
+    assert "_DASHPOT_COMPLETE" in out
+
+
+# help -----------------------------------------------------------------------------------------------------------------
+
+
+def test_every_command_has_an_example_in_its_help(capsys):
+    assert set(EXAMPLES) >= set(cli.commands)
+    for name in cli.commands:
+        code, out, _ = run(capsys, name, "--help")
+        assert code == 0
+        assert EXAMPLES[name][0] in out
+
+
+@pytest.mark.parametrize("name", sorted(EXAMPLES))
+def test_the_examples_are_of_their_command_and_its_options(name):
+    for text in EXAMPLES[name]:
+        words = shlex.split(re.sub(r'^eval "\$\((.*)\)"$', r"\1", text).partition(" > ")[0].partition(" | ")[0])
+        assert words[:2] == ["dashpot", name]
+        known = {option for parameter in cli.commands[name].params for option in parameter.opts}
+        assert {word for word in words if word.startswith("-")} <= known
+
+
+def test_a_mistyped_command_and_option_have_a_close_match(capsys):
+    code, _, err = run(capsys, "identfy", "x.csv")
+    assert code == 2
+    assert "identify" in err
+    code, _, err = run(capsys, "identify", "x.csv", "--ouput", "rig.yaml")
+    assert code == 2
+    assert "--output" in err
+
+
+# quiet ----------------------------------------------------------------------------------------------------------------
+
+
+def test_quiet_says_the_result_alone(capsys, tmp_path, recorded):
+    import numpy as np
+
+    model, recording = tmp_path / "rig.yaml", tmp_path / "decay.csv"
+    dashpot.Model.from_values(TRUTH, name="rig").save(model)
+    decay = recorded(begin=(8e-3, 0.0), seconds=2.0)
+    np.savetxt(
+        recording, np.column_stack([decay.time, decay.response]), delimiter=",", header="time_s,x_m", comments=""
+    )
+    words = ("simulate", model, recording, "-o", tmp_path / "out.csv")
+    assert run(capsys, *words, "--quiet") == (0, "", "")
+    assert "written" in run(capsys, *words)[2]
+    assert run(capsys, "simulate", model, tmp_path / "absent.csv", "-o", tmp_path / "out.csv", "-q")[2] != ""

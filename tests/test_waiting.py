@@ -1,0 +1,77 @@
+"""What a terminal shows while a command works."""
+
+from __future__ import annotations
+
+import io
+import sys
+import threading
+
+from dashpot import waiting
+from dashpot.waiting import Waiting
+
+
+class Terminal(io.StringIO):
+    """A stream that says when a text with some words was written to it."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.heard: dict[str, threading.Event] = {}
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, text: str) -> int:
+        for words, event in list(self.heard.items()):
+            if words in text:
+                event.set()
+        return super().write(text)
+
+    def waits_for(self, words: str) -> threading.Event:
+        return self.heard.setdefault(words, threading.Event())
+
+
+def terminal_of(patch):
+    """The streams as a terminal has them, and a wait of nothing taken for a long one."""
+    stream = Terminal()
+    patch.setattr("sys.stderr", stream)
+    patch.setattr("sys.stdout", Terminal())
+    patch.setattr(Waiting.__init__, "__defaults__", (0.0, 0.01))
+    return stream
+
+
+def test_a_long_wait_is_told_and_goes_before_other_words(monkeypatch):
+    terminal = terminal_of(monkeypatch)
+
+    with waiting.waiting_told():
+        shown = terminal.waits_for("… maximum likelihood (")
+        waiting.doing("maximum likelihood")
+        assert shown.wait(20)
+        print("note: something", file=sys.stderr)
+        before, _, after = terminal.getvalue().partition("note: something")
+        assert before.endswith("\r\x1b[K")
+        with waiting.another_shows():
+            length = len(terminal.getvalue())
+            assert not terminal.waits_for("… maximum likelihood (never)").wait(0.1)
+            assert len(terminal.getvalue()) == length
+    assert terminal.getvalue().endswith("\r\x1b[K") or after == "\n"
+    assert sys.stderr is terminal
+
+
+def test_a_result_on_stdout_takes_the_line_away(monkeypatch):
+    terminal = terminal_of(monkeypatch)
+
+    with waiting.waiting_told():
+        assert terminal.waits_for("… reading (").wait(20)
+        waiting.silence()
+        print("result")
+        assert terminal.getvalue().endswith("\r\x1b[K")
+        assert sys.stdout.getvalue() == "result\n"
+
+
+def test_nothing_is_told_where_there_is_no_terminal(monkeypatch):
+    stream = io.StringIO()
+    monkeypatch.setattr("sys.stderr", stream)
+    with waiting.waiting_told():
+        waiting.doing("something")
+        assert waiting._now is None
+    assert stream.getvalue() == ""
