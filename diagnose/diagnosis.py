@@ -209,12 +209,11 @@ def _survivors(selected: Candidate, search: Search, best: Oscillator) -> dict[st
     return models
 
 
-def _finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) -> Fit:
+def _finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) -> Oscillator:
     """A structure of a search as it would be delivered, but for what predictions say otherwise."""
     shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
-    return delivered(
-        fitted.model, data_of(recordings, cut_by, coarse=False), shapes, initial=fitted.initial, doubted=False
-    )
+    data = data_of(recordings, cut_by, coarse=False)
+    return delivered(fitted.model, data, shapes, initial=fitted.initial, doubted=False).oscillator
 
 
 def _delivered(

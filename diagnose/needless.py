@@ -1,63 +1,73 @@
-"""Laws that only a search asked for: each is held against the fit as it is delivered.
+"""Laws beside another that their own errors do not tell from none.
 
-A search compares structures by simulations with longer steps and a coarser force. Where several laws leave nothing but
-noise, one of them may stand for what that coarseness did. So each must be needed by the fine fit too: without it, and
-fitted as finely, the recordings must be decisively less likely.
+Where the path hangs by a hair, or by what a search's longer steps and coarser force do, a further law may be odds on
+and yet come out with a strength that is as likely none. Where the others leave nothing but noise without it, it is not
+named: what is named must be seen in the fit as it is delivered.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
 from ..errors import BadInput
-from ..identify.delivered import Fit
-from ..identify.odds import DECISIVE
-from ..identify.prediction import FREE
+from ..identify.odds import BEYOND_ERRORS
 from ..identify.structure import Fitted, without_states
+from ..model import Oscillator
 from ..model.terms import without_term
 from .search.candidate import Candidate, key
+from .search.judgement import leaves_mismatch
 from .search.measure import Measure
 from .search.race import PATIENCE, Entry, race, started
 from .search.search import Search
 
 
-def without_needless(selected: Candidate, search: Search, finely: Callable[[Fitted], Fit]) -> Candidate:
-    """The best structure less the laws that the fine fit does without, one after another, the least needed first.
+def without_needless(selected: Candidate, search: Search, delivered: Callable[[Fitted], Oscillator]) -> Candidate:
+    """The best structure less the laws that it can do without, one after another, the least certain first.
 
     Args:
         selected: the best of the search, at the noise.
         search: that it came from, with its recordings.
-        finely: a structure as it would be delivered; it raises BadInput where that does not simulate.
+        delivered: the model as it would be delivered, with standard errors; raises BadInput where none simulates.
     """
     while len(selected.laws) > 1 and selected.fit is not None:
-        whole = _simulated(selected.fit, finely)
-        smaller = {name: less for name in selected.laws if (less := _without(selected, name, search)) is not None}
-        costs = {name: _cost(whole, _simulated(less, finely)) for name, less in smaller.items()}
-        least = min(costs, key=lambda name: costs[name], default=None)
-        if least is None or costs[least] > DECISIVE:
+        try:
+            certain = certainty(delivered(selected.fit), selected.laws)
+        except BadInput:
             break
-        why = f"simulated as finely as a model is delivered it gains {costs[least]:.3g} in log-likelihood"
+        smaller = _smaller(
+            selected, [law for law in sorted(certain, key=certain.__getitem__) if certain[law] < BEYOND_ERRORS], search
+        )
+        if smaller is None:
+            break
+        why = "beside the others its strength is not told from none, and without it they leave no more than noise"
         search.candidates[selected.laws] = replace(selected, why=why)
-        laws = key([law for law in selected.laws if law != least])
-        selected = search.candidates[laws] = search.weigh(laws, smaller[least])
+        search.candidates[smaller.laws] = selected = smaller
     return selected
 
 
-def _simulated(fitted: Fitted, finely: Callable[[Fitted], Fit]) -> float:
-    """Log-likelihood of the fine fit; -inf where it simulates nothing, or predicts."""
-    try:
-        fit = finely(fitted)
-    except BadInput:
-        return -np.inf
-    return fit.log_likelihood if fit.memory == FREE else -np.inf
+def certainty(model: Oscillator, laws: tuple[str, ...]) -> dict[str, float]:
+    """By how many of its errors the surest strength of each law differs from none; inf for one without an error."""
+    sure = {}
+    for term in model.terms:
+        strengths = [term.parameters[p.name] for p in term.law.parameters if p.strength]
+        if term.effect in laws:
+            errors = [abs(p.value) / p.std if p.std else math.inf for p in strengths]
+            sure[term.effect] = max(errors, default=math.inf)
+    return sure
 
 
-def _cost(whole: float, less: float) -> float:
-    """What a structure loses without a law; without end where that cannot be told."""
-    return whole - less if np.isfinite(whole) else np.inf
+def _smaller(selected: Candidate, weak: list[str], search: Search) -> Candidate | None:
+    """The structure less the first of the laws without which nothing but noise is left; None where none is."""
+    for name in weak:
+        less = _without(selected, name, search)
+        if less is None:
+            continue
+        candidate = search.weigh(key([law for law in selected.laws if law != name]), less)
+        if not leaves_mismatch(candidate, search.parts):
+            return candidate
+    return None
 
 
 def _without(selected: Candidate, name: str, search: Search) -> Fitted | None:
