@@ -177,7 +177,7 @@ def led(monkeypatch):
         monkeypatch.setattr(Search, "_compare_by", lambda self, front: None)
         monkeypatch.setattr(Search, "_simulated", lambda self, leader: leader)
         monkeypatch.setattr(Search, "_ways", ways)
-        monkeypatch.setattr(Search, "_weigh", weigh)
+        monkeypatch.setattr(Search, "weigh", weigh)
         monkeypatch.setattr(Search, "_led_by_others", lambda self, best, way: table.get((best.laws, way[0]), best))
         search, leader = leading()
         assert leader.fit is not None
@@ -314,7 +314,7 @@ def weighing(proposing, monkeypatch):
     proposing({})
     monkeypatch.setattr(Search, "_compare_by", lambda self, front: None)
     monkeypatch.setattr(
-        Search, "_weigh", lambda self, laws, fitted: Candidate(laws, fitted, None, 0.0, 0.0, 0.0, "judged")
+        Search, "weigh", lambda self, laws, fitted: Candidate(laws, fitted, None, 0.0, 0.0, 0.0, "judged")
     )
 
 
