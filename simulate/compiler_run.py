@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import contextlib
 import os
-import signal
 import struct
 import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
+from .. import process_group
 from ..errors import BadInput, ToolchainMissing
 
 #: Longest time for one call; ``$DASHPOT_COMPILER_SECONDS`` sets another.
@@ -60,23 +59,14 @@ def call(command: Sequence[str], folder: Path, environment: Mapping[str, str] | 
         try:
             said, _ = process.communicate(timeout=seconds)
         except subprocess.TimeoutExpired:
-            _end(process)
+            process_group.end(process)
             raise ToolchainMissing(
                 f"it did not end within {seconds:g} s; check it, or give it more by setting DASHPOT_COMPILER_SECONDS"
             ) from None
         except BaseException:
-            _end(process)
+            process_group.end(process)
             raise
     return process.returncode, " ".join(said.decode("utf-8", errors="replace").split())[-400:]
-
-
-def _end(process: subprocess.Popen[bytes]) -> None:
-    with contextlib.suppress(OSError):
-        if hasattr(os, "killpg"):
-            os.killpg(process.pid, signal.SIGKILL)
-        else:
-            process.kill()
-    process.wait()
 
 
 def library_made(path: Path) -> bytes:

@@ -161,6 +161,7 @@ def test_every_module_has_a_place_in_the_table() -> None:
         "reading",
         "writing",
         "aside",
+        "process_group",
         "several_values",
         "terminal",
         "waiting",

@@ -12,6 +12,7 @@ import threading
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
+from .. import process_group
 from ..errors import BadInput
 from .messages import receive, send
 
@@ -76,7 +77,7 @@ class FmuProcess:
             try:
                 answer = self._answers.get(timeout=wait)
             except queue.Empty:
-                self._end()
+                process_group.end(self._process)
                 raise BadInput(
                     f"{self.shown}: the FMU did not get on for {wait:g} s {doing}; mend it, or give it more "
                     "time with --time-limit"
@@ -110,15 +111,7 @@ class FmuProcess:
             with contextlib.suppress(BadInput):
                 self.ask({"do": "end"}, doing="at its end")
             self.limit = limit
-        self._end()
+        process_group.end(self._process)
         for stream in (self._process.stdin, self._process.stdout):
             with contextlib.suppress(OSError, ValueError):
                 cast(BinaryIO, stream).close()
-
-    def _end(self) -> None:
-        with contextlib.suppress(OSError):
-            if hasattr(os, "killpg"):
-                os.killpg(self._process.pid, signal.SIGKILL)
-            else:
-                self._process.kill()
-        self._process.wait()

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-import contextlib
-import os
-import signal
 import subprocess
 import sys
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+
+from dashpot import process_group
 
 _DASHPOT = (sys.executable, "-P", "-m", "dashpot")
 _TRACEBACK = "Traceback (most recent call last)"
@@ -64,8 +63,7 @@ def run(arguments: Sequence[str], folder: Path, limit: float) -> Run:
         out, err = process.communicate(timeout=limit)
         exit_code = process.returncode
     except subprocess.TimeoutExpired:
-        with contextlib.suppress(ProcessLookupError):
-            os.killpg(process.pid, signal.SIGKILL)
+        process_group.end(process)
         out, err = process.communicate()
         exit_code = None
     seconds = time.monotonic() - began
