@@ -2,8 +2,8 @@
 
 The noise's level comes from the highest frequencies of the signals, so that noise which is not white leaves more
 than that without any physics behind it. Physics moves with the rig: what grows with the motion, keeps step with its
-cycles, or bursts out at some instant, is a mismatch; what goes on alike whatever the rig does is noise of another
-colour.
+cycles, rings with it, or bursts out at some instant, is a mismatch; what goes on alike whatever the rig does is noise
+of another colour.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from ...identify.structure import Fitted
 from ...identify.weighed import ABOVE_NOISE
 from ...model import Oscillator
 from ..wording import figure
+from .resonant import resonant_share
 
 #: Physical limit: where a segment is too short to see whether it moves with the rig, more than this is a mismatch: a
 #: hundred times the power that the highest frequencies have is more than the colour of sensors' noise.
@@ -30,7 +31,8 @@ FAR_ABOVE_NOISE = 10.0
 _BURST = 30.0
 _FEWEST = 6
 _ORDERS = range(1, HARMONICS + 1)
-#: Physical limit: what keeps step with the motion has at least this share of the power, a fifth of the size ...
+#: Physical limit: what keeps step with the motion or rings with the rig has this share of the power, a fifth of the
+#: size ...
 _IN_STEP = 0.05
 #: ... and error rate: how many standard deviations it lies above what noise of the same spectrum has by chance.
 #: Whatever that spectrum, fewer than one in 2000 get there (one degree of freedom: a chi-square of 12.3).
@@ -49,8 +51,9 @@ class Leftover:
         with_motion: rank correlation of its power with the motion's, 0 where it is not significant.
         in_step: share of its power that repeats with the cycles of the motion, 0 where noise would have as much.
         burst_s: time of a burst, or None.
-        short: whether the segment has too few cycles for these three to tell.
+        short: whether the segment has too few cycles for those three to tell.
         part: rms of the residual over that of the motion.
+        resonant: share of its power that rings with the rig, 0 where noise of another colour would have as much.
         order: of what keeps step, how many times the motion's frequency the strongest has; 0 where nothing does.
     """
 
@@ -62,11 +65,12 @@ class Leftover:
     short: bool = False
     part: float = np.nan
     order: int = 0
+    resonant: float = 0.0
 
     @property
     def is_mismatch(self) -> bool:
         """Whether it is more than noise."""
-        if self.with_motion > 0 or self.in_step > 0 or self.burst_s is not None:
+        if self.with_motion > 0 or self.in_step > 0 or self.resonant > 0 or self.burst_s is not None:
             return not self.ratio <= ABOVE_NOISE
         return self.short and not self.ratio <= FAR_ABOVE_NOISE
 
@@ -85,9 +89,14 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
         if count < _FEWEST:
             size = max(4, size // 3)
             count = segment.n // size
-        if count < _FEWEST or not np.isfinite(ratio):
-            runs_away = float(not np.isfinite(ratio))
-            left.append(Leftover(name, ratio, runs_away, 0.0, None, short=count < _FEWEST, part=part))
+        short = count < _FEWEST
+        if not np.isfinite(ratio):
+            left.append(Leftover(name, ratio, 1.0, 0.0, None, short=short, part=part))
+            continue
+        ringing = resonant_share(residual, segment.pace * segment.dt)
+        ringing = ringing if ringing > _IN_STEP else 0.0
+        if short:
+            left.append(Leftover(name, ratio, 0.0, 0.0, None, short=True, part=part, resonant=ringing))
             continue
         power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
         motion = segment.response[: count * size] - residual[: count * size]
@@ -110,6 +119,7 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
                 short=by_chance > _UNTOLD,
                 part=part,
                 order=order,
+                resonant=ringing,
             )
         )
     return tuple(left)
@@ -205,4 +215,6 @@ def _how(leftover: Leftover) -> str:
         return f", growing with the motion{order}"
     if leftover.in_step > 0:
         return f", in step with the motion{order}"
+    if leftover.resonant > 0:
+        return ", around the rig's own frequency"
     return "" if leftover.burst_s is None else f", in a burst at {leftover.burst_s:.4g} s"

@@ -398,3 +398,29 @@ def test_a_steady_motion_of_few_cycles_does_not_tell_what_keeps_step(cycles, tol
     share, _, by_chance = in_step(np.cos(turn), NOISE * amplitude * np.cos(turn + 1.0))
     assert (share > 0.0) is told
     assert (by_chance > 0.5) is not told
+
+
+def test_what_rings_with_the_rig_is_a_mismatch_also_out_of_step():
+    """Unlike in_step's, its phase is lost within a few cycles; unlike noise of another colour, it has a hump."""
+    motion, _ = motion_of(300)
+    pole = np.exp(complex(-0.02, 1.0) * OMEGA * DT)
+    rung = lfilter([1.0], np.poly([pole, pole.conjugate()]).real, white(2 * motion.size, 7))[motion.size :]
+    for share, rings in ((0.03, False), (0.5, True)):
+        size = NOISE * np.sqrt(share / (1 - share)) / np.std(rung)
+        (leftover,) = leftovers(*left_by((motion, white(motion.size, 8) + size * rung), sensor=0.5 * NOISE))
+        assert leftover.in_step == leftover.with_motion == 0.0
+        assert leftover.burst_s is None
+        assert (leftover.resonant > 0) == leftover.is_mismatch == rings
+        assert leftover.resonant == pytest.approx(share if rings else 0.0, abs=0.1)
+        if rings:
+            assert "around the rig's own frequency" in str(sentence([leftover]))
+
+
+def test_also_in_a_few_cycles_what_rings_is_a_mismatch():
+    motion, _ = motion_of(6)
+    assert not leftovers(*left_by((motion, 3 * white(motion.size))))[0].is_mismatch
+    turn = np.arange(motion.size) * OMEGA * DT
+    (leftover,) = leftovers(*left_by((motion, white(motion.size) + 5 * NOISE * np.cos(1.05 * turn) * turn / turn[-1])))
+    assert leftover.short
+    assert leftover.resonant > 0.5
+    assert leftover.is_mismatch
