@@ -304,7 +304,7 @@ def test_the_strongest_order_of_what_keeps_step(order):
 
 def test_more_than_three_recordings_are_counted():
     four = [left(2.0 + k, motion=0.5, file=f"run{k}") for k in range(4)]
-    assert str(sentence(four)).endswith("in run1, growing with the motion, and more in 1 further recordings")
+    assert str(sentence(four)).endswith("in run1, growing with the motion, and more in 1 further recording")
     assert "further" not in str(sentence(four[:3]))
     assert sentence([left(12.0, short=True)]) == "there remains 12 times the noise in run"
 
