@@ -198,7 +198,7 @@ def sentence(left: Sequence[Leftover]) -> str | None:
     parts = []
     for leftover in bad[:3]:
         parts.append(f"{_size(leftover)} in {leftover.file}{_how(leftover)}")
-    more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recording{"s" if len(bad) > 4 else ""}"
+    more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recording{'s' if len(bad) > 4 else ''}"
     return f"there remains {'; '.join(parts)}{more}"
 
 
