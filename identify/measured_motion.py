@@ -203,7 +203,7 @@ class Regression:
         """Those of a law's probes that the regression can carry, the best first."""
         if law.record is not None or (law.drive is not None and not self.forced) or not self.rows:
             return []
-        solved = [self._solve(law, probe) for probe in probes(law, self.data.scales)]
+        solved = [self.at(law, probe) for probe in probes(law, self.data.scales)]
         return sorted((guess for guess in solved if guess is not None), key=lambda guess: guess.misfit)
 
     def _refined(self, law: Law, guess: Guess, tries: int) -> Guess:
@@ -222,7 +222,7 @@ class Regression:
             here = dict(places)
             for p, factor in zip(moving, np.exp(factors), strict=True):
                 here[p.name] = float(np.clip(places[p.name] * factor, p.lower, p.upper))
-            trial = self._solve(law, here)
+            trial = self.at(law, here)
             if trial is None:
                 return _ABSURD
             best = min(best, trial, key=lambda candidate: candidate.misfit)
@@ -249,7 +249,7 @@ class Regression:
 
     def family(self) -> Guess | None:
         """The best of the model's own family; its laws keep their onsets and speeds."""
-        return self._solve(Law("nothing", "", (), "", "", "", force=lambda motion, p: 0.0 * motion.x), {})
+        return self.at(Law("nothing", "", (), "", "", "", force=lambda motion, p: 0.0 * motion.x), {})
 
     def gain(self, plain: float, guess: Guess) -> float:
         """Gain of log-likelihood that a guess promises over the family's own misfit, windows being what they are."""
@@ -264,7 +264,6 @@ class Regression:
         """
         known = {law.name: law for law in laws}
         plain = self.plain()
-
         with ThreadPoolExecutor(max_workers=2) as pool:
             guesses = [guess for guess in pool.map(self._begun, laws) if guess is not None]
             least = _HALF * max((self.gain(plain, guess) for guess in guesses), default=0.0)
@@ -276,7 +275,8 @@ class Regression:
             guesses = list(pool.map(ended, guesses))
         return sorted(guesses, key=lambda guess: guess.misfit)
 
-    def _solve(self, law: Law, probe: Mapping[str, float]) -> Guess | None:
+    def at(self, law: Law, probe: Mapping[str, float]) -> Guess | None:
+        """All values where a law's onsets and speeds are a probe's; None where the law would do the opposite."""
         if not self.rows:  # every segment is too short for a window
             return None
         strengths = [p for p in law.parameters if p.strength]

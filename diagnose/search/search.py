@@ -19,7 +19,7 @@ from ...identify.data import Data
 from ...identify.from_prediction import keeps_step
 from ...identify.odds import DECISIVE
 from ...identify.prediction import FREE
-from ...identify.structure import Fitted, renamed, shapes_of
+from ...identify.structure import Fitted, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
@@ -28,7 +28,8 @@ from .judgement import leading, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
 from .race import PATIENCE, Entry, Start, in_the_best_valleys, race, started
-from .starts import Proposal, by_motion, by_score, unseen_in_motion, without
+from .side_valleys import by_probing
+from .starts import Proposal, by_motion, by_score, generalised, unseen_in_motion, without
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
 #: Of what the best law gains on the measured motion others must gain this part there to be simulated.
@@ -39,6 +40,7 @@ _ALIKE, _MOST_ALIKE = 2, 4
 _CONVERGES = 10
 #: Physical limit: more laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
+_RUGGED = 2  # so often laws with side valleys are asked for: on the measured motion, then simulated
 
 
 @dataclass(eq=False)
@@ -51,7 +53,7 @@ class Search:
         laws: the library, with the user's laws.
         progress: called with what is being done and which part of all is done.
         candidates: every structure that was entered, by the laws it adds.
-        asked_rugged: whether laws with side valleys were asked for.
+        asked_rugged: how often laws with side valleys were asked for.
     """
 
     data: Data
@@ -61,7 +63,7 @@ class Search:
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], str], Fitted] = field(default_factory=dict, init=False)
     _less: list[Proposal] = field(default_factory=list, init=False)
-    asked_rugged: bool = field(default=False, init=False)
+    asked_rugged: int = field(default=0, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
@@ -102,10 +104,9 @@ class Search:
         if any(find(law).rugged for law in leader.laws):
             return []  # what it leaves may be a side valley's, and no sign of a second law
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
-        if self.asked_rugged:
-            return ways
         # a law with side valleys is simulated slowly, from many places: asked for where each other has failed by itself
-        return [self._rugged, *ways] if leader.laws else [*ways, self._rugged]
+        rugged = [self._rugged] * (_RUGGED - self.asked_rugged)
+        return [*rugged[:-1], *ways, *rugged[-1:]] if leader.laws else [*ways, *rugged]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
@@ -145,23 +146,25 @@ class Search:
         proposals = by_score(leader.fit, self.data, laws)
         least = 0.0 if self._at_noise(leader, ()) else _HALF * max((p.gain for p in proposals), default=0.0)
         self._less = [proposal for proposal in proposals if proposal.gain < least]
-        starts = self._added(leader, [proposal for proposal in proposals if proposal.gain >= least])
-        self._race(starts, leader.fit)
-        return starts
+        return self._raced(leader, [proposal for proposal in proposals if proposal.gain >= least])
 
     def _less_scored(self, leader: Candidate) -> list[Start]:
         """The others, raced."""
-        assert leader.fit is not None
-        starts = self._added(leader, self._less)
-        self._race(starts, leader.fit)
-        return starts
+        return self._raced(leader, self._less)
 
     def _rugged(self, _leader: Candidate) -> list[Start]:
-        """The given family with one law with side valleys, where the measured motion, which has none, speaks for it."""
-        self.asked_rugged = True
-        family = self.candidates[()]
+        """The given family with one law with side valleys, where the measured motion, which has none, speaks for it.
+
+        Asked again, those on which it was silent are put in at the best of their probes.
+        """
+        family, self.asked_rugged = self.candidates[()], self.asked_rugged + 1
+        assert family.fit is not None
         laws = self._addable(family)
-        return self._from_motion(family, laws, [law for law in laws if law.rugged])
+        rugged = [law for law in laws if law.rugged]
+        if self.asked_rugged < _RUGGED:
+            return self._from_motion(family, laws, rugged)
+        silent = [law for law in rugged if (law.name,) not in self.candidates]
+        return self._raced(family, by_probing(family.fit, self.data, silent) if silent else [])
 
     def _from_motion(
         self,
@@ -176,7 +179,12 @@ class Search:
         proposals = by_motion(leader.fit, self.data, laws)
         best = max((proposal.gain for proposal in proposals), default=0.0)
         names = {law.name for law in (laws if entered is None else entered)}
-        starts = [*beside, *self._added(leader, [p for p in proposals if p.gain > _HALF * best and p.law in names])]
+        return self._raced(leader, [p for p in proposals if p.gain > _HALF * best and p.law in names], beside)
+
+    def _raced(self, leader: Candidate, proposals: Sequence[Proposal], beside: Sequence[Start] = ()) -> list[Start]:
+        """The leader with one law more, where that was proposed, raced; with others."""
+        assert leader.fit is not None
+        starts = [*beside, *self._added(leader, proposals)]
         self._race(starts, leader.fit)
         return starts
 
@@ -300,18 +308,14 @@ class Search:
             # far from the truth the leader has bent itself, and what it says of a law is no bound for it
             hoped = measure.value(leader.fit.residuals) + proposal.gain if near else np.inf
             cost = self._cost(sum(not p.shape for p in find(proposal.law).parameters))
-            if proposal.gain < cost:
-                self._unmoved(leader, proposal.law, proposal.gain)
-                continue
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
+            if proposal.gain < cost:
+                promised = f"its score promises {max(proposal.gain, 0.0):.3g} in log-likelihood"
+                self.candidates.setdefault(laws, Candidate(laws, why=f"{promised}, less than its parameters cost"))
+                continue
             patience = 0 if near else PATIENCE
             entries.append(Entry(laws, proposal.model, proposal.initial, fixed, hoped, patience, adds=True))
         return in_the_best_valleys(self._started(entries))
-
-    def _unmoved(self, leader: Candidate, law: str, gain: float) -> None:
-        laws = key((*leader.laws, law))
-        why = f"its score promises {max(gain, 0.0):.3g} in log-likelihood, less than its parameters cost"
-        self.candidates.setdefault(laws, Candidate(laws, why=why))
 
     def _dropped(self, leader: Candidate) -> list[Start]:
         """The leader with one law less: where it led the others they may do without it."""
@@ -326,7 +330,16 @@ class Search:
     def _exchanged(self, leader: Candidate) -> list[Start]:
         """The leader with one law exchanged for those that act most like it on the leader's own motion."""
         assert leader.fit is not None
-        entries = self._generalised(leader)
+        entries = [
+            Entry(
+                key([general if law == name else law for law in leader.laws]),
+                wider.model,
+                wider.initial,
+                (),
+                patience=PATIENCE,
+            )
+            for name, general, wider in generalised(leader.fit, leader.laws)
+        ]
         # on the motion of a leader that is right, what acts like one of its laws begins near its own maximum
         patience = PATIENCE if self._at_noise(leader, ()) else _CONVERGES
         for name in leader.laws:
@@ -344,19 +357,6 @@ class Search:
                 fixed = self._fixed(leader.fit, proposal.model)
                 entries.append(Entry(laws, proposal.model, proposal.initial, fixed, patience=patience))
         return self._started(entries)
-
-    def _generalised(self, leader: Candidate) -> list[Entry]:
-        """The leader with a law exchanged for the more general one of which it is a case, from where it is."""
-        assert leader.fit is not None
-        entries = []
-        for name in leader.laws:
-            general = find(name).twin
-            if general is None or general in leader.laws or only_a_name(find(name)):
-                continue
-            wider = renamed(leader.fit, name, find(general))
-            laws = key([general if law == name else law for law in leader.laws])
-            entries.append(Entry(laws, wider.model, wider.initial, (), patience=PATIENCE))
-        return entries
 
     def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
         """What keeps its value in a neighbour of a fitted model: what it kept there, and the shape of a new law."""

@@ -13,10 +13,12 @@ from ...identify.data import Data
 from ...identify.equivalent import along_of
 from ...identify.likelihood import maximum_likelihood
 from ...identify.measured_motion import Guess, Regression
-from ...identify.structure import Fitted, without_states
+from ...identify.structure import Fitted, renamed, without_states
 from ...model import Oscillator
 from ...model.law import Law
+from ...model.laws import find
 from ...model.terms import without_term
+from .judgement import only_a_name
 from .score_test import Screen
 from .spectral_lines import residual_lines
 
@@ -93,6 +95,14 @@ def without(
         with suppress(BadInput):  # nothing simulates from there
             starts.append((maximum_likelihood(guessed, data.recordings, fixed, data, doubted=False).oscillator, None))
     return starts
+
+
+def generalised(fitted: Fitted, laws: Sequence[str]) -> Iterator[tuple[str, str, Fitted]]:
+    """Laws of a fit that are cases of a more general one, with that and the same fit under its name."""
+    for name in laws:
+        general = find(name).twin
+        if general is not None and general not in laws and not only_a_name(find(name)):
+            yield name, general, renamed(fitted, name, find(general))
 
 
 def _moved(guess: Guess, laws: Sequence[Law]) -> Iterator[Guess]:

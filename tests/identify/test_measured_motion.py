@@ -270,7 +270,7 @@ def test_each_row_is_weighed_by_what_noise_makes_of_it(source):
 def test_a_contact_that_would_pull_has_no_damping():
     """A damping below its bound stays at it, and the rest is solved for again without it."""
     law = find("one-sided-stop")
-    guess = of(run("stop"))._solve(law, {"position": 1.1 * PLACE})
+    guess = of(run("stop")).at(law, {"position": 1.1 * PLACE})
     assert guess is not None
     assert guess.values["one-sided-stop.damping"] >= 0.0
     assert guess.values["one-sided-stop.stiffness"] > 0.5 * STIFFNESS

@@ -258,11 +258,12 @@ def test_what_does_without_one_of_several_laws_is_also_fitted_afresh(proposing, 
     assert said == [asked] * len(laws)
 
 
-def test_a_law_becomes_the_more_general_one_where_that_is_not_there():
+def test_a_law_becomes_the_more_general_one_where_that_is_not_there(proposing):
+    proposing({})
     search, leader = leading("clearance")
-    assert [entry.laws for entry in search._generalised(leader)] == [("two-sided-stop",)]
+    assert [start.laws for start in search._exchanged(leader)] == [("two-sided-stop",)]
     search, leader = leading("clearance", "two-sided-stop")
-    assert search._generalised(leader) == []
+    assert search._exchanged(leader) == []
 
 
 RUGGED = next(law.name for law in LIBRARY.values() if law.rugged)
@@ -270,17 +271,34 @@ RUGGED = next(law.name for law in LIBRARY.values() if law.rugged)
 
 @pytest.mark.parametrize(
     ("laws", "times", "place"),
-    [((), 10.0, -1), ((), 1.0, None), (("quadratic-drag",), 10.0, 0), (("quadratic-drag",), 1.0, None)],
+    [((), 10.0, (4, 5)), ((), 1.0, ()), (("quadratic-drag",), 10.0, (0, 5)), (("quadratic-drag",), 1.0, ())],
 )
-def test_laws_of_many_side_valleys_are_asked_for_where_all_others_fail(proposing, laws, times, place):
-    """They are slow: after all others, and before a second law; beside the family, and once."""
+def test_laws_of_many_side_valleys_are_asked_for_where_all_others_fail(proposing, monkeypatch, laws, times, place):
+    """They are slow: after all others, and before a second law; beside the family; on the measured motion, and last of
+    all, where that is silent on one, simulated."""
     search, leader = leading(*laws, times=times)
     search.candidates[()] = leading(times=times)[1]
     proposing({RUGGED: 100.0, "cubic-damping": 90.0})
     ways = search._ways(leader)
-    assert [i for i, way in enumerate(ways) if way == search._rugged] == ([] if place is None else [place % len(ways)])
+    assert tuple(i for i, way in enumerate(ways) if way == search._rugged) == place
     assert [start.laws for start in search._rugged(leader)] == [(RUGGED,)]
+    probed = []
+    monkeypatch.setattr("dashpot.diagnose.search.search.by_probing", lambda *asked: probed.append(asked[-1]) or [])
+    ways = search._ways(leader)
+    assert [i for i, way in enumerate(ways) if way == search._rugged] == ([len(ways) - 1] if place else [])
+    assert search._rugged(leader) == []
+    assert [[law.name for law in laws] for laws in probed] == [[RUGGED]]
     assert search._rugged not in search._ways(leader)
+
+
+def test_a_law_that_the_measured_motion_spoke_for_is_not_probed(proposing, monkeypatch):
+    search, leader = leading(times=10.0)
+    search.candidates[()] = leader
+    proposing({})
+    search._rugged(leader)
+    search.candidates[(RUGGED,)] = Candidate((RUGGED,), why="left")
+    monkeypatch.setattr("dashpot.diagnose.search.search.by_probing", lambda *_: pytest.fail("asked"))
+    assert search._rugged(leader) == []
 
 
 @pytest.mark.parametrize(("times", "asked"), [(10.0, False), (1.0, True)])

@@ -1,0 +1,69 @@
+"""Places for a law with side valleys where the measured motion is silent: the paper's play, from short bursts alone."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot import examples
+from dashpot.diagnose.search import side_valleys
+from dashpot.diagnose.search.side_valleys import by_probing
+from dashpot.examples.truth import ACTUATOR, TRUTH
+from dashpot.identify.data import Data, data_of
+from dashpot.identify.measured_motion import Regression
+from dashpot.identify.structure import Fitted, Structure
+from dashpot.model import Oscillator
+from dashpot.model.laws import find
+from dashpot.recording import read
+
+PLAY = find("actuator-backlash")
+
+
+@pytest.fixture(scope="module")
+def bursts() -> tuple[Fitted, Data]:
+    """The family at its best on the bursts of the stand with play."""
+    recording = read(Path(examples.__file__).parent / "recordings" / "paper-stand-backlash" / "bursts.csv.gz")
+    model = Oscillator.from_values(TRUTH)
+    data = data_of([recording], model)
+    return Structure(model, data).fit(), data
+
+
+@pytest.mark.long
+def test_what_short_bursts_hide_from_the_regression_a_simulation_shows(bursts):
+    fitted, data = bursts
+    regression = Regression(data, fitted.model)
+    guess = regression.best(PLAY)
+    assert guess is None or guess.values["actuator-backlash.gap"] < 0.1 * ACTUATOR["half_gap"]  # it sees none
+    proposals = by_probing(fitted, data, [PLAY])
+    assert 1 <= len(proposals) <= side_valleys._KEPT
+    assert all(p.law == PLAY.name and p.gain > 1000.0 and p.initial.shape == fitted.initial.shape for p in proposals)
+    found = max(proposals, key=lambda proposal: proposal.gain).model.values()
+    assert found["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.3)
+    assert found["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.3)
+    assert found["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.05)
+
+
+def test_free_motion_has_nothing_to_probe_with(bursts):
+    fitted, data = bursts
+    free = [i for i, segment in enumerate(data.segments) if segment.force is None]
+    decays = replace(
+        data,
+        segments=tuple(data.segments[i] for i in free),
+        sensor=tuple(data.sensor[i] for i in free),
+        force=tuple(data.force[i] for i in free),
+    )
+    assert by_probing(fitted, decays, [PLAY]) == []
+
+
+def test_the_loudest_segments_are_simulated(bursts, monkeypatch):
+    _, data = bursts
+    assert side_valleys._loudest(data).segments == data.segments
+    monkeypatch.setattr(side_valleys, "_SAMPLES", 4000)
+    loudest = side_valleys._loudest(data)
+    least = min(float(np.std(segment.response)) for segment in loudest.segments)
+    left = [segment for segment in data.segments if segment not in loudest.segments]
+    assert 4000 <= loudest.points < 4000 + max(segment.n for segment in data.segments)
+    assert all(float(np.std(segment.response)) <= least for segment in left)
+    assert list(loudest.segments) == sorted(loudest.segments, key=lambda segment: segment.start)
