@@ -125,3 +125,20 @@ def test_a_short_segment_shows_no_line_and_stops_nobody(n, seen, known):
     place = 12 * N / n  # a line in the middle of twelve bins of the short one
     assert bool(lines_of(tone(place, 60.0, n=n))) is seen
     assert len(lines_of(tone(place, 60.0, n=n), tone(200, 300.0))) == 1 + seen
+
+
+def test_the_loudest_line_is_first_though_its_harmonics_stand_out_more(monkeypatch):
+    """Friction makes them of a tone; where the noise is low they stand out of it by more."""
+
+    def falling(residuals, model, data):
+        steps = np.where(np.arange(N // 2 + 1) < 300, 100.0, 1.0)
+        return [NoiseSpectrum(steps, N)]
+
+    monkeypatch.setattr("dashpot.diagnose.search.spectral_lines.noise_spectra", falling)
+    residual = tone(150, 4000.0) + sum(tone(150 * k, 2000.0 / k) for k in (3, 5, 7, 9))
+    lines = np.array(lines_of(*[residual])) / RESOLUTION
+    assert lines[0] == pytest.approx(150.0, abs=0.05)
+    assert lines[1:] == pytest.approx([450.0, 750.0, 1050.0], abs=0.05)
+    # where it does not stand out it is none
+    quiet = np.array(lines_of(tone(150, 1000.0) + tone(450, 500.0))) / RESOLUTION
+    assert quiet == pytest.approx([450.0], abs=0.05)
