@@ -37,6 +37,7 @@ from .mend import exported, follows_any, no_finding, record_fits, unmended
 from .needless import without_needless
 from .place.locate import locate
 from .place.missing_force import latent_forces
+from .plainer import with_plainer_laws
 from .recordings import carries, same_quantity, split, why_unused
 from .result import Considered, Diagnosis, Effect
 from .search.candidate import STAGES, Candidate, key
@@ -114,6 +115,7 @@ def diagnose(
     if search.data.memory == FREE and len(selected.laws) > 1 and not leaves_mismatch(selected, search.parts):
         progress("whether all laws are needed", 0.85)
         selected = without_needless(selected, search, lambda fitted: _finely(fitted, model, recordings))
+    selected = with_plainer_laws(selected, search)
     forget()
     fitted = selected.fit or family
     # what is left is said of simulations: a prediction leaves less

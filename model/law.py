@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
@@ -232,6 +232,8 @@ class Law:
             a start from a screen; empty where it has none.
         twin: name of a more general law that begins with the same parameters and, its further ones zero, has the same
             equation; where it has no further ones this law is not fitted by itself.
+        cases: ``cases(values)`` gives laws of fewer parameters, by name, with the values at which they move the rig
+            alike as long as the motion leaves some part of this law alone (one stop of two); None: there are none.
     """
 
     name: str
@@ -249,6 +251,7 @@ class Law:
     proper: Callable[[Mapping[str, float], Mapping[str, float]], bool] | None = None
     valleys: tuple[str, ...] = ()
     twin: str | None = None
+    cases: Callable[[Mapping[str, float]], Sequence[tuple[str, Mapping[str, float]]]] | None = None
 
     def in_words(self, shown: Callable[[str], str]) -> str:
         """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""

@@ -26,6 +26,17 @@ def _stored(motion, p) -> Expression:
     return p["stiffness"] * sum(depth * motion.beyond(depth) for depth in depths) / 2
 
 
+def _cases(p) -> list[tuple[str, dict[str, float]]]:
+    """The stop on either side alone, for where the other is never touched."""
+    positions = [p["offset"] + side * p["position"] for side in (1, -1)]
+    contact = {name: p[name] for name in ("stiffness", "damping")}
+    return [
+        ("one-sided-stop", contact | {"position": position})
+        for side, position in zip((1, -1), positions, strict=True)
+        if side * position > 0  # a stop's side is the sign of its position
+    ]
+
+
 LAW = Law(
     name="two-sided-stop",
     path="restoring",
@@ -45,4 +56,5 @@ LAW = Law(
     curves="The backbone is flat up to the position and rises steeply beyond it; contact damping lifts the damping "
     "curve there.",
     proper=lambda p, base: p["stiffness"] > base["omega0"] ** 2,
+    cases=_cases,
 )

@@ -1,0 +1,79 @@
+"""A pair of stops of which one is touched is a stop on one side; one that is touched on both sides stays a pair."""
+
+from __future__ import annotations
+
+import dashpot
+import numpy as np
+import pytest
+from dashpot.diagnose.plainer import with_plainer_laws
+from dashpot.diagnose.search.candidate import Candidate
+from dashpot.diagnose.search.search import Search
+from dashpot.examples.force import chirp
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.data import Data, data_of
+from dashpot.identify.structure import Fitted, Structure
+from dashpot.model import Oscillator
+from dashpot.model.laws import LIBRARY, find
+from dashpot.model.terms import with_term
+from dashpot.recording import Recording
+
+FS, SECONDS, NOISE = 500.0, 4.0, 2e-6
+STIFFNESS, DAMPING = 4.0 * TRUTH["omega0"] ** 2, 20.0
+PAIR = ("two-sided-stop",)
+
+
+def stopped(**stops: float) -> tuple[Fitted, Data]:
+    """A sweep between stops, and the pair fitted to it from where they are."""
+    model = Oscillator.from_values({name: value for name, value in TRUTH.items() if name != "cubic"} | {"cubic": 0.0})
+    pair = with_term(model, PAIR[0], {"stiffness": STIFFNESS, "damping": DAMPING} | stops)
+    force = chirp(1.0, 8.0, 18.0, np.arange(round(FS * SECONDS)) / FS, 1 / FS)[:, 0]
+    response = dashpot.simulate(pair, force=force, fs=FS, hold="linear").response
+    response = response + NOISE * np.random.default_rng(0).standard_normal(force.size)
+    data = data_of([Recording("sweep", FS, response, force, hold="linear")], pair)
+    return Structure(pair, data).fit(most=3), data
+
+
+def searched(fitted: Fitted, data: Data) -> tuple[Candidate, Search]:
+    search = Search(data, None)
+    selected = search.candidates[PAIR] = search.weigh(PAIR, fitted)
+    return selected, search
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_of_two_stops_the_one_that_is_touched_is_named(side):
+    place = side * 1.2e-3
+    fitted, data = stopped(position=4e-3, offset=place - side * 4e-3)
+    selected, search = searched(fitted, data)
+    plainer = with_plainer_laws(selected, search)
+    assert plainer.laws == ("one-sided-stop",)
+    assert plainer.fit is not None
+    found = plainer.fit.model.values()
+    assert found["one-sided-stop.position"] == pytest.approx(place, rel=0.01)
+    assert found["one-sided-stop.stiffness"] == pytest.approx(STIFFNESS, rel=0.02)
+    assert search.candidates[plainer.laws] is plainer
+    assert "as one-sided-stop does" in search.candidates[PAIR].why
+
+
+@pytest.mark.parametrize("offset", [0.0, 2e-4])
+def test_stops_that_are_both_touched_stay_a_pair(offset):
+    selected, search = searched(*stopped(position=1.2e-3, offset=offset))
+    assert with_plainer_laws(selected, search) is selected
+    assert list(search.candidates) == [PAIR]
+
+
+def test_a_law_without_cases_stays():
+    assert [law.name for law in LIBRARY.values() if law.cases is not None] == list(PAIR)
+    candidate = Candidate(("quadratic-drag",), stage="judged")
+    assert with_plainer_laws(candidate, Search(None, None)) is candidate  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("position", "offset", "cases"),
+    [(2.0, 0.5, [2.5, -1.5]), (2.0, 3.0, [5.0]), (2.0, -3.0, [-5.0])],
+)
+def test_each_case_has_the_stop_on_its_own_side(position, offset, cases):
+    """Two stops on one side of the middle: the nearer one pushes away from it, which no single stop does."""
+    made = find(PAIR[0]).cases
+    assert made is not None
+    given = {"stiffness": 7.0, "damping": 3.0, "position": position, "offset": offset}
+    assert made(given) == [("one-sided-stop", {"stiffness": 7.0, "damping": 3.0, "position": place}) for place in cases]
