@@ -1,8 +1,8 @@
 """Whether what a model leaves over rings with the rig.
 
 A force that the model lacks reaches the response through the rig's resonance, also where it keeps no step with the
-motion: a rig that changes while it is recorded, a shove at the bench. Noise of sensors and recorders falls or rises
-over the octaves as a power of the frequency and has no hump there.
+motion: a rig that changes while it is recorded, a shove at the bench. Noise of sensors and recorders rises or falls
+over the octaves, as a power of the frequency or beyond a filter's corner, and has no hump there.
 """
 
 from __future__ import annotations
@@ -18,11 +18,10 @@ _HALF = math.sqrt(2.0)
 
 
 def resonant_share(residual: np.ndarray, turn: float) -> float:
-    """Share of a residual's power that the octave around the rig's frequency has above a power of the frequency.
+    """Share of a residual's power that the octave around the rig's frequency has above both octaves beside it.
 
-    Whatever the power, the mean density over an octave is then the geometric mean of those over the octaves on both
-    sides. Zero where that noise would have as much by chance (a line of a periodogram is a chi-square of two degrees
-    of freedom), or where one of the three octaves has no lines.
+    Zero where noise would have as much by chance (a line of a periodogram is a chi-square of two degrees of freedom),
+    or where one of the three octaves has no lines.
 
     Args:
         residual: (n,) what is left over.
@@ -35,10 +34,11 @@ def resonant_share(residual: np.ndarray, turn: float) -> float:
         power[(angle >= middle / _HALF) & (angle < middle * _HALF) & (angle < np.pi)]
         for middle in (0.5 * turn, turn, 2.0 * turn)
     )
-    if not (below.size and above.size and np.any(power)) or not (np.mean(below) > 0 and np.mean(above) > 0):
+    if not (below.size and above.size and np.any(power)):
         return 0.0
-    noise = math.sqrt(float(np.mean(below)) * float(np.mean(above)))
-    deviation = math.sqrt(1.0 / here.size + 0.25 * (1.0 / below.size + 1.0 / above.size))
-    if math.log(max(float(np.mean(here)) / noise, 1e-300)) <= BEYOND_ERRORS * deviation:
-        return 0.0
-    return (float(np.mean(here)) - noise) * here.size / float(np.sum(power))
+    hump = float(np.mean(here))
+    for beside in (below, above):
+        by_chance = math.exp(BEYOND_ERRORS * math.sqrt(1.0 / here.size + 1.0 / beside.size))
+        if hump <= by_chance * float(np.mean(beside)):
+            return 0.0
+    return (hump - max(float(np.mean(below)), float(np.mean(above)))) * here.size / float(np.sum(power))

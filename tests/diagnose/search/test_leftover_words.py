@@ -1,0 +1,48 @@
+"""What a model leaves over, in words: how much of what, the worst first."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from dashpot.diagnose.search.residual_test import Leftover, sentence
+
+
+def left(ratio, *, motion=0.0, step=0.0, burst=None, short=False, file="run"):
+    return Leftover(file, ratio, motion, step, burst, short)
+
+
+def test_each_recording_is_told_once_the_worst_first():
+    said = sentence(
+        [
+            left(3.0, motion=0.5, file="a"),
+            left(7.0, step=0.4, file="b"),
+            left(9.0, motion=0.5, step=0.4, file="a"),
+            left(99.0, file="noise of another colour"),
+            left(2.0, burst=12.34567, file="c"),
+        ]
+    )
+    assert said == (
+        "there remains 9 times the noise in a, growing with the motion; "
+        "7 times the noise in b, in step with the motion; 2 times the noise in c, in a burst at 12.35 s"
+    )
+
+
+def test_what_is_left_is_told_as_a_part_of_the_motion_first():
+    """An engineer asks how large it is before how many times the noise that is."""
+    assert sentence([replace(left(12.0, step=0.4), part=0.00712, order=3)]) == (
+        "there remains 0.71 % of the motion (12 times the noise) in run, in step with the motion, most at 3 times its "
+        "frequency"
+    )
+    assert "frequency" not in str(sentence([replace(left(12.0, step=0.4), part=0.007, order=1)]))
+
+
+def test_more_than_three_recordings_are_counted():
+    four = [left(2.0 + k, motion=0.5, file=f"run{k}") for k in range(4)]
+    assert str(sentence(four)).endswith("in run1, growing with the motion, and more in 1 further recording")
+    assert "further" not in str(sentence(four[:3]))
+    assert sentence([left(12.0, short=True)]) == "there remains 12 times the noise in run"
+
+
+def test_what_rings_is_told_where_nothing_surer_is():
+    assert str(sentence([replace(left(3.0), resonant=0.2)])).endswith("in run, around the rig's own frequency")
+    assert str(sentence([replace(left(3.0, step=0.4), resonant=0.2)])).endswith("in run, in step with the motion")
