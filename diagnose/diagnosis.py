@@ -104,6 +104,11 @@ def diagnose(
             "a recording of another level"
         )
     data = cut_for(best, recordings, model)
+    if data.segments[0].slide:
+        notes.append(
+            "no spring holds this rig near its place: it is fitted in pieces of a cycle each; in the table, over whole "
+            "recordings, what little the model lacks adds up"
+        )
     # cut as the training was, whatever the fit made of the spring
     judged = cut_for(best, holdout, model, judged=True) if holdout else None
     laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != _SENSOR_OFFSET]

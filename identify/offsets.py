@@ -42,10 +42,14 @@ def zeros_of(data: Data, recordings: Sequence[Recording], model: Oscillator) -> 
 
 
 def response_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator) -> tuple[Offset, ...]:
-    """The offset of each recording that is fitted, where the model has no law that stands for it."""
+    """The offset of each recording that is fitted, where the model has no law that stands for it.
+
+    A slide has none: without a spring no place is the middle, and an offset times a spring that is hardly there would
+    be a load.
+    """
     if any(term.law.effect in _SAME_THING for term in model.terms):
         return ()
-    used = sorted({segment.recording for segment in data.segments})
+    used = sorted({segment.recording for segment in data.segments if not segment.slide})
     offsets = []
     for index in used:
         recording = recordings[index]

@@ -160,3 +160,24 @@ def test_four_means_do_not_show_their_own_scatter(cycles, told):
     drift = drift_of([(0.0, 0.02, response, 3.0 * 0.02 * np.arange(n))], 2 * np.pi)
     assert (drift is not None) is told
     assert drift is None or drift == pytest.approx(3.0, rel=1e-3)
+
+
+def test_a_slide_has_no_zero():
+    """No place is its middle: 0.23 m from the sensor's zero it is as it is elsewhere; by the closed form from rest."""
+    mass, c, fs, place = 90.0, 2.0, 200.0, 0.23
+    t = np.arange(4000) / fs
+    force, x = np.zeros(t.size), np.full(t.size, place)
+    for level, w in ((60.0, 2.0), (40.0, 5.0), (30.0, 9.0)):
+        force += level * np.sin(w * t)
+        size = level / mass / (c**2 + w**2)
+        x += size * (c * (1 - np.cos(w * t)) / w - np.sin(w * t) + w * (1 - np.exp(-c * t)) / c)
+    x += 2e-6 * np.random.default_rng(0).standard_normal(t.size)
+    recording = Recording("slide", fs, x, force, hold="smooth")
+    start = Oscillator.from_values({**LINEAR, "mass": 80.0, "omega0": 0.05, "viscous": 1.5})
+    assert data_of([recording], start).segments[0].slide
+    assert response_offsets(data_of([recording], start), [recording], start) == ()
+    fit = maximum_likelihood(start, [recording], FIXED)
+    assert fit.offsets == ()
+    found = fit.oscillator.parameters()
+    assert found["mass"].value == pytest.approx(mass, rel=1e-3)
+    assert found["viscous"].value == pytest.approx(c, rel=1e-2)
