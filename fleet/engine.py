@@ -64,7 +64,7 @@ def dask(module: str, scheduler: str, say: Callable[[str], None]) -> Engine:
 def _client(scheduler: str) -> Any:
     try:
         from distributed import Client  # pyright: ignore[reportMissingImports]
-        from distributed.comm import get_address_host_port  # pyright: ignore[reportMissingImports]
+        from distributed.comm.addressing import get_address_host_port  # pyright: ignore[reportMissingImports]
     except ModuleNotFoundError:
         raise BadInput(
             "--scheduler needs dask and distributed, which are not installed; pip install 'dashpot[fleet]', or leave "
