@@ -102,21 +102,10 @@ def test_from_recordings_to_a_proven_fmu(capsys, tmp_path, sweep, decay):
 
     code, out, err = run(capsys, "export", made, tmp_path / "rig.fmu", tmp_path / "rig.casadi")
     assert code == 0, err
-    code, out, err = run(
-        capsys,
-        "verify",
-        tmp_path / "rig.fmu",
-        sweep,
-        decay,
-        "--json",
-        tmp_path / "v.json",
-        "--report",
-        tmp_path / "v.html",
-    )
+    files = ("--json", tmp_path / "v.json", "--report", tmp_path / "v.html")
+    code, out, err = run(capsys, "verify", tmp_path / "rig.fmu", sweep, decay, *files)
     assert code == 0, out + err
-    page = (tmp_path / "v.html").read_text(encoding="utf-8")
-    assert "The model reproduces all 2 recordings" in page
-    assert page.count("<figure>") == 2 + 1 + 2  # each recording, one spectrum, the backbones of each
+    assert "The model reproduces all 2 recordings" in (tmp_path / "v.html").read_text(encoding="utf-8")
     result = json.loads((tmp_path / "v.json").read_text())
     assert list(result) == ["fmu", "recordings", "pass"]
     assert set(result["recordings"][0]) >= {"file", "nrmse", "noise_floor", "backbone_max_error_hz", "besides", "pass"}
@@ -127,12 +116,9 @@ def test_a_wrong_model_fails_the_proof_with_exit_code_1(capsys, tmp_path, sweep)
     wrong = tmp_path / "wrong.yaml"
     wrong.write_text(dumps(Oscillator.from_values(TRUTH | {"mass": 0.275})), encoding="utf-8")
     assert run(capsys, "export", wrong, tmp_path / "wrong.fmu")[0] == 0
-    code, out, _ = run(capsys, "verify", tmp_path / "wrong.fmu", sweep, "--report", tmp_path / "v.html")
+    code, out, _ = run(capsys, "verify", tmp_path / "wrong.fmu", sweep)
     assert code == 1
     assert "does not reproduce sweep.csv; sweep.csv: an NRMSE of " in out
-    page = (tmp_path / "v.html").read_text(encoding="utf-8")
-    assert "What does not agree" in page
-    assert "sweep.csv: an NRMSE of " in page
 
 
 def test_plain_c_and_a_system_with_its_uncertainty(capsys, tmp_path, model, decay):
