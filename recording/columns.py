@@ -110,7 +110,10 @@ def choose_columns(
         note = f"{table.where}: column {table.label(i)} is taken as the response, being the only one left"
         return Choice(chosen["time"], chosen["force"], i, (note,))
     if not likely and not unclear:
-        raise BadInput(f"{table.where} has no column for the response among {_listed(table)}; name it with --response")
+        gone = "".join(f" ({note.removeprefix(f'{table.where}: ')})" for note in table.notes)
+        raise BadInput(
+            f"{table.where} has no column for the response among {_listed(table)}; name it with --response{gone}"
+        )
     if len(likely) != 1:
         options = "--response" if chosen["force"] is not None else "--force and --response"
         names = ", ".join(table.label(i) for i in likely or unclear)
