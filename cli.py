@@ -31,7 +31,7 @@ from .options import (
 )
 from .setup_commands import COMMANDS as SETUP_COMMANDS
 from .several_values import CommandOfSeveral, SeveralValues
-from .terminal import outputs_checked, print_json, progress_shown, say, with_quiet
+from .terminal import outputs_checked, print_json, progress_shown, quiet, say, with_quiet
 from .waiting import waiting_told
 
 if TYPE_CHECKING:
@@ -60,7 +60,17 @@ def demo(output: Path) -> None:
     """The whole story on the built-in rig, in under two minutes."""
     from .demo import run
 
-    if not run(output, click.echo):
+    told = [""]
+
+    def tell(line: str) -> None:
+        told[0] = line
+        if not quiet():
+            click.echo(line)
+
+    passed = run(output, tell)
+    if quiet():  # the last line is the result
+        click.echo(told[0])
+    if not passed:
         sys.exit(1)
 
 
@@ -293,21 +303,36 @@ def diagnose(
 @click.argument("fmu", type=FILE)
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
 @click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result; - prints it.")
+@click.option("--report", type=FILE, metavar="OUT.html", help="HTML page to write, with pictures.")
 @with_time_limit
 @with_recordings
-def verify(fmu: Path, recordings: tuple[Path, ...], json_file: Path | None, time_limit: float, **options: Any) -> None:
+def verify(
+    fmu: Path,
+    recordings: tuple[Path, ...],
+    json_file: Path | None,
+    report: Path | None,
+    time_limit: float,
+    **options: Any,
+) -> None:
     """Run an FMU under FMPy with recorded forces, compare response and parameters; exit code 1 where they differ."""
     from .verify.verification import verify as check
-    from .writing import write
+    from .writing import together, write
 
     printed = json_file == Path("-")
-    if json_file is not None and not printed:
-        outputs_checked([json_file], [fmu, *recordings])
+    outputs = [path for path in (None if printed else json_file, report) if path is not None]
+    outputs_checked(outputs, [fmu, *recordings])
     result = check(fmu, read_all(recordings, options, say), limit=time_limit, progress=say)
+    with together():
+        if json_file is not None and not printed:
+            write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
+        if report is not None:
+            from .report.verification_page import verification_page
+
+            write(report, verification_page(result))
+    if outputs:
+        say(f"written: {', '.join(str(path) for path in outputs)}")
     if printed:
         print_json(result.as_json())
-    elif json_file is not None:
-        write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
     if not printed:
         click.echo(result.sentence())
     if not result.passed:

@@ -27,7 +27,7 @@ EXAMPLES: dict[str, tuple[str, ...]] = {
     "paper": ("dashpot paper -o paper",),
     "show": ("dashpot show rig.yaml", "dashpot show rig.yaml --json | jq .machine.friction"),
     "simulate": ("dashpot simulate rig.yaml another.csv -o response.csv",),
-    "verify": ("dashpot verify rig.fmu sweep.csv.gz another.csv --json verify.json",),
+    "verify": ("dashpot verify rig.fmu sweep.csv.gz another.csv --json verify.json --report verify.html",),
     "watch": ("dashpot watch january.yaml march.yaml june.yaml --report life.html",),
 }
 

@@ -27,10 +27,11 @@ class CommandOfSeveral(click.Command):
         several = [option for option in self.params if isinstance(option, SeveralValues)]
         names = {name for option in several for name in option.opts}
         written = written_out(args, names)
+        used = len(written) > len(args)  # known now: reading the words takes them off the list
         try:
             return super().parse_args(ctx, written)
         except click.MissingParameter as problem:
-            if len(written) == len(args) or not isinstance(problem.param, click.Argument):
+            if not used or not isinstance(problem.param, click.Argument):
                 raise
             raise click.UsageError(
                 f"{problem.format_message().rstrip('.')}: {' and '.join(sorted(names))} takes all files up to the next "

@@ -64,12 +64,14 @@ def dask(module: str, scheduler: str, say: Callable[[str], None]) -> Engine:
 def _client(scheduler: str) -> Any:
     try:
         from distributed import Client  # pyright: ignore[reportMissingImports]
+        from distributed.comm.addressing import get_address_host_port  # pyright: ignore[reportMissingImports]
     except ModuleNotFoundError:
         raise BadInput(
             "--scheduler needs dask and distributed, which are not installed; pip install 'dashpot[fleet]', or leave "
             "the option out and use --jobs"
         ) from None
     try:
+        get_address_host_port(scheduler)  # a client of no address at all would hang for long as it ends
         return Client(scheduler, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError, TypeError) as problem:
         words = " ".join(str(problem).split())[:200]

@@ -4,32 +4,22 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
-from pydantic_core import ErrorDetails, PydanticCustomError
+from pydantic import AfterValidator, Field
+from pydantic_core import ErrorDetails
 
-from ..errors import BadInput
 from ..model.consistency import shown, suggestion
+from ..model.form import Form, filled, of_format, printable
 from ..model.yaml_loader import Document, Path
 
 FORMAT = "dashpot-fleet/1"
 
 
-def _printable(text: str) -> str:
-    if not text.isprintable():
-        raise PydanticCustomError("unprintable", "holds a line break or a control character; take it out")
-    return text
-
-
-_Word = Annotated[str, Field(min_length=1, max_length=255), AfterValidator(_printable)]
-_Place = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(_printable)]
+_Word = Annotated[str, Field(min_length=1, max_length=255), AfterValidator(printable)]
+_Place = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(printable)]
 _Positive = Annotated[float, Field(gt=0)]
 
 
-class _Form(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True, populate_by_name=False)
-
-
-class OptionsForm(_Form):
+class OptionsForm(Form):
     """How recordings are read and identified: the options of ``dashpot identify`` by their names."""
 
     time: _Word | None = None
@@ -61,14 +51,14 @@ class RigForm(OptionsForm):
 
     recordings: _Place | Annotated[list[_Place], Field(min_length=1)]
     name: _Word | None = None
-    holdout: _Place | list[_Place] = []
+    holdout: _Place | list[_Place] = Field(default_factory=list)
     each: bool = False
     rig: _Word | None = None
     state: _Word | float | None = None
     when: _Word | float | None = None
 
 
-class ManifestForm(_Form):
+class ManifestForm(Form):
     """A whole manifest."""
 
     format: Literal["dashpot-fleet/1"]
@@ -81,22 +71,14 @@ _EXAMPLE = "rigs: [{name: rig-1, recordings: [decay.csv, sweep.csv]}]"
 
 def checked(document: Document) -> ManifestForm:
     """The document as a manifest; raises BadInput with every problem, each with its line and path."""
-    raw = document.data
-    if not isinstance(raw, dict):
-        raise BadInput(f"{document.where}: holds no manifest; one starts with 'format: {FORMAT}'")
-    if raw.get("format") != FORMAT:
-        said = f"says format {shown(raw['format'])}" if "format" in raw else "has no 'format'"
-        raise BadInput(f"{document.where}: {said}; write 'format: {FORMAT}' in its first line")
-    form: ManifestForm | None = None
-    try:
-        form = ManifestForm.model_validate(raw)
-    except ValidationError as errors:
-        for error in errors.errors(include_url=False):
-            path = _place(error["loc"], raw)
-            document.report(path, _sentence(error, path))
-    if form is None or document.problems:
-        raise document.error()
-    return form
+    otherwise = f"write 'format: {FORMAT}' in its first line"
+    raw = of_format(document, FORMAT, "holds no manifest; one starts with", otherwise)
+
+    def told(error: ErrorDetails) -> tuple[Path, str]:
+        path = _place(error["loc"], raw)
+        return path, _sentence(error, path)
+
+    return filled(ManifestForm, document, told)
 
 
 def _place(loc: tuple[int | str, ...], raw: Any) -> Path:

@@ -94,8 +94,18 @@ def parquet(rows: Sequence[Row]) -> bytes:
     table = columns(rows)
     if any(isinstance(when, str) for when in table["when"]):
         table["when"] = [None if when is None else str(when) for when in table["when"]]
+    # a column that holds nothing yet has the type that it will have, so that tables of several runs fit together
+    numbers, counted = {"nrmse", "over_noise", "seconds"}, {"attempts"}
+    names = {name.removesuffix(".unit") for name in table if name.endswith(".unit")}
+    numbers |= names | {f"{name}.std" for name in names}
+    if not any(isinstance(when, str) for when in table["when"]):
+        numbers.add("when")
+    types = {
+        name: pyarrow.float64() if name in numbers else pyarrow.int64() if name in counted else pyarrow.string()
+        for name in table
+    }
     out = io.BytesIO()
-    pyarrow.parquet.write_table(pyarrow.table(table), out)
+    pyarrow.parquet.write_table(pyarrow.table(table, schema=pyarrow.schema(types.items())), out)
     return out.getvalue()
 
 

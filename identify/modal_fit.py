@@ -148,7 +148,10 @@ class _Fit:
                 "record a larger or longer motion."
             )
         normal: Any = sum(c.noise.weigh(c.plain) @ c.columns.T for c in curves)
-        scale = 1 / np.sqrt(np.abs(np.diag(normal)))
+        size = np.abs(np.diag(normal))
+        if not np.all(size > 0):
+            raise BadInput("A parameter of the law does nothing at the amplitudes of this motion; fit another law.")
+        scale = 1 / np.sqrt(size)
         self.inverse = scale[:, None] * np.linalg.pinv(normal * np.outer(scale, scale), rcond=1e-14) * scale
         self.value = self.inverse @ sum(c.noise.weigh(c.plain) @ c.target for c in curves)
         rest = [c.target - self.value @ c.columns for c in curves]

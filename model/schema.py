@@ -8,35 +8,25 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal, get_args
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import AfterValidator, BaseModel, Field, model_validator
 from pydantic_core import ErrorDetails, PydanticCustomError
 
-from ..errors import BadInput
 from .consistency import Meaning, shown, suggestion
+from .form import Form, filled, of_format, printable
 from .yaml_loader import Document, Path
 
 FORMAT = "dashpot-model/1"
 
 
-def _printable(text: str) -> str:
-    if not text.isprintable():
-        raise PydanticCustomError("unprintable", "holds a line break or a control character; take it out")
-    return text
+_Words = Annotated[str, Field(max_length=200), AfterValidator(printable)]
+_Name = Annotated[str, Field(min_length=1, max_length=255), AfterValidator(printable)]
+_Sentence = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(printable)]
+_FilePath = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(printable)]
+_Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(printable)]
+_RecordedUnit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(printable)]
 
 
-_Words = Annotated[str, Field(max_length=200), AfterValidator(_printable)]
-_Name = Annotated[str, Field(min_length=1, max_length=255), AfterValidator(_printable)]
-_Sentence = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(_printable)]
-_FilePath = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(_printable)]
-_Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(_printable)]
-_RecordedUnit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(_printable)]
-
-
-class _Form(BaseModel):
-    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False, frozen=True)
-
-
-class ParameterForm(_Form):
+class ParameterForm(Form):
     """One number with its standard error and unit."""
 
     value: float
@@ -50,28 +40,28 @@ class PositiveForm(ParameterForm):
     value: Annotated[float, Field(gt=0)]
 
 
-class TermForm(_Form):
+class TermForm(Form):
     """A further effect."""
 
     effect: _Name
     parameters: dict[str, ParameterForm]
 
 
-class ResponseForm(_Form):
+class ResponseForm(Form):
     """What was recorded of the motion."""
 
     quantity: Literal["displacement", "velocity", "acceleration"]
     unit: _RecordedUnit
 
 
-class ExcitationForm(_Form):
+class ExcitationForm(Form):
     """What drives the oscillator, and how it ran between the samples of the recordings."""
 
     unit: _RecordedUnit = "N"
     hold: Literal["zero", "linear", "smooth"] = "smooth"
 
 
-class RangeForm(_Form):
+class RangeForm(Form):
     """What the recordings covered."""
 
     min: Annotated[float, Field(ge=0)]
@@ -79,14 +69,14 @@ class RangeForm(_Form):
     unit: _Unit
 
 
-class ValidForm(_Form):
+class ValidForm(Form):
     """Where the model may be believed."""
 
     amplitude: RangeForm | None = None
     frequency: RangeForm | None = None
 
 
-class RecordingForm(_Form):
+class RecordingForm(Form):
     """One recording that the numbers come from."""
 
     file: _FilePath
@@ -97,7 +87,7 @@ class RecordingForm(_Form):
     fault: _Sentence | None = None
 
 
-class BandForm(_Form):
+class BandForm(Form):
     """The band in which one mode was isolated."""
 
     mode: Annotated[float, Field(gt=0)]
@@ -112,19 +102,19 @@ class BandForm(_Form):
         return self
 
 
-class IdentifiedForm(_Form):
+class IdentifiedForm(Form):
     """Where the numbers come from."""
 
-    recordings: list[RecordingForm] = []
+    recordings: list[RecordingForm] = Field(default_factory=list)
     method: _Words = ""
     software: _Words = ""
-    parameters: list[str] = []
+    parameters: list[str] = Field(default_factory=list)
     covariance: list[list[float]] | None = None
     log_likelihood: float | None = None
     band: BandForm | None = None
 
 
-class ModelForm(_Form):
+class ModelForm(Form):
     """A whole model file."""
 
     format: Literal["dashpot-model/1"]
@@ -135,7 +125,7 @@ class ModelForm(_Form):
     preload: ParameterForm
     viscous: ParameterForm
     dry: ParameterForm
-    terms: list[TermForm] = []
+    terms: list[TermForm] = Field(default_factory=list)
     response: ResponseForm = ResponseForm(quantity="displacement", unit="m")
     excitation: ExcitationForm = ExcitationForm()
     valid: ValidForm = ValidForm()
@@ -144,24 +134,15 @@ class ModelForm(_Form):
 
 def checked(document: Document) -> ModelForm:
     """The document as a model file; raises BadInput with every problem, each with its line and path."""
-    raw = document.data
-    if not isinstance(raw, dict):
-        raise BadInput(f"{document.where}: holds no model; a model file starts with 'format: {FORMAT}'")
-    if raw.get("format") != FORMAT:
-        said = f"says format {shown(raw['format'])}" if "format" in raw else "has no 'format'"
-        raise BadInput(f"{document.where}: {said}; this version of dashpot reads 'format: {FORMAT}'")
-    form: ModelForm | None = None
+    otherwise = f"this version of dashpot reads 'format: {FORMAT}'"
+    raw = of_format(document, FORMAT, "holds no model; a model file starts with", otherwise)
     meaning = Meaning(raw, document)
-    try:
-        form = ModelForm.model_validate(raw)
-    except ValidationError as errors:
-        for error in errors.errors(include_url=False):
-            path = tuple(step for step in error["loc"] if step != "[key]")
-            document.report(path, _sentence(error, path, meaning))
-    meaning.check()
-    if form is None or document.problems:
-        raise document.error()
-    return form
+
+    def told(error: ErrorDetails) -> tuple[Path, str]:
+        path = tuple(step for step in error["loc"] if step != "[key]")
+        return path, _sentence(error, path, meaning)
+
+    return filled(ModelForm, document, told, meaning.check)
 
 
 def _sentence(error: ErrorDetails, path: Path, meaning: Meaning) -> str:

@@ -25,6 +25,7 @@ _NAMES = {
 _KIND = {name: kind for kind, names in _NAMES.items() for name in names}
 _RESPONSES = ("displacement", "velocity", "acceleration")
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]$")
+_AMID = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]\s*(?P<rest>\S.*)$")  # Angle (rad) Run #3
 _SLASH = re.compile(r"^(?P<name>.+?)\s+(?:/|in)\s+(?P<unit>\S+)$")
 
 
@@ -57,6 +58,8 @@ def parse_column(name: str, unit_text: str = "") -> Column:
         base = name
     elif match and match["unit"] != "t":  # x(t) is a function of time
         base, unit_text = match["name"], match["unit"]
+    elif (match := _AMID.match(name)) and find_unit(match["unit"]):
+        base, unit_text = f"{match['name']} {match['rest']}", match["unit"]
     else:
         base, unit_text = _split_suffix(name)
     unit = find_unit(unit_text) if unit_text else None
@@ -107,7 +110,10 @@ def choose_columns(
         note = f"{table.where}: column {table.label(i)} is taken as the response, being the only one left"
         return Choice(chosen["time"], chosen["force"], i, (note,))
     if not likely and not unclear:
-        raise BadInput(f"{table.where} has no column for the response among {_listed(table)}; name it with --response")
+        gone = "".join(f" ({note.removeprefix(f'{table.where}: ')})" for note in table.notes)
+        raise BadInput(
+            f"{table.where} has no column for the response among {_listed(table)}; name it with --response{gone}"
+        )
     if len(likely) != 1:
         options = "--response" if chosen["force"] is not None else "--force and --response"
         names = ", ".join(table.label(i) for i in likely or unclear)

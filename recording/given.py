@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from difflib import get_close_matches
 from itertools import count
 from pathlib import Path
 from typing import Any, TypedDict, Unpack
@@ -52,7 +53,14 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
 
     Raises:
         BadInput: something is none of these, or is wrong; one sentence for each thing.
+        TypeError: there is no such option.
     """
+    if unknown := sorted(set(options) - set(Reading.__annotations__)):
+        near = get_close_matches(unknown[0], Reading.__annotations__, 1)
+        raise TypeError(
+            f"there is no option '{unknown[0]}'; "
+            + (f"did you mean {near[0]}?" if near else f"options of reading are {', '.join(Reading.__annotations__)}")
+        )
     how: dict[str, Any] = dict(options)
     if isinstance(how.get("part"), str):
         how["part"] = parse_part(how["part"]) if how["part"] else None

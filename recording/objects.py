@@ -36,8 +36,8 @@ def tables_of_object(data: Any, name: str) -> list[Table]:
         tables = tables_of_tree(name, data)
     else:
         raise BadInput(
-            f"{name}: a {type(data).__name__} is no recording; give a path, a DataFrame, an xarray Dataset, SEP 5 "
-            "dictionaries, or a dictionary of arrays by name"
+            f"{name}: {type(data).__name__} is no kind of recording; give a path, a DataFrame, an xarray Dataset, "
+            "SEP 5 dictionaries, or a dictionary of arrays by name"
         )
     if not tables:
         raise BadInput(f"{name}: holds no vector of numbers; give arrays by name")

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..export.render import plain_text
+from ..identify.hilbert import dominant_frequency
 from ..model.display import number, percent_text, times_text
 from .blocks import Block, Cell, Figure, Section, Table, Text
 from .comparison import Comparison
 from .residual import spectrum_figure
 from .time_history import agreement_figure
-
-if TYPE_CHECKING:
-    from ..identify.identification import Identification
 
 #: A residual so close to the noise needs no spectrum to look into.
 _CLEAN = 1.05
@@ -22,7 +19,7 @@ _CLEAN = 1.05
 _POOR = 0.1
 
 
-def verdict(identification: Identification, shown: Sequence[Comparison]) -> Text:
+def verdict(shown: Sequence[Comparison]) -> Text:
     """The outcome in one sentence."""
     if not shown:
         return Text("The model was identified, but nothing could be simulated to compare it with.", "bad")
@@ -64,11 +61,16 @@ def _fit_verdict(shown: Sequence[Comparison]) -> Text:
     )
 
 
-def agreement_section(identification: Identification, shown: Sequence[Comparison], source: str) -> Section:
-    """Table and pictures; ``source`` is what simulated: ``model`` or ``FMU``."""
+def agreement_section(shown: Sequence[Comparison], source: str, natural: float | None = None) -> Section:
+    """Table and pictures.
+
+    Args:
+        shown: one for each recording.
+        source: what simulated, ``model`` or ``FMU``.
+        natural: natural frequency, Hz; by default that of each recording's largest line.
+    """
     if not shown:
         return Section("Measured and simulated", ())
-    natural = identification.oscillator.omega0.value / (2 * math.pi)
     blocks: list[Block] = [_table(shown)]
     spectral = _spectral(shown)
     for i, c in enumerate(shown):
@@ -82,9 +84,10 @@ def agreement_section(identification: Identification, shown: Sequence[Comparison
             )
         )
         if c in spectral:
+            about = natural or dominant_frequency(c.measured, c.fs)
             blocks.append(
                 Figure(
-                    spectrum_figure(c, natural, c.response.unit, f"spectrum-{i + 1}", source),
+                    spectrum_figure(c, about, c.response.unit, f"spectrum-{i + 1}", source),
                     f"{name}: spectra of the response and of what is left. Noise on the force shows at the resonance; "
                     "a peak elsewhere, or one far above the noise, is physics that the model lacks.",
                 )

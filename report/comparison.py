@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -74,6 +74,11 @@ def comparisons(identification: Identification, verification: Verification | Non
     if verification is None:
         return tuple(c for i in range(len(identification.recordings)) if (c := _of_fit(identification, i)) is not None)
     known = {r.name for r in identification.recordings}
+    return tuple(replace(c, held_out=c.name not in known) for c in of_verification(verification))
+
+
+def of_verification(verification: Verification) -> tuple[Comparison, ...]:
+    """From the FMU's runs; of no recording is it known whether it was held out."""
     return tuple(
         Comparison(
             c.file,
@@ -84,9 +89,8 @@ def comparisons(identification: Identification, verification: Verification | Non
             c.noise_floor,
             True,
             c.response,
-            c.file not in known,
-            c.backbone_max_error_hz,
-            c.passed,
+            backbone_error=c.backbone_max_error_hz,
+            passed=c.passed,
         )
         for c in verification.recordings
     )

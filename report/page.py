@@ -57,7 +57,7 @@ def identification_page(
             (parameter_table(model, truth), machine_table(model), *equation_blocks(model), *_methods(identification)),
         ),
         Section("Backbones and frequency response", tuple(_backbones(identification, verification))),
-        agreement_section(identification, shown, "FMU" if verification is not None else "model"),
+        agreement_section(shown, "FMU" if verification is not None else "model", model.omega0.value / (2 * np.pi)),
         Section("Spring and damping", tuple(_characteristics(identification))),
         Section("Recordings", tuple(_recordings(identification))),
         Section("How sure the numbers are", tuple(_certainty(identification))),
@@ -66,7 +66,7 @@ def identification_page(
         Section("Where the numbers come from", tuple(_provenance(identification, files))),
     ]
     footer = f"Made by {model.identified.software or 'dashpot'}."
-    return page(f"Identification of {model.name}", sections, lead=[verdict(identification, shown)], footer=footer)
+    return page(f"Identification of {model.name}", sections, lead=[verdict(shown)], footer=footer)
 
 
 def _methods(identification: Identification) -> tuple[Table, ...]:

@@ -102,8 +102,10 @@ def test_from_recordings_to_a_proven_fmu(capsys, tmp_path, sweep, decay):
 
     code, out, err = run(capsys, "export", made, tmp_path / "rig.fmu", tmp_path / "rig.casadi")
     assert code == 0, err
-    code, out, err = run(capsys, "verify", tmp_path / "rig.fmu", sweep, decay, "--json", tmp_path / "v.json")
+    files = ("--json", tmp_path / "v.json", "--report", tmp_path / "v.html")
+    code, out, err = run(capsys, "verify", tmp_path / "rig.fmu", sweep, decay, *files)
     assert code == 0, out + err
+    assert "The model reproduces all 2 recordings" in (tmp_path / "v.html").read_text(encoding="utf-8")
     result = json.loads((tmp_path / "v.json").read_text())
     assert list(result) == ["fmu", "recordings", "pass"]
     assert set(result["recordings"][0]) >= {"file", "nrmse", "noise_floor", "backbone_max_error_hz", "besides", "pass"}

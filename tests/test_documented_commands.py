@@ -48,6 +48,15 @@ def commands(page: str) -> list[list[str]]:
     return [words for line in lines if (words := shlex.split(line, comments=True))]
 
 
+def done(words, folder):
+    """What the command printed, which ended well and wrote its files."""
+    ended = typed(words, folder)
+    assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
+    for name in written(words):
+        assert (folder / name).exists(), f"{shlex.join(words)} wrote no {name}"
+    return ended.stdout
+
+
 def written(words: list[str]) -> list[str]:
     """The files and folders that a command is told to write."""
     named = [after for word, after in pairwise(words) if word in ("-o", "--report", "--json")]
@@ -156,11 +165,7 @@ def test_the_commands_of_the_readme_do_what_it_says(stand):
     for words in commands("README.md"):
         if words[0] == "make":
             continue  # tests/test_demo.py, tests/test_readme.py
-        ended = typed(words, stand)
-        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
-        for name in written(words):
-            assert (stand / name).exists(), f"{shlex.join(words)} wrote no {name}"
-        said.append(ended.stdout)
+        said.append(done(words, stand))
         if words[1] == "identify":
             check_identified(stand, words)
         if words[1] == "verify":
@@ -197,10 +202,7 @@ def test_the_commands_of_a_page_leave_what_they_were_told_to(page, tmp_path, req
         angle = Response("displacement", "rad")
         save(Oscillator.from_values(TRUTH, name="roll", response=angle, force_unit="N.m"), stand / "roll.yaml")
     for words in commands(page):
-        ended = typed(words, stand)
-        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
-        for name in written(words):
-            assert (stand / name).exists(), f"{shlex.join(words)} wrote no {name}"
+        done(words, stand)
 
 
 @pytest.mark.long
@@ -213,10 +215,7 @@ def test_the_tutorial_does_what_it_says(tmp_path, monkeypatch):
         for words in map(shlex.split, block.splitlines()) if kind == "console" else ():
             if words[0] == "make":
                 continue
-            ended = typed(words, tmp_path)
-            assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
-            for name in written(words):
-                assert (tmp_path / name).exists(), f"{shlex.join(words)} wrote no {name}"
+            done(words, tmp_path)
             if "rig.yaml" in written(words):
                 check_identified(tmp_path, words)
     assert {path.name for path in tmp_path.iterdir()} >= COPIED
@@ -258,13 +257,7 @@ def manifest_of_the_page(folder: Path) -> Path:
 def test_the_commands_on_fleets_do_what_they_say(stand):
     """Nothing is wrong with this rig, and nothing changes: each ends with 0."""
     manifest_of_the_page(stand)
-    said = []
-    for words in commands("docs/fleets.md"):
-        ended = typed(words, stand)
-        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
-        for name in written(words):
-            assert (stand / name).exists()
-        said.append(ended.stdout)
+    said = [done(words, stand) for words in commands("docs/fleets.md")]
     assert said[0] == "4 rows: 4 good\n"
     assert said[1].startswith("stand: Nothing moved")
     assert said[-1].startswith("Nothing moved")
@@ -305,13 +298,7 @@ def test_the_commands_for_a_law_of_ones_own_do_what_they_say(tmp_path):
     x = solve_ivp(rate, (0, t[-1]), [9e-3, 0.0], t_eval=t, rtol=1e-10, atol=1e-14).y[0]
     x = x + NOISE * np.random.default_rng(5).standard_normal(t.size)
     write(tmp_path / "decay.csv", np.column_stack([t, x]), "time_s,displacement_m")
-    said = []
-    for words in commands("docs/laws.md"):
-        ended = typed(words, tmp_path)
-        assert ended.returncode == 0, f"{shlex.join(words)}: {ended.stdout}{ended.stderr}"
-        for name in written(words):
-            assert (tmp_path / name).exists()
-        said.append(ended.stdout)
+    said = [done(words, tmp_path) for words in commands("docs/laws.md")]
     match = re.search(r"magnet\.strength +(\S+) +± (\S+)", said[1])
     assert match
     assert float(match.group(1)) == pytest.approx(strength, rel=0.02)

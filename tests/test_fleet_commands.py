@@ -82,6 +82,7 @@ def test_a_fleet_is_identified_then_watched_and_compared(capsys, stand):
         ("batch fleet.yaml -o .", "holds other files"),
         ("batch fleet.yaml -o out2 --shard 3/2", "is not k/n"),
         ("batch fleet.yaml -o out2 --scheduler tcp://127.0.0.1:9", "no Dask scheduler answers"),
+        ("batch fleet.yaml -o out2 --scheduler banana", "missing port number in address 'banana'"),
         ("watch .", "holds no fleet.json"),
         ("watch absent.yaml", "absent.yaml: cannot be read"),
         ("compare fleet.yaml fleet.yaml", "says format 'dashpot-fleet/1'"),

@@ -97,6 +97,14 @@ def test_training_that_was_named_behind_it_is_missed_and_not_held_out_in_silence
     assert "--holdout takes all files up to the next option; name the others before it" in said
 
 
+def test_where_it_was_not_given_it_is_not_blamed(asked, capsys):
+    with pytest.raises(SystemExit):
+        asked("model.yaml")
+    said = capsys.readouterr().err
+    assert "Missing argument 'RECORDINGS...'" in said
+    assert "takes all files" not in said
+
+
 def test_the_help_says_so(capsys):
     cli.main(["diagnose", "--help"])
     words = " ".join(capsys.readouterr().out.split())

@@ -73,6 +73,12 @@ def test_what_is_a_recording(sweep, what):
     np.testing.assert_allclose(read.force, sweep.force, rtol=1e-12)
 
 
+@pytest.mark.parametrize("thing", ["absent.csv", dashpot.examples.recordings()["bursts"]])
+def test_an_option_that_there_is_not_is_told_whatever_is_read(thing):
+    with pytest.raises(TypeError, match="no option 'forse'; did you mean force"):
+        dashpot.read(thing, forse="none")
+
+
 @pytest.mark.parametrize(
     ("things", "options", "said"),
     [
@@ -81,8 +87,8 @@ def test_what_is_a_recording(sweep, what):
         ((["absent.csv"],), {}, "absent.csv"),
         ((np.zeros(100),), {}, "give its sampling frequency with fs"),
         ((np.zeros((100, 3)),), {"fs": 100.0}, r"shape \(100, 3\) does not say"),
-        ((7,), {}, "a int is no recording"),
-        ((None,), {}, "a NoneType is no recording"),
+        ((7,), {}, "int is no kind of recording"),
+        ((None,), {}, "NoneType is no kind of recording"),
         (({"x_mm": "text"},), {}, "text"),
     ],
 )

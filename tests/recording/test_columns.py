@@ -28,6 +28,8 @@ def table(*names: str, units: tuple[str, ...] = ()) -> Table:
         ("x_mm", "x", "mm", "displacement"),
         ("x_in", "x", "in", "displacement"),
         ("Displacement [mm]", "Displacement", "mm", "displacement"),
+        ("Angle, Ch P2 (rad) Run #14", "Angle, Ch P2 Run #14", "rad", "displacement"),
+        ("Force (left) sensor", "Force (left) sensor", None, "force"),
         ("velocity_m_s", "velocity", "m/s", "velocity"),
         ("acceleration_g", "acceleration", "g", "acceleration"),
         ("acc_m_s2", "acc", "m/s2", "acceleration"),

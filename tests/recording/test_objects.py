@@ -46,9 +46,13 @@ def test_xarray():
 @pytest.mark.parametrize(
     ("data", "says"),
     [
-        (5, "a int is no recording"),
+        (5, "int is no kind of recording"),
         ({}, "no vector of numbers"),
         ({"x": ["a", "b"]}, "no vector of numbers"),
+        (
+            {"time_s": T, "x_m": X[:-3]},
+            r"name it with --response \(the record has \d+ samples; 'x_m' \(\d+\), of other",
+        ),
         ({"fs": -1.0, "x_m": X}, "'fs' is -1, which is no sampling rate"),
         ({"fs": FS, "a": {"x_m": X}, "b": {"x_m": X}}, "holds 2 records, a, b"),
         ([{"data": X, "fs": 1.0, "name": "a"}, {"data": X, "fs": 2.0, "name": "b"}], r"the rates \[1\.0, 2\.0\] Hz"),

@@ -113,7 +113,7 @@ def test_the_verdict_follows_the_verification(identifications, verified, pages) 
     identification = identifications["stand"]()
 
     def said(proof: Verification) -> str:
-        return verdict(identification, comparisons(identification, proof)).text
+        return verdict(comparisons(identification, proof)).text
 
     assert "The model reproduces all 2 recordings: its FMU" in Reader(pages("stand", True)).text
     assert "reproduces all 2 recordings, among them multisine.csv" in said(
@@ -133,8 +133,8 @@ def test_a_diverging_simulation_is_told_and_drawn_as_far_as_it_goes(identificati
     lost[300:] = float("nan")
     proof = replace(proof, recordings=(replace(first, nrmse=float("nan"), simulated=lost), proof.recordings[1]))
     shown = comparisons(identification, proof)
-    assert f"simulation of {first.file} diverges" in verdict(identification, shown).text
-    kinds = [block.kind for block in agreement_section(identification, shown, "FMU").blocks]
+    assert f"simulation of {first.file} diverges" in verdict(shown).text
+    kinds = [block.kind for block in agreement_section(shown, "FMU").blocks]
     assert kinds == ["table", "figure", "figure", "figure"]  # no spectrum of the one that diverges
 
 
@@ -239,3 +239,11 @@ def test_a_memory_that_cannot_be_followed_is_said_in_the_place_of_the_picture(id
     )
     text = Reader(identification_page(replace(identification, oscillator=model))).text
     assert "No picture here" in text
+
+
+def test_on_a_phone_a_long_head_wraps_and_a_picture_says_that_it_goes_on() -> None:
+    narrow = re.search(r"@media \(max-width: 40rem\) \{(.*?)\n\}", page("t", []), re.DOTALL)
+    assert narrow is not None
+    assert "thead th { white-space: normal;" in narrow.group(1)
+    assert "figure .several svg { min-width: 0; }" in narrow.group(1)
+    assert "svg + figcaption::before { content:" in narrow.group(1)
