@@ -65,7 +65,10 @@ def location_section(diagnosis: Diagnosis) -> Section:
     if rows:
         head = ("Range", "Fails from", "to", "Recorded from", "to", "Unit")
         blocks.append(Table(head, tuple(rows), (1, 2, 3, 4)))
-    blocks.append(Text(f"It lies {PATHS.get(place.path, f'in the path “{place.path}”')} (path: {place.path})."))
+    if place.path in PATHS:
+        blocks.append(Text(f"It lies {PATHS[place.path]} (path: {place.path})."))
+    else:
+        blocks.append(Text("Where in the rig it lies cannot be told from it."))
     if place.recordings:
         blocks.append(Text("It shows in " + ", ".join(place.recordings) + "."))
     return Section(title, tuple(blocks))

@@ -154,6 +154,19 @@ def test_what_was_recorded_is_said_of_all_recordings(hand_made) -> None:
     assert re.search(r"Displacement −5\S* 5\S* −9\.\d* 9\.\d* mm", text)
 
 
+def test_a_place_that_cannot_be_told_is_said_in_words(hand_made) -> None:
+    diagnosis = hand_made.missing()
+    assert diagnosis.location is not None
+    for path, words in (
+        ("unknown", "cannot be told from it"),
+        ("restoring", "It lies in the spring (path: restoring)."),
+    ):
+        place = replace(diagnosis.location, path=path)
+        said = stands_alone(page("Where", [location_section(replace(diagnosis, location=place))])).text
+        assert words in said
+        assert "(path: unknown)" not in said
+
+
 def test_the_same_diagnosis_gives_the_same_page(hand_made) -> None:
     diagnosis = replace(hand_made.missing(), records=hand_made.missing().records[1:2])
     assert diagnosis_page(diagnosis) == diagnosis_page(diagnosis)
