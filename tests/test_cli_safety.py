@@ -89,6 +89,7 @@ def refused(capsys, folder, *arguments):
         ("verify rig.fmu sweep.csv --json rig.fmu", "is an input"),
         ("verify rig.fmu sweep.csv --json sweep.csv", "is an input"),
         ("verify file sweep.csv", "not a readable FMU"),
+        ("verify rig.yaml sweep.csv", "is no FMU; make one of a model file with: dashpot export"),
         ("demo -o file", "cannot be written"),
         ("diagnoze rig.yaml", "No such command"),
     ],

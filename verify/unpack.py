@@ -14,6 +14,7 @@ MOST_BYTES = 2 * 1024**3
 MOST_DESCRIPTION = 64 * 1024**2
 _LONGEST_NAME = 1000
 _DESCRIPTION = "modelDescription.xml"
+_MODELS = (".yaml", ".yml")
 
 
 def unpack(fmu: Path, folder: Path) -> None:
@@ -35,6 +36,8 @@ def unpack(fmu: Path, folder: Path) -> None:
             f"{fmu}: cannot be unpacked ({problem.strerror or problem}); check it, and the room in {folder.parent}"
         ) from problem
     except Exception as problem:  # each way of packing has faults of its own, and zipfile does not foresee all
+        if fmu.suffix in _MODELS:
+            raise BadInput(f"{fmu}: is no FMU; make one of a model file with: dashpot export {fmu} rig.fmu") from None
         raise BadInput(f"{fmu}: not a readable FMU ({_said(problem)}); export it again") from problem
 
 
