@@ -42,7 +42,7 @@ from .recordings import carries, same_quantity, split, why_unused
 from .result import Considered, Diagnosis, Effect
 from .search.candidate import STAGES, Candidate, key
 from .search.judgement import leaves_mismatch, names_of, only_a_name, standing, why_not
-from .search.residual_test import leftovers
+from .search.residual_test import leftovers, nearer
 from .search.residual_test import sentence as remainder_sentence
 from .search.search import Search
 from .search.weigh import forget
@@ -152,6 +152,9 @@ def diagnose(
         if after.hold != before.hold:  # which was found beside what the family lacks
             recordings, holdout = ([changed(r, hold=after.hold) for r in group] for group in (recordings, holdout))
             chain = [fact for fact in chain if fact.what != "hold"] + [hold_of(after.hold, found=True)]
+        # the search may have ended where a stretch is lost that the delivered fit follows
+        told = [leftovers(judged_by(after, part), part) for part in (data, held) if part is not None]
+        left = nearer(left, sum(told, ()))
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     with TemporaryDirectory() as folder:
         artefact = exported(after, Path(folder) / "model.fmu") if after is not None else None

@@ -171,6 +171,17 @@ def _reached(chance: np.ndarray) -> float:
     return float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
 
 
+def nearer(left: Sequence[Leftover], other: Sequence[Leftover]) -> Sequence[Leftover]:
+    """Of what one structure leaves, fitted in two ways, that which leaves less, in power of the noise; one that runs
+    away leaves more than any that does not."""
+
+    def power(stretches: Sequence[Leftover]) -> float:
+        total = sum(stretch.ratio**2 for stretch in stretches)
+        return total if np.isfinite(total) else np.inf
+
+    return other if power(other) < power(left) else left
+
+
 def expected(fitted: Fitted, data: Data, index: int) -> float:
     """Rms that sensor noise, and force noise as the rig passes it on, leave in one segment."""
     return expected_noise(data.segments[index], fitted.model.values(), data.sensor[index], data.force[index])

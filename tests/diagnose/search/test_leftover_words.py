@@ -1,10 +1,12 @@
-"""What a model leaves over, in words: how much of what, the worst first."""
+"""What a model leaves over, in words: how much of what, the worst first, and by which of its fits."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 
-from dashpot.diagnose.search.residual_test import Leftover, sentence
+import numpy as np
+import pytest
+from dashpot.diagnose.search.residual_test import Leftover, nearer, sentence
 
 
 def left(ratio, *, motion=0.0, step=0.0, burst=None, short=False, file="run"):
@@ -46,3 +48,17 @@ def test_more_than_three_recordings_are_counted():
 def test_what_rings_is_told_where_nothing_surer_is():
     assert str(sentence([replace(left(3.0), resonant=0.2)])).endswith("in run, around the rig's own frequency")
     assert str(sentence([replace(left(3.0, step=0.4), resonant=0.2)])).endswith("in run, in step with the motion")
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "nearer_is"),
+    [
+        ((2.0, 3.0), (2.0, 2.9), 1),
+        ((2.0, 3.0), (3.0, 2.0), 0),
+        ((1.0, np.inf), (50.0, 50.0), 1),
+        ((9.0,), (np.nan,), 0),
+    ],
+)
+def test_of_two_fits_of_one_structure_the_nearer_is_told(first, second, nearer_is):
+    both = [[left(ratio) for ratio in ratios] for ratios in (first, second)]
+    assert nearer(*both) is both[nearer_is]
