@@ -42,15 +42,17 @@ def by_probing(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal
     if not regression.forced:
         return []
     loudest = _loudest(data)
-    plain = Structure(fitted.model, loudest, shapes_of(fitted.model)).fit(most=1).likelihood
+    plain = _step(fitted.model, None, loudest)
+    if plain is None:  # nothing to gain over
+        return []
     proposals = []
     for law in laws:
         guesses = [regression.at(law, probe) for probe in probes(law, data.scales)]
         fits = _halved([(g, g.put_into(fitted.model)) for g in guesses if g is not None], loudest)
         proposals += [
-            Proposal(law.name, fit.model, guess.begun(fitted.initial), fit.likelihood - plain)
+            Proposal(law.name, fit.model, guess.begun(fitted.initial), fit.likelihood - plain.likelihood)
             for guess, fit in fits
-            if fit.likelihood > plain
+            if fit.likelihood > plain.likelihood
         ]
     return proposals
 
@@ -61,11 +63,8 @@ def _halved(places: Sequence[tuple[Guess, Oscillator]], data: Data) -> list[tupl
     def step(place: tuple[Guess, Oscillator | Fitted]) -> tuple[Guess, Fitted] | None:
         guess, known = place
         model, initial = (known, None) if isinstance(known, Oscillator) else (known.model, known.initial)
-        try:
-            fit = Structure(model, data, shapes_of(model)).fit(initial, most=1)
-        except DashpotError:  # nothing simulates from there
-            return None
-        return (guess, fit) if np.isfinite(fit.likelihood) else None
+        fit = _step(model, initial, data)
+        return None if fit is None else (guess, fit)
 
     running: Sequence[tuple[Guess, Oscillator | Fitted]] = places
     with ThreadPoolExecutor(max_workers=2) as pool:
@@ -74,6 +73,15 @@ def _halved(places: Sequence[tuple[Guess, Oscillator]], data: Data) -> list[tupl
             if len(fits) <= _KEPT:
                 return fits
             running = fits[: max(_KEPT, len(fits) // 2)]
+
+
+def _step(model: Oscillator, initial: np.ndarray | None, data: Data) -> Fitted | None:
+    """A model one step nearer to the recordings; None where nothing simulates from there."""
+    try:
+        fit = Structure(model, data, shapes_of(model)).fit(initial, most=1)
+    except DashpotError:
+        return None
+    return fit if np.isfinite(fit.likelihood) else None
 
 
 def _loudest(data: Data) -> Data:

@@ -67,3 +67,23 @@ def test_the_loudest_segments_are_simulated(bursts, monkeypatch):
     assert 4000 <= loudest.points < 4000 + max(segment.n for segment in data.segments)
     assert all(float(np.std(segment.response)) <= least for segment in left)
     assert list(loudest.segments) == sorted(loudest.segments, key=lambda segment: segment.start)
+
+
+def test_beside_a_family_that_does_not_simulate_nothing_is_gained(bursts):
+    fitted, data = bursts
+    known = fitted.model.parameters()
+    lost = replace(known["cubic"], value=-1e12)  # runs away
+    assert by_probing(replace(fitted, model=fitted.model.with_parameters({"cubic": lost})), data, [PLAY]) == []
+
+
+def test_a_probe_that_does_not_simulate_is_passed_over(bursts, monkeypatch):
+    fitted, data = bursts
+    taken = []
+
+    def steps(model, initial, part):
+        taken.append(model)
+        return None if len(taken) > 1 else fitted
+
+    monkeypatch.setattr(side_valleys, "_step", steps)
+    assert by_probing(fitted, data, [PLAY]) == []
+    assert len(taken) == 1 + 54  # the family, and every probe once
