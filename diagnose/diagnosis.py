@@ -92,11 +92,12 @@ def diagnose(
     notes += best.notes
     chain = [*known_faults(model, given), *best.chain]
     recordings, holdout = list(best.recordings), list(best.holdout)
-    if not holdout:
+    pieces = not holdout
+    if pieces:
         chain += zeros_of(recordings, best.shown)
         recordings, holdout = split(recordings, model)
-        # the pieces of a recording share what was taken off
-        best = replace(best, free_zeros=False, drifts=(), shown={})
+        # what the family took for zero and drift may be what it lacks: each piece has a zero of its own beside that
+        best = replace(best, free_zeros=True, drifts=(), shown={})
         notes.append(
             "no recording was held out, so stretches of each that can spare them are: judge with one of another level"
             if holdout
@@ -132,11 +133,11 @@ def diagnose(
     recordings, zeros = less_offsets(recordings, best.shown, data, final.offsets)
     if best.drifts:  # as the best structure says, and no longer the family
         chain = [fact for fact in chain if fact.what != "drift"]
-    chain += zeros
+    chain += [] if pieces else zeros
     if held is not None:
         told = judged_by(fitted.model, held)
         holdout, zeros = less_offsets(holdout, best.shown_elsewhere, held, told.offsets)
-        chain += zeros
+        chain += [] if pieces else zeros
         left += leftovers(told, held)
         before_left += leftovers(judged_by(family.model, held), held)
     other_rig = stranger(fitted, search, left, len(data.segments))

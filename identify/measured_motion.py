@@ -210,7 +210,8 @@ class Regression:
         """The best place around a guess: onsets, speeds and times move by factors (Nelder and Mead 1965)."""
         from scipy.optimize import minimize
 
-        moving = [p for p in law.parameters if not p.strength and not p.shape and guess.values[f"{law.name}.{p.name}"]]
+        placed = [p for p in law.parameters if not (p.strength or p.shape or p.scale)]
+        moving = [p for p in placed if guess.values[f"{law.name}.{p.name}"]]
         if not moving:
             return guess
         # strengths at zero, as in all probes: the derivatives of a contact are those of one that pushes

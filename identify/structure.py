@@ -110,12 +110,14 @@ def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
     """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes.
 
     What is looked for at zero, the middle between two stops, lies within the motion: beyond it the law is another one.
+    On the side on which a search begins beyond that, the law's own bound holds: from a place that each step threw it back
+    from it would lead nowhere.
     """
     mass = 1.0 if model.mass is None else model.mass.value
     known = {"mass": (mass / _MASS_SPAN, mass * _MASS_SPAN), "omega0": (SLACK / scales.duration, np.inf)}
     for term in model.terms:
         for p in term.law.parameters:
-            low, high = p.lower, p.upper
+            low, high, here = p.lower, p.upper, term.parameters[p.name].value
             if not p.strength and not p.shape and p.probes and p.probes != "lines":
                 size = p.natural(scales)
                 reach = [float(probe) * size for probe in p.probes]
@@ -124,7 +126,7 @@ def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
                 high = min(high, max(reach) * _FENCE)
             elif p.probes == (0.0,):
                 low, high = max(low, -p.natural(scales)), min(high, p.natural(scales))
-            known[f"{term.effect}.{p.name}"] = (low, high)
+            known[f"{term.effect}.{p.name}"] = (low if here >= low else p.lower, high if here <= high else p.upper)
     return np.array([known.get(name, (-np.inf, np.inf)) for name in model.parameters()]).T
 
 
@@ -151,7 +153,8 @@ class Structure:
         names = tuple(model.parameters())
         # free motion says nothing of the mass
         driven = any(segment.force is not None for segment in data.segments)
-        self.free = tuple(name for name in names if name not in fixed and (driven or name != "mass"))
+        kept = {*fixed, *(f"{t.effect}.{p.name}" for t in model.terms for p in t.law.parameters if p.scale)}
+        self.free = tuple(name for name in names if name not in kept and (driven or name != "mass"))
         core = core_of(model)
         scales = data.scales
         inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]

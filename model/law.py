@@ -74,6 +74,7 @@ class LawParameter:
             proportional to (``strength``) the sizes to try where a small one tells nothing.
         strength: whether the law vanishes with it in proportion, so that a derivative at zero shows it.
         shape: whether it is kept at its first probe until the data ask for it.
+        scale: whether it is a size that others are measured by, which no data ask for: never fitted.
         size: natural size where that of the unit is not it.
     """
 
@@ -85,6 +86,7 @@ class LawParameter:
     probes: tuple[float, ...] | Literal["lines"] = ()
     strength: bool = False
     shape: bool = False
+    scale: bool = False
     size: Callable[[Scales], float] | None = None
 
     def natural(self, scales: Scales) -> float:
@@ -234,6 +236,8 @@ class Law:
             equation; where it has no further ones this law is not fitted by itself.
         cases: ``cases(values)`` gives laws of fewer parameters, by name, with the values at which they move the rig
             alike as long as the motion leaves some part of this law alone (one stop of two); None: there are none.
+        learnt: whether its shape is learnt from the motion and stands for no cause: asked for where every law that has
+            one has failed. Its name is ``free/...``, each an effect of its own.
     """
 
     name: str
@@ -252,6 +256,7 @@ class Law:
     valleys: tuple[str, ...] = ()
     twin: str | None = None
     cases: Callable[[Mapping[str, float]], Sequence[tuple[str, Mapping[str, float]]]] | None = None
+    learnt: bool = False
 
     def in_words(self, shown: Callable[[str], str]) -> str:
         """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""
@@ -265,4 +270,4 @@ class Law:
     @property
     def effect(self) -> str:
         """The effect's name, without the variant."""
-        return self.name.partition("/")[0]
+        return self.name if self.learnt else self.name.partition("/")[0]

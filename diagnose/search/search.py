@@ -17,12 +17,14 @@ import numpy as np
 from ...errors import BadInput
 from ...identify.data import Data
 from ...identify.from_prediction import keeps_step
+from ...identify.measured_motion import probes
 from ...identify.odds import DECISIVE
 from ...identify.prediction import FREE
 from ...identify.structure import Fitted, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
+from ...model.terms import with_term
 from .candidate import Candidate, key
 from .judgement import leading, only_a_name
 from .likeness import alike, moves_along
@@ -50,7 +52,7 @@ class Search:
     Attributes:
         data: training recordings.
         holdout: recordings that no parameter is fitted to; None where nothing could be held out.
-        laws: the library, with the user's laws.
+        laws: the library, with the user's laws; those that are learnt are asked for where all others have failed.
         progress: called with what is being done and which part of all is done.
         candidates: every structure that was entered, by the laws it adds.
         asked_rugged: how often laws with side valleys were asked for.
@@ -106,7 +108,7 @@ class Search:
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
         # a law with side valleys is simulated slowly, from many places: asked for where each other has failed by itself
         rugged = [self._rugged] * (_RUGGED - self.asked_rugged)
-        return [*rugged[:-1], *ways, *rugged[-1:]] if leader.laws else [*ways, *rugged]
+        return [*(([*rugged[:-1], *ways, *rugged[-1:]]) if leader.laws else [*ways, *rugged]), self._learnt]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
@@ -165,6 +167,30 @@ class Search:
             return self._from_motion(family, laws, rugged)
         silent = [law for law in rugged if (law.name,) not in self.candidates]
         return self._raced(family, by_probing(family.fit, self.data, silent) if silent else [])
+
+    def _learnt(self, leader: Candidate) -> list[Start]:
+        """Laws whose shape is learnt, put in at nothing: no cause explains what is left.
+
+        Beside the leader each, and beside the family each and all together: the leader may have bent a cause that is not
+        there around what a smooth spring and a smooth damping tell.
+        """
+        assert leader.fit is not None
+        family = self.candidates[()]
+        asked = [(leader, (law,)) for law in self._addable(leader, learnt=True)]
+        laws = self._addable(family, learnt=True)
+        asked += [(family, put) for put in (*((law,) for law in laws), tuple(laws)) if leader.laws or len(put) > 1]
+        entries = []
+        for beside, put in asked:
+            assert beside.fit is not None
+            model = beside.fit.model
+            for law in put:
+                model = with_term(model, law.name, probes(law, self.data.scales)[0])
+            structure = key((*beside.laws, *(law.name for law in put)))
+            if structure not in self.candidates:
+                fixed = self._fixed(beside.fit, model)
+                entries.append(Entry(structure, model, beside.fit.initial, fixed, patience=_CONVERGES, adds=True))
+        self._race(starts := self._started(entries), leader.fit)
+        return starts
 
     def _from_motion(
         self,
@@ -274,8 +300,8 @@ class Search:
     def weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
         """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
         evidence, told = weighed(fitted, self.data, self._measures[0])
-        # before anything was measured each law of the library was as likely as any other, and one of them in all
-        value = evidence - len(laws) * math.log(len(self.laws))
+        # before anything was measured each law with a cause was as likely as any other, and one of them in all
+        value = evidence - len(laws) * math.log(sum(not law.learnt for law in self.laws))
         if self.holdout is None:
             foreseen = foretold_by_the_others(fitted, self._apart, self._measures[1])
             return Candidate(laws, fitted, None, value, 0.0, foreseen, "judged")
@@ -288,15 +314,16 @@ class Search:
         starts = [started(entry, self.data, self._measures[0]) for entry in entries]
         return [start for start in starts if start is not None]
 
-    def _addable(self, leader: Candidate) -> list[Law]:
-        """The laws that the leader could have besides."""
-        return [] if len(leader.laws) == _MOST_EFFECTS else self._beside(leader)
+    def _addable(self, leader: Candidate, *, learnt: bool = False) -> list[Law]:
+        """The laws that the leader could have besides: those that have a cause, or those that are learnt."""
+        return [] if len(leader.laws) == _MOST_EFFECTS else self._beside(leader, learnt=learnt)
 
-    def _beside(self, leader: Candidate) -> list[Law]:
+    def _beside(self, leader: Candidate, *, learnt: bool = False) -> list[Law]:
         """The laws that the leader does not have."""
         assert leader.fit is not None
         present = {name for term in leader.fit.model.terms for name in (term.law.effect, term.law.twin)}
-        return [law for law in self.laws if law.effect not in present and not only_a_name(law)]
+        laws = [law for law in self.laws if law.learnt == learnt]
+        return [law for law in laws if law.effect not in present and not only_a_name(law)]
 
     def _added(self, leader: Candidate, proposals: Sequence[Proposal]) -> list[Start]:
         """The leader with one law more, where that was proposed."""
@@ -307,7 +334,7 @@ class Search:
         for proposal in proposals:
             # far from the truth the leader has bent itself, and what it says of a law is no bound for it
             hoped = measure.value(leader.fit.residuals) + proposal.gain if near else np.inf
-            cost = self._cost(sum(not p.shape for p in find(proposal.law).parameters))
+            cost = self._cost(sum(not (p.shape or p.scale) for p in find(proposal.law).parameters))
             laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
             if proposal.gain < cost:
                 promised = f"its score promises {max(proposal.gain, 0.0):.3g} in log-likelihood"

@@ -21,6 +21,8 @@ from . import (
     cubic_stiffness,
     displacement_dependent_damping,
     dry_friction,
+    free_damping,
+    free_spring,
     hysteresis,
     linear_stiffness,
     one_sided_stop,
@@ -85,6 +87,8 @@ LIBRARY: dict[str, Law] = {
         stiffness_drift,
         stiffness_drift_settling,
         tonal_disturbance,
+        free_spring,
+        free_damping,
     )
 }
 
