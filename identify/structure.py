@@ -110,8 +110,8 @@ def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
     """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes.
 
     What is looked for at zero, the middle between two stops, lies within the motion: beyond it the law is another one.
-    On the side on which a search begins beyond that, the law's own bound holds: from a place that each step threw it back
-    from it would lead nowhere.
+    On the side on which a search begins beyond that, the law's own bound holds: from a place from which each step threw
+    it back it would lead nowhere.
     """
     mass = 1.0 if model.mass is None else model.mass.value
     known = {"mass": (mass / _MASS_SPAN, mass * _MASS_SPAN), "omega0": (SLACK / scales.duration, np.inf)}

@@ -17,21 +17,20 @@ import numpy as np
 from ...errors import BadInput
 from ...identify.data import Data
 from ...identify.from_prediction import keeps_step
-from ...identify.measured_motion import probes
 from ...identify.odds import DECISIVE
 from ...identify.prediction import FREE
-from ...identify.structure import Fitted, shapes_of
+from ...identify.structure import Fitted
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
-from ...model.terms import with_term
 from .candidate import Candidate, key
 from .judgement import leading, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
+from .neighbours import dropped, kept, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, in_the_best_valleys, race, started
 from .side_valleys import by_probing
-from .starts import Proposal, by_motion, by_score, generalised, unseen_in_motion, without
+from .starts import Proposal, by_motion, by_score, generalised, unseen_in_motion
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
 #: Of what the best law gains on the measured motion others must gain this part there to be simulated.
@@ -108,7 +107,12 @@ class Search:
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
         # a law with side valleys is simulated slowly, from many places: asked for where each other has failed by itself
         rugged = [self._rugged] * (_RUGGED - self.asked_rugged)
-        return [*(([*rugged[:-1], *ways, *rugged[-1:]]) if leader.laws else [*ways, *rugged]), self._learnt]
+        if not leader.laws:
+            return [*ways, *rugged, self._learnt]
+        # a second cause has to tell more than a smooth spring and damping do, which then may be exchanged for it
+        smooth = any(find(law).learnt for law in leader.laws)
+        first = [self._as_long_or_shorter, self._learnt] if smooth else [self._learnt]
+        return [*rugged[:-1], *first, *(way for way in ways if way not in first), *rugged[-1:]]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
@@ -124,7 +128,8 @@ class Search:
         """The leader less one of its laws, and with one exchanged, raced."""
         assert leader.fit is not None
         self.progress("what the best could do without", 0.0)
-        starts = [*self._dropped(leader), *self._exchanged(leader)]
+        afresh = len(leader.laws) > 1 and self._at_noise(leader, ())
+        starts = [*self._started(dropped(leader, self.data, afresh=afresh)), *self._exchanged(leader)]
         self._race(starts, leader.fit)
         return starts
 
@@ -169,26 +174,17 @@ class Search:
         return self._raced(family, by_probing(family.fit, self.data, silent) if silent else [])
 
     def _learnt(self, leader: Candidate) -> list[Start]:
-        """Laws whose shape is learnt, put in at nothing: no cause explains what is left.
+        """Laws that are learnt, beside the leader each, and beside the family each and all together; raced.
 
-        Beside the leader each, and beside the family each and all together: the leader may have bent a cause that is not
-        there around what a smooth spring and a smooth damping tell.
+        The leader may have bent a cause that is not there around what a smooth spring and a smooth damping tell.
         """
         assert leader.fit is not None
         family = self.candidates[()]
         asked = [(leader, (law,)) for law in self._addable(leader, learnt=True)]
         laws = self._addable(family, learnt=True)
         asked += [(family, put) for put in (*((law,) for law in laws), tuple(laws)) if leader.laws or len(put) > 1]
-        entries = []
-        for beside, put in asked:
-            assert beside.fit is not None
-            model = beside.fit.model
-            for law in put:
-                model = with_term(model, law.name, probes(law, self.data.scales)[0])
-            structure = key((*beside.laws, *(law.name for law in put)))
-            if structure not in self.candidates:
-                fixed = self._fixed(beside.fit, model)
-                entries.append(Entry(structure, model, beside.fit.initial, fixed, patience=_CONVERGES, adds=True))
+        entries = [with_learnt(beside, put, self.data, _CONVERGES) for beside, put in asked]
+        entries = [entry for entry in entries if entry.laws not in self.candidates]
         self._race(starts := self._started(entries), leader.fit)
         return starts
 
@@ -290,11 +286,10 @@ class Search:
         if laws in self.candidates:
             return
         short = best - (front.ceiling - self._cost(front.count))
-        why = (
-            f"fitted, it stays {best - self._paid(front):.4g} below the best in log-likelihood, its parameters paid for"
-            if front.resting
-            else f"left after {front.steps} steps: what it promised stayed {short:.4g} below the best"
-        )
+        why = f"left after {front.steps} steps: what it promised stayed {short:.4g} below the best"
+        if front.resting:
+            short = best - self._paid(front)
+            why = f"fitted, it stays {short:.4g} below the best in log-likelihood, its parameters paid for"
         self.candidates[laws] = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
 
     def weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
@@ -335,7 +330,7 @@ class Search:
             # far from the truth the leader has bent itself, and what it says of a law is no bound for it
             hoped = measure.value(leader.fit.residuals) + proposal.gain if near else np.inf
             cost = self._cost(sum(not (p.shape or p.scale) for p in find(proposal.law).parameters))
-            laws, fixed = key((*leader.laws, proposal.law)), self._fixed(leader.fit, proposal.model)
+            laws, fixed = key((*leader.laws, proposal.law)), kept(leader.fit, proposal.model)
             if proposal.gain < cost:
                 promised = f"its score promises {max(proposal.gain, 0.0):.3g} in log-likelihood"
                 self.candidates.setdefault(laws, Candidate(laws, why=f"{promised}, less than its parameters cost"))
@@ -343,16 +338,6 @@ class Search:
             patience = 0 if near else PATIENCE
             entries.append(Entry(laws, proposal.model, proposal.initial, fixed, hoped, patience, adds=True))
         return in_the_best_valleys(self._started(entries))
-
-    def _dropped(self, leader: Candidate) -> list[Start]:
-        """The leader with one law less: where it led the others they may do without it."""
-        assert leader.fit is not None
-        entries, afresh = [], len(leader.laws) > 1 and self._at_noise(leader, ())
-        for name in leader.laws:
-            laws = key([law for law in leader.laws if law != name])
-            for model, initial in without(leader.fit, self.data, name, afresh=afresh):
-                entries.append(Entry(laws, model, initial, self._fixed(leader.fit, model), patience=PATIENCE))
-        return self._started(entries)
 
     def _exchanged(self, leader: Candidate) -> list[Start]:
         """The leader with one law exchanged for those that act most like it on the leader's own motion."""
@@ -381,25 +366,14 @@ class Search:
                 laws = key([law for law in leader.laws if law != name] + [proposal.law])
                 if laws in self.candidates and self.candidates[laws].stage == "judged":
                     continue
-                fixed = self._fixed(leader.fit, proposal.model)
+                fixed = kept(leader.fit, proposal.model)
                 entries.append(Entry(laws, proposal.model, proposal.initial, fixed, patience=patience))
         return self._started(entries)
 
-    def _fixed(self, fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
-        """What keeps its value in a neighbour of a fitted model: what it kept there, and the shape of a new law."""
-        kept = {name for name in fitted.model.parameters() if name not in fitted.free}
-        new = {name for name in shapes_of(model) if name not in fitted.model.parameters()}
-        return tuple(name for name in model.parameters() if name in kept or name in new)
-
     def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
         """Starts with the shape of their laws free too, of those that came far."""
-        entries = []
-        for start in starts:
-            fixed = [name for name in shapes_of(start.model) if name not in start.structure.free]
-            if fixed and self._paid(start) > self._paid_by(front) - DECISIVE:
-                kept = [n for n in start.model.parameters() if n not in start.structure.free and n not in fixed]
-                entries.append(Entry(start.laws, start.model, start.fitted.initial, kept))
-        return self._started(entries)
+        far = [start for start in starts if self._paid(start) > self._paid_by(front) - DECISIVE]
+        return self._started([entry for start in far if (entry := with_shapes(start)) is not None])
 
     def _simulated(self, leader: Candidate) -> Candidate:
         """The leader fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""

@@ -28,9 +28,7 @@ def _stored(motion: Motion, p: Mapping[str, Expression]) -> Expression:
     import casadi as ca
 
     u = motion.x / p["reach"]
-    energy = sum(
-        p[name] * (u**2 - place**2 * ca.log1p(u**2 / place**2)) / 2 for name, place in PLACES.items()
-    ) + sum(
+    energy = sum(p[name] * (u**2 - place**2 * ca.log1p(u**2 / place**2)) / 2 for name, place in PLACES.items()) + sum(
         p[name] * (u * ca.sqrt(u**2 + place**2) - place**2 * ca.asinh(u / place)) / 2 for name, place in _SIDES.items()
     )
     return p["reach"] ** 2 * energy

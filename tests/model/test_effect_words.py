@@ -38,7 +38,8 @@ def test_an_effect_of_several_variants_is_said_by_words_that_hold_for_all():
             "a part of the spring that bends over as gravity on a pendulum does (softening-stiffness/sine)",
         ),
         ("dry-friction", "dry friction of constant size (dry-friction)"),
-        ("free/spring", "free/spring"),  # learnt without a law
+        ("free/spring", "a spring force of a shape that no law of the library has (free/spring)"),
+        ("free/inertia", "free/inertia"),  # which no law stands for
         ("Eq. 17", "Eq. 17"),
         ("", ""),
     ],

@@ -1,0 +1,54 @@
+"""Structures next to a fitted one: with one law less, with a shape free, with laws that are learnt."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...identify.data import Data
+from ...identify.measured_motion import probes
+from ...identify.structure import Fitted, shapes_of
+from ...model import Oscillator
+from ...model.law import Law
+from ...model.terms import with_term
+from .candidate import Candidate, key
+from .race import PATIENCE, Entry, Start
+from .starts import without
+
+
+def kept(fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
+    """What keeps its value in a neighbour of a fitted model: what it kept there, and the shape of a new law."""
+    own = fitted.model.parameters()
+    fixed = {name for name in own if name not in fitted.free}
+    new = {name for name in shapes_of(model) if name not in own}
+    return tuple(name for name in model.parameters() if name in fixed or name in new)
+
+
+def dropped(leader: Candidate, data: Data, *, afresh: bool) -> list[Entry]:
+    """The leader with one law less; ``afresh``: also as a fit finds it that knows nothing (``starts.without``)."""
+    assert leader.fit is not None
+    return [
+        Entry(
+            key([law for law in leader.laws if law != name]), model, initial, kept(leader.fit, model), patience=PATIENCE
+        )
+        for name in leader.laws
+        for model, initial in without(leader.fit, data, name, afresh=afresh)
+    ]
+
+
+def with_shapes(start: Start) -> Entry | None:
+    """A start with the shapes of its laws free too; None where there are none that it keeps."""
+    fixed = [name for name in shapes_of(start.model) if name not in start.structure.free]
+    if not fixed:
+        return None
+    others = [name for name in start.model.parameters() if name not in start.structure.free and name not in fixed]
+    return Entry(start.laws, start.model, start.fitted.initial, others)
+
+
+def with_learnt(beside: Candidate, laws: Sequence[Law], data: Data, patience: int) -> Entry:
+    """A fitted structure with laws that are learnt, at nothing: what they are linear in, the first step finds."""
+    assert beside.fit is not None
+    model = beside.fit.model
+    for law in laws:
+        model = with_term(model, law.name, probes(law, data.scales)[0])
+    structure = key((*beside.laws, *(law.name for law in laws)))
+    return Entry(structure, model, beside.fit.initial, kept(beside.fit, model), patience=patience, adds=True)

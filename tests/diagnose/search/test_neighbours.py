@@ -1,0 +1,58 @@
+"""Structures next to a fitted one."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+from dashpot.diagnose.search.candidate import Candidate
+from dashpot.diagnose.search.neighbours import kept, with_learnt, with_shapes
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.structure import Fitted
+from dashpot.model import Oscillator
+from dashpot.model.law import Scales
+from dashpot.model.laws import find
+from dashpot.model.terms import with_term
+
+SCALES = Scales(length=2e-3, omega=TRUTH["omega0"], force=0.0, response=2e-3, duration=8.0)
+
+
+def fitted(*laws: str) -> Fitted:
+    values = {f"{law}.{p.name}": 1.0 for law in laws for p in find(law).parameters}
+    model = Oscillator.from_values(TRUTH | values, effects=laws)
+    return Fitted(model, np.zeros((1, 2)), (np.zeros(8),), 0.0, tuple(model.parameters()))
+
+
+def test_a_neighbour_keeps_what_was_kept_and_the_shape_of_a_new_law():
+    fit = fitted("quadratic-drag")
+    less = replace(fit, free=tuple(name for name in fit.free if name != "dry"))
+    shapes = tuple(f"hysteresis.{p.name}" for p in find("hysteresis").parameters if p.shape)
+    assert shapes
+    grown = with_term(less.model, "hysteresis", {p.name: 1.0 for p in find("hysteresis").parameters})
+    assert kept(less, grown) == ("dry", *shapes)
+    # a shape that was free stays so
+    assert kept(replace(less, model=grown, free=tuple(grown.parameters())), grown) == ()
+
+
+def test_what_is_learnt_begins_at_nothing_and_is_measured_by_the_motion():
+    entry = with_learnt(
+        Candidate(("stribeck",), fitted("stribeck")), [find("free/damping")], SimpleNamespace(scales=SCALES), 7
+    )
+    assert (entry.laws, entry.patience, entry.adds) == (("free/damping", "stribeck"), 7, True)
+    values = entry.model.values()
+    assert {values[f"free/damping.{name}"] for name in ("innermost", "near", "middle", "far")} == {0.0}
+    assert values["free/damping.reach"] == SCALES.length
+    assert values["free/damping.speed"] == SCALES.length * SCALES.omega
+
+
+def test_shapes_are_freed_where_there_are_some():
+    fit = fitted("hysteresis")
+    shapes = {f"hysteresis.{p.name}" for p in find("hysteresis").parameters if p.shape}
+    free = tuple(name for name in fit.model.parameters() if name not in shapes | {"dry"})
+    start = SimpleNamespace(laws=("hysteresis",), model=fit.model, fitted=fit, structure=SimpleNamespace(free=free))
+    entry = with_shapes(start)
+    assert entry is not None
+    assert list(entry.fixed) == ["dry"]
+    start.structure.free = tuple(fit.model.parameters())
+    assert with_shapes(start) is None
