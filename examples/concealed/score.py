@@ -112,10 +112,15 @@ def score_rig(rig: str, truth: dict[str, Any], answer: Answer) -> RigScore:
         if truth["kind"] in {"single", "two"}
         else 0,
         false_alarm=truth["kind"] == "none" and bool(answer.named),
-        unexplained=answer.verdict == "unexplained" or answer.remainder,
+        unexplained=answer.verdict == "unexplained" or answer.remainder or any(map(_learnt, answer.named)),
         before=max((before for before, _ in ratios), default=None),
         after=max((after for _, after in ratios), default=None),
     )
+
+
+def _learnt(effect: str) -> bool:
+    """Whether what is named has a shape and no cause: physics of no list is told as such."""
+    return effect.startswith("free/")
 
 
 def _share(flags: Iterable[bool]) -> float | None:
