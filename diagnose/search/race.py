@@ -112,7 +112,10 @@ class Start:
         begun[lost, :2] = self.structure.state(None).initial[lost, :2]
         anew = settled(problem, self.structure.state(begun))
         pairs = zip(problem.residuals(state), problem.residuals(anew), strict=True)
-        better = [not np.sum(before**2) <= np.sum(after**2) and np.all(np.isfinite(after)) for before, after in pairs]
+        with np.errstate(over="ignore"):  # a motion that ran away
+            better = [
+                not np.sum(before**2) <= np.sum(after**2) and np.all(np.isfinite(after)) for before, after in pairs
+            ]
         return replace(state, initial=np.where(np.array(better)[:, None], anew.initial, state.initial))
 
     def measured_by(self, measure: Measure) -> None:

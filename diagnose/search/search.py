@@ -183,7 +183,7 @@ class Search:
         asked = [(leader, (law,)) for law in self._addable(leader, learnt=True)]
         laws = self._addable(family, learnt=True)
         asked += [(family, put) for put in (*((law,) for law in laws), tuple(laws)) if leader.laws or len(put) > 1]
-        entries = [with_learnt(beside, put, self.data, _CONVERGES) for beside, put in asked]
+        entries = [with_learnt(beside, put, self.data, PATIENCE * len(put)) for beside, put in asked]
         entries = [entry for entry in entries if entry.laws not in self.candidates]
         self._race(starts := self._started(entries), leader.fit)
         return starts

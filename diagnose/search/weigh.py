@@ -42,7 +42,7 @@ def judged(model: Oscillator, data: Data) -> Fitted:
         residual if np.all(np.isfinite(residual)) else segment.response
         for segment, residual in zip(data.segments, residuals, strict=True)
     )
-    return Fitted(model, state.initial, untold, likelihood(untold, model, data), ())
+    return Fitted(model, state.initial, untold, likelihood(untold, model, data), (), state.offsets)
 
 
 def weighed(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Told]:
