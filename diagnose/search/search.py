@@ -174,16 +174,12 @@ class Search:
         return self._raced(family, by_probing(family.fit, self.data, silent) if silent else [])
 
     def _learnt(self, leader: Candidate) -> list[Start]:
-        """Laws that are learnt, beside the leader each, and beside the family each and all together; raced.
-
-        The leader may have bent a cause that is not there around what a smooth spring and a smooth damping tell.
-        """
+        """Laws that are learnt, each beside the leader; where none with a cause leads, all together too; raced."""
         assert leader.fit is not None
-        family = self.candidates[()]
-        asked = [(leader, (law,)) for law in self._addable(leader, learnt=True)]
-        laws = self._addable(family, learnt=True)
-        asked += [(family, put) for put in (*((law,) for law in laws), tuple(laws)) if leader.laws or len(put) > 1]
-        entries = [with_learnt(beside, put, self.data, PATIENCE * len(put)) for beside, put in asked]
+        laws = self._addable(leader, learnt=True)
+        together = [] if leader.laws or not laws else [tuple(laws)]
+        asked = [*((law,) for law in laws), *together]
+        entries = [with_learnt(leader, put, self.data, PATIENCE * len(put)) for put in asked]
         entries = [entry for entry in entries if entry.laws not in self.candidates]
         self._race(starts := self._started(entries), leader.fit)
         return starts
