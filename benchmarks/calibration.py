@@ -1,6 +1,6 @@
 """Are standard errors honest, and does every fit end at its optimum? Many rigs and noises, identified blind.
 
-    python benchmarks/calibration.py [RIGS [NOISES]] [--quantity Q] [--records free|forced|joint] [--hold H] [--bound]
+    python benchmarks/calibration.py [RIGS] [--quantity Q] [--records free|forced|joint] [--hold H] [--bound]
                                      [--seed N] [--jobs N]
 
 Prints (found - true) / std of each parameter: an honest error gives a root mean square of one, and 95 % of the scores
@@ -9,9 +9,9 @@ at the truth: a fit that is decidedly less likely has missed the optimum, and wh
 drawn at random (0.01 to 100 kg, 0.5 to 500 Hz, damping ratio 0.1 to 10 %, a spring that hardens or softens by up to
 half at the largest amplitude, 15 to 80 samples a cycle, noise 0.01 to 0.5 % of the amplitude, with and without preload
 and dry friction, which the low sweep overcomes) and simulated by the Taylor-series integrator of the examples, which
-shares no code with the package. ``--bound``: no noise on the force, and
-errors are compared with the Cramér-Rao bound, by differences of that integrator's motions. ``--hold``: how the force
-runs between its samples, which is to be found.
+shares no code with the package. ``--bound``: no noise on the force, and errors are compared with the Cramér-Rao bound
+(`cramer_rao.py`); `maximum_likelihood.py` has the built-in rig with all its noises. ``--hold``: how the force runs
+between its samples, which is to be found.
 """
 
 from __future__ import annotations
@@ -23,30 +23,16 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 import numpy as np
+from cramer_rao import NAMES, Record, bound, shown
 from dashpot.errors import DashpotError
 from dashpot.examples.force import chirp
-from dashpot.examples.oscillator import integrate_pieces
-from dashpot.examples.rig import FORCE_NOISE, FS, SENSOR_NOISE, force, paper_stand
-from dashpot.examples.truth import TRUTH
 from dashpot.identify import Identification, identify
 from dashpot.model.fit_state import LACKING
 from dashpot.recording import Recording
 
-NAMES = tuple(TRUTH)
 #: Beyond so many errors a parameter is wrong, and a fit that leaves so many times the noise is not at its optimum.
 WRONG, REMAINS = 5.0, 1.1
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
-
-
-@dataclass(frozen=True, eq=False)
-class Record:
-    """One record of a rig: the force over each step, (n, terms) in N, the motion it starts with, and its noises."""
-
-    name: str
-    pieces: np.ndarray
-    begin: tuple[float, float]
-    fs: float
-    driven: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,25 +67,6 @@ class Outcome:
     def reached(self) -> bool:
         """Whether the fit is at its optimum: as likely as one that was begun at the truth, up to a standard error."""
         return not self.refused and self.behind < 0.5
-
-
-def motion(truth: dict[str, float], record: Record) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity, both (n,) in SI, exact."""
-    n = len(record.pieces)
-    x, v = integrate_pieces(truth, record.pieces, 1 / record.fs, *record.begin)
-    return x[:n], v[:n]
-
-
-def shown(truth: dict[str, float], record: Record, quantity: str) -> np.ndarray:
-    """(n,) of the motion, exact, in SI."""
-    x, v = motion(truth, record)
-    if quantity == "displacement":
-        return x
-    if quantity == "velocity":
-        return v
-    spring = truth["omega0"] ** 2 * x + truth["cubic"] * x**3 + truth["preload"] * np.sign(x)
-    moving = record.pieces[:, 0] / truth["mass"] - spring - truth["viscous"] * v - truth["dry"] * np.sign(v)
-    return np.where(v == 0.0, 0.0, moving)
 
 
 def held(pieces: np.ndarray, hold: str) -> np.ndarray:
@@ -163,44 +130,6 @@ def recordings_of(rig: Rig, quantity: str, seed: int) -> tuple[list[Recording], 
     return made, noise
 
 
-def bound(rig: Rig, quantity: str, noise: float, names: tuple[str, ...]) -> np.ndarray:
-    """Cramér-Rao bound of the named parameters in white noise, every record's first motion unknown; 0 for others.
-
-    All that a fit estimates are named, also those that are zero in truth: which they are it does not know.
-    """
-    information = np.zeros((len(NAMES), len(NAMES)))
-    for record in rig.records:
-        size = max(float(abs(shown(rig.truth, record, "displacement")).max()), 1e-12)
-        largest = {"cubic": 0.1 * rig.truth["omega0"] ** 2 / size**2, "mass": rig.truth["mass"]}
-        sizes = [largest.get(name, abs(rig.truth[name]) or 1e-3 * rig.truth["omega0"] ** 2 * size) for name in NAMES]
-        steps = 1e-5 * np.array([*sizes, size, size * rig.truth["omega0"]])
-
-        def moved(k: int, by: float, record: Record = record) -> tuple[np.ndarray, np.ndarray]:
-            truth, begin = dict(rig.truth), list(record.begin)
-            if k < len(NAMES):
-                truth[NAMES[k]] += by
-            else:
-                begin[k - len(NAMES)] += by
-            changed = Record(record.name, record.pieces, (begin[0], begin[1]), record.fs, record.driven)
-            x, v = motion(truth, changed)
-            return shown(truth, changed, quantity), np.sign(x) + 2 * np.sign(v)
-
-        # forwards only: preload and friction may be zero, and not less
-        here, sides = moved(0, 0.0)
-        ways = [moved(k, h) for k, h in enumerate(steps)]
-        # a sample that falls on the other side of a jump is no derivative
-        same = np.all([way[1] == sides for way in ways], axis=0)
-        jacobian = np.column_stack([(way[0] - here) / h for way, h in zip(ways, steps, strict=True)])[same] / noise
-        full = jacobian.T @ jacobian
-        nuisance = full[6:, :6]
-        information += full[:6, :6] - nuisance.T @ np.linalg.pinv(full[6:, 6:]) @ nuisance
-    known = [NAMES.index(name) for name in names]
-    scale = np.sqrt(np.diag(information)[known])
-    found = np.zeros(len(NAMES))
-    found[known] = np.sqrt(np.diag(np.linalg.inv(information[np.ix_(known, known)] / np.outer(scale, scale)))) / scale
-    return found
-
-
 def scores(identification: Identification, truth: dict[str, float]) -> np.ndarray:
     """Distance of each identified parameter from the truth, in its own standard errors."""
     parameters = identification.oscillator.parameters()  # without a mass, where no recording has a force
@@ -211,6 +140,11 @@ def scores(identification: Identification, truth: dict[str, float]) -> np.ndarra
             for p, name in zip(found, NAMES, strict=True)
         ]
     )
+
+
+def _samples(found: Identification) -> list[tuple[int, int, int]]:
+    """What was fitted: where a hair decides whether friction holds the mass, stretches are left out."""
+    return [(s.segment.recording, s.segment.start, s.segment.stop) for s in found.fit.segments]
 
 
 def outcome(seed: int, quantity: str, which: str, bounded: bool, hold: str) -> Outcome:
@@ -238,7 +172,7 @@ def outcome(seed: int, quantity: str, which: str, bounded: bool, hold: str) -> O
         names = tuple(n for n in NAMES if n in parameters and parameters[n].std)  # zero too is to be found
         with np.errstate(divide="ignore", invalid="ignore"):
             errors = np.array([parameters[n].value - rig.truth[n] if n in names else np.nan for n in NAMES])
-            over = errors / bound(rig, quantity, noise, names)
+            over = errors / bound(rig.truth, rig.records, noise, names, quantity=quantity)
             over[[name not in names for name in NAMES]] = np.nan
     behind = 0.0
     if remains > REMAINS or np.any(np.nan_to_num(abs(scored)) > WRONG):
@@ -246,26 +180,11 @@ def outcome(seed: int, quantity: str, which: str, bounded: bool, hold: str) -> O
         begun = found.oscillator.with_parameters({n: replace(p, value=rig.truth[n]) for n, p in known.items()})
         again = identify(found.recordings, start=begun, near=True)
         behind = again.fit.log_likelihood - found.fit.log_likelihood
+        if _samples(found) != _samples(again):  # likelihoods of other samples: how far apart, in standard errors
+            there = again.oscillator.parameters()
+            behind = max(0.5 * ((there[n].value - p.value) / (p.std or np.inf)) ** 2 for n, p in known.items())
     told = found.useless is not None or remains >= LACKING
     return Outcome(scored, over, remains, told, hold=found.oscillator.hold, biased=biased, behind=behind)
-
-
-def paper_stand_again(count: int) -> list[np.ndarray]:
-    """The built-in rig under other noises of the same size."""
-    clean = {kind: force(kind) for kind in ("bursts", "sweep_low", "sweep_high")}
-    motion = {kind: paper_stand(pieces) for kind, pieces in clean.items()}
-    rows = []
-    for seed in range(count):
-        random = np.random.default_rng(100 + seed)
-        recordings = []
-        for kind, pieces in clean.items():
-            x, f = motion[kind][: len(pieces)], pieces[:, 0]
-            y = x + SENSOR_NOISE * random.standard_normal(x.size)
-            g = f + FORCE_NOISE * np.max(np.abs(f)) * random.standard_normal(f.size)
-            recordings.append(Recording(name=kind, fs=FS, response=y, force=g))
-        rows.append(scores(identify(recordings), TRUTH))
-        print("paper stand", seed, np.round(rows[-1], 2), flush=True)
-    return rows
 
 
 def summary(title: str, rows: list[np.ndarray]) -> None:
@@ -285,7 +204,6 @@ def main() -> None:
     """Print one line an identification and the summaries."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("rigs", type=int, nargs="?", default=24)
-    parser.add_argument("noises", type=int, nargs="?", default=10)
     parser.add_argument("--quantity", choices=UNITS, default="displacement")
     parser.add_argument("--records", choices=("free", "forced", "joint"), default="joint")
     parser.add_argument("--hold", choices=("smooth", "linear", "zero"), default="smooth")
@@ -316,8 +234,6 @@ def main() -> None:
         summary("random rigs at the optimum", [end.scores for end in reached])
     if given.bound and reached:
         summary("their errors over the Cramér-Rao bound", [end.over_bound for end in reached])
-    if given.noises:
-        summary("the built-in rig", paper_stand_again(given.noises))
 
 
 if __name__ == "__main__":
