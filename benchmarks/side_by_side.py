@@ -1,6 +1,6 @@
 """The same records by what a user would write, by sparse regression, and by dashpot: error over bound, and seconds.
 
-    python benchmarks/side_by_side.py [SEEDS] [--seconds S]
+    python benchmarks/side_by_side.py [SEEDS] [--seconds S] [--ways dashpot pysindy scipy]
 
 A sweep of the built-in rig with its own noises. *scipy* is least squares over a simulation by ``solve_ivp``, sgn and
 all, the force interpolated, from a start that is off by a tenth; *pysindy* (an extra of this benchmark alone:
@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import argparse
 import time
-from collections.abc import Callable
 from functools import partial
 
 import numpy as np
@@ -49,18 +48,18 @@ def scipy_fit(force: np.ndarray, x: np.ndarray) -> np.ndarray:
 
 
 def pysindy_fit(force: np.ndarray, x: np.ndarray) -> np.ndarray:
-    """(6,) by regression of the acceleration on what Eq. 17 is made of."""
+    """(6,) by regression of the acceleration on what Eq. 17 is made of, each column at unit size and without ridge."""
     import pysindy
 
     smooth = pysindy.SmoothedFiniteDifference(smoother_kws={"window_length": 21, "polyorder": 4})
     v = np.asarray(smooth._differentiate(x[:, None], DT))[:, 0]
-    functions = [lambda x: x, lambda x: x**3, np.sign]
-    library = pysindy.CustomLibrary(functions, [str, lambda x: f"{x}^3", lambda x: f"sgn {x}"])
-    model = pysindy.SINDy(pysindy.STLSQ(threshold=0.0), library, smooth)
+    functions = [lambda x: x, lambda x: x**3, lambda x: np.sign(x)]
+    library = pysindy.CustomLibrary(functions, [lambda x: x, lambda x: f"{x}^3", lambda x: f"sgn {x}"])
+    model = pysindy.SINDy(pysindy.STLSQ(threshold=0.0, alpha=0.0, normalize_columns=True), library, smooth)
     model.fit(np.column_stack([x, v]), t=DT, u=force[:, None])
     row = dict(zip(model.get_feature_names(), np.asarray(model.coefficients())[1], strict=True))
-    found = [1 / row["u0"], np.sqrt(max(-row["x0"], 0.0)), -row["x0^3"], -row["sgn x0"], -row["x1"], -row["sgn x1"]]
-    return np.array(found)
+    preload, dry = -row["sgn x0"], -row["sgn x1"]
+    return np.array([1 / row["u0"], np.sqrt(max(-row["x0"], 0.0)), -row["x0^3"], preload, -row["x1"], dry])
 
 
 def dashpot_fit(force: np.ndarray, x: np.ndarray) -> np.ndarray:
@@ -74,6 +73,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("seeds", type=int, nargs="?", default=3)
     parser.add_argument("--seconds", type=float, default=20.0)
+    parser.add_argument(
+        "--ways", choices=("dashpot", "pysindy", "scipy"), nargs="+", default=["dashpot", "pysindy", "scipy"]
+    )
     given = parser.parse_args()
     n = round(given.seconds * FS)
     pieces = chirp(1.0, 5.0, 15.0 / given.seconds, np.arange(n) / FS, DT)
@@ -81,12 +83,8 @@ def main() -> None:
     clean, level = motion(TRUTH, record)[0], FORCE_NOISE * float(np.max(np.abs(pieces[:, 0])))
     least = bound(TRUTH, [record], SENSOR_NOISE, force_noise=[level])
     print(f"{'error over the bound':22}{'s':>8}" + "".join(f"{name:>10}" for name in NAMES))
-    ways: dict[str, Callable[[np.ndarray, np.ndarray], np.ndarray]] = {
-        "dashpot": dashpot_fit,
-        "pysindy": pysindy_fit,
-        "scipy": scipy_fit,
-    }
-    for name, fit in ways.items():
+    ways = {"dashpot": dashpot_fit, "pysindy": pysindy_fit, "scipy": scipy_fit}
+    for name in given.ways:
         errors, spent = [], []
         for seed in range(given.seeds):
             random = np.random.default_rng(seed)
@@ -94,7 +92,7 @@ def main() -> None:
             force, x = pieces[:, 0] + level * drawn(), clean + SENSOR_NOISE * drawn()
             began = time.process_time()
             try:
-                errors.append((fit(force, x) - np.array([TRUTH[key] for key in NAMES])) / least)
+                errors.append((ways[name](force, x) - np.array([TRUTH[key] for key in NAMES])) / least)
             except ImportError:
                 print(f"{name:22} is not installed")
                 break
