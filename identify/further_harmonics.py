@@ -32,6 +32,7 @@ _PLACE = float(np.sum(_SIGNS / (_ORDERS * (_ORDERS**2 - 1.0))))
 _MEET = 6
 _ANGLES = 64  # more than twice three times the highest order that meets the cubic, so that none folds onto another
 _ROUNDS = 8
+_DONE = 1e-8  # of the spring's force: what a round changes below that is no error of any curve
 _A_CYCLE = 4  # the harmonics are followed at so many instants a cycle: they change as slowly as the amplitude
 _MOST_SHIFT = 0.5  # rad, of the instant at which a sign changes: beyond, the motion is all but at rest
 
@@ -83,6 +84,7 @@ def fundamental_beyond_a_sine(
     u = np.zeros((_ORDERS.size, time.size), complex)
     total = np.zeros(time.size, complex)
     for _ in range(_ROUNDS):
+        before = total
         x = np.real(np.einsum("ht,ha->at", np.vstack([amplitude[None] + 0j, u[:_MEET]]), turn))
         met = 2 * np.einsum("at,ha->ht", cubic * x**3, turn.conj()) / _ANGLES
         # the spring's sign changes where x does, a quarter turn on; friction's where the velocity does
@@ -98,6 +100,8 @@ def fundamental_beyond_a_sine(
         u = -(force + (2j * n * omega + viscous) * change) / stiff
         total = met[0] - 0.75 * cubic * amplitude**3
         total = total + p * (np.exp(-1j * crossing) - 1) + d * way * (np.exp(-1j * turning) - 1)
+        if np.max(np.abs(total - before) / amplitude, initial=0.0) < _DONE * values["omega0"] ** 2:
+            break
     return total / amplitude
 
 

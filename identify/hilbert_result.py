@@ -14,10 +14,11 @@ from .decays import find_free_motion
 from .displacement import displacement
 from .excitation import kind_of
 from .modal_curve import modal_curve
-from .modal_fit import modal_fit, rung_in
+from .modal_fit import modal_fit
 from .modal_mass import mass_fit
 from .modal_result import ModalCurve, ModalFit
 from .modal_stretch import Stretch, decay_stretch, forced_stretch
+from .rung_in import rung_in
 from .signals import Signal, drive_of
 
 if TYPE_CHECKING:
@@ -111,8 +112,8 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
         raise BadInput("Nothing can be evaluated by the Hilbert transform. " + " ".join(notes))
     return HilbertAnalysis(
         curves=tuple(curve for _, curve in (*free, *forced)),
-        freevib=_together([s for s, _ in free], None, notes),
-        forcevib=_together([s for s, _ in forced], mass_fit, notes),
+        freevib=_together(free, None, notes),
+        forcevib=_together(forced, mass_fit, notes),
         notes=tuple(dict.fromkeys(notes)),
     )
 
@@ -138,8 +139,7 @@ def _evaluate(
         if drive is None:
             stretch = decay_stretch(part)
         else:
-            stretch = forced_stretch(part, drive.part(*samples))
-            stretch = rung_in(stretch, mass_fit([stretch]))
+            stretch = rung_in(forced_stretch(part, drive.part(*samples)))
             mass = mass_fit([stretch])
         found.append((stretch, modal_curve(stretch, mass, r.name, samples, begin, part.samples)))
     except BadInput as problem:
@@ -147,9 +147,12 @@ def _evaluate(
         notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
 
 
-def _together(stretches: list[Stretch], mass: Callable | None, notes: list[str]) -> ModalFit | None:
-    if not stretches:
-        return None
+def _together(
+    found: list[tuple[Stretch, ModalCurve]], mass: Callable | None, notes: list[str]
+) -> ModalFit | None:
+    stretches = [stretch for stretch, _ in found]
+    if len(found) < 2 and all(curve.fit is not None for _, curve in found):
+        return found[0][1].fit if found else None  # one alone is all
     try:
         return modal_fit(stretches, None if mass is None else mass(stretches))
     except BadInput as problem:

@@ -59,18 +59,18 @@ class Stretch:
 
     def low_pass(self, values: np.ndarray) -> np.ndarray:
         """(..., n) by sample to (..., k) at `keep`."""
-        from scipy.signal import fftconvolve
+        from scipy.signal import oaconvolve
 
         kernel = self.low_pass_kernel.reshape((1,) * (values.ndim - 1) + (-1,))
-        return np.asarray(fftconvolve(values[..., self.inside], kernel, mode="valid", axes=-1))
+        return np.asarray(oaconvolve(values[..., self.inside], kernel, mode="valid", axes=-1))
 
     def before_low_pass(self, weights: np.ndarray) -> np.ndarray:
         """Weights (..., k) of low-passed values as weights (..., n) of the values by sample."""
-        from scipy.signal import fftconvolve
+        from scipy.signal import oaconvolve
 
         kernel = self.low_pass_kernel.reshape((1,) * (weights.ndim - 1) + (-1,))
         out = np.zeros((*weights.shape[:-1], self.signal.time.size), weights.dtype)
-        out[..., self.inside] = fftconvolve(weights, kernel, mode="full", axes=-1)
+        out[..., self.inside] = oaconvolve(weights, kernel, mode="full", axes=-1)
         return out
 
     @cached_property
@@ -140,11 +140,11 @@ class Stretch:
 
     def passed(self, factor: np.ndarray, motion: np.ndarray | float = 1.0) -> np.ndarray:
         """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X."""
-        from scipy.signal import fftconvolve
+        from scipy.signal import oaconvolve
 
         s = self.signal
         kernel = blackman(s.kernel)[0][None]
-        whole = fftconvolve(factor * (motion * s.slow * self._unbent), kernel, mode="same", axes=-1)
+        whole = oaconvolve(factor * (motion * s.slow * self._unbent), kernel, mode="same", axes=-1)
         return np.asarray(whole) / s.slow
 
     def point_variance(
@@ -196,9 +196,9 @@ class Stretch:
         back = np.exp(s.undecay * s.time - 1j * s.carrier)
 
         def to_samples(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-            from scipy.signal import fftconvolve
+            from scipy.signal import oaconvolve
 
-            return np.asarray(fftconvolve(weights / s.slow, kernel[None, ::-1], mode="same", axes=-1))
+            return np.asarray(oaconvolve(weights / s.slow, kernel[None, ::-1], mode="same", axes=-1))
 
         moved = to_samples(equation * zeroth + amplitude, kernels[0])
         moved = moved + to_samples(equation * first, kernels[1]) * self.fs
