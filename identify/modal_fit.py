@@ -97,7 +97,10 @@ def spring_and_friction(stretches: Sequence[Stretch], mass: MassFit, rounds: int
         if k + 1 < rounds:
             found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
             found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
-            further = [further_harmonics(s, found) for s in stretches]
+            further = [
+                tuple(map(np.add, further_harmonics(a.stretch, found), _across(a, b, spring.value, friction.value)))
+                for a, b in zip(spring.curves, friction.curves, strict=True)
+            ]
     return spring, friction
 
 
@@ -108,6 +111,7 @@ class _Curve:
     stretch: Stretch
     target: np.ndarray  # (k,)
     columns: np.ndarray  # (p, k)
+    passed: np.ndarray  # (p, n), complex: what passes of the law's columns, of which `columns` are one part
     plain: np.ndarray  # (p, k), the columns at an amplitude without noise
     slopes: np.ndarray  # (p, n), the columns' change with ln A
     noise: CurveNoise
@@ -206,12 +210,14 @@ def _spring(
     growth, omega = np.real(s.equation_first), np.imag(s.equation_first)
     squared, damping = -np.real(rest) + growth * np.imag(rest) / omega, -0.5 * np.imag(rest) / omega
     columns, slopes = law(stretch, stretch.amplitude)
+    passed = stretch.passed(columns)
     on_error = -1 - 1j * growth / omega
     on_amplitude = np.zeros(omega.size) if value is None else -(value @ slopes)
     return _Curve(
         stretch,
         stretch.low_pass(squared - further),
-        stretch.low_pass(np.real(stretch.passed(columns))),
+        stretch.low_pass(np.real(passed)),
+        passed,
         stretch.low_pass(law(stretch, stretch.smooth_amplitude)[0]),
         slopes,
         noise or curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
@@ -236,13 +242,15 @@ def _damper(
     squared, damping = -np.real(rest) + growth * np.imag(rest) / omega, -0.5 * np.imag(rest) / omega
     dry = 4 / (np.pi * stretch.amplitude * np.abs(s.equation_first))
     columns = np.stack([np.ones_like(dry), dry])
+    passed = stretch.passed(columns, s.equation_first)
     slopes = np.stack([np.zeros_like(dry), -dry])
     on_error = 1j / omega
     on_amplitude = np.zeros(omega.size) if value is None else -(value @ slopes)
     return _Curve(
         stretch,
         stretch.low_pass(2 * damping - further),
-        stretch.low_pass(np.imag(stretch.passed(columns, s.equation_first)) / omega),
+        stretch.low_pass(np.imag(passed) / omega),
+        passed,
         stretch.low_pass(np.stack([np.ones_like(dry), dry * stretch.amplitude / stretch.smooth_amplitude])),
         slopes,
         noise or curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
@@ -251,6 +259,19 @@ def _damper(
         squared,
         damping,
     )
+
+
+def _across(
+    spring: _Curve, friction: _Curve, stiff: np.ndarray, damping: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """What the low-pass brings of friction into the stiffness, (n,), and of the spring into the damping 2 h, (n,).
+
+    A law that varies within the kernel passes with a phase of its own, where the frequency runs too.
+    """
+    first = spring.stretch.signal.equation_first
+    slope = np.real(first) / np.imag(first)
+    pull, drag = stiff @ spring.passed, damping @ friction.passed
+    return drag.real - slope * (drag.imag + pull.imag), pull.imag / np.imag(first)
 
 
 def _both(stretch: Stretch, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

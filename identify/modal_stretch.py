@@ -139,13 +139,17 @@ class Stretch:
         return level * np.exp(-s.undecay * s.time[keep]), beside + s.carrier[keep]
 
     def passed(self, factor: np.ndarray, motion: np.ndarray | float = 1.0) -> np.ndarray:
-        """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X."""
+        """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X.
+
+        Of `motion` itself what passes is known: 1, or `equation_first`. Only the factor's variation is asked here.
+        """
         from scipy.signal import oaconvolve
 
         s = self.signal
-        kernel = blackman(s.kernel)[0][None]
-        whole = oaconvolve(factor * (motion * s.slow * self._unbent), kernel, mode="same", axes=-1)
-        return np.asarray(whole) / s.slow
+        moving = np.broadcast_to(motion * s.slow * self._unbent, s.slow.shape)
+        rows = np.concatenate([factor * moving, moving[None]])
+        whole = np.asarray(oaconvolve(rows, blackman(s.kernel)[0][None], mode="same", axes=-1))
+        return whole[:-1] / whole[-1] * motion
 
     def point_variance(
         self, squared: np.ndarray, damping: np.ndarray, inverse_mass: float, slope: np.ndarray | float = 0.0
