@@ -13,6 +13,7 @@ from ..recording.given import recordings_of
 from .decays import find_free_motion
 from .displacement import displacement
 from .excitation import kind_of
+from .force_off import zero_of
 from .modal_curve import modal_curve
 from .modal_fit import modal_fit
 from .modal_mass import mass_fit
@@ -26,6 +27,10 @@ if TYPE_CHECKING:
 
 #: So many decays show a spread that means something.
 _SEVERAL = 3
+#: A force beyond so many standard deviations of its noise pushes: noise alone gets there once in 5e8 samples.
+_LOUD = 6.0
+#: What a sensor of force resolves of its largest reading.
+_RESOLVED = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -106,8 +111,8 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
         elif kind_of(r, motion.decays, drive.noise) == "broadband":
             notes.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
         else:
-            for start, stop in _between(motion.decays, r.n):
-                _evaluate(r, x, drive, (start, stop), forced, notes)
+            for samples in _between(motion.decays, r.n):
+                _evaluate(r, x, drive, samples, forced, notes)
     if not free and not forced:
         raise BadInput("Nothing can be evaluated by the Hilbert transform. " + " ".join(notes))
     return HilbertAnalysis(
@@ -124,6 +129,14 @@ def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
 
 
+def _pushed(drive: Signal, start: int, stop: int) -> tuple[int, int]:
+    """Of these samples those from the first to the last at which the force is not its zero; none: both the same."""
+    zero, _ = zero_of(drive.samples, max(2, round(drive.fs / drive.frequency)))
+    beyond = max(_LOUD * drive.noise, _RESOLVED * float(np.max(np.abs(drive.samples - zero))))
+    loud = np.flatnonzero(np.abs(drive.samples[start:stop] - zero) > beyond)
+    return (start + int(loud[0]), start + int(loud[-1]) + 1) if loud.size else (start, start)
+
+
 def _evaluate(
     r: Recording,
     x: Signal,
@@ -134,6 +147,11 @@ def _evaluate(
 ) -> None:
     begin = r.start + samples[0] / r.fs
     try:
+        if drive is not None:
+            samples = _pushed(drive, *samples)
+            if samples[0] == samples[1]:
+                return
+            begin = r.start + samples[0] / r.fs
         part = x.part(*samples)
         mass = None
         if drive is None:
@@ -147,9 +165,7 @@ def _evaluate(
         notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
 
 
-def _together(
-    found: list[tuple[Stretch, ModalCurve]], mass: Callable | None, notes: list[str]
-) -> ModalFit | None:
+def _together(found: list[tuple[Stretch, ModalCurve]], mass: Callable | None, notes: list[str]) -> ModalFit | None:
     stretches = [stretch for stretch, _ in found]
     if len(found) < 2 and all(curve.fit is not None for _, curve in found):
         return found[0][1].fit if found else None  # one alone is all

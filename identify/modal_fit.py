@@ -261,9 +261,7 @@ def _damper(
     )
 
 
-def _across(
-    spring: _Curve, friction: _Curve, stiff: np.ndarray, damping: np.ndarray
-) -> tuple[np.ndarray, np.ndarray]:
+def _across(spring: _Curve, friction: _Curve, stiff: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """What the low-pass brings of friction into the stiffness, (n,), and of the spring into the damping 2 h, (n,).
 
     A law that varies within the kernel passes with a phase of its own, where the frequency runs too.

@@ -26,12 +26,12 @@ CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuatio
 #: Length of a decay's last low-pass in cycles: the shortest Blackman kernel without transmission at twice the
 #: frequency, where the signal itself, in the place of its analytic one, leaves a ripple.
 _SHORT_CYCLES = 1.5
+#: Of the line that the kernels are made for: a motion no slower than that has its negative frequency, at twice its own,
+#: behind the first zero of both low-passes, of three cycles and of two, where nothing above 2e-5 passes them.
+_LEAST_FREQUENCY = 0.75
 _ADVICE = "let it ring longer or release it from a larger amplitude"
 #: A motion this many times its low-passed noise has an amplitude and a phase that follow the noise linearly.
 _CLEAR = 20.0
-#: An amplitude, un-decayed, that changes by more than this part within the kernel is bent by it: a decay's by less, of
-#: which more is asked.
-_STEEP, _STEEP_DECAY = 0.15, 0.1
 #: Degree of the polynomial in time that the logarithm of a decay's amplitude follows closely enough to weigh with.
 _SMOOTH = 6
 #: White noise below this part of the largest amplitude is rounding.
@@ -75,18 +75,13 @@ class Stretch:
 
     @cached_property
     def clear(self) -> np.ndarray:
-        """Where, of `keep`, the motion stands clear of its noise and changes slowly: (k,) of bool.
+        """Where, of `keep`, the motion stands clear of its noise: (k,) of bool.
 
         A decay that came down to its noise is not clear again.
         """
         s, keep = self.signal, self.keep
         level = _CLEAR * self.noise * float(np.sqrt(2 * np.sum(blackman(s.kernel)[0] ** 2)))
-        steep = np.abs(s.growth + s.undecay)[keep] * s.kernel / self.fs
-        clear = (
-            (s.amplitude[keep] > level)
-            & (steep < (_STEEP_DECAY if self.ratio is None else _STEEP))
-            & (s.omega[keep] > 0)
-        )
+        clear = (s.amplitude[keep] > level) & (s.omega[keep] > 0)
         if self.ratio is None and not np.all(clear):
             first = int(np.argmax(clear))
             clear[first + int(np.argmin(clear[first:])) :] = False
@@ -229,14 +224,24 @@ def free_stretch(decay: Signal, *, undecay: float | None = None, low_pass_cycles
 
 
 def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: float = 2.0) -> Stretch:
-    """The displacement of a driven stretch and the force on it, sampled alike; arguments and errors as above."""
+    """The displacement of a driven stretch and the force on it, sampled alike; arguments and errors as above.
+
+    Where the motion is never much slower than the line that the kernels are made for, they keep the negative
+    frequencies out by themselves, and half a kernel is cut from the ends as of a decay: a burst is short.
+    """
     if np.ptp(drive.samples) == 0:
         raise BadInput("FORCEVIB needs a force; this record has none: treat it as a free decay.")
     x, fs = displacement.samples, displacement.fs
     signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
-    stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer")
+    inner = slice(signal.kernel, -signal.kernel)
+    by_kernel = bool(np.min(signal.omega[inner], initial=np.inf) > _LEAST_FREQUENCY * 2 * np.pi * fs / signal.period)
+    cut = CUT_CYCLES
+    if by_kernel:
+        signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency, by_kernel=True)
+        cut = KERNEL_CYCLES / 2
+    stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer", cut)
     force_noise = max(drive.noise, _LEAST_NOISE * float(np.max(np.abs(drive.samples))))
-    return replace(stretch, ratio=turned_alike(drive.samples, fs, signal), force_noise=force_noise)
+    return replace(stretch, ratio=turned_alike(drive.samples, fs, signal, by_kernel), force_noise=force_noise)
 
 
 def decay_stretch(decay: Signal, low_pass_cycles: float = _SHORT_CYCLES, cut: float = KERNEL_CYCLES / 2) -> Stretch:
