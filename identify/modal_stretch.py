@@ -23,11 +23,8 @@ from .hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, t
 from .signals import Signal
 
 CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
-#: Length of a decay's last low-pass in cycles: the shortest Blackman kernel without transmission at twice the
-#: frequency, where the signal itself, in the place of its analytic one, leaves a ripple.
-_SHORT_CYCLES = 1.5
 #: Of the line that the kernels are made for: a motion no slower than that has its negative frequency, at twice its own,
-#: behind the first zero of both low-passes, of three cycles and of two, where nothing above 2e-5 passes them.
+#: behind the first zero of both low-passes, of three cycles and of two, where less than 1e-6 passes them.
 _LEAST_FREQUENCY = 0.75
 _ADVICE = "let it ring longer or release it from a larger amplitude"
 #: A motion this many times its low-passed noise has an amplitude and a phase that follow the noise linearly.
@@ -244,17 +241,18 @@ def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: floa
     return replace(stretch, ratio=turned_alike(drive.samples, fs, signal, by_kernel), force_noise=force_noise)
 
 
-def decay_stretch(decay: Signal, low_pass_cycles: float = _SHORT_CYCLES, cut: float = KERNEL_CYCLES / 2) -> Stretch:
+def decay_stretch(decay: Signal, cut: float = KERNEL_CYCLES / 2) -> Stretch:
     """A free decay from as near its beginning as the kernel allows to where it sinks into its noise: FREEVIB's results.
 
     Nothing but the recording is in its values: half a kernel is cut from each end and no more, the Hilbert transform's
     tails do not reach the continuation (``analytic_signal``), and what the laws ask of the ends is extrapolated
     (``with_ends``). Of the noise behind the decay no more is kept than the last values ask for: un-decayed it is the
-    larger part of the recording, and its wandering phase pulls at the whole carrier.
+    larger part of the recording, and its wandering phase pulls at the whole carrier. The last low-pass is the shortest
+    smooth one without transmission at twice the frequency, where the signal itself, in the place of its analytic one,
+    leaves a ripple: Hann's window over a cycle.
 
     Args:
         decay: displacement.
-        low_pass_cycles: length of the kernel of the last low-pass.
         cut: cycles left out at each end.
 
     Raises:
@@ -266,8 +264,10 @@ def decay_stretch(decay: Signal, low_pass_cycles: float = _SHORT_CYCLES, cut: fl
         last = whole.keep.start + int(np.max(np.flatnonzero(whole.clear)))
         part = decay.part(0, min(decay.n, last + int(np.ceil((CUT_CYCLES + 1) * whole.signal.period))))
     signal = analytic_signal(part.samples, decay.fs, frequency=part.frequency, by_kernel=True)
-    stretch = _stretch(signal, part, low_pass_cycles, "FREEVIB", _ADVICE, cut)
-    return replace(stretch, signal=with_ends(signal, decay.fs), noise=whole.noise)
+    stretch = _stretch(signal, part, 1.0, "FREEVIB", _ADVICE, cut)
+    kernel = np.hanning(stretch.low_pass_kernel.size + 2)[1:-1]
+    kernel = kernel / np.sum(kernel)
+    return replace(stretch, signal=with_ends(signal, decay.fs), noise=whole.noise, low_pass_kernel=kernel)
 
 
 def _stretch(
