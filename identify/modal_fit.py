@@ -269,7 +269,7 @@ def _across(spring: _Curve, friction: _Curve, stiff: np.ndarray, damping: np.nda
     first = spring.stretch.signal.equation_first
     slope = np.real(first) / np.imag(first)
     pull, drag = stiff @ spring.passed, damping @ friction.passed
-    return drag.real - slope * (drag.imag + pull.imag), pull.imag / np.imag(first)
+    return np.real(drag) - slope * np.imag(drag + pull), np.imag(pull) / np.imag(first)
 
 
 def _both(stretch: Stretch, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

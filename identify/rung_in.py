@@ -34,7 +34,7 @@ def rung_in(stretch: Stretch) -> Stretch:
     for _ in range(_ROUNDS):
         fits = spring_and_friction([stretch], mass_fit([stretch]), _FITS)
         noise = fits[0].curves[0].noise
-        off = sum(fit.left()[0] ** 2 for fit in fits)
+        off = fits[0].left()[0] ** 2 + fits[1].left()[0] ** 2
         count = max(1, round(kernels / (noise.points[1] - noise.points[0])))
         first = int(np.searchsorted(noise.points, stretch.rung_in))
         sums = np.array([np.sum(off[a : a + count]) for a in range(first, noise.points.size - count, count)])
