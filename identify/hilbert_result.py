@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -56,6 +56,11 @@ class HilbertAnalysis:
     def of(self, method: str) -> tuple[ModalCurve, ...]:
         """The curves of ``freevib`` or ``forcevib``."""
         return tuple(curve for curve in self.curves if curve.method == method)
+
+    def of_one_mode(self, told: Sequence[str], isolated: bool) -> HilbertAnalysis:
+        """The same with what was said of the recordings' modes; a band that isolated one left no harmonics of it."""
+        curves = tuple(replace(curve, within=None) for curve in self.curves) if isolated else self.curves
+        return replace(self, curves=curves, notes=(*told, *self.notes))
 
     def spread(self, method: str) -> dict[str, float]:
         """Standard deviation of each parameter from stretch to stretch; empty below three of them.
