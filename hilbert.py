@@ -36,8 +36,10 @@ def run(
     from .identify.hilbert_files import describe
     from .identify.modes import mode_alone
 
-    given, _ = mode_alone(list(recordings), mode, None, say)
-    analysis = hilbert_analysis(given)
+    told: list[str] = []
+    given, band = mode_alone(list(recordings), mode, None, told.append)
+    told = [note.removeprefix("note: ") for note in told]
+    analysis = hilbert_analysis(given).of_one_mode(told, band is not None)
     for note in analysis.notes:
         say(f"note: {note}")
     result = write_files(analysis, given, folder)

@@ -51,6 +51,7 @@ def main() -> None:
     given = parser.parse_args()
     table("freevib", "bursts", given.seeds)
     table("forcevib", "sweep_high", given.sweeps)
+    table("forcevib", "bursts", given.sweeps)
 
 
 if __name__ == "__main__":

@@ -283,8 +283,9 @@ def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Read
     from .hilbert import Hilbert
 
     notes: list[str] = []
-    alone, _ = mode_alone(read(*given, **options), None if mode is None else str(mode), None, notes.append)
-    return Hilbert(hilbert_analysis(alone), tuple(alone), tuple(note.removeprefix("note: ") for note in notes))
+    alone, band = mode_alone(read(*given, **options), None if mode is None else str(mode), None, notes.append)
+    told = [note.removeprefix("note: ") for note in notes]
+    return Hilbert(hilbert_analysis(alone).of_one_mode(told, band is not None), tuple(alone))
 
 
 def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]:

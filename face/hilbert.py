@@ -22,12 +22,10 @@ class Hilbert:
     Attributes:
         analysis: curves, fits and notes.
         recordings: what was evaluated.
-        told: what was said of their modes.
     """
 
     analysis: HilbertAnalysis
     recordings: tuple[Recording, ...]
-    told: tuple[str, ...] = ()
 
     @property
     def curves(self) -> tuple[ModalCurve, ...]:
@@ -47,7 +45,7 @@ class Hilbert:
     @property
     def notes(self) -> tuple[str, ...]:
         """What was left aside and why, one sentence each."""
-        return (*self.told, *self.analysis.notes)
+        return self.analysis.notes
 
     def __repr__(self) -> str:
         from ..identify.hilbert_files import describe

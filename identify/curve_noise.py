@@ -38,6 +38,16 @@ class CurveNoise:
         out[..., self.points] = np.where(self.used, solved.reshape(given.shape), 0.0)
         return out
 
+    def whitened(self, values: np.ndarray) -> np.ndarray:
+        """Of (k,) low-passed values what each point adds to those before it, (q,), over its own error.
+
+        Noise alone leaves ones, each by itself (less where the kernels pass nothing); zero where no point counts.
+        """
+        from scipy.linalg import solve_banded
+
+        bands = self.factor.shape[0] - 1
+        return np.asarray(solve_banded((bands, 0), self.factor, np.where(self.used, values[self.points], 0.0)))
+
     @property
     def count(self) -> int:
         """How many points count."""

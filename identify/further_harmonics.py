@@ -32,6 +32,7 @@ _PLACE = float(np.sum(_SIGNS / (_ORDERS * (_ORDERS**2 - 1.0))))
 _MEET = 6
 _ANGLES = 64  # more than twice three times the highest order that meets the cubic, so that none folds onto another
 _ROUNDS = 8
+_DONE = 1e-8  # of the spring's force: what a round changes below that is no error of any curve
 _A_CYCLE = 4  # the harmonics are followed at so many instants a cycle: they change as slowly as the amplitude
 _MOST_SHIFT = 0.5  # rad, of the instant at which a sign changes: beyond, the motion is all but at rest
 
@@ -74,30 +75,37 @@ def fundamental_beyond_a_sine(
     cubic, viscous = values["cubic"], values["viscous"]
     p, d = 4 * values["preload"] / np.pi, 4 * values["dry"] / np.pi
     n, turned = _ORDERS[:, None], 1j ** _ORDERS[:, None]
-    way = (growth + 1j * omega) / np.abs(growth + 1j * omega)  # of the velocity
+    first = growth + 1j * omega
+    speed, way = np.abs(first), first / np.abs(first)  # of the velocity
+    turned_back = _odd_powers(1j / way)  # the harmonics where the fundamental's velocity is zero: not at its peak
     chirp = np.gradient(omega, time) if time.size > 1 else np.zeros(time.size)
     stiff = values["omega0"] ** 2 - (n * omega) ** 2 + 1j * n * (chirp + viscous * omega)
     # a driven motion passes where a harmonic meets the rig's own frequency: what it does there is not small
     stiff = stiff * np.maximum(1.0, omega**2 / np.abs(stiff))
     turn = np.exp(1j * np.outer(np.arange(1, 2 * _MEET + 2, 2), 2 * np.pi * np.arange(_ANGLES) / _ANGLES))
-    u = np.zeros((_ORDERS.size, time.size), complex)
+    u = change = np.zeros((_ORDERS.size, time.size), complex)
     total = np.zeros(time.size, complex)
-    for _ in range(_ROUNDS):
+    for k in range(_ROUNDS):
+        before = total
         x = np.real(np.einsum("ht,ha->at", np.vstack([amplitude[None] + 0j, u[:_MEET]]), turn))
         met = 2 * np.einsum("at,ha->ht", cubic * x**3, turn.conj()) / _ANGLES
         # the spring's sign changes where x does, a quarter turn on; friction's where the velocity does
         seen = turned * u
         slope = amplitude + np.sum(n * np.imag(seen), axis=0)
         crossing = np.sum(np.real(seen), axis=0) / slope
-        turning = -np.sum(n * np.imag(u), axis=0) / (amplitude + np.sum(n**2 * np.real(u), axis=0))
+        turning = np.sum(np.real((change + 1j * n * omega * u) * turned_back), axis=0)
+        turning = turning / (speed * amplitude + omega * np.sum(n**2 * np.real(u * turned_back), axis=0))
         crossing, turning = (np.clip(shift, -_MOST_SHIFT, _MOST_SHIFT) for shift in (crossing, turning))
         force = p * _SIGNS[:, None] / n * _odd_powers(np.exp(-1j * crossing))
         force += d / n * _SIGNS[:, None] * _odd_powers(way * np.exp(-1j * turning))
         force[:_MEET] += met[1:]
-        change = np.gradient(u, time, axis=1) if time.size > 1 else 0.0
         u = -(force + (2j * n * omega + viscous) * change) / stiff
+        change = np.gradient(u, time, axis=1) if time.size > 1 else change
         total = met[0] - 0.75 * cubic * amplitude**3
         total = total + p * (np.exp(-1j * crossing) - 1) + d * way * (np.exp(-1j * turning) - 1)
+        # the first round has no harmonics yet
+        if k and np.max(np.abs(total - before) / amplitude, initial=0.0) < _DONE * values["omega0"] ** 2:
+            break
     return total / amplitude
 
 

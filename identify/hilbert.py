@@ -116,7 +116,9 @@ def analytic_signal(
     if undecay is None:
         undecay = _mean_decay(x, period, fs)
     undecay = float(np.clip(undecay, 0.0, 25.0 / t[-1]))  # noise at the far end must stay a number
-    y = (x - np.mean(x[x.size // 2 :] if undecay else x)) * np.exp(undecay * t)
+    y = (x - _rest(x[-max(x.size // 2, int(np.ceil(KERNEL_CYCLES * period))) :] if undecay else x)) * np.exp(
+        undecay * t
+    )
     pad = int(np.ceil((kernel_cycles + 2) * period))
     y = _continued(y, period, pad)
     X = _hilbert(y, f / fs)
@@ -248,6 +250,15 @@ def _low_pass(Z: np.ndarray, fs: float, length: int) -> tuple[np.ndarray, np.nda
     w, dw, ddw = blackman(length)
     z, dz, ddz = (fftconvolve(Z, k, mode="same") for k in (w, dw, ddw))
     return np.asarray(z), np.asarray(dz) * fs, np.asarray(ddz) * fs**2
+
+
+def _rest(x: np.ndarray) -> float:
+    """The middle of a motion (n,), weighed so that whole cycles and parts of one say nothing.
+
+    A plain mean holds the part of a cycle that is left over: a line beside the motion's own, larger once un-decayed.
+    """
+    weight = np.blackman(x.size + 2)[1:-1]
+    return float(weight @ x / np.sum(weight))
 
 
 def _mean_decay(x: np.ndarray, period: float, fs: float) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,11 +13,13 @@ from ..recording.given import recordings_of
 from .decays import find_free_motion
 from .displacement import displacement
 from .excitation import kind_of
+from .force_off import zero_of
 from .modal_curve import modal_curve
-from .modal_fit import modal_fit, rung_in
+from .modal_fit import modal_fit
 from .modal_mass import mass_fit
 from .modal_result import ModalCurve, ModalFit
 from .modal_stretch import Stretch, decay_stretch, forced_stretch
+from .rung_in import rung_in
 from .signals import Signal, drive_of
 
 if TYPE_CHECKING:
@@ -25,6 +27,10 @@ if TYPE_CHECKING:
 
 #: So many decays show a spread that means something.
 _SEVERAL = 3
+#: A force beyond so many standard deviations of its noise pushes: noise alone gets there once in 5e8 samples.
+_LOUD = 6.0
+#: What a sensor of force resolves of its largest reading.
+_RESOLVED = 1e-6
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -50,6 +56,11 @@ class HilbertAnalysis:
     def of(self, method: str) -> tuple[ModalCurve, ...]:
         """The curves of ``freevib`` or ``forcevib``."""
         return tuple(curve for curve in self.curves if curve.method == method)
+
+    def of_one_mode(self, told: Sequence[str], isolated: bool) -> HilbertAnalysis:
+        """The same with what was said of the recordings' modes; a band that isolated one left no harmonics of it."""
+        curves = tuple(replace(curve, within=None) for curve in self.curves) if isolated else self.curves
+        return replace(self, curves=curves, notes=(*told, *self.notes))
 
     def spread(self, method: str) -> dict[str, float]:
         """Standard deviation of each parameter from stretch to stretch; empty below three of them.
@@ -105,14 +116,14 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
         elif kind_of(r, motion.decays, drive.noise) == "broadband":
             notes.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
         else:
-            for start, stop in _between(motion.decays, r.n):
-                _evaluate(r, x, drive, (start, stop), forced, notes)
+            for samples in _between(motion.decays, r.n):
+                _evaluate(r, x, drive, samples, forced, notes)
     if not free and not forced:
         raise BadInput("Nothing can be evaluated by the Hilbert transform. " + " ".join(notes))
     return HilbertAnalysis(
         curves=tuple(curve for _, curve in (*free, *forced)),
-        freevib=_together([s for s, _ in free], None, notes),
-        forcevib=_together([s for s, _ in forced], mass_fit, notes),
+        freevib=_together(free, None, notes),
+        forcevib=_together(forced, mass_fit, notes),
         notes=tuple(dict.fromkeys(notes)),
     )
 
@@ -121,6 +132,14 @@ def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
     """What lies between the decays: start and stop of each driven stretch."""
     edges = [0, *(edge for d in decays for edge in (d.start, d.stop)), n]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
+
+
+def _pushed(drive: Signal, start: int, stop: int) -> tuple[int, int]:
+    """Of these samples those from the first to the last at which the force is not its zero; none: both the same."""
+    zero, _ = zero_of(drive.samples, max(2, round(drive.fs / drive.frequency)))
+    beyond = max(_LOUD * drive.noise, _RESOLVED * float(np.max(np.abs(drive.samples - zero))))
+    loud = np.flatnonzero(np.abs(drive.samples[start:stop] - zero) > beyond)
+    return (start + int(loud[0]), start + int(loud[-1]) + 1) if loud.size else (start, start)
 
 
 def _evaluate(
@@ -133,13 +152,17 @@ def _evaluate(
 ) -> None:
     begin = r.start + samples[0] / r.fs
     try:
+        if drive is not None:
+            samples = _pushed(drive, *samples)
+            if samples[0] == samples[1]:
+                return
+            begin = r.start + samples[0] / r.fs
         part = x.part(*samples)
         mass = None
         if drive is None:
             stretch = decay_stretch(part)
         else:
-            stretch = forced_stretch(part, drive.part(*samples))
-            stretch = rung_in(stretch, mass_fit([stretch]))
+            stretch = rung_in(forced_stretch(part, drive.part(*samples)))
             mass = mass_fit([stretch])
         found.append((stretch, modal_curve(stretch, mass, r.name, samples, begin, part.samples)))
     except BadInput as problem:
@@ -147,9 +170,10 @@ def _evaluate(
         notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
 
 
-def _together(stretches: list[Stretch], mass: Callable | None, notes: list[str]) -> ModalFit | None:
-    if not stretches:
-        return None
+def _together(found: list[tuple[Stretch, ModalCurve]], mass: Callable | None, notes: list[str]) -> ModalFit | None:
+    stretches = [stretch for stretch, _ in found]
+    if len(found) < 2 and all(curve.fit is not None for _, curve in found):
+        return found[0][1].fit if found else None  # one alone is all
     try:
         return modal_fit(stretches, None if mass is None else mass(stretches))
     except BadInput as problem:

@@ -17,7 +17,7 @@ from ..errors import BadInput
 from .instantaneous import modal_parameters
 from .modal_fit import modal_fit
 from .modal_mass import MassFit
-from .modal_result import ModalCurve
+from .modal_result import ModalCurve, ModalFit
 from .modal_stretch import Stretch
 from .within_the_cycle import within_the_cycle
 
@@ -65,6 +65,9 @@ def modal_curve(
     except BadInput:
         fit = None
     keep = stretch.keep
+    if fit is not None:
+        low[:2] += _bent_off(stretch, fit)
+        good &= low[0] > 0
     omega0 = np.sqrt(low[0][good])
     amplitude, phase = stretch.smooth_motion if stretch.ratio is None else (stretch.amplitude[keep], s.phase[keep])
     return ModalCurve(
@@ -86,3 +89,13 @@ def modal_curve(
         fit=fit,
         within=None if displacement is None or mass is not None else within_the_cycle(stretch, displacement, good),
     )
+
+
+def _bent_off(stretch: Stretch, fit: ModalFit) -> np.ndarray:
+    """What the low-passes take off omega0² and h, (2, k), as the fitted laws have it: much near rest, else nothing."""
+    first, keep = stretch.signal.equation_first, stretch.keep
+    a, values = np.maximum(stretch.amplitude, np.finfo(float).tiny), fit.values
+    spring = values["omega0"] ** 2 + 0.75 * values["cubic"] * a**2 + 4 * values["preload"] / (np.pi * a)
+    friction = 0.5 * values["viscous"] + 2 * values["dry"] / (np.pi * a * np.abs(first))
+    seen = np.real(stretch.passed(spring[None])[0]), np.imag(stretch.passed(friction[None], first)[0]) / np.imag(first)
+    return np.stack([spring, friction])[:, keep] - stretch.low_pass(np.stack(seen))

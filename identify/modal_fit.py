@@ -9,7 +9,7 @@ more than that noise, they are as much larger.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -25,8 +25,6 @@ from .modal_stretch import Stretch
 _LEAST_POINTS = 8
 _ROUNDS = 3
 _EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
-#: The beginning of a driven stretch is left out where noise would make it miss the laws as far with this chance.
-_CHANCE = 1 / 400
 _STEP = 1e-4  # of a parameter, for a derivative
 
 #: Columns (p, n) of a law and their slopes with ln A, at a stretch's amplitudes.
@@ -40,24 +38,20 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
         BadInput: too few points stand clear of the noise, or no positive stiffness comes out.
     """
     given = mass or MassFit(rows=tuple(np.zeros(0) for _ in stretches))
-    further = [(np.zeros(s.signal.time.size),) * 2 for s in stretches]
-    spring, friction = _Fit((), given), _Fit((), given)
-    for _ in range(_ROUNDS):
-        each = list(zip(stretches, further, strict=True))
-        spring = _Fit(tuple(_spring(s, given, _both, f[0], spring.value) for s, f in each), given)
-        friction = _Fit(tuple(_damper(s, given, f[1], friction.value) for s, f in each), given)
-        found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
-        found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
-        further = [further_harmonics(s, found) for s in stretches]
+    spring, friction = spring_and_friction(stretches, given)
     squared = float(spring.value[0])
     if not squared > 0:
         raise BadInput("The backbone leads to no positive stiffness: this is not the motion of one oscillator.")
     covariance = _covariance((spring, friction), given)
     both = _law_fit("preload and polynomial", ("omega0", "cubic", "preload"), spring, covariance[1:4, 1:4])
     damping = _law_fit("viscous and dry", ("viscous", "dry"), friction, covariance[4:, 4:])
-    polynomial = _Fit(tuple(_spring(s, given, _polynomial, 0.0, spring.value[:2]) for s in stretches), given)
+    of_spring = [curve.noise for curve in spring.curves]
+    polynomial = tuple(
+        _spring(s, given, _polynomial, 0.0, spring.value[:2], n) for s, n in zip(stretches, of_spring, strict=True)
+    )
+    polynomial = _Fit(polynomial, given)
     fits = {
-        "preload": _preload_fit(stretches, given, spring),
+        "preload": _preload_fit(stretches, given, spring, of_spring),
         "polynomial": _law_fit(
             "polynomial", ("omega0", "cubic"), polynomial, _covariance((polynomial,), given)[1:, 1:]
         ),
@@ -85,36 +79,29 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
     )
 
 
-def rung_in(stretch: Stretch, mass: MassFit) -> Stretch:
-    """A driven stretch without its beginning, as long as that misses the laws that the rest follows.
-
-    A force that comes on sets the rig ringing at its own frequency beside the one that it is driven at: for so long
-    there is no single amplitude. Windows of one independent value each count, one after the other from the beginning.
+def spring_and_friction(stretches: Sequence[Stretch], mass: MassFit, rounds: int = _ROUNDS) -> tuple[_Fit, _Fit]:
+    """Eq. 6 with the preload, and Eq. 7, fitted in turn with what the harmonics that they make add to them.
 
     Raises:
-        BadInput: as ``modal_fit``.
+        BadInput: too few points stand clear of the noise.
     """
-    from scipy.special import gammaincinv
-
-    window = stretch.signal.kernel + stretch.low_pass_kernel.size
-    most = float(gammaincinv(1.0, 1 - _CHANCE))  # the mean of two squares, of stiffness and damping
-    for _ in range(_ROUNDS):
-        spring = _Fit((_spring(stretch, mass, _both, 0.0),), mass)
-        friction = _Fit((_damper(stretch, mass, 0.0),), mass)
-        found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
-        found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
-        further = further_harmonics(stretch, found)
-        left = [fit.curves[0].target - fit.value @ fit.curves[0].columns for fit in (spring, friction)]
-        left = [rest - stretch.low_pass(part) for rest, part in zip(left, further, strict=True)]
-        curve, keep = spring.curves[0], stretch.keep
-        variance = stretch.point_variance(curve.squared, curve.damping, mass.inverse)
-        off = 0.5 * (left[0] ** 2 + (left[1] * stretch.signal.omega[keep]) ** 2) / variance
-        means = np.array([np.mean(off[a : a + window]) for a in range(stretch.rung_in, off.size - window, window)])
-        bad = int(np.argmin(np.append(means, 0.0) > most))
-        if bad == 0 or stretch.rung_in + bad * window > off.size // 2:
-            break
-        stretch = replace(stretch, rung_in=stretch.rung_in + bad * window)
-    return stretch
+    further = [(np.zeros(s.signal.time.size),) * 2 for s in stretches]
+    noise: list[tuple[CurveNoise | None, CurveNoise | None]] = [(None, None) for _ in stretches]
+    spring, friction = _Fit((), mass), _Fit((), mass)
+    for k in range(rounds):
+        each = list(zip(stretches, further, noise, strict=True))
+        spring = _Fit(tuple(_spring(s, mass, _both, f[0], spring.value, n[0]) for s, f, n in each), mass)
+        friction = _Fit(tuple(_damper(s, mass, f[1], friction.value, n[1]) for s, f, n in each), mass)
+        if k == 1:  # the first knows nothing of the laws' slopes; later ones would change weights only, and little
+            noise = [(a.noise, b.noise) for a, b in zip(spring.curves, friction.curves, strict=True)]
+        if k + 1 < rounds:
+            found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
+            found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
+            further = [
+                tuple(map(np.add, further_harmonics(a.stretch, found), _across(a, b, spring.value, friction.value)))
+                for a, b in zip(spring.curves, friction.curves, strict=True)
+            ]
+    return spring, friction
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,6 +111,7 @@ class _Curve:
     stretch: Stretch
     target: np.ndarray  # (k,)
     columns: np.ndarray  # (p, k)
+    passed: np.ndarray  # (p, n), complex: what passes of the law's columns, of which `columns` are one part
     plain: np.ndarray  # (p, k), the columns at an amplitude without noise
     slopes: np.ndarray  # (p, n), the columns' change with ln A
     noise: CurveNoise
@@ -157,6 +145,10 @@ class _Fit:
         rest = [c.target - self.value @ c.columns for c in curves]
         left = sum(float(c.noise.weigh(r) @ r) for c, r in zip(curves, rest, strict=True))
         self.misfit = left / count
+
+    def left(self) -> list[np.ndarray]:
+        """What each curve misses the law by, point for point, over its error: see ``CurveNoise.whitened``."""
+        return [c.noise.whitened(c.target - self.value @ c.columns) for c in self.curves]
 
     def rows(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """How the values change with the equation's error, (p, n) complex, and with ln A, (p, n), of each stretch."""
@@ -205,7 +197,12 @@ def _law_fit(law: str, names: tuple[str, ...], fit: _Fit, covariance: np.ndarray
 
 
 def _spring(
-    stretch: Stretch, mass: MassFit, law: _Law, further: np.ndarray | float, value: np.ndarray | None = None
+    stretch: Stretch,
+    mass: MassFit,
+    law: _Law,
+    further: np.ndarray | float,
+    value: np.ndarray | None = None,
+    noise: CurveNoise | None = None,
 ) -> _Curve:
     s, ratio = stretch.signal, stretch.ratio
     drive = np.zeros(s.omega.size, complex) if ratio is None else ratio
@@ -213,15 +210,17 @@ def _spring(
     growth, omega = np.real(s.equation_first), np.imag(s.equation_first)
     squared, damping = -np.real(rest) + growth * np.imag(rest) / omega, -0.5 * np.imag(rest) / omega
     columns, slopes = law(stretch, stretch.amplitude)
+    passed = stretch.passed(columns)
     on_error = -1 - 1j * growth / omega
     on_amplitude = np.zeros(omega.size) if value is None else -(value @ slopes)
     return _Curve(
         stretch,
         stretch.low_pass(squared - further),
-        stretch.low_pass(np.real(stretch.passed(columns))),
+        stretch.low_pass(np.real(passed)),
+        passed,
         stretch.low_pass(law(stretch, stretch.smooth_amplitude)[0]),
         slopes,
-        curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
+        noise or curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
         on_error,
         stretch.low_pass(np.real(drive) - np.imag(drive) * growth / omega),
         squared,
@@ -229,7 +228,13 @@ def _spring(
     )
 
 
-def _damper(stretch: Stretch, mass: MassFit, further: np.ndarray | float, value: np.ndarray | None = None) -> _Curve:
+def _damper(
+    stretch: Stretch,
+    mass: MassFit,
+    further: np.ndarray | float,
+    value: np.ndarray | None = None,
+    noise: CurveNoise | None = None,
+) -> _Curve:
     s, ratio = stretch.signal, stretch.ratio
     drive = np.zeros(s.omega.size, complex) if ratio is None else ratio
     rest = s.equation_second - mass.inverse * drive
@@ -237,21 +242,34 @@ def _damper(stretch: Stretch, mass: MassFit, further: np.ndarray | float, value:
     squared, damping = -np.real(rest) + growth * np.imag(rest) / omega, -0.5 * np.imag(rest) / omega
     dry = 4 / (np.pi * stretch.amplitude * np.abs(s.equation_first))
     columns = np.stack([np.ones_like(dry), dry])
+    passed = stretch.passed(columns, s.equation_first)
     slopes = np.stack([np.zeros_like(dry), -dry])
     on_error = 1j / omega
     on_amplitude = np.zeros(omega.size) if value is None else -(value @ slopes)
     return _Curve(
         stretch,
         stretch.low_pass(2 * damping - further),
-        stretch.low_pass(np.imag(stretch.passed(columns, s.equation_first)) / omega),
+        stretch.low_pass(np.imag(passed) / omega),
+        passed,
         stretch.low_pass(np.stack([np.ones_like(dry), dry * stretch.amplitude / stretch.smooth_amplitude])),
         slopes,
-        curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
+        noise or curve_noise(stretch, on_error, on_amplitude, squared, damping, mass.inverse),
         on_error,
         stretch.low_pass(np.imag(drive) / omega),
         squared,
         damping,
     )
+
+
+def _across(spring: _Curve, friction: _Curve, stiff: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What the low-pass brings of friction into the stiffness, (n,), and of the spring into the damping 2 h, (n,).
+
+    A law that varies within the kernel passes with a phase of its own, where the frequency runs too.
+    """
+    first = spring.stretch.signal.equation_first
+    slope = np.real(first) / np.imag(first)
+    pull, drag = stiff @ spring.passed, damping @ friction.passed
+    return np.real(drag) - slope * np.imag(drag + pull), np.imag(pull) / np.imag(first)
 
 
 def _both(stretch: Stretch, a: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -264,7 +282,9 @@ def _polynomial(stretch: Stretch, a: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return columns[:2], slopes[:2]
 
 
-def _preload_fit(stretches: Sequence[Stretch], mass: MassFit, start: _Fit) -> LawFit | None:
+def _preload_fit(
+    stretches: Sequence[Stretch], mass: MassFit, start: _Fit, noise: Sequence[CurveNoise]
+) -> LawFit | None:
     """Eq. 1, which is not linear in its parameters, by Gauss and Newton; None where no preload is in the curves."""
     theta = start.value[[0, 2]]
 
@@ -288,9 +308,9 @@ def _preload_fit(stretches: Sequence[Stretch], mass: MassFit, start: _Fit) -> La
                 return np.stack(columns), np.stack([np.zeros(columns[0].size), -columns[1]])
 
             curves = []
-            for s in stretches:
+            for s, known in zip(stretches, noise, strict=True):
                 columns = law(s, s.amplitude)[0]
-                curves.append(_spring(s, mass, law, squares(s, s.amplitude, theta) - theta @ columns, theta))
+                curves.append(_spring(s, mass, law, squares(s, s.amplitude, theta) - theta @ columns, theta, known))
             fit = _Fit(tuple(curves), mass)
             done = np.all(np.abs(fit.value - theta) < 1e-9 * np.abs(theta))
             theta = fit.value

@@ -21,6 +21,8 @@ from .modal_stretch import Stretch
 
 _ROUNDS = 3
 _LEAST = 30
+#: Low-passed values asked a cycle: neighbours say the same.
+_A_CYCLE = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,11 +68,13 @@ def _of_stretch(stretch: Stretch) -> MassFit:
     springs, dampers = backbone_basis(a), damping_basis(a, np.maximum(np.abs(first) * stretch.amplitude / top, low))
     columns = stretch.low_pass(np.concatenate([-ratio[None], stretch.passed(springs), stretch.passed(dampers, first)]))
     target = stretch.low_pass(second)
-    count, last = len(springs), int(np.count_nonzero(clear))
+    points = np.arange(0, clear.size, max(1, int(s.period / _A_CYCLE)))
+    columns, target, clear = columns[:, points], target[points], clear[points]
+    count, last = len(springs), max(1, int(np.count_nonzero(clear)))
     squared, damping, inverse = s.omega**2, np.zeros(s.omega.size), 0.0
     gain, misfit = np.zeros((1, 1)), 1.0
     for _ in range(_ROUNDS):
-        weight = np.where(clear, 1 / stretch.point_variance(squared, damping, inverse), 0.0)
+        weight = np.where(clear, 1 / stretch.point_variance(squared, damping, inverse)[points], 0.0)
         scale = 1 / np.sqrt(np.sum(np.abs(columns) ** 2 * weight, axis=1))
         scaled = columns * scale[:, None]
         normal = np.real((scaled * weight) @ scaled.conj().T)
@@ -82,7 +86,9 @@ def _of_stretch(stretch: Stretch) -> MassFit:
         damping = 0.5 * value[1 + count :] @ dampers
     if not inverse > 0:
         raise BadInput("FORCEVIB finds no positive mass: check the signs and units of force and response.")
-    row = stretch.before_low_pass(gain[0])
+    shares = np.zeros(stretch.clear.size, complex)
+    shares[points] = gain[0]
+    row = stretch.before_low_pass(shares)
     moved, drive = stretch.noise_weights(row[None], np.zeros((1, row.size)), squared, damping, inverse)
     variance = stretch.noise**2 * np.sum(moved**2) + stretch.force_noise**2 * np.sum(drive**2)
     return MassFit(inverse, float(np.sqrt(variance * max(1.0, misfit))), (row,))

@@ -80,7 +80,7 @@ class ModalCurve:
         force: amplitude of the force, in its unit; zero in a decay.
         independent: how many independent values a point stands for: the curves are smoother than they are dense.
         fit: the laws fitted to this curve alone; None where it is too short for that.
-        within: what happens within the cycles of a decay; None under a force.
+        within: what happens within the cycles of a decay; None under a force, and where a band took the harmonics.
     """
 
     recording: str

@@ -23,15 +23,12 @@ from .hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, t
 from .signals import Signal
 
 CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
-#: Length of a decay's last low-pass in cycles: the shortest Blackman kernel without transmission at twice the
-#: frequency, where the signal itself, in the place of its analytic one, leaves a ripple.
-_SHORT_CYCLES = 1.5
+#: Of the line that the kernels are made for: a motion no slower than that has its negative frequency, at twice its own,
+#: behind the first zero of both low-passes, of three cycles and of two, where less than 1e-6 passes them.
+_LEAST_FREQUENCY = 0.75
 _ADVICE = "let it ring longer or release it from a larger amplitude"
 #: A motion this many times its low-passed noise has an amplitude and a phase that follow the noise linearly.
 _CLEAR = 20.0
-#: An amplitude, un-decayed, that changes by more than this part within the kernel is bent by it: a decay's by less, of
-#: which more is asked.
-_STEEP, _STEEP_DECAY = 0.15, 0.1
 #: Degree of the polynomial in time that the logarithm of a decay's amplitude follows closely enough to weigh with.
 _SMOOTH = 6
 #: White noise below this part of the largest amplitude is rounding.
@@ -59,34 +56,29 @@ class Stretch:
 
     def low_pass(self, values: np.ndarray) -> np.ndarray:
         """(..., n) by sample to (..., k) at `keep`."""
-        from scipy.signal import fftconvolve
+        from scipy.signal import oaconvolve
 
         kernel = self.low_pass_kernel.reshape((1,) * (values.ndim - 1) + (-1,))
-        return np.asarray(fftconvolve(values[..., self.inside], kernel, mode="valid", axes=-1))
+        return np.asarray(oaconvolve(values[..., self.inside], kernel, mode="valid", axes=-1))
 
     def before_low_pass(self, weights: np.ndarray) -> np.ndarray:
         """Weights (..., k) of low-passed values as weights (..., n) of the values by sample."""
-        from scipy.signal import fftconvolve
+        from scipy.signal import oaconvolve
 
         kernel = self.low_pass_kernel.reshape((1,) * (weights.ndim - 1) + (-1,))
         out = np.zeros((*weights.shape[:-1], self.signal.time.size), weights.dtype)
-        out[..., self.inside] = fftconvolve(weights, kernel, mode="full", axes=-1)
+        out[..., self.inside] = oaconvolve(weights, kernel, mode="full", axes=-1)
         return out
 
     @cached_property
     def clear(self) -> np.ndarray:
-        """Where, of `keep`, the motion stands clear of its noise and changes slowly: (k,) of bool.
+        """Where, of `keep`, the motion stands clear of its noise: (k,) of bool.
 
         A decay that came down to its noise is not clear again.
         """
         s, keep = self.signal, self.keep
         level = _CLEAR * self.noise * float(np.sqrt(2 * np.sum(blackman(s.kernel)[0] ** 2)))
-        steep = np.abs(s.growth + s.undecay)[keep] * s.kernel / self.fs
-        clear = (
-            (s.amplitude[keep] > level)
-            & (steep < (_STEEP_DECAY if self.ratio is None else _STEEP))
-            & (s.omega[keep] > 0)
-        )
+        clear = (s.amplitude[keep] > level) & (s.omega[keep] > 0)
         if self.ratio is None and not np.all(clear):
             first = int(np.argmax(clear))
             clear[first + int(np.argmin(clear[first:])) :] = False
@@ -139,13 +131,17 @@ class Stretch:
         return level * np.exp(-s.undecay * s.time[keep]), beside + s.carrier[keep]
 
     def passed(self, factor: np.ndarray, motion: np.ndarray | float = 1.0) -> np.ndarray:
-        """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X."""
-        from scipy.signal import fftconvolve
+        """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X.
+
+        Of `motion` itself what passes is known: 1, or `equation_first`. Only the factor's variation is asked here.
+        """
+        from scipy.signal import oaconvolve
 
         s = self.signal
-        kernel = blackman(s.kernel)[0][None]
-        whole = fftconvolve(factor * (motion * s.slow * self._unbent), kernel, mode="same", axes=-1)
-        return np.asarray(whole) / s.slow
+        moving = np.broadcast_to(motion * s.slow * self._unbent, s.slow.shape)
+        rows = np.concatenate([factor * moving, moving[None]])
+        whole = np.asarray(oaconvolve(rows, blackman(s.kernel)[0][None], mode="same", axes=-1))
+        return whole[:-1] / whole[-1] * motion
 
     def point_variance(
         self, squared: np.ndarray, damping: np.ndarray, inverse_mass: float, slope: np.ndarray | float = 0.0
@@ -196,9 +192,9 @@ class Stretch:
         back = np.exp(s.undecay * s.time - 1j * s.carrier)
 
         def to_samples(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-            from scipy.signal import fftconvolve
+            from scipy.signal import oaconvolve
 
-            return np.asarray(fftconvolve(weights / s.slow, kernel[None, ::-1], mode="same", axes=-1))
+            return np.asarray(oaconvolve(weights / s.slow, kernel[None, ::-1], mode="same", axes=-1))
 
         moved = to_samples(equation * zeroth + amplitude, kernels[0])
         moved = moved + to_samples(equation * first, kernels[1]) * self.fs
@@ -225,27 +221,38 @@ def free_stretch(decay: Signal, *, undecay: float | None = None, low_pass_cycles
 
 
 def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: float = 2.0) -> Stretch:
-    """The displacement of a driven stretch and the force on it, sampled alike; arguments and errors as above."""
+    """The displacement of a driven stretch and the force on it, sampled alike; arguments and errors as above.
+
+    Where the motion is never much slower than the line that the kernels are made for, they keep the negative
+    frequencies out by themselves, and half a kernel is cut from the ends as of a decay: a burst is short.
+    """
     if np.ptp(drive.samples) == 0:
         raise BadInput("FORCEVIB needs a force; this record has none: treat it as a free decay.")
     x, fs = displacement.samples, displacement.fs
     signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
-    stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer")
+    inner = slice(signal.kernel, -signal.kernel)
+    by_kernel = bool(np.min(signal.omega[inner], initial=np.inf) > _LEAST_FREQUENCY * 2 * np.pi * fs / signal.period)
+    cut = CUT_CYCLES
+    if by_kernel:
+        signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency, by_kernel=True)
+        cut = KERNEL_CYCLES / 2
+    stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer", cut)
     force_noise = max(drive.noise, _LEAST_NOISE * float(np.max(np.abs(drive.samples))))
-    return replace(stretch, ratio=turned_alike(drive.samples, fs, signal), force_noise=force_noise)
+    return replace(stretch, ratio=turned_alike(drive.samples, fs, signal, by_kernel), force_noise=force_noise)
 
 
-def decay_stretch(decay: Signal, low_pass_cycles: float = _SHORT_CYCLES, cut: float = KERNEL_CYCLES / 2) -> Stretch:
+def decay_stretch(decay: Signal, cut: float = KERNEL_CYCLES / 2) -> Stretch:
     """A free decay from as near its beginning as the kernel allows to where it sinks into its noise: FREEVIB's results.
 
     Nothing but the recording is in its values: half a kernel is cut from each end and no more, the Hilbert transform's
     tails do not reach the continuation (``analytic_signal``), and what the laws ask of the ends is extrapolated
     (``with_ends``). Of the noise behind the decay no more is kept than the last values ask for: un-decayed it is the
-    larger part of the recording, and its wandering phase pulls at the whole carrier.
+    larger part of the recording, and its wandering phase pulls at the whole carrier. The last low-pass is the shortest
+    smooth one without transmission at twice the frequency, where the signal itself, in the place of its analytic one,
+    leaves a ripple: Hann's window over a cycle.
 
     Args:
         decay: displacement.
-        low_pass_cycles: length of the kernel of the last low-pass.
         cut: cycles left out at each end.
 
     Raises:
@@ -257,8 +264,10 @@ def decay_stretch(decay: Signal, low_pass_cycles: float = _SHORT_CYCLES, cut: fl
         last = whole.keep.start + int(np.max(np.flatnonzero(whole.clear)))
         part = decay.part(0, min(decay.n, last + int(np.ceil((CUT_CYCLES + 1) * whole.signal.period))))
     signal = analytic_signal(part.samples, decay.fs, frequency=part.frequency, by_kernel=True)
-    stretch = _stretch(signal, part, low_pass_cycles, "FREEVIB", _ADVICE, cut)
-    return replace(stretch, signal=with_ends(signal, decay.fs), noise=whole.noise)
+    stretch = _stretch(signal, part, 1.0, "FREEVIB", _ADVICE, cut)
+    kernel = np.hanning(stretch.low_pass_kernel.size + 2)[1:-1]
+    kernel = kernel / np.sum(kernel)
+    return replace(stretch, signal=with_ends(signal, decay.fs), noise=whole.noise, low_pass_kernel=kernel)
 
 
 def _stretch(

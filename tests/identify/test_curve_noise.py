@@ -45,3 +45,14 @@ def test_neighbours_are_off_to_opposite_sides(stretch: Stretch):
     together = 1 / float((noise.weigh(ones) @ ones.T)[0, 0])
     alone = float(np.mean(stretch.point_variance(*flat, 0.0)[noise.points[noise.used]]))
     assert together < 0.1 * alone / noise.count
+
+
+def test_whitened_values_of_its_own_noise_are_ones(stretch: Stretch):
+    n = stretch.signal.time.size
+    flat = np.full(n, (20 * np.pi) ** 2), np.full(n, 0.8)
+    noise = curve_noise(stretch, np.full(n, -1 + 0j), np.zeros(n), *flat, 0.0)
+    values = np.random.default_rng(2).standard_normal(stretch.clear.size)
+    whitened = noise.whitened(values)
+    # the sum of their squares is the form that least squares make small
+    assert float(whitened @ whitened) == pytest.approx(float(noise.weigh(values[None])[0] @ values), rel=1e-9)
+    assert not np.any(whitened[~noise.used])

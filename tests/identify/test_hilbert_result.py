@@ -16,6 +16,8 @@ from dashpot.identify.static_characteristic import friction_characteristic, spri
 from dashpot.model.backbone import damping_curve
 from dashpot.recording import Recording, read
 
+#: m; below, at 17 times F0/k, the harmonics that a preload makes move the curve from Eq. 6 by a thousandth and more.
+_NEAR_REST = 2e-4
 FREE = ("omega0", "cubic", "preload", "viscous", "dry")
 
 
@@ -62,7 +64,30 @@ def test_the_mass_and_what_follows_from_it(found: HilbertAnalysis):
     assert fit.derived["F0"] == pytest.approx(0.02, rel=5e-3)
 
 
-@pytest.mark.parametrize("level", [10, pytest.param(100, marks=pytest.mark.long)])
+def test_bursts_give_forcevib_what_they_hold(given: list[Recording]):
+    """A stretch begins and ends with the force: the silence after a decay belongs to neither."""
+    analysis = hilbert_analysis(given[:1])
+    fit = analysis.forcevib
+    assert fit is not None
+    assert max(abs(fit.values[name] - TRUTH[name]) / fit.stds[name] for name in fit.values) < 4
+    assert fit.mass == pytest.approx(TRUTH["mass"], rel=5e-3)
+    assert fit.values["omega0"] == pytest.approx(TRUTH["omega0"], rel=2e-4)
+    assert fit.both.misfit < 1.5
+    assert fit.damping.misfit < 1.5
+    assert [curve.stop - curve.start for curve in analysis.of("forcevib")] == pytest.approx([1500] * 4, abs=8)
+    assert not analysis.notes
+
+
+@pytest.mark.parametrize("method", ["freevib", "forcevib"])
+def test_noise_explains_what_the_laws_leave(found: HilbertAnalysis, method: str):
+    fit = getattr(found, method)
+    assert 0.3 < fit.both.misfit < 1.3
+    assert 0.3 < fit.damping.misfit < 1.3
+
+
+@pytest.mark.parametrize(
+    "level", [1, pytest.param(10, marks=pytest.mark.long), pytest.param(100, marks=pytest.mark.long)]
+)
 def test_errors_are_as_large_as_said_at_more_noise(given: list[Recording], level: int):
     z = []
     for seed in range(6):
@@ -76,7 +101,8 @@ def test_errors_are_as_large_as_said_at_more_noise(given: list[Recording], level
         fit = hilbert_analysis(loud).freevib
         assert fit is not None
         z.append([(fit.values[name] - TRUTH[name]) / fit.stds[name] for name in FREE])
-    assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.6
+    # 6 seeds of 5 parameters, which share much: the root mean square is known to a seventh
+    assert 0.6 < np.sqrt(np.mean(np.square(z))) < 1.5
 
 
 def test_each_law_by_itself(found: HilbertAnalysis):
@@ -93,11 +119,13 @@ def test_each_law_by_itself(found: HilbertAnalysis):
 def test_curves_lie_on_the_laws(found: HilbertAnalysis):
     for curve in found.curves:
         a = curve.amplitude
+        above = a > _NEAR_REST
         squared = TRUTH["omega0"] ** 2 + 0.75 * TRUTH["cubic"] * a**2 + 4 * TRUTH["preload"] / (np.pi * a)
-        np.testing.assert_allclose(curve.omega0, np.sqrt(squared), rtol=2e-3)
+        np.testing.assert_allclose(curve.omega0[above], np.sqrt(squared)[above], rtol=1e-3)
         damping = damping_curve(TRUTH["viscous"], TRUTH["dry"], a, curve.omega)
         np.testing.assert_allclose(curve.damping, damping, rtol=0.08)
-        np.testing.assert_allclose(curve.decrement, 2 * np.pi * curve.damping / curve.omega0, rtol=2e-3)
+        damped = np.sqrt(curve.omega0**2 - curve.damping**2)
+        np.testing.assert_allclose(curve.decrement, 2 * np.pi * curve.damping / damped, rtol=1e-9)
 
 
 def test_characteristics_are_forces_and_as_printed_fundamentals(found: HilbertAnalysis):
@@ -110,13 +138,16 @@ def test_characteristics_are_forces_and_as_printed_fundamentals(found: HilbertAn
     assert np.all(spring.force_std > 0)
     a = spring.amplitude
     printed = TRUTH["omega0"] ** 2 * a + 0.75 * TRUTH["cubic"] * a**3 + 4 / np.pi * TRUTH["preload"]
-    np.testing.assert_allclose(spring.literal, TRUTH["mass"] * printed, rtol=1e-3)
+    above = a > _NEAR_REST
+    np.testing.assert_allclose(spring.literal[above], TRUTH["mass"] * printed[above], rtol=1e-3)
     friction = friction_characteristic(curves)
     v = friction.at
     np.testing.assert_allclose(friction.force, TRUTH["viscous"] * v + TRUTH["dry"], rtol=0.01)
     assert not friction.in_newton
     v = friction.amplitude
-    np.testing.assert_allclose(friction.literal, 0.5 * TRUTH["viscous"] * v + 2 / np.pi * TRUTH["dry"], rtol=0.01)
+    above = v > _NEAR_REST * TRUTH["omega0"]
+    printed = 0.5 * TRUTH["viscous"] * v + 2 / np.pi * TRUTH["dry"]
+    np.testing.assert_allclose(friction.literal[above], printed[above], rtol=0.01)
 
 
 def test_responses_from_the_measured_curves(found: HilbertAnalysis):
