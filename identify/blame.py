@@ -6,9 +6,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ..recording.recording import Recording
-from .contradiction import Contradiction, Part, contradiction, covering
+from .contradiction import Contradiction, contradiction, covering
 from .delivered import Fit
 from .faults_found import faults_found
+from .part import Part
 from .part_kinds import kind_of_part
 from .stranger_among import stranger_among
 from .weighed import ABOVE_NOISE
@@ -95,6 +96,6 @@ def _place(part: Part, before: str = "") -> str:
         return ""
     if part.first == 0:
         return f"{before}until {part.end:.4g} s "
-    if part.last == part.of:
+    if part.last == part.span.pieces:
         return f"{before}from {part.begin:.4g} s on "
     return f"{before}from {part.begin:.4g} to {part.end:.4g} s "

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -86,7 +86,11 @@ def faults_found(
         if not asked:
             break
         price = DECISIVE + math.log(count)
-        tried = [_fitted(problem, point, [*found, fault]) for fault in asked]
+        tried = []
+        for slow in (False, True):  # waves are many fits
+            tried += [_fitted(problem, point, [*found, fault]) for fault in asked if fault.slow == slow]
+            if any(_noise_alone(other, where, fit, recordings) for other, where in tried):
+                break
         odds = [concentrated(other, where, start) for other, where in tried]
         top = int(np.argmax(odds))
         if not odds[top] > likelihood + price:
@@ -126,13 +130,18 @@ def _asked(problem: OutputError, state: State, fit: Fit, contradicted: Contradic
     faults = possible(problem.segments, residuals)
     if contradicted is not None:
         part = contradicted.part
-        edges = (part.begin_of_all, part.begin, part.end)
+        edges = (part.span.begin, part.begin, part.end)
         faults = [f for f in faults if f.recording == part.recording and not f.timed]
         faults += [kind(part.recording, edge) for kind in KINDS if kind.timed for edge in edges]
     known = getattr(problem, "faults", ())
     faults = [f for f in faults if not any(type(f) is type(k) and f.recording == k.recording for k in known)]
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
     noise = noise_of(problem.segments, residuals, values, problem.memory)
+    if contradicted is not None:  # what is left in that part is no noise
+        noise = [
+            replace(spectrum, density=np.full(spectrum.density.size, level**2))
+            for spectrum, level in zip(noise, contradicted.levels, strict=True)
+        ]
     gains = expected_gains(problem, state, residuals, noise, faults)
     best: dict[object, tuple[float, Fault]] = {}
     for gain, fault in zip(gains, faults, strict=True):
