@@ -44,7 +44,8 @@ def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]
                 f"at {time:.4g} s the top of a swing is cut off at {top:.4g} {recording.unit}: the sensor or its "
                 "amplifier came to its limit; leave out what reaches it (--part FROM:TO), or measure with more range"
             )
-        if found.part.whole and (step := walk(left[inside])) is not None:
+        long = 2 * np.count_nonzero(inside) >= segment.n
+        if long and (step := walk(left[inside])) is not None:
             size = step * np.sqrt(recording.fs)
             return (
                 f"the sensor's zero walks at random, by {size:.2g} {recording.unit} in a second: it drifts with "
