@@ -10,20 +10,21 @@ else goes as far or is driven as hard: that is told apart where recordings overl
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..recording.recording import Recording
-from .data import expected_noise
+from .data import equivalent_resonance, expected_noise
 from .delivered import Fit
 from .excitation import band_of
 from .fitted_problem import fitted_problem
 from .output_error import OutputError, State
 from .part import Part
+from .segments import Segment
 from .signals import noise_levels
-from .without_part import first_confirmed, is_noise, parts_to_blame
+from .without_part import Level, first_confirmed, is_noise, parts_to_blame
 
 #: A part is tried where one step without it leaves this part of what is more than noise: a large lie is no small step.
 _PROMISING = 0.1
@@ -68,9 +69,10 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     if not problem.free or not all(bool(np.all(np.isfinite(r))) for r in residuals):
         return None
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
-    levels = [expected_noise(s, values, *noise_levels(recordings[s.recording])) for s in problem.segments]
-    squares = np.array([np.sum((r / level) ** 2) for r, level in zip(residuals, levels, strict=True)])
-    if is_noise(squares, np.array([segment.n for segment in problem.segments])):
+    levels = [_level(segment, values, recordings) for segment in problem.segments]
+    squares = np.array([np.mean((r / level.size) ** 2) for r, level in zip(residuals, levels, strict=True)])
+    worth = np.array([level.worth * segment.n for segment, level in zip(problem.segments, levels, strict=True)])
+    if is_noise(squares, worth):
         return None
     parts = parts_to_blame(problem, state, levels, _PROMISING)
     first = first_confirmed(problem, state, levels, parts)
@@ -90,8 +92,18 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
         _reached(problem, left, part, recordings),
         without,
         left,
-        tuple(levels),
+        tuple(level.size for level in levels),
     )
+
+
+def _level(segment: Segment, values: Mapping[str, float], recordings: Sequence[Recording]) -> Level:
+    """What noise leaves of a segment; its lines are independent, each as large as the spectrum says."""
+    sensor, force = noise_levels(recordings[segment.recording])
+    size = expected_noise(segment, values, sensor, force)
+    if segment.force is None or not force > 0:
+        return Level(size, 1.0)
+    density = sensor**2 + (force / values["mass"]) ** 2 * equivalent_resonance(segment, values)
+    return Level(size, float(np.mean(density) ** 2 / np.mean(density**2)))
 
 
 def covering(fit: Fit, found: Contradiction) -> Fit:

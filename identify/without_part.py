@@ -23,12 +23,28 @@ _HALVED = 0.5
 _LONGER = 1.25
 
 
-def is_noise(squares: np.ndarray, samples: np.ndarray) -> bool:
-    """Whether sums of squares (s,) over the noise's are those of noise, whose level is an estimate itself."""
-    return bool(np.all(squares <= ABOVE_NOISE**2 * samples + 2.0 * DECISIVE))
+@dataclass(frozen=True)
+class Level:
+    """What noise leaves of a segment: its rms, and how many independent values each sample is worth.
+
+    Noise of the force rings in the resonance: in a record of some hundred cycles it takes a few values only.
+    """
+
+    size: float
+    worth: float
 
 
-def parts_to_blame(problem: OutputError, state: State, levels: Sequence[float], promising: float = 0.0) -> list[Part]:
+def is_noise(squares: np.ndarray, worth: np.ndarray) -> bool:
+    """Whether means of squares (s,) over the noise's are those of so many independent values (s,) of noise.
+
+    The level is an estimate itself, good to a tenth; beyond that chance has its part: a chi-squared variable passes
+    this limit less often than the odds say (Laurent and Massart 2000, lemma 1).
+    """
+    chance = 1.0 + 2.0 * np.sqrt(DECISIVE / worth) + 2.0 * DECISIVE / worth
+    return bool(np.all(squares <= ABOVE_NOISE**2 * chance))
+
+
+def parts_to_blame(problem: OutputError, state: State, levels: Sequence[Level], promising: float = 0.0) -> list[Part]:
     """Parts without which the linearised model leaves no more than noise, the shortest first.
 
     Args:
@@ -40,6 +56,7 @@ def parts_to_blame(problem: OutputError, state: State, levels: Sequence[float], 
     rows = _rows(problem, state, levels)
     whole = _reduced([row @ row.T for row in rows], [row.shape[1] for row in rows], problem.shared)
     enough = promising * _excess(whole.squares_of(rows), whole.samples)
+    worth = np.array([level.worth for level in levels])
     found = []
     for span in spans_of(problem.segments):
         own = np.array([segment.recording == span.recording for segment in problem.segments])
@@ -49,6 +66,7 @@ def parts_to_blame(problem: OutputError, state: State, levels: Sequence[float], 
             cut.append([(piece @ piece.T, piece.shape[1]) for piece in np.split(rows[i], edges, axis=1)])
         for part in parts_of(span):
             kept = [[piece for at, piece in enumerate(pieces) if not part.first <= at < part.last] for pieces in cut]
+            full = np.array([any(n for _, n in pieces) for pieces in kept])
             kept = [pieces for pieces in kept if any(n for _, n in pieces)]
             grams = [np.sum([gram for gram, _ in pieces], axis=0) for pieces in kept]
             samples = [sum(n for _, n in pieces) for pieces in kept]
@@ -56,14 +74,15 @@ def parts_to_blame(problem: OutputError, state: State, levels: Sequence[float], 
                 continue
             both = rest.joined(_reduced(grams, samples, problem.shared)) if samples else rest
             left = both.left(both.step())
-            if is_noise(left, both.samples) or _excess(left, both.samples) < enough:
+            used = np.concatenate([worth[~own], worth[own][full]]) * both.samples
+            if is_noise(left / both.samples, used) or _excess(left, both.samples) < enough:
                 found.append((int(whole.samples.sum() - both.samples.sum()), part))
     found.sort(key=lambda pair: pair[0])
     return [part for _, part in found]
 
 
 def first_confirmed(
-    problem: OutputError, state: State, levels: Sequence[float], parts: Sequence[Part]
+    problem: OutputError, state: State, levels: Sequence[Level], parts: Sequence[Part]
 ) -> tuple[Part, State] | None:
     """The first of some parts without which a search leaves no more than noise, and where that comes to.
 
@@ -129,11 +148,20 @@ def _reduced(grams: Sequence[np.ndarray], samples: Sequence[int] | np.ndarray, k
     return _Reduced(made[:, :k, :k], made[:, :k, k], made[:, k, k], np.array(samples))
 
 
-def _rows(problem: OutputError, state: State, levels: Sequence[float]) -> list[np.ndarray]:
+def _rows(problem: OutputError, state: State, levels: Sequence[Level]) -> list[np.ndarray]:
     """Of each segment derivatives and residual in units of its noise: (shared + states + 1, n)."""
     residuals = problem.residuals(state)
     derivatives = problem.derivatives(state, residuals)
-    return [np.vstack([d, r]) / v for d, r, v in zip(derivatives, residuals, levels, strict=True)]
+    return [np.vstack([d, r]) / v.size for d, r, v in zip(derivatives, residuals, levels, strict=True)]
+
+
+def _shows_more(rows: Sequence[np.ndarray], levels: Sequence[Level], kept: Sequence[np.ndarray]) -> bool:
+    """Whether more than noise is left in the samples that are not kept."""
+    return any(
+        not is_noise(np.mean(row[-1][~mask] ** 2, keepdims=True), np.array([level.worth * np.count_nonzero(~mask)]))
+        for row, level, mask in zip(rows, levels, kept, strict=True)
+        if not np.all(mask)
+    )
 
 
 def _excess(squares: np.ndarray, samples: np.ndarray) -> float:
@@ -141,12 +169,13 @@ def _excess(squares: np.ndarray, samples: np.ndarray) -> float:
     return float(np.max(squares / samples)) - 1.0
 
 
-def _searched(problem: OutputError, state: State, levels: Sequence[float], part: Part) -> State | None:
+def _searched(problem: OutputError, state: State, levels: Sequence[Level], part: Part) -> State | None:
     """Where a search without that part comes to, if it leaves no more than noise in the rest; else None."""
     k, free = problem.shared, list(problem.free)
     kept = [~part.holds(segment) for segment in problem.segments]
     used = [i for i, mask in enumerate(kept) if np.any(mask)]
     samples = np.array([np.count_nonzero(kept[i]) for i in used])
+    worth = np.array([levels[i].worth for i in used]) * samples
     before = math.inf
     for taken in range(_STEPS):
         rows = _rows(problem, state, levels)
@@ -154,9 +183,9 @@ def _searched(problem: OutputError, state: State, levels: Sequence[float], part:
             return None
         rest = [rows[i][:, kept[i]] for i in used]
         squares = _Reduced.squares_of(rest)
-        noise, now = is_noise(squares, samples), _excess(squares, samples)
+        noise, now = is_noise(squares / samples, worth), _excess(squares, samples)
         if taken >= _FEWEST_STEPS and (noise or now > _HALVED * before):
-            return state if noise else None
+            return state if noise and _shows_more(rows, levels, kept) else None
         before = now
         grams = [row @ row.T for row in rest]
         step = _reduced(grams, samples, k).step()

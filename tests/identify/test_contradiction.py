@@ -1,4 +1,4 @@
-"""The part of the recordings that all the rest contradicts: where it is, what it costs, and when nothing is to blame."""
+"""The part of the recordings that all the rest contradicts: where it is, what it costs, when nothing is to blame."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import pytest
 from dashpot.examples.lies import STANDS, Lie, force_gain, response_gain, told
 from dashpot.identify.contradiction import contradiction, covering
 from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.without_part import is_noise
 from dashpot.model import Oscillator
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
@@ -68,3 +69,12 @@ def test_where_physics_is_missing_nothing_is_to_blame():
     fit, recordings = fitted(None, cubic=0.0)
     assert max(s.over_noise for s in fit.segments) > 10.0
     assert contradiction(fit, recordings) is None
+
+
+def test_few_independent_values_of_noise_may_be_large_by_chance():
+    large = np.array([1.5**2])
+    assert is_noise(large, np.array([20.0]))
+    assert not is_noise(large, np.array([1000.0]))
+    # of a thousand records of noise less than one is beyond, at the level that is known to a tenth
+    draws = np.mean(np.random.default_rng(0).standard_normal((1000, 20)) ** 2, axis=1)
+    assert sum(not is_noise(np.array([draw]), np.array([20.0])) for draw in draws) <= 1
