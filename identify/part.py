@@ -65,8 +65,11 @@ class Part:
         return (piece >= self.first) & (piece < self.last)
 
     def apart_from(self, other: Part) -> bool:
-        """Whether two parts have nothing in common."""
-        return self.recording != other.recording or self.last <= other.first or other.last <= self.first
+        """Whether two parts have nothing in common but the one piece within which the one ends and the other begins."""
+        if self.recording != other.recording:
+            return True
+        shared = min(self.last, other.last) - max(self.first, other.first)
+        return shared <= (1 if min(self.last - self.first, other.last - other.first) > 1 else 0)
 
     def _edge(self, piece: int) -> float:
         return self.span.begin + piece / self.span.pieces * (self.span.end - self.span.begin)

@@ -53,12 +53,14 @@ def test_errors_cover_what_a_lie_does_to_the_parameters():
     np.testing.assert_allclose(np.sqrt(np.diag(wider.covariance)), errors)
 
 
-def test_two_parts_of_which_either_may_be_right_are_both_told():
-    fit, recordings = fitted(Lie("", "gain", 1, response_gain(0.8, 0.5)), slice(1, 2))
+@pytest.mark.parametrize("since", [0.5, 0.48], ids=["between pieces", "within a piece"])
+def test_two_parts_of_which_either_may_be_right_are_both_told(since):
+    fit, recordings = fitted(Lie("", "gain", 1, response_gain(0.9, since)), slice(1, 2))
     found = contradiction(fit, recordings)
     assert found.other is not None
     assert found.part.apart_from(found.other)
     assert len(found.shifts) == 2
+    assert most_off(covering(fit, found)) < 3.0
 
 
 def test_honest_recordings_do_not_contradict_each_other():
