@@ -81,7 +81,8 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     # seen from there, where nothing is far off any more, the part has its true length
     nearer = [part for part in parts_to_blame(problem, first[1], levels) if not part.apart_from(first[0])]
     part, without = first_confirmed(problem, first[1], levels, nearer) or first
-    second = first_confirmed(problem, state, levels, [other for other in parts if other.apart_from(part)])
+    apart = [other for other in parts if other.apart_from(part)]
+    second = first_confirmed(problem, state, levels, part.other_side) or first_confirmed(problem, state, levels, apart)
     places = list(problem.free)
     points = [without] if second is None else [without, second[1]]
     left = problem.residuals(without)

@@ -71,6 +71,15 @@ class Part:
         shared = min(self.last, other.last) - max(self.first, other.first)
         return shared <= (1 if min(self.last - self.first, other.last - other.first) > 1 else 0)
 
+    @property
+    def other_side(self) -> list[Part]:
+        """What is left of its recording where that is all before it or all behind, with the piece between the two."""
+        if self.whole or self.last - self.first == 1:
+            return []
+        if self.first == 0:
+            return [Part(self.span, self.last - 1, self.span.pieces)]
+        return [Part(self.span, 0, self.first + 1)] if self.last == self.span.pieces else []
+
     def _edge(self, piece: int) -> float:
         return self.span.begin + piece / self.span.pieces * (self.span.end - self.span.begin)
 
