@@ -154,7 +154,8 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
 @click.option(
     "--faults",
     is_flag=True,
-    help="Where more than noise is left, ask what the measuring chain did to a recording: gains, delays, hum, zeros.",
+    help="Ask what the measuring chain did to a recording (gains, delays, hum, zeros, clocks) where more than noise is "
+    "left and the recordings do not contradict each other too, where it is asked anyway.",
 )
 @click.option(
     "--max-left",
@@ -184,7 +185,7 @@ def identify(
     """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
 
     The model is written whatever it leaves. Exit code 1 where it is good for nothing but a start, where --max-left is
-    exceeded or where --faults found one.
+    exceeded or where the measuring chain has done something to a recording.
     """
     from .export import SUFFIXES
     from .identify import identify as find
@@ -231,7 +232,7 @@ def identify(
     else:
         click.echo(describe(identification.oscillator))
     say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
-    if left_over(identification.oscillator) and not faults:
+    if left_over(identification.oscillator) and not (faults or identification.faults):
         say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
     for sentence in faults_of_recordings(identification.oscillator):
         say(sentence, always=True)

@@ -30,9 +30,10 @@ class Fault(ABC):
     #: How many sizes it has, and whether the motion itself depends on them or only what is shown of it.
     count = 1
     moves = False
-    #: Whether ``place`` is a time, or a frequency; whether it is a fault of the force's channel.
+    #: Whether ``place`` is a time, or a frequency, or one of a few cycles a record; whether the force's channel has it.
     timed = False
     tonal = False
+    slow = False
     forced = False
 
     @abstractmethod
@@ -58,7 +59,7 @@ class ResponseGain(Fault):
     timed = True
 
     def _factor(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
-        return np.where(_times(segment) < self.place, 1.0, 1.0 + sizes[0])
+        return np.where(times_of(segment) < self.place, 1.0, 1.0 + sizes[0])
 
     def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
         """See ``Fault``."""
@@ -82,7 +83,7 @@ class ForceGain(Fault):
         """See ``Fault``."""
         if segment.force is None:
             return segment
-        factor = np.where(_times(segment) < self.place, 1.0, 1.0 / max(1.0 + sizes[0], 1e-3))
+        factor = np.where(times_of(segment) < self.place, 1.0, 1.0 / max(1.0 + sizes[0], 1e-3))
         return replace(segment, force=_times_over(segment.force, factor, segment.dt))
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
@@ -99,7 +100,7 @@ class Late(Fault):
         """See ``Fault``: the force of as much earlier has driven what the response shows."""
         if segment.force is None:
             return segment
-        return replace(segment, force=_later(segment.force, float(sizes[0]), segment.dt))
+        return replace(segment, force=moved_in_time(segment.force, float(sizes[0]), segment.dt))
 
     def scale(self, segment: Segment) -> float:
         """See ``Fault``; in seconds."""
@@ -110,7 +111,7 @@ class Late(Fault):
         ms, error = 1e3 * sizes[0], 1e3 * errors[0]
         way = "late" if ms > 0 else "early"
         return (
-            f"the response comes {_with_error(abs(ms), error)} ms too {way} for its force: the two channels are not in "
+            f"the response comes {with_error(abs(ms), error)} ms too {way} for its force: the two channels are not in "
             "step (or the drive lags); record them on one clock, or shift one in the file"
         )
 
@@ -135,7 +136,7 @@ class Clock(Fault):
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         way = "faster" if sizes[0] > 0 else "slower"
-        share = _with_error(100 * abs(sizes[0]), 100 * errors[0])
+        share = with_error(100 * abs(sizes[0]), 100 * errors[0])
         return (
             f"everything in it goes {share} % {way} than in the other recordings: its clock or its sampling rate is "
             "wrong, or the rig was changed between (its spring by twice as much); state the rate with --fs, or leave "
@@ -171,7 +172,7 @@ class Hum(Added):
 
     def added(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
         """See ``Added``."""
-        return _tone(_times(segment), self.place, sizes)
+        return tone(times_of(segment), self.place, sizes)
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
@@ -218,7 +219,7 @@ class ZeroStep(Added):
 
     def added(self, segment: Segment, sizes: np.ndarray) -> np.ndarray:
         """See ``Added``."""
-        return np.where(_times(segment) < self.place, 0.0, sizes[0])
+        return np.where(times_of(segment) < self.place, 0.0, sizes[0])
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
@@ -228,7 +229,7 @@ class ZeroStep(Added):
         )
 
 
-def _times(segment: Segment) -> np.ndarray:
+def times_of(segment: Segment) -> np.ndarray:
     """(n,) s."""
     return segment.time + np.arange(segment.n) * segment.dt
 
@@ -238,18 +239,20 @@ def _piece_times(segment: Segment, force: Force) -> np.ndarray:
     return segment.time + np.arange(len(force.pieces)) * segment.dt / force.fine
 
 
-def _tone(times: np.ndarray, hertz: float, sizes: np.ndarray) -> np.ndarray:
+def tone(times: np.ndarray, hertz: float, sizes: np.ndarray) -> np.ndarray:
+    """A line of some Hz at times: its sine and its cosine."""
     turn = 2 * np.pi * hertz * times
     return sizes[0] * np.sin(turn) + sizes[1] * np.cos(turn)
 
 
-def _later(force: Force, by: float, dt: float) -> Force:
-    """The force that runs ``by`` s later: each piece has the values and slopes of the old at its ends (Hermite).
+def moved_in_time(force: Force, by: float | np.ndarray, dt: float) -> Force:
+    """The force that runs ``by`` s later, () or (pieces + 1,) at the ends of its pieces.
 
-    Beyond its ends it stays where it is.
+    Each piece has the values and slopes of the old at its ends (Hermite); beyond its ends it stays where it is.
     """
     short, count = dt / force.fine, len(force.pieces)
     at = np.arange(count + 1) - by / short
+    rate = np.gradient(at)
     piece = np.clip(np.floor(at), 0, count - 1).astype(int)
     into = np.clip(at - piece, 0.0, 1.0) * short
     inside = (at >= 0) & (at <= count)
@@ -259,7 +262,7 @@ def _later(force: Force, by: float, dt: float) -> Force:
         pieces = np.zeros_like(force.pieces)
         pieces[:, 0] = value[:-1]
         return replace(force, pieces=pieces)
-    slope = np.where(inside, c[:, 1] + into * (2.0 * c[:, 2] + 3.0 * into * c[:, 3]), 0.0)
+    slope = np.where(inside, rate * (c[:, 1] + into * (2.0 * c[:, 2] + 3.0 * into * c[:, 3])), 0.0)
     rise, first, last = np.diff(value), slope[:-1], slope[1:]
     second = (3.0 * rise / short - 2.0 * first - last) / short
     third = (first + last - 2.0 * rise / short) / short**2
@@ -278,15 +281,12 @@ def _times_over(force: Force, factor: np.ndarray, dt: float) -> Force:
 
 def _gain_told(channel: str, place: float, sizes: np.ndarray, errors: np.ndarray) -> str:
     return (
-        f"from {place:.4g} s on the {channel} counts {_with_error(1.0 + sizes[0], errors[0])} times what it should: "
+        f"from {place:.4g} s on the {channel} counts {with_error(1.0 + sizes[0], errors[0])} times what it should: "
         "the gain or range of its channel was changed; use the parts before and after as recordings of their own "
         "(--part FROM:TO)"
     )
 
 
-def _with_error(value: float, error: float) -> str:
+def with_error(value: float, error: float) -> str:
+    """Both in words."""
     return f"{value:.4g} ± {error:.2g}"
-
-
-#: All kinds.
-KINDS: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock, Hum, ForceHum, ZeroStep)

@@ -6,17 +6,23 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from .fault import KINDS, Fault
+from .fault import Clock, Fault, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
 from .faulty_fit import FaultyFit
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse
 from .output_error import OutputError, State
 from .segments import Segment
+from .wavering import Wavering
+
+#: All kinds.
+KINDS: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock, Hum, ForceHum, ZeroStep, Wavering)
 
 #: Times at which a fault that begins somewhere is looked for, in each recording; from the best one the search goes on.
 TIMES = 24
 #: Lines of what is left that are looked at, in each recording.
 _LINES = 3
+#: Cycles in a record up to which a clock is asked whether it wavers so often.
+_WAVES = 6
 #: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
 _OWN = 1e-8
 
@@ -34,7 +40,8 @@ def possible(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> li
         own = [(s, r) for s, r in zip(segments, residuals, strict=True) if s.recording == recording]
         first, last = own[0][0], own[-1][0]
         # also from the beginning on: the whole recording may have another gain than the others
-        times = first.time + np.linspace(0.0, last.time + last.n * last.dt - first.time, TIMES, endpoint=False)
+        span = last.time + last.n * last.dt - first.time
+        times = first.time + np.linspace(0.0, span, TIMES, endpoint=False)
         driven = any(segment.force is not None for segment, _ in own)
         longest = max(own, key=lambda pair: pair[0].n)
         for kind in KINDS:
@@ -42,6 +49,8 @@ def possible(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> li
                 continue
             if kind.timed:
                 faults += [kind(recording, float(time)) for time in times]
+            elif kind.slow:
+                faults += [kind(recording, waves / span) for waves in range(1, _WAVES + 1)]
             elif kind.tonal:
                 faults += [kind(recording, hertz) for hertz in lines(longest[1], longest[0].dt)]
             elif len(recordings) > 1 or kind.forced:  # the clock of a single recording is the only one

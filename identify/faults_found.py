@@ -9,24 +9,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import BadInput
 from ..recording.recording import Recording
-from .data import data_of, noise_of
+from .contradiction import Contradiction
+from .data import noise_of
 from .delivered import Fit
 from .fault import Fault, ForceHum, Hum, Late
-from .fault_score import expected_gains, possible
+from .fault_score import KINDS, expected_gains, possible
 from .faulty_fit import FaultyFit
+from .fitted_problem import fitted_problem
 from .from_prediction import from_prediction, keeps_step, simulates
 from .normal_equations import pseudo_inverse
 from .odds import BEYOND_ERRORS, DECISIVE
-from .offset import Offset
 from .output_error import OutputError, State
 from .prediction import FREE
-from .structure import Structure
 from .weighed import ABOVE_NOISE, concentrated, over_noise
 
 #: Rounds of a search for sizes and place in turn, and steps in each.
@@ -63,24 +63,34 @@ class FoundFault:
         return any(abs(s) > BEYOND_ERRORS * e for s, e in zip(self.sizes, self.errors, strict=True))
 
 
-def faults_found(fit: Fit, recordings: Sequence[Recording]) -> tuple[FoundFault, ...]:
+def faults_found(
+    fit: Fit, recordings: Sequence[Recording], known: Contradiction | None = None
+) -> tuple[FoundFault, ...]:
     """The faults of recordings that explain what a fit leaves; none where they do not explain it to the noise.
 
     Args:
         fit: of these recordings.
         recordings: as they were fitted.
+        known: the part of them that the rest contradicts, where there is one: the search begins at what the rest says,
+            and looks for faults of that part's recording that begin or end with it.
     """
-    problem, state = _as_fitted(fit, recordings)
+    problem, state = fitted_problem(fit, recordings)
     start = fit.oscillator
     found: list[Fault] = []
     best, point, gains = problem, state, []
     likelihood = concentrated(problem, state, start)
+    if known is not None:
+        point = known.state
     while len(found) < max(2, len(recordings)):
-        asked, count = _asked(best, point, fit)
+        asked, count = _asked(best, point, fit, known)
         if not asked:
             break
         price = DECISIVE + math.log(count)
-        tried = [_fitted(problem, point, [*found, fault]) for fault in asked]
+        tried = []
+        for slow in (False, True):  # waves are many fits
+            tried += [_fitted(problem, point, [*found, fault]) for fault in asked if fault.slow == slow]
+            if any(_noise_alone(other, where, fit, recordings) for other, where in tried):
+                break
         odds = [concentrated(other, where, start) for other, where in tried]
         top = int(np.argmax(odds))
         if not odds[top] > likelihood + price:
@@ -105,32 +115,11 @@ def _is_one_cause(told: Sequence[FoundFault]) -> bool:
     return len(told) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
 
 
-def _as_fitted(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, State]:
-    """The problem whose answer a fit is, simulated as coarsely as models are compared, and its state."""
-    model = fit.oscillator
-    data = data_of(recordings, model, coarse=True)
-    fixed = [name for name in model.parameters() if name not in fit.names]
-    spread = [1e-2 * float(np.std(recording.response)) for recording in recordings]
-    offsets = []
-    for found in fit.offsets:
-        recording = recordings[found.recording]
-        size = spread[found.recording]
-        if found.channel == "force":
-            size = 1e-2 * float(np.std(recording.force if recording.force is not None else 0.0))
-        elif found.channel == "drift":
-            size /= recording.duration
-        offsets.append(Offset(found.recording, found.channel, size, middle=found.middle))
-    structure = Structure(model, data, fixed, offsets)
-    problem = structure.problem.over([s.segment for s in fit.segments]).coarsely()
-    values = np.array(list(model.values().values()))
-    initial = np.array([s.initial for s in fit.segments])
-    return problem, State(values, initial, np.array([found.value for found in fit.offsets]))
-
-
-def _asked(problem: OutputError, state: State, fit: Fit) -> tuple[list[Fault], int]:
+def _asked(problem: OutputError, state: State, fit: Fit, contradicted: Contradiction | None) -> tuple[list[Fault], int]:
     """Of each kind the fault whose score promises most, where that is decisive; how many there were to choose from.
 
-    The score says where; how much a kind gains only its own fit says, for a large fault is no small step.
+    The score says where; how much a kind gains only its own fit says, for a large fault is no small step. Of a wave
+    it says neither: of waves of several lengths it takes the longest for the likeliest.
     """
     residuals = problem.residuals(state)
     if not keeps_step(problem.segments, residuals):
@@ -139,15 +128,26 @@ def _asked(problem: OutputError, state: State, fit: Fit) -> tuple[list[Fault], i
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return [], 0
     faults = possible(problem.segments, residuals)
+    if contradicted is not None:
+        part = contradicted.part
+        edges = (part.span.begin, part.begin, part.end)
+        faults = [f for f in faults if f.recording == part.recording and not f.timed]
+        faults += [kind(part.recording, edge) for kind in KINDS if kind.timed for edge in edges]
     known = getattr(problem, "faults", ())
     faults = [f for f in faults if not any(type(f) is type(k) and f.recording == k.recording for k in known)]
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
     noise = noise_of(problem.segments, residuals, values, problem.memory)
+    if contradicted is not None:  # what is left in that part is no noise
+        noise = [
+            replace(spectrum, density=np.full(spectrum.density.size, level**2))
+            for spectrum, level in zip(noise, contradicted.levels, strict=True)
+        ]
     gains = expected_gains(problem, state, residuals, noise, faults)
-    best: dict[type[Fault], tuple[float, Fault]] = {}
+    best: dict[object, tuple[float, Fault]] = {}
     for gain, fault in zip(gains, faults, strict=True):
-        if gain > best.get(type(fault), (0.0,))[0]:
-            best[type(fault)] = (float(gain), fault)
+        kind = (type(fault), fault.place) if fault.slow else type(fault)
+        if gain > best.get(kind, (0.0,))[0]:
+            best[kind] = (float(gain), fault)
     price = DECISIVE + math.log(max(len(faults), 1))
     asked = sorted(((g, f) for g, f in best.values() if g > price), key=lambda pair: -pair[0])
     return [fault for _, fault in asked], len(faults)

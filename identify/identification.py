@@ -23,11 +23,11 @@ from ..recording.checks import reversed_force
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
+from .blame import blame
 from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
 from .delivered import Fit
 from .excitation import kind_of
-from .faults_found import faults_found
 from .further_laws import with_laws
 from .hilbert_result import HilbertAnalysis, hilbert_analysis
 from .hold import held_as, with_hold
@@ -37,9 +37,7 @@ from .prediction import FREE
 from .provenance import with_provenance
 from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
-from .stranger_among import stranger_among
 from .structure import shapes_of
-from .weighed import ABOVE_NOISE
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
@@ -58,7 +56,8 @@ class Identification:
         recordings: what was identified from.
         notes: one sentence each on what a user should know.
         faults: one sentence each on what the measuring chain did to a recording, or that it is of another rig, where
-            that was asked for and explains what the model leaves; the parameters are those of the recordings as given.
+            that explains what the model leaves; the parameters are those of the recordings as given, with errors that
+            cover it.
     """
 
     oscillator: Oscillator
@@ -117,8 +116,8 @@ def identify(
         band: in which one of several modes was isolated in them, for the model file; see ``modes``.
         doubted: whether what predictions say otherwise goes into the standard errors; see ``maximum_likelihood``.
         near: whether ``start`` was found from these very recordings; see there.
-        faults: whether to ask what the measuring chain may have done to the recordings, by several fits more; see
-            ``faults_found``.
+        faults: whether to ask what the measuring chain may have done to the recordings, by several fits more, where
+            they do not contradict each other too; see ``blame``.
         progress: called with one line per step.
 
     Raises:
@@ -160,13 +159,11 @@ def identify(
     fit = answer(recordings, None, doubted=doubted)
     fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
     told: dict[int, str] = {}
-    if faults:
-        progress("what the measuring chain may have done")
-        told = {found.fault.recording: found.words for found in faults_found(fit, recordings)}
-        plain = not (told or effects or fixed or start)
-        more = max(s.over_noise for s in fit.segments) > ABOVE_NOISE
-        if plain and more and (odd := stranger_among(recordings, _alone)):
-            told[odd[0]] = odd[1]
+    if doubted or faults:
+        progress("whether the recordings contradict each other")
+        strange = None if effects or fixed or start else _alone
+        found = blame(fit, recordings, asked=faults, alone=strange)
+        fit, told, chain = found.fit, found.faults, (*chain, *found.notes)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band, faults=told)
     return Identification(

@@ -129,14 +129,14 @@ def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> Noise
     floor = max(float(np.mean(periodogram)) * 1e-9, np.finfo(float).tiny)
     shape, share = np.full(periodogram.size, max(float(np.mean(periodogram)), floor)), 0.0
     if resonance is not None:
-        sensor, force = _two_sources(periodogram, resonance)
+        sensor, force = two_sources(periodogram, resonance)
         shape, share = np.maximum(sensor + force, floor), force / np.maximum(sensor + force, floor)
     half_width = max(8, round(n**0.3))
     correction = ndimage.uniform_filter1d(periodogram / shape, 2 * half_width + 1, mode="mirror")
     return NoiseSpectrum(np.maximum(shape * correction, floor), n, share)
 
 
-def _two_sources(periodogram: np.ndarray, resonance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def two_sources(periodogram: np.ndarray, resonance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """``a`` and ``b resonance`` whose sum makes the periodogram most likely; a and b stay positive.
 
     Minimises sum(log S + I / S) by Fisher scoring; where that would leave the positive values, by halving.

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.identify.fault import KINDS, Clock, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
+from dashpot.identify.fault import Clock, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
+from dashpot.identify.fault_score import KINDS
 from dashpot.identify.segments import Segment
 from dashpot.simulate.force import force_between
 

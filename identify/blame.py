@@ -1,0 +1,101 @@
+"""What is told where a model leaves more than noise: which part of which recording is to blame, and of which fault."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ..recording.recording import Recording
+from .contradiction import Contradiction, contradiction, covering
+from .delivered import Fit
+from .faults_found import faults_found
+from .part import Part
+from .part_kinds import kind_of_part
+from .stranger_among import stranger_among
+from .weighed import ABOVE_NOISE
+
+
+@dataclass(frozen=True, eq=False)
+class Blame:
+    """What recordings that contradict each other are told of.
+
+    Attributes:
+        fit: with errors that cover what the part to blame may have done to the parameters.
+        faults: by the recordings' places, what the measuring chain did.
+        notes: one sentence each on what may be a fault or the rig's own.
+    """
+
+    fit: Fit
+    faults: dict[int, str]
+    notes: tuple[str, ...]
+
+
+def blame(
+    fit: Fit, recordings: Sequence[Recording], *, asked: bool, alone: Callable[[Sequence[Recording]], Fit] | None
+) -> Blame:
+    """Who is to blame for what a fit leaves.
+
+    Faults cost several fits. So their kinds are asked for where a part of the recordings is contradicted by all the
+    rest, which the normal equations tell; or where a user asks.
+
+    Args:
+        fit: of these recordings.
+        recordings: as they were fitted.
+        asked: whether kinds of faults are asked for in any case.
+        alone: the fit of some of them from starts of their own; None where one may not be of another rig.
+    """
+    if not max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
+        return Blame(fit, {}, ())
+    found = contradiction(fit, recordings)
+    if found is None and not asked:
+        return Blame(fit, {}, ())
+    told = {fault.fault.recording: fault.words for fault in faults_found(fit, recordings, found)}
+    if not told and found is not None and (kind := kind_of_part(found, fit, recordings)) is not None:
+        told[found.part.recording] = kind
+    if not told and alone is not None and (odd := stranger_among(recordings, alone)) is not None:
+        told[odd[0]] = odd[1]
+    if found is None:
+        return Blame(fit, told, ())
+    fit = covering(fit, found)
+    if told:
+        return Blame(fit, told, ())
+    words = in_words(found, recordings)
+    name = found.part.recording
+    return Blame(fit, {name: words}, ()) if found.reached else Blame(fit, {}, (f"{recordings[name].name}: {words}",))
+
+
+def in_words(found: Contradiction, recordings: Sequence[Recording]) -> str:
+    """What is contradicted, where, and what may be the cause: a sentence of the part's recording."""
+    part, other = found.part, found.other
+    if other is None:
+        rest = "all other recordings agree with" if part.whole else "all the rest agrees with"
+        words = f"{_place(part)}it does not agree with the one model that {rest} to the noise"
+    elif other.recording == part.recording:
+        earlier, later = sorted((part, other), key=lambda p: p.begin)
+        words = f"what it shows {_place(earlier)}and what it shows {_place(later)}contradict each other"
+    else:
+        words = (
+            f"{_place(part)}it contradicts {recordings[other.recording].name}{_place(other, ' ').rstrip()}, and the "
+            "rest agrees with either"
+        )
+    if found.reached:
+        return (
+            f"{words}; the rest moves as far and is driven as hard, so no lack of physics does that: the measuring "
+            "chain or the rig changed; look there, and use what is sound (--part FROM:TO)"
+        )
+    return (
+        f"{words}; nothing else moves as far or is driven as hard, so either the measuring chain or the rig changed, "
+        "or physics is missing that shows there alone (dashpot diagnose asks for it); the standard errors cover what "
+        "it does to the parameters"
+    )
+
+
+def _place(part: Part, before: str = "") -> str:
+    """Where a part lies, with a blank behind it; nothing where it is all of its recording."""
+    if part.whole:
+        return ""
+    if part.first == 0:
+        return f"{before}until {part.end:.4g} s "
+    if part.last == part.span.pieces:
+        return f"{before}from {part.begin:.4g} s on "
+    return f"{before}from {part.begin:.4g} to {part.end:.4g} s "

@@ -1,0 +1,95 @@
+"""What a part of a recording that all the rest contradicts looks like: a sensor's walk, a swing whose top is cut off.
+
+No size of these is fitted: it is asked of what is left there, by the model that the rest agrees with.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..recording.recording import Recording
+from .contradiction import Contradiction
+from .delivered import Fit
+from .noise_spectrum import two_sources
+from .odds import BEYOND_ERRORS
+from .segments import Segment
+from .signals import noise_levels
+
+#: Cumulated periodogram: white noise is farther from a straight line, in errors, once in a thousand (Bartlett 1955).
+_CUMULATED = 1.95
+#: Equal samples at the top of a swing that no noise makes; two are common (``recording.clipping``).
+_FLAT = 3
+
+
+def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]) -> str | None:
+    """What the part shows, in words; None where it is neither.
+
+    Args:
+        found: of the fit.
+        fit: of the recordings.
+        recordings: as they were fitted.
+    """
+    if found.other is not None:
+        return None
+    recording = recordings[found.part.recording]
+    for fitted, left in zip(fit.segments, found.left, strict=True):
+        segment, inside = fitted.segment, found.part.holds(fitted.segment)
+        if np.count_nonzero(inside) < _FLAT:
+            continue
+        if (cut := cut_off(segment, left, inside, noise_levels(recording)[0])) is not None:
+            top, time = cut
+            return (
+                f"at {time:.4g} s the top of a swing is cut off at {top:.4g} {recording.unit}: the sensor or its "
+                "amplifier came to its limit; leave out what reaches it (--part FROM:TO), or measure with more range"
+            )
+        long = 2 * np.count_nonzero(inside) >= segment.n
+        if long and (step := walk(left[inside])) is not None:
+            size = step * np.sqrt(recording.fs)
+            return (
+                f"the sensor's zero walks at random, by {size:.2g} {recording.unit} in a second: it drifts with "
+                "temperature or its amplifier integrates noise; mend that, and leave the recording out"
+            )
+    return None
+
+
+def walk(left: np.ndarray) -> float | None:
+    """Size of a random walk's step from sample to sample where that and white noise are all of a signal (n,).
+
+    Its differences are then two sources of known spectra, and over their sum the periodogram is that of white noise
+    (Whittle 1953; Bartlett 1955).
+    """
+    n = left.size - 1
+    if n < _FLAT**2:
+        return None
+    periodogram = np.abs(np.fft.rfft(np.diff(left))) ** 2 / n
+    turn = 2.0 * np.pi * np.fft.rfftfreq(n)
+    known = slice(1, periodogram.size - 1)  # the mean, and the line that has no partner, are distributed otherwise
+    steps, noise = two_sources(periodogram[known], 2.0 - 2.0 * np.cos(turn[known]))
+    over = periodogram[known] / (steps + noise)
+    cumulated = np.cumsum(over) / np.sum(over) - np.arange(1, over.size + 1) / over.size
+    white = float(np.max(np.abs(cumulated))) * np.sqrt(over.size) <= _CUMULATED
+    return float(np.sqrt(np.mean(steps))) if white else None
+
+
+def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float) -> tuple[float, float] | None:
+    """Where the top of a swing in a part is cut off: the level that is shown and the time; None where none is.
+
+    Equal samples beyond which the motion goes on, by more than noise.
+
+    Args:
+        segment: that holds the part.
+        left: (n,) of it by the model of the rest.
+        inside: (n,) which samples are in the part.
+        noise: standard deviation of the sensor's.
+    """
+    shown = segment.response
+    same = np.concatenate([[False], (np.diff(shown) == 0.0) & inside[1:] & inside[:-1]])
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
+    for begin, end in edges.reshape(-1, 2):
+        flat = slice(begin - 1, end)
+        beyond = -left[flat] * np.sign(shown[begin])
+        if end - begin + 1 >= _FLAT and np.max(beyond) > BEYOND_ERRORS * noise:
+            return float(shown[begin]), segment.time + 0.5 * (begin - 1 + end - 1) * segment.dt
+    return None

@@ -1,0 +1,62 @@
+"""By default recordings that contradict each other are told: the kind where one explains all, else the place."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.examples.lies import STANDS, Lie, clipped_peak, force_gain, response_gain, told, walk, wavering
+from dashpot.identify import identify
+from dashpot.identify.blame import in_words
+from dashpot.identify.contradiction import Contradiction
+from dashpot.identify.output_error import State
+from dashpot.identify.part import Part, Span
+
+SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
+
+
+@pytest.mark.parametrize(
+    ("lie", "words"),
+    [
+        (Lie("", "force gain", 2, force_gain(0.8, 0.45)), "the force counts 0.8 ±"),
+        (Lie("", "walk", 2, walk(0.05)), "zero walks at random"),
+        (Lie("", "clipped", 2, clipped_peak(), last=True), "the top of a swing is cut off"),
+        pytest.param(Lie("", "wavering", 2, wavering(0.01, 3.0)), "its clock wavers by 1 ±", marks=pytest.mark.long),
+    ],
+    ids=["gain", "walk", "clipped", "wavering"],
+)
+def test_without_being_asked_a_lie_is_named_and_covered(lie, words):
+    found = identify(told(SHORT, lie))
+    (sentence,) = found.faults
+    assert sentence.startswith("strong.csv: ")
+    assert words in sentence
+    parameters = found.oscillator.parameters()
+    assert max(abs(p.value - SHORT.values[name]) / p.std for name, p in parameters.items() if p.std) < 5.0
+
+
+def test_what_no_kind_explains_is_told_with_its_place():
+    both = (response_gain(0.9, 0.6), force_gain(1.2, 0.6))
+    found = identify(told(SHORT, Lie("", "", 1, lambda r: both[1](both[0](r)))))
+    (sentence,) = found.faults
+    assert sentence.startswith("weak.csv: from ")
+    assert "does not agree" in sentence
+    assert "no lack of physics does that" in sentence
+
+
+def contradicted(part: Part, other: Part | None, *, reached: bool) -> str:
+    recordings = told(SHORT, None)
+    return in_words(Contradiction(part, other, (), reached, State(np.zeros(0), np.zeros((0, 2))), (), ()), recordings)
+
+
+def test_the_words_say_which_part_and_what_may_be_the_cause():
+    weak, strong = Span(1, 0.0, 24.0, 24), Span(2, 0.0, 24.0, 24)
+    assert "all other recordings agree" in contradicted(Part(weak, 0, 24), None, reached=True)
+    tail = contradicted(Part(weak, 10, 24), None, reached=False)
+    assert tail.startswith("from 10 s on it does not agree")
+    assert "physics is missing" in tail
+    assert "physics is missing" not in contradicted(Part(weak, 10, 24), None, reached=True)
+    same = contradicted(Part(weak, 10, 24), Part(weak, 0, 10), reached=False)
+    assert same.startswith("what it shows until 10 s and what it shows from 10 s on contradict each other")
+    others = contradicted(Part(weak, 4, 6), Part(strong, 0, 24), reached=False)
+    assert others.startswith("from 4 to 6 s it contradicts strong.csv, and the rest agrees with either")

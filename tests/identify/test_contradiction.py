@@ -1,0 +1,82 @@
+"""The part of the recordings that all the rest contradicts: where it is, what it costs, when nothing is to blame."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from dashpot.examples.lies import STANDS, Lie, force_gain, response_gain, told
+from dashpot.identify.contradiction import contradiction, covering
+from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.without_part import is_noise
+from dashpot.model import Oscillator
+
+SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
+
+
+def fitted(lie, used=slice(None), **fixed):
+    """The fit near the truth of some recordings of which one lies, and these."""
+    recordings = told(SHORT, lie)[used]
+    model = Oscillator.from_values({**SHORT.values, **fixed})
+    return maximum_likelihood(model, recordings, tuple(fixed), doubted=False, near=True), recordings
+
+
+def most_off(fit) -> float:
+    parameters = fit.oscillator.parameters()
+    return max(abs(p.value - SHORT.values[name]) / p.std for name, p in parameters.items() if p.std)
+
+
+@pytest.mark.parametrize(
+    ("record", "change", "since"),
+    [(2, response_gain(1.05, 0.4), 0.4), (1, force_gain(1.1, 0.5), 0.5)],
+    ids=["response", "force"],
+)
+def test_the_part_is_found_where_a_gain_has_changed(record, change, since):
+    fit, recordings = fitted(Lie("", "gain", record, change))
+    found = contradiction(fit, recordings)
+    assert found.part.recording == record
+    assert found.other is None
+    duration = recordings[record].duration
+    assert found.part.begin == pytest.approx(since * duration, abs=duration / 12)
+    assert found.part.end == pytest.approx(duration, rel=1e-3)
+    # the strong sweep drives as hard as the weak one that lies, and nothing else as hard as the strong one
+    assert found.reached == (record == 1)
+
+
+def test_errors_cover_what_a_lie_does_to_the_parameters():
+    fit, recordings = fitted(Lie("", "gain", 1, force_gain(0.8, 0.45)), slice(0, 2))
+    assert most_off(fit) > 20.0
+    wider = covering(fit, contradiction(fit, recordings))
+    assert most_off(wider) < 3.0
+    errors = [p.std for name, p in wider.oscillator.parameters().items() if name in wider.names]
+    np.testing.assert_allclose(np.sqrt(np.diag(wider.covariance)), errors)
+
+
+@pytest.mark.parametrize("since", [0.5, 0.48], ids=["between pieces", "within a piece"])
+def test_two_parts_of_which_either_may_be_right_are_both_told(since):
+    fit, recordings = fitted(Lie("", "gain", 1, response_gain(0.9, since)), slice(1, 2))
+    found = contradiction(fit, recordings)
+    assert found.other is not None
+    assert found.part.apart_from(found.other)
+    assert len(found.shifts) == 2
+    assert most_off(covering(fit, found)) < 3.0
+
+
+def test_honest_recordings_do_not_contradict_each_other():
+    assert contradiction(*fitted(None)) is None
+
+
+def test_where_physics_is_missing_nothing_is_to_blame():
+    fit, recordings = fitted(None, cubic=0.0)
+    assert max(s.over_noise for s in fit.segments) > 10.0
+    assert contradiction(fit, recordings) is None
+
+
+def test_few_independent_values_of_noise_may_be_large_by_chance():
+    large = np.array([1.5**2])
+    assert is_noise(large, np.array([20.0]))
+    assert not is_noise(large, np.array([1000.0]))
+    # of a thousand records of noise less than one is beyond, at the level that is known to a tenth
+    draws = np.mean(np.random.default_rng(0).standard_normal((1000, 20)) ** 2, axis=1)
+    assert sum(not is_noise(np.array([draw]), np.array([20.0])) for draw in draws) <= 1
