@@ -12,6 +12,7 @@ from ..model import units
 from ..model.describing import equivalent_damping, natural_motion
 from ..model.display import Scale, scale_of
 from ..model.inner_force import InnerForce, without_memory
+from .covered import covered, spans_of
 from .style import FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
@@ -36,9 +37,7 @@ def stiffness_figure(identification: Identification) -> str:
     model = identification.oscillator
     unit = model.response.displacement_unit
     top = _reach(identification)
-    points = {
-        method: static_force(*_joined(identification, method, lambda c: c.omega0**2 * c.amplitude)) for method in _MARKS
-    }
+    points = {method: _measured(identification, method, lambda c: c.omega0**2 * c.amplitude) for method in _MARKS}
     grid, force = _spring(model, top)
     linear = model.omega0.value**2
     across = scale_of(unit, top)
@@ -69,9 +68,7 @@ def friction_figure(identification: Identification) -> str:
     along = scale_of(units.compose("X/s", unit), speed)
     grid, force = _friction(model, top)
     points = {
-        method: static_force(
-            *_joined(identification, method, lambda c: 2 * c.damping * c.amplitude * c.omega0, by_speed=True)
-        )
+        method: _measured(identification, method, lambda c: 2 * c.damping * c.amplitude * c.omega0, by_speed=True)
         for method in _MARKS
     }
     with drawing(height=3.5) as figure:
@@ -178,18 +175,18 @@ def _through_zero(top: float) -> np.ndarray:
     return np.concatenate([-half[::-1], [0.0], half])
 
 
-def _joined(
+def _measured(
     identification: Identification, method: str, fundamental: Any, *, by_speed: bool = False
-) -> tuple[np.ndarray, np.ndarray]:
-    """Amplitude (of displacement, or of velocity) and fundamental of all curves of one method."""
+) -> Characteristic:
+    """The force from all curves of one method, where they pass; over the speed, of what is known of the damping."""
     curves = [c for c in identification.measured.curves if c.method == method]
-    if not curves:
-        return np.empty(0), np.empty(0)
     at = [c.amplitude * c.omega0 if by_speed else c.amplitude for c in curves]
     force = [fundamental(c) for c in curves]
     if by_speed:
         force = [np.where(_sure(c), f, np.nan) for c, f in zip(curves, force, strict=True)]
-    return np.concatenate(at), np.concatenate(force)
+    found = static_force(*(np.concatenate([np.empty(0), *parts]) for parts in (at, force)))
+    seen = covered(found.at, spans_of(np.where(np.isfinite(f), a, np.nan) for a, f in zip(at, force, strict=True)))
+    return Characteristic(found.at[seen], found.force[seen], found.std[seen])
 
 
 def _sure(curve: ModalCurve) -> np.ndarray:

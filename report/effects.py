@@ -74,7 +74,7 @@ def effect_blocks(effect: Effect) -> list[Block]:
         value, error = value_text(p)
         share = 100 * p.std / abs(p.value) if p.std is not None and p.value else None
         numbers.append((name, value, error, percent_text(share), pretty_unit(p.unit), words.get(name, "")))
-    head = ("Parameter", "Value", "± std error", "±", "Unit", "Meaning")
+    head = ("Parameter", "Value", "± std error", "relative", "Unit", "Meaning")
     return [Table((_title(effect_in_words(effect.law)), ""), tuple(rows)), Table(head, tuple(numbers), (1, 2, 3))]
 
 

@@ -55,7 +55,7 @@ def fleet_page(name: str, rows: Sequence[Row]) -> str:
         Section("Not done, or not believed", _rows(others)),
         Section("Done and believed", _rows(believed)),
         Section("Parameters over the fleet", _parameters(rows)),
-        Section("What the states mean", _states(rows)),
+        Section("What the results mean", _states(rows)),
     ]
     return page(f"Fleet {name}", sections, lead=[lead], footer="All rows and all numbers: fleet.csv, fleet.json.")
 
@@ -63,7 +63,7 @@ def fleet_page(name: str, rows: Sequence[Row]) -> str:
 def _rows(rows: Sequence[Row]) -> tuple[Block, ...]:
     if not rows:
         return ()
-    head = ("Entry", "State", "Motion", "Left", "f0", "Damping", "In words")
+    head = ("Entry", "Result", "Motion", "Left", "f0", "Damping", "In words")
     blocks: list[Block] = [Table(head, tuple(_row(row) for row in rows[:MOST_ROWS]), (3, 4, 5), cards=True)]
     if len(rows) > MOST_ROWS:
         blocks.append(Text(f"And {len(rows) - MOST_ROWS} more rows, in fleet.csv."))
@@ -142,7 +142,7 @@ def _states(rows: Sequence[Row]) -> tuple[Block, ...]:
     there = {row.outcome.state for row in rows}
     return (
         Table(
-            ("State", "Meaning"),
+            ("Result", "Meaning"),
             tuple((f"{mark} {state}", words) for state, (mark, _, words) in _SHOWN.items() if state in there),
         ),
     )

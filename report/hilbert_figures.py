@@ -13,6 +13,7 @@ from ..identify.static_characteristic import StaticCharacteristic, friction_char
 from ..identify.static_force import medians
 from ..model import units
 from ..model.display import number, scale_of
+from .covered import Spans, covered, parted, spans_of
 from .style import FORCED, FREE, MEASURED, RESPONSE, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
@@ -152,38 +153,52 @@ def characteristic_figure(
         first, second = figure.subplots(1, 2)
         whole, other = (first, second) if spring else (second, first)
         up = scale_of(of_force, max(float(np.max(np.abs(c.force))) for c in found.values()))
+        spans = {
+            method: spans_of(c.amplitude if spring else c.amplitude * c.omega for c in analysis.of(method))
+            for method in found
+        }
         for method, c in found.items():
-            _characteristic(whole, c, method, across.factor, up.factor, 0.0)
+            _characteristic(whole, c, method, across.factor, up.factor, 0.0, spans[method])
         whole.set_xlabel(across.label("Displacement" if spring else "Velocity"))
         whole.set_ylabel(up.label("Force" if mass is not None else "Force per unit mass"))
         whole.set_title("Restoring force" if spring else "Friction force")
         if spring:
-            slope = {m: float(np.median(c.force / c.at)) for m, c in found.items()}
-            rest = max(float(np.max(np.abs(c.force - slope[m] * c.at))) for m, c in found.items())
+            linear = _linear(analysis, mass)
+            rest = max(float(np.max(np.abs(c.force - linear * c.at))) for c in found.values())
             fine = scale_of(of_force, rest)
-            common = float(np.mean(list(slope.values())))
             for method, c in found.items():
-                _characteristic(other, c, method, across.factor, fine.factor, common)
+                _characteristic(other, c, method, across.factor, fine.factor, linear, spans[method])
             other.set_xlabel(across.label("Displacement"))
             other.set_ylabel(fine.label("Force"))
-            other.set_title(f"… without {number(common, 4)} {of_force}/{unit} · x")
+            other.set_title(f"… without {number(linear, 4)} {of_force}/{unit} · x")
         else:
             _damping(other, analysis, unit)
         legend_below(figure, *whole.get_legend_handles_labels(), columns=2)
         return svg(figure, key, f"{'Restoring' if spring else 'Friction'} force in {up.unit} over {across.unit}")
 
 
-def _characteristic(axes: Any, c: StaticCharacteristic, method: str, across: float, up: float, slope: float) -> None:
+def _linear(analysis: HilbertAnalysis, mass: float | None) -> float:
+    """Stiffness of the linear spring by Eqs. 1 and 6, per unit mass where that is not known."""
+    fit = analysis.forcevib or analysis.freevib
+    if fit is None:
+        return float(np.median(np.concatenate([c.omega0 for c in analysis.curves])) ** 2)
+    return (1.0 if mass is None else mass) * fit.values["omega0"] ** 2
+
+
+def _characteristic(
+    axes: Any, c: StaticCharacteristic, method: str, across: float, up: float, slope: float, spans: Spans
+) -> None:
     color, line, label = _METHODS[method]
-    force, band = c.force - slope * c.at, BAND * c.force_std
+    seen = covered(c.at, spans)
+    at, force, band = parted(c.at[seen], spans, (c.force - slope * c.at)[seen], BAND * c.force_std[seen])
+    amplitude, printed = parted(c.amplitude, spans, c.literal - slope * c.amplitude)
     for sign in (1, -1):
         axes.fill_between(
-            sign * c.at * across, sign * (force - band) * up, sign * (force + band) * up, color=color, alpha=0.25, lw=0
+            sign * at * across, sign * (force - band) * up, sign * (force + band) * up, color=color, alpha=0.25, lw=0
         )
-        axes.plot(sign * c.at * across, sign * force * up, linestyle=line, color=color, label=label)
-        printed = c.literal - slope * c.amplitude
+        axes.plot(sign * at * across, sign * force * up, linestyle=line, color=color, label=label)
         axes.plot(
-            sign * c.amplitude * across,
+            sign * amplitude * across,
             sign * printed * up,
             color=color,
             linewidth=0.7,

@@ -21,7 +21,7 @@ _SHADES = (0.3, 0.6, 0.8, 0.95)
 def parameter_table(model: Oscillator, truth: Mapping[str, float] | None = None) -> Table:
     """Value, standard error, percent, unit; with ``truth`` also the true value and the distance in standard errors."""
     words = model.descriptions()
-    head = ["Parameter", "Value", "± std error", "±", "Unit"]
+    head = ["Parameter", "Value", "± std error", "relative", "Unit"]
     numeric = [1, 2, 3]
     if truth:
         head += ["True value", "Off by", "… std errors"]
@@ -50,7 +50,7 @@ def machine_table(model: Oscillator) -> Table:
         value, error = value_text(p)
         unit = "" if p.unit == "1" else pretty_unit(p.unit)
         rows.append((name, value, error, percent_text(percent(p)), unit, words[name]))
-    head = ("Of the machine", "Value", "± std error", "±", "Unit", "Meaning")
+    head = ("Of the machine", "Value", "± std error", "relative", "Unit", "Meaning")
     return Table(head, tuple(rows), (1, 2, 3), "As the machine has it: from the parameters above, with their errors.")
 
 

@@ -64,6 +64,7 @@ def written(words: list[str]) -> list[str]:
 
 
 TUTORIAL = "docs/tutorial.md"
+HOUSE = "docs/howto/fleet.md"
 #: Pages whose commands are typed beside the README's recordings; fast ones, and those that identify or build.
 TYPED = {
     "docs/hosts/joints.md": (),
@@ -90,6 +91,7 @@ def test_there_are_commands_to_run():
         *TYPED,
         "README.md",
         "docs/fleets.md",
+        HOUSE,
         "docs/formats.md",
         "docs/laws.md",
         TUTORIAL,
@@ -261,6 +263,24 @@ def test_the_commands_on_fleets_do_what_they_say(stand):
     assert said[0] == "4 rows: 4 good\n"
     assert said[1].startswith("stand: Nothing moved")
     assert said[-1].startswith("Nothing moved")
+
+
+@pytest.mark.long
+def test_the_commands_for_a_test_house_do_what_they_say(tmp_path, monkeypatch):
+    """In an empty folder: one bad file spoils one row, and nothing changed."""
+    monkeypatch.chdir(tmp_path)
+    (python,) = re.findall(r"```python\n(.*?)```", PAGES[HOUSE], re.DOTALL)
+    (manifest,) = re.findall(r"```yaml\n(.*?)```", PAGES[HOUSE], re.DOTALL)
+    exec(compile(python, HOUSE, "exec"), {})
+    (tmp_path / "fleet.yaml").write_text(manifest, encoding="utf-8")
+    batch, watch, compare = commands(HOUSE)
+    ended = typed(batch, tmp_path)
+    assert ended.returncode == 1
+    assert ended.stdout == "4 rows: 3 good, 1 bad-input\n"
+    assert "broken.csv: line 3, column 'x_mm' holds 'no'" in ended.stderr
+    assert done(watch, tmp_path).startswith("stand: Nothing moved")
+    models = [str(next(tmp_path.glob(word))) if "*" in word else word for word in compare]
+    assert done(models, tmp_path).startswith("Nothing moved")
 
 
 @pytest.mark.long

@@ -68,6 +68,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.chdir(folder)
         for command in (
             "identify bursts.csv.gz -o rig.yaml --report identify.html",
+            "hilbert bursts.csv.gz -o curves",
             "export rig.yaml rig.fmu",
             "verify rig.fmu sweep_high.csv.gz --report verify.html",
             "diagnose rig.yaml bursts.csv.gz --holdout multisine.csv.gz -o diagnosis",
@@ -83,6 +84,7 @@ def pages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("page", "figures"),
     [
         ("identify.html", 5),
+        ("curves/report.html", 5),
         ("verify.html", 3),
         ("diagnosis/report.html", 3),
         ("results/index.html", 3),
