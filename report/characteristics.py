@@ -184,7 +184,8 @@ def _measured(
     force = [fundamental(c) for c in curves]
     if by_speed:
         force = [np.where(_sure(c), f, np.nan) for c, f in zip(curves, force, strict=True)]
-    found = static_force(*(np.concatenate([np.empty(0), *parts]) for parts in (at, force)))
+    places, forces = (np.concatenate([np.empty(0), *parts]) for parts in (at, force))
+    found = static_force(places, forces)
     seen = covered(found.at, spans_of(np.where(np.isfinite(f), a, np.nan) for a, f in zip(at, force, strict=True)))
     return Characteristic(found.at[seen], found.force[seen], found.std[seen])
 
