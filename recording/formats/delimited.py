@@ -39,6 +39,9 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
         raise BadInput(f"{where} has no rows of numbers; it needs a header line and one row for each sample")
     sample = min(len(lines) - 1, max(19, len(lines) // 2))
     delimiter = _delimiter([lines[0][1], lines[sample][1]])
+    if delimiter is not None:  # what a spreadsheet or a logger puts behind the last column is no column
+        width = len(_cells(lines[sample][1], delimiter)) - min(_spare(line, delimiter) for _, line in lines[sample:])
+        numbered, lines = ([(i, _within(line, delimiter, width)) for i, line in rows] for rows in (numbered, lines))
     begin, names_of, units_of = below_preamble([line for _, line in lines], sample, lambda x: _cells(x, delimiter))
     above, lines = lines[:begin], lines[begin:]
     numerals = Numerals()
@@ -54,17 +57,17 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
             units = [cell.strip("[]() ") for cell in _cells(lines.pop(0)[1], delimiter)]
     if not lines:
         raise BadInput(f"{where} has a header and no rows of numbers below it; write one row for each sample")
-    trailing = delimiter is not None and all(line.rstrip(" ").endswith(delimiter) for _, line in lines[:20])
-    width = len(_cells(lines[0][1], delimiter)) - trailing
+    width = len(_cells(lines[0][1], delimiter))
     if not header:
         header = _commented_header([line for i, line in numbered if i < lines[0][0]], delimiter, width)
-    header = header[:-1] if header and trailing and len(header) == width + 1 and not header[-1] else header
+    while len(header) > width and not header[-1]:
+        header.pop()
     if header and len(header) != width:
         raise BadInput(
             f"{where}: the header names {len(header)} columns but line {lines[0][0]} has {width}; "
             "give every column one name"
         )
-    _reject_unequal_rows(where, lines, delimiter, width + trailing)
+    _reject_unequal_rows(where, lines, delimiter, width)
     names = tuple(header) or ("",) * width
     units = tuple([*units, *[""] * width][:width])
 
@@ -104,6 +107,20 @@ def _delimiter(lines: list[str]) -> str | None:
     if len(words) > 1 and all(_DECIMAL_COMMA.fullmatch(word) or _is_number(word) for word in words):
         return None
     return "," if "," in sample or "," in lines[0] else None
+
+
+def _spare(line: str, delimiter: str) -> int:
+    """How many delimiters stand at the end of a line with nothing between or behind them."""
+    line = line.rstrip(" ")
+    return len(line) - len(line.rstrip(delimiter))
+
+
+def _within(line: str, delimiter: str, width: int) -> str:
+    """A line less the delimiters at its end that are more than so many columns need."""
+    if not (spare := _spare(line, delimiter)):
+        return line
+    more = len(_cells(line, delimiter)) - width
+    return line.rstrip(" ")[: -min(spare, more)] if more > 0 else line
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:

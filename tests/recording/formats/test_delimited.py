@@ -92,3 +92,19 @@ def test_what_is_no_table_is_refused(name, content, words):
         read_delimited(name, content).numbers([0, 1])
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith(name)
+
+
+@pytest.mark.parametrize("header", ["t_s,x_mm,,", "t_s,x_mm,", "t_s,x_mm", "% t_s,x_mm,,", ",mass A,\nt_s,x_mm,,"])
+@pytest.mark.parametrize("spare", ["", ",", ",,"])
+def test_what_stands_behind_the_last_column_is_no_column(header, spare):
+    """Spreadsheets make all rows as long as the longest, a preamble's; trackers of video end the header alone so."""
+    rows = "\n".join(f"{0.01 * k:.2f},{k % 7}{spare}" for k in range(40))
+    table = read_delimited("spare.csv", f"{header}\n{rows}\n".encode())
+    assert table.names == ("t_s", "x_mm")
+    assert table.numbers([1])[:9, 0].tolist() == [0, 1, 2, 3, 4, 5, 6, 0, 1]
+
+
+def test_a_last_cell_that_is_empty_in_some_rows_is_still_a_fault():
+    rows = "\n".join(f"{0.01 * k:.2f},{k % 7},{'' if k == 30 else k}" for k in range(40))
+    with pytest.raises(BadInput, match=r"line 32, column 'y_mm' is empty"):
+        read_delimited("hole.csv", f"t_s,x_mm,y_mm\n{rows}\n".encode()).numbers([2])
