@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -36,11 +36,11 @@ class RecordFit:
     nrmse_before: float
     nrmse_after: float
     noise_floor: float
-    time: np.ndarray
-    measured: np.ndarray
-    before: np.ndarray
-    after: np.ndarray
-    force: np.ndarray | None
+    time: np.ndarray = field(repr=False)
+    measured: np.ndarray = field(repr=False)
+    before: np.ndarray = field(repr=False)
+    after: np.ndarray = field(repr=False)
+    force: np.ndarray | None = field(repr=False)
     response: Response
 
 
@@ -127,11 +127,11 @@ class LatentForce:
     """
 
     file: str
-    time: np.ndarray
-    displacement: np.ndarray
-    velocity: np.ndarray
-    force: np.ndarray
-    std: np.ndarray
+    time: np.ndarray = field(repr=False)
+    displacement: np.ndarray = field(repr=False)
+    velocity: np.ndarray = field(repr=False)
+    force: np.ndarray = field(repr=False)
+    std: np.ndarray = field(repr=False)
     named: np.ndarray | None
 
 
