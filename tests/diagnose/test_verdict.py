@@ -162,8 +162,8 @@ def test_three_effects_with_their_rivals_can_still_be_read():
 
 
 def test_an_effect_without_a_law_is_said_by_its_name():
-    free = Effect("free/spring", "free/spring", "restoring", {})
-    assert sentence_of("missing-physics", (free,), None, [], [], []) == "Missing: free/spring."
+    free = Effect("free/inertia", "free/inertia", "inertia", {})
+    assert sentence_of("missing-physics", (free,), None, [], [], []) == "Missing: free/inertia."
 
 
 def test_a_held_out_error_that_rises_is_said_to():
