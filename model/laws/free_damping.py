@@ -1,6 +1,6 @@
 """A damping that is learnt from the motion, where no law of the library has its shape.
 
-The damping changes from one level to another as the motion passes three sizes, a factor of four apart. The size is that
+The damping changes from one level to another as the motion passes three sizes, a factor of five apart. The size is that
 of displacement and speed together, which of a rig that swings is its amplitude at every instant: what a damping
 that depends on the place and one that depends on the speed do to the decay, it does too.
 """
@@ -20,15 +20,14 @@ LAW = Law(
     name="free/damping",
     path="dissipation",
     parameters=(
-        LawParameter("innermost", "1/s", "damping per unit mass that sets in at 0.02 of the reach", strength=True),
-        LawParameter("near", "1/s", "the same at a tenth of the reach", strength=True),
+        LawParameter("near", "1/s", "damping per unit mass that sets in at a tenth of the reach", strength=True),
         LawParameter("middle", "1/s", "the same at half the reach", strength=True),
         LawParameter("far", "1/s", "the same at 2.5 times the reach", strength=True),
         LawParameter("reach", "X", "largest displacement of the recordings", 1e-12, probes=(1.0,), scale=True),
         LawParameter("speed", "X/s", "its speed", 1e-12, probes=(1.0,), scale=True),
     ),
     force=_force,
-    equation="x' ({innermost} a²/(a² + 0.0004) + {near} a²/(a² + 0.01) + {middle} a²/(a² + 0.25) "
+    equation="x' ({near} a²/(a² + 0.01) + {middle} a²/(a² + 0.25) "
     "+ {far} a²/(a² + 6.25)); "
     "a² = (x / {reach})² + (x' / {speed})²",
     sentence="A damping learnt from the motion, of any smooth course over the amplitude: how it differs from Eq. 17 is "

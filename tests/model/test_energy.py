@@ -23,7 +23,7 @@ def test_the_energy_changes_by_what_is_put_in_less_what_is_dissipated(effect, ma
     """The change is a central difference of fourth order along the flow, which knows no derivative of an expression."""
     model = with_law(effect)
     at = at_random(model if mass else replace(model, mass=None))
-    eq, h = at.eq, 2e-5
+    eq, h = at.eq, 5e-6
     zdot = at(eq.zdot)
     near = {n: (at.z + n * h * zdot, at.t + n * h) for n in (-2, -1, 1, 2)}
     energy = {n: at(eq.energy, *there) for n, there in near.items()}

@@ -41,7 +41,7 @@ def test_what_is_learnt_begins_at_nothing_and_is_measured_by_the_motion():
     )
     assert (entry.laws, entry.patience, entry.adds) == (("free/damping", "stribeck"), 7, True)
     values = entry.model.values()
-    assert {values[f"free/damping.{name}"] for name in ("innermost", "near", "middle", "far")} == {0.0}
+    assert {values[f"free/damping.{name}"] for name in ("near", "middle", "far")} == {0.0}
     assert values["free/damping.reach"] == SCALES.length
     assert values["free/damping.speed"] == SCALES.length * SCALES.omega
 
