@@ -75,15 +75,19 @@ def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:
 
 
 def tells_worse(records: Sequence[RecordFit]) -> bool:
-    """Whether the mended model leaves more of the motion, by enough to matter; each recording's share counts alike."""
-    before, after = (sum(error**2 for error in errors) for errors in zip(*map(_errors, records), strict=True))
-    return after > (1.0 + MATTERS) * before
+    """Whether the mended model leaves more, by enough to matter: by the factor on average, as in the measure of a search.
+
+    A quiet end that is told badly by both would else outweigh all the motion before it.
+    """
+    changes = [2.0 * np.log(after / before) for before, after in map(_errors, records)]
+    return float(np.mean(changes)) > np.log1p(MATTERS)
 
 
 def _errors(record: RecordFit) -> tuple[float, float]:
-    """What a recording is left with beyond its noise, before and after; one that runs away counts without end."""
-    found = (max(error, record.noise_floor) for error in (record.nrmse_before, record.nrmse_after))
-    before, after = (error if np.isfinite(error) else np.inf for error in found)
+    """What a recording is left with, its noise at least, before and after; what runs away is as large as numbers tell."""
+    least = max(record.noise_floor, np.finfo(float).tiny)
+    found = (max(error, least) for error in (record.nrmse_before, record.nrmse_after))
+    before, after = (error if np.isfinite(error) else 1.0 / np.finfo(float).eps for error in found)
     return before, after
 
 

@@ -213,10 +213,13 @@ def test_one_held_out_recording_that_is_followed_suffices():
         ([(0.1, 0.2), (0.2, 0.18)], True),
         ([(1e-4, 9e-4)], False),
         ([(math.inf, 0.3)], False),
+        ([(0.08, 0.043), (0.28, 0.41)], False),  # a quiet end does not outweigh the motion before it
+        ([(0.08, 0.043), (0.28, 0.53)], True),
+        ([(0.08, 0.04), (0.28, math.inf)], True),
     ],
 )
 def test_what_tells_held_out_motion_worse_is_no_finding(errors, worse):
-    """Each recording by its share of the motion, none below its noise, and not by less than what matters."""
+    """Each recording by its factor, none below its noise, and not by less than what matters."""
     records = [row(0.6, 0.01), *(held(*pair) for pair in errors)]
     why = no_finding(records, 0.9)
     assert (why is not None) is worse
