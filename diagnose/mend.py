@@ -75,7 +75,7 @@ def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:
 
 
 def tells_worse(records: Sequence[RecordFit]) -> bool:
-    """Whether the mended model leaves more, by enough to matter: by the factor on average, as in the measure of a search.
+    """Whether the mended model leaves more, by enough to matter: by its factor on average, as a search measures.
 
     A quiet end that is told badly by both would else outweigh all the motion before it.
     """
@@ -84,7 +84,7 @@ def tells_worse(records: Sequence[RecordFit]) -> bool:
 
 
 def _errors(record: RecordFit) -> tuple[float, float]:
-    """What a recording is left with, its noise at least, before and after; what runs away is as large as numbers tell."""
+    """What a recording is left with, its noise at least, before and after; what runs away counts as all but endless."""
     least = max(record.noise_floor, np.finfo(float).tiny)
     found = (max(error, least) for error in (record.nrmse_before, record.nrmse_after))
     before, after = (error if np.isfinite(error) else 1.0 / np.finfo(float).eps for error in found)
