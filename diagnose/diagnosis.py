@@ -31,6 +31,7 @@ from .changed_rig import changed_rig
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, less_offsets, stranger
+from .in_one_run import told_best_in_one_run
 from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
 from .mend import exported, follows_any, no_finding, record_fits, unmended
@@ -92,7 +93,7 @@ def diagnose(
     notes += best.notes
     chain = [*known_faults(model, given), *best.chain]
     recordings, holdout = list(best.recordings), list(best.holdout)
-    pieces = not holdout
+    pieces, uncut = not holdout, recordings
     if pieces:
         chain += zeros_of(recordings, best.shown)
         recordings, holdout = split(recordings, model)
@@ -122,6 +123,8 @@ def diagnose(
         progress("whether all laws are needed", 0.85)
         selected = without_needless(selected, search, lambda fitted: _finely(fitted, model, recordings))
     selected = with_plainer_laws(selected, search)
+    if pieces and len(selected.laws) > 1:
+        selected = told_best_in_one_run(selected, search, replace(cut_for(best, uncut, model), memory=FREE))
     forget()
     fitted = selected.fit or family
     # what is left is said of simulations: a prediction leaves less

@@ -75,8 +75,9 @@ def leading(leader: Candidate, arrived: Sequence[Candidate], parts: Sequence[Dat
     shorter = [c for c in arrived if set(c.laws) < set(leader.laws) and c.value > leader.value - DECISIVE]
     if shorter:
         return max(shorter, key=lambda c: c.value)
-    # one as long has nothing to prove beyond being more probable
+    # one as long has nothing to prove beyond being more probable, what was held out or is foretold told as well
     as_long = [c for c in arrived if len(c.laws) == len(leader.laws) and log_odds(c, leader, parts) > 0]
+    as_long = [c for c in as_long if c.held_out is not None or c.foretold >= leader.foretold]
     further = [c for c in arrived if accepted(c, leader, parts)]
     return max([leader, *as_long, *further], key=lambda c: c.value)
 

@@ -102,6 +102,14 @@ def test_one_as_long_leads_where_it_is_more_probable_at_all(gain, leads):
     assert leading(leader, [other], parts(1.0)).laws == (leads,)
 
 
+@pytest.mark.parametrize(("foretold", "leads"), [(50.0, "stribeck"), (49.9, "quadratic-drag")])
+def test_where_nothing_is_held_out_one_as_long_foretells_stretches_as_well(foretold, leads):
+    """What it foretells is no part of its value there: a better fit alone may have lost the way."""
+    leader = replace(candidate("quadratic-drag", evidence=100.0, left=0.9), foretold=50.0, held_out=None)
+    other = replace(candidate("stribeck", evidence=700.0, left=0.8), foretold=foretold, held_out=None)
+    assert leading(leader, [other], parts(1.0)[:1]).laws == (leads,)
+
+
 @pytest.mark.parametrize(("gain", "laws"), [(DECISIVE - 0.1, 1), (DECISIVE + 0.1, 2)])
 def test_a_further_law_leads_where_it_is_decisive(gain, laws):
     leader = candidate("quadratic-drag", evidence=100.0)
