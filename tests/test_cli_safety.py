@@ -18,6 +18,7 @@ from dashpot.model.file import load, save
 from dashpot.recording import Recording
 from dashpot.recording.checks import check
 from dashpot.recording.polarity import REVERSED, power_cosine
+from scipy.interpolate import CubicSpline
 
 FS, N = 500.0, 4000
 
@@ -183,7 +184,8 @@ def test_the_step_may_be_half_a_cycle(here):
 
 def test_two_sensors_of_one_file_fit_one_model(capsys, here):
     t, force, x = np.loadtxt("sweep.csv", delimiter=",", skiprows=1).T
-    columns = np.column_stack([t, force, x, np.gradient(x, t)])
+    # a central difference would lose a thousandth of the speed, and the recordings contradict each other
+    columns = np.column_stack([t, force, x, CubicSpline(t, x).derivative()(t)])
     np.savetxt("both.csv", columns, "%.9g", ",", header="time_s,force_N,x_m,speed_m_s", comments="")
     both = ["--response", "x_m", "--response", "speed_m_s"]
     cli.main(["identify", "both.csv", "-o", "two.yaml", *both])
