@@ -185,7 +185,8 @@ def _placed(faulty: FaultyFit, state: State) -> FaultyFit:
 
     def left(place: float) -> float:
         moved = faulty.moved_to([*places, place])
-        total = sum(float(np.sum((moved.segments[i].response - moved.simulate(i, state)) ** 2)) for i in own)
+        with np.errstate(over="ignore"):  # a motion that runs away
+            total = sum(float(np.sum((moved.segments[i].response - moved.simulate(i, state)) ** 2)) for i in own)
         return total if math.isfinite(total) else math.inf
 
     place, least = fault.place, left(fault.place)
