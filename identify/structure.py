@@ -110,12 +110,14 @@ def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
     """(2, parameters) lowest and highest values: a law's own; for its onsets and speeds ten times beyond its probes.
 
     What is looked for at zero, the middle between two stops, lies within the motion: beyond it the law is another one.
+    On the side on which a search begins beyond that, the law's own bound holds: from a place from which each step threw
+    it back it would lead nowhere.
     """
     mass = 1.0 if model.mass is None else model.mass.value
     known = {"mass": (mass / _MASS_SPAN, mass * _MASS_SPAN), "omega0": (SLACK / scales.duration, np.inf)}
     for term in model.terms:
         for p in term.law.parameters:
-            low, high = p.lower, p.upper
+            low, high, here = p.lower, p.upper, term.parameters[p.name].value
             if not p.strength and not p.shape and p.probes and p.probes != "lines":
                 size = p.natural(scales)
                 reach = [float(probe) * size for probe in p.probes]
@@ -124,7 +126,7 @@ def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
                 high = min(high, max(reach) * _FENCE)
             elif p.probes == (0.0,):
                 low, high = max(low, -p.natural(scales)), min(high, p.natural(scales))
-            known[f"{term.effect}.{p.name}"] = (low, high)
+            known[f"{term.effect}.{p.name}"] = (low if here >= low else p.lower, high if here <= high else p.upper)
     return np.array([known.get(name, (-np.inf, np.inf)) for name in model.parameters()]).T
 
 

@@ -78,6 +78,15 @@ def test_bounds_lie_ten_times_beyond_where_a_law_is_looked_for(name, low, high):
     assert bounds_of(name) == pytest.approx([low, high])
 
 
+@pytest.mark.parametrize(("times", "low", "high"), [(0.99, 0.0, 8.5), (1.01, 0.025, 8.5), (340.1, 0.025, np.inf)])
+def test_beyond_those_bounds_a_search_may_begin_and_go_on(times, low, high):
+    """From where each step threw it back it would rest at once, with all that a step would gain."""
+    place = "two-sided-stop.position"
+    outside = STOPS.with_parameters({place: replace(STOPS.parameters()[place], value=times * 0.025 * 2e-3)})
+    own = {p.name: p for p in find("two-sided-stop").parameters}["position"]
+    assert bounds_of(place, outside) == pytest.approx([max(low * 2e-3, own.lower), high * 2e-3])
+
+
 def test_what_others_are_measured_by_is_never_free():
     values = {f"free/damping.{p.name}": 0.1 for p in find("free/damping").parameters}
     model = Oscillator.from_values(LINEAR | values, effects=["free/damping"])
