@@ -13,6 +13,7 @@ import os
 import pickle
 import signal
 import sys
+import threading
 import warnings
 from collections.abc import Callable, Iterator
 
@@ -73,12 +74,24 @@ def _child(work: Callable[[], None], said: int) -> None:
 
 @contextlib.contextmanager
 def signals_held() -> Iterator[None]:
-    """Signals that ask for an end are heard behind the block."""
-    if not hasattr(signal, "pthread_sigmask"):
-        yield
-        return
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, _HELD)
+    """Signals that ask for an end are heard behind the block.
+
+    A mask keeps them from this thread alone: another one (of a library's pool) may take them, and then the main thread
+    would still run what Python does at a signal. So there that is put off as well.
+    """
+    heard: list[int] = []
+    before = {}
+    if threading.current_thread() is threading.main_thread():
+        for number in _HELD:
+            if signal.getsignal(number) not in (signal.SIG_IGN, None):  # None: set by no Python
+                before[number] = signal.signal(number, lambda number, _: heard.append(number))
+    mask = signal.pthread_sigmask(signal.SIG_BLOCK, _HELD) if hasattr(signal, "pthread_sigmask") else None
     try:
         yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        if mask is not None:
+            signal.pthread_sigmask(signal.SIG_SETMASK, mask)
+        for number in dict.fromkeys(heard):
+            signal.raise_signal(number)

@@ -6,10 +6,11 @@ import os
 import signal
 import subprocess
 import sys
+import threading
 import time
 
 import pytest
-from dashpot.aside import aside
+from dashpot.aside import aside, signals_held
 from dashpot.errors import BadInput, DashpotError
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of Linux")
@@ -60,6 +61,31 @@ def test_a_signal_waits_for_it(tmp_path, number):
     finally:
         signal.signal(number, before)
     assert (tmp_path / "done").exists()
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_a_signal_that_another_thread_takes_waits_for_it_too(tmp_path, number):
+    def interrupt(*_):
+        raise KeyboardInterrupt
+
+    over, heard = threading.Event(), signal.signal(number, interrupt)
+    other = threading.Thread(target=over.wait)  # which holds no signal off
+    other.start()
+
+    def work():
+        time.sleep(0.1)
+        (tmp_path / "done").touch()
+
+    try:
+        with pytest.raises(KeyboardInterrupt), signals_held():
+            os.kill(os.getpid(), number)
+            aside(work)
+    finally:
+        over.set()
+        other.join()
+        now = signal.signal(number, heard)
+    assert (tmp_path / "done").exists()
+    assert now is interrupt
 
 
 KILLED = """
