@@ -69,6 +69,14 @@ def _hold(file: Path) -> str | None:
     return hold if hold in HOLDS else None
 
 
+class FmuStopped(BadInput):
+    """An FMU that says of a step that it failed; ``reached`` (n,) has the output until then, and NaN from there on."""
+
+    def __init__(self, message: str, reached: np.ndarray) -> None:
+        super().__init__(message)
+        self.reached = reached
+
+
 class FmuRun:
     """A co-simulation FMU (FMI 2.0 or 3.0) with input ``F``, unpacked once and instantiated once, in its own process.
 
@@ -119,8 +127,9 @@ class FmuRun:
         assert self._process is not None
         answer = self._process.ask(head, numbers, doing=doing)
         if "failed" in answer[0]:
-            raise BadInput(
-                f"{self.path}: the FMU stopped ({answer[0]['failed']}) {doing}; check the units of the force"
+            raise FmuStopped(
+                f"{self.path}: the FMU stopped ({answer[0]['failed']}) {doing}; check the units of the force",
+                np.frombuffer(answer[1], float).copy(),
             )
         return answer
 
@@ -172,6 +181,10 @@ class FmuRun:
 
         ``initial`` holds displacement and velocity at the start, (2,), or behind them also the start values of the
         inner states, in the order of the FMU's variables, (states,); None: at rest.
+
+        Raises:
+            FmuStopped: where the FMU ends the run, as with a motion that grows beyond bounds.
+            BadInput: where it cannot be run so, or does not keep to its interface.
         """
         given: dict[str, float] = {}
         if initial is not None and np.any(initial):

@@ -86,6 +86,8 @@ class _Host:
 
     def answer(self, head: dict[str, Any], numbers: bytes) -> None:
         """Do what is asked and say what came of it."""
+        from .slave import Stopped
+
         try:
             result: dict[str, Any] = {}
             out = b""
@@ -101,9 +103,18 @@ class _Host:
             self.reply({**result, "said": said}, out)
         except BadInput as problem:
             self.reply({"refused": str(problem)})
-        except Exception as problem:  # what FMPy says of one of the FMU's calls, or does not foresee
-            said = self.slave.said[-1] if self.slave is not None and self.slave.said else problem
-            self.reply({"failed": " ".join(str(said).split()).rstrip(".")[:200] or type(problem).__name__})
+        except Stopped as stopped:
+            self.failed(stopped.__cause__ or stopped, stopped.reached.tobytes())
+        except Exception as problem:
+            self.failed(problem)
+
+    def failed(self, problem: BaseException, reached: bytes = b"") -> None:
+        """Say what FMPy says of one of the FMU's calls, or does not foresee, and how far the run came."""
+        said: object = problem
+        if self.slave is not None and self.slave.said:
+            said = self.slave.said[-1]
+            self.slave.said.clear()
+        self.reply({"failed": " ".join(str(said).split()).rstrip(".")[:200] or type(problem).__name__}, reached)
 
 
 def main() -> None:

@@ -249,6 +249,14 @@ def _said(problem: Exception, folder: Path, shown: str) -> str:
     return (words if len(words) <= 200 else f"{words[:200]} ...").replace(str(folder), Path(shown).name)
 
 
+class Stopped(Exception):
+    """A run that the FMU ended, for its cause; ``reached`` (n,) has the output until then, and NaN from there on."""
+
+    def __init__(self, reached: np.ndarray) -> None:
+        super().__init__("the run was ended")
+        self.reached = reached
+
+
 def run(
     slave: Slave, how: Mapping[str, Any], rows: Sequence[Sequence[float]] | None, jumps: Sequence[float] | None
 ) -> np.ndarray:
@@ -260,11 +268,14 @@ def run(
             ``n`` samples, ``step`` between two rows, ``per_sample`` of them.
         rows: the input and its derivatives at the start of each step; None: it stays as it is.
         jumps: the input that acts on each sample itself, from the second on, where it is held in between.
+
+    Raises:
+        Stopped: where a call of the FMU fails.
     """
     start, step, per_sample = how["time"], how["step"], how["per_sample"]
     slave.show(how["output"])
     slave.start(start, how["given"])
-    out = np.empty(how["n"])
+    out = np.full(how["n"], np.nan)
     try:
         out[0] = slave.read()
         pushed = iter(rows or ())
@@ -276,9 +287,9 @@ def run(
             if jumps is not None and i <= len(jumps):
                 slave.push([jumps[i - 1], 0.0, 0.0, 0.0][: 1 + slave.orders])  # it acts on this sample
             out[i] = slave.read()
-    except Exception:
+    except Exception as problem:
         with suppress(Exception):
             slave.stop()
-        raise
+        raise Stopped(out) from problem
     slave.stop()
     return out

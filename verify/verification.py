@@ -28,7 +28,7 @@ from ..recording.recording import Recording
 from .backbones import Backbone, Compared, compared
 from .chance import Run, by_chance, powers
 from .fmu_process import TIME_LIMIT
-from .fmu_run import FmuRun
+from .fmu_run import FmuRun, FmuStopped
 from .model_inside import Twin, twin_of
 from .noise_floor import Piece, pieces
 from .score import Score, score_of
@@ -273,11 +273,19 @@ def _run(run: FmuRun, piece: Piece) -> Run:
     recording = piece.recording
     force, output = force_of(recording), run.output_for(recording)
 
+    stops: list[FmuStopped] = []
+
     def simulate(state: np.ndarray, n: int, load: float) -> np.ndarray:
         pushed = force.shifted(-load) if force is not None and load else force
-        return run.record(pushed, n, recording.dt, state, recording.start, output)
+        try:
+            return run.record(pushed, n, recording.dt, state, recording.start, output)
+        except FmuStopped as stop:  # from another start the motion may stay within bounds
+            stops.append(stop)
+            return stop.reached if stop.reached.size == n else np.full(n, np.nan)
 
     replay = run_along(simulate, recording, run.inner)
+    if stops and not np.all(np.isfinite(replay.response)):
+        raise stops[-1]
     pushed = force if force is None else force.shifted(-replay.load)
     twin = twin_of(run.model, recording, pushed, replay, piece.sensor)
     if twin is None:
