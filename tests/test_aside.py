@@ -76,10 +76,14 @@ def test_a_signal_that_another_thread_takes_waits_for_it_too(tmp_path, number):
         time.sleep(0.1)
         (tmp_path / "done").touch()
 
-    try:
-        with pytest.raises(KeyboardInterrupt), signals_held():
+    def asked():
+        with signals_held():
             os.kill(os.getpid(), number)
             aside(work)
+
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            asked()
     finally:
         over.set()
         other.join()

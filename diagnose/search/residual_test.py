@@ -77,52 +77,51 @@ class Leftover:
 
 def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
     """What a fitted model leaves in each segment."""
+    return tuple(leftover(fitted, data, i) for i in range(len(data.segments)))
+
+
+def leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
+    """The same of one segment."""
     from scipy.stats import spearmanr
 
-    left = []
-    for i, (segment, residual) in enumerate(zip(data.segments, fitted.residuals, strict=True)):
-        name = data.recordings[segment.recording].name
-        rms = float(np.sqrt(np.mean(residual**2)))
-        ratio, part = rms / expected(fitted, data, i), rms / max(float(np.std(segment.response)), 1e-300)
-        size = max(4, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
+    segment, residual = data.segments[index], fitted.residuals[index]
+    name = data.recordings[segment.recording].name
+    rms = float(np.sqrt(np.mean(residual**2)))
+    ratio, part = rms / expected(fitted, data, index), rms / max(float(np.std(segment.response)), 1e-300)
+    size = max(4, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
+    count = segment.n // size
+    if count < _FEWEST:
+        size = max(4, size // 3)
         count = segment.n // size
-        if count < _FEWEST:
-            size = max(4, size // 3)
-            count = segment.n // size
-        short = count < _FEWEST
-        if not np.isfinite(ratio):
-            left.append(Leftover(name, ratio, 1.0, 0.0, None, short=short, part=part))
-            continue
-        ringing = resonant_share(residual, segment.pace * segment.dt)
-        ringing = ringing if ringing > _IN_STEP else 0.0
-        if short:
-            left.append(Leftover(name, ratio, 0.0, 0.0, None, short=True, part=part, resonant=ringing))
-            continue
-        power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
-        motion = segment.response[: count * size] - residual[: count * size]
-        moved = np.std(motion.reshape(count, size), axis=1)
-        correlation, chance = 0.0, 1.0
-        if np.ptp(power) > 0 and np.ptp(moved) > 0:
-            ranked = spearmanr(power, moved)
-            correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
-        significant = correlation > 0 and chance < BY_CHANCE
-        loudest = int(np.argmax(power))
-        burst = power[loudest] > _BURST * float(np.median(power))
-        share, order, by_chance = in_step(segment.response - residual, residual)
-        left.append(
-            Leftover(
-                name,
-                ratio,
-                correlation if significant else 0.0,
-                share,
-                segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
-                short=by_chance > _UNTOLD,
-                part=part,
-                order=order,
-                resonant=ringing,
-            )
-        )
-    return tuple(left)
+    short = count < _FEWEST
+    if not np.isfinite(ratio):
+        return Leftover(name, ratio, 1.0, 0.0, None, short=short, part=part)
+    ringing = resonant_share(residual, segment.pace * segment.dt)
+    ringing = ringing if ringing > _IN_STEP else 0.0
+    if short:
+        return Leftover(name, ratio, 0.0, 0.0, None, short=True, part=part, resonant=ringing)
+    power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
+    motion = segment.response[: count * size] - residual[: count * size]
+    moved = np.std(motion.reshape(count, size), axis=1)
+    correlation, chance = 0.0, 1.0
+    if np.ptp(power) > 0 and np.ptp(moved) > 0:
+        ranked = spearmanr(power, moved)
+        correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
+    significant = correlation > 0 and chance < BY_CHANCE
+    loudest = int(np.argmax(power))
+    burst = power[loudest] > _BURST * float(np.median(power))
+    share, order, by_chance = in_step(segment.response - residual, residual)
+    return Leftover(
+        name,
+        ratio,
+        correlation if significant else 0.0,
+        share,
+        segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
+        short=by_chance > _UNTOLD,
+        part=part,
+        order=order,
+        resonant=ringing,
+    )
 
 
 def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float]:
