@@ -95,7 +95,7 @@ def explained_share(before: Sequence[Leftover], after: Sequence[Leftover]) -> fl
 
 
 def _held_out(records: Sequence[RecordFit]) -> list[str]:
-    """The held-out recording that the family told worst, before and after."""
+    """The held-out recording that the family told worst, before and after; where it rises, how many others fall."""
     held = [r for r in records if r.holdout and math.isfinite(r.nrmse_after)]
     if not held:
         return []
@@ -105,9 +105,11 @@ def _held_out(records: Sequence[RecordFit]) -> list[str]:
     )
     before = f"{100 * worst.nrmse_before:.3g}" if math.isfinite(worst.nrmse_before) else "where nothing simulates"
     way = "rises" if worst.nrmse_after > worst.nrmse_before else "falls"
+    falls = sum(not r.nrmse_after > r.nrmse_before for r in held)
+    others = f", and falls in {falls} of the {len(held) - 1} others" if way == "rises" and falls else ""
     return [
         f"the held-out error {way} from {before} to {100 * worst.nrmse_after:.3g} % of the motion in {worst.file} "
-        f"(noise {100 * worst.noise_floor:.3g} %)"
+        f"(noise {100 * worst.noise_floor:.3g} %){others}"
     ]
 
 

@@ -169,6 +169,16 @@ def test_an_effect_without_a_law_is_said_by_its_name():
 def test_a_held_out_error_that_rises_is_said_to():
     said = sentence_of("missing-physics", (DRAG,), None, [row(0.1, 0.2, 0.1, holdout=True)], left(2.0), left(1.0))
     assert "The held-out error rises from 10 to 20 %" in said
+    assert said.endswith("(noise 10 %).")
+
+
+@pytest.mark.parametrize("falls", [0, 1, 2])
+def test_beside_one_that_rises_those_that_fall_are_counted(falls):
+    rows = [row(0.2, 0.3, 0.01, holdout=True)]
+    rows += [row(0.1, 0.05 if i < falls else 0.15, 0.01, file=f"{i}", holdout=True) for i in range(2)]
+    said = sentence_of("missing-physics", (DRAG,), None, rows, left(2.0), left(1.0))
+    assert "The held-out error rises from 20 to 30 %" in said
+    assert (f"and falls in {falls} of the 2 others" in said) == bool(falls)
 
 
 def test_of_the_held_out_the_one_that_the_family_told_worst():
