@@ -30,7 +30,7 @@ from ..recording.recording import Recording
 from .changed_rig import changed_rig
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
-from .family import cut_for, family_of, first_fit, less_offsets, stranger
+from .family import cut_for, family_of, first_fit, identified_from, less_offsets, stranger
 from .in_one_run import told_best_in_one_run
 from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
@@ -182,8 +182,11 @@ def diagnose(
             notes += filter(None, [changed_rig(recordings, holdout)])
     remainder = remainder_sentence(left)
     effects: tuple[Effect, ...] = ()
+    kept = before
     if after is not None:
         effects = _effects(selected, search, after)
+    elif pieces:  # a fit to a part of what there is is held against the rest, and no reason to leave that of all
+        kept = model if identified_from(model, given) else best.model
     verdict = verdict_of(effects, remainder, records)
     progress("where, and what to record next", 0.95)
     location = None if verdict == "consistent" else locate(family_free, data)
@@ -199,7 +202,7 @@ def diagnose(
         effects=effects,
         location=location,
         before=before,
-        model=after or before,
+        model=after or kept,
         records=tuple(records),
         considered=tuple(_considered(selected, search)),
         experiment=experiment,

@@ -86,7 +86,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     in_step = identification is not None and keeps_step(
         [s.segment for s in identification.fit.segments], _free_residuals(identification)
     )
-    if identification is None or not (in_step or _identified_from(model, recordings)):
+    if identification is None or not (in_step or identified_from(model, recordings)):
         effects = [term.effect for term in model.terms]
         again = identify(recordings, name=model.name, effects=effects, doubted=False)
         if identification is None or _left(again) < _left(identification) - math.log(2.0):
@@ -100,7 +100,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         recordings, holdout = identification.recordings, held_as(holdout, best.hold)
     if best.hold != "smooth":
         chain.append(hold_of(best.hold, found=best.hold != model.hold))
-    if not _identified_from(model, recordings):
+    if not identified_from(model, recordings):
         notes += _same_rig(model, best, slide=identification.fit.segments[0].segment.slide)
     # what is missing adds up over time: the longer the memory, the more of it shows
     memory = (
@@ -133,7 +133,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     )
 
 
-def _identified_from(model: Oscillator, recordings: Sequence[Recording]) -> bool:
+def identified_from(model: Oscillator, recordings: Sequence[Recording]) -> bool:
     """Whether the model file's values were found from these very recordings: then there are no others to find."""
     known = {entry.get("sha256") for entry in model.identified.recordings} - {None, ""}
     return bool(known) and {recording.sha256 for recording in recordings} <= known
@@ -143,7 +143,7 @@ def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification 
     if model.identified.recordings:  # the hold was asked for when it was identified
         recordings = held_as(recordings, model.hold)
     try:
-        near = _identified_from(model, recordings)
+        near = identified_from(model, recordings)
         return identify(recordings, name=model.name, start=model, doubted=False, near=near)
     except BadInput:  # it does not simulate from there
         return None

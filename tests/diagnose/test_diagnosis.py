@@ -11,6 +11,7 @@ import pytest
 from dashpot.diagnose import diagnose
 from dashpot.diagnose.diagnosis import _why_untried
 from dashpot.errors import BadInput
+from dashpot.identify.identification import identify
 from dashpot.model import Response
 from dashpot.model.file import dumps, loads
 from dashpot.model.laws import find
@@ -98,6 +99,22 @@ def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind):
     diagnosis = diagnose(case.model, case.training)
     assert any("no recording was held out" in note for note in diagnosis.notes)
     assert any(record.holdout for record in diagnosis.records)
+    if kind == ("none",):  # the model is then that of the whole recordings, and no longer of the stretches
+        assert diagnosis.effects == ()
+        used = diagnosis.model.identified.recordings
+        assert [entry["file"] for entry in used] == [recording.name for recording in case.training]
+        sizes = {name: parameter.std for name, parameter in diagnosis.before.parameters().items()}
+        assert all(parameter.std < sizes[name] for name, parameter in diagnosis.model.parameters().items())
+
+
+def test_a_model_of_these_very_recordings_stays_as_it_is(rig):
+    case = rig("none")
+    decay = replace(case.training[2], sha256="0" * 64)
+    model = identify([decay], doubted=False).oscillator
+    diagnosis = diagnose(model, [decay])
+    assert diagnosis.effects == ()
+    assert any(record.holdout for record in diagnosis.records)
+    assert diagnosis.model is model
 
 
 @pytest.mark.long
