@@ -17,7 +17,8 @@ from .what_it_follows import LOCKED, Symptoms, with_kind
 _ONSETS = np.linspace(0.1, 0.9, 17)
 #: Speeds at which friction may change, in parts of the largest.
 _SPEEDS = np.array([0.02, 0.04, 0.08, 0.15])
-
+#: Physical limit: a delay by more than a cycle (rad) of the force would look like one by a cycle less.
+_NO_DELAY = 2 * np.pi
 
 #: Low and high by the name of the coordinate, as in ``Location``.
 Ranges = dict[str, tuple[float, float]]
@@ -120,6 +121,12 @@ def _in_words(signature: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges
     if signature.kind == "delay":
         late = _slope(rows, rows.joined(lambda s: s.drive_rate))
         order = "after" if late > 0 else "before"
+        force, rate = rows.joined(lambda s: s.drive), rows.joined(lambda s: s.drive_rate)
+        if abs(late) * float(np.std(rate)) > _NO_DELAY * float(np.std(force)):
+            return (
+                "where a force acts, in step with its rate of change, and by more than a delay could: the motion does "
+                "not follow the recorded force through this model"
+            )
         return (
             "where a force acts, in step with its rate of change: the motion comes "
             f"{figure(1e3 * abs(late))} ms {order} what the recorded force says (a delay or lag of actuator, "

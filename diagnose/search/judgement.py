@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,7 +72,8 @@ def leading(leader: Candidate, arrived: Sequence[Candidate], parts: Sequence[Dat
         arrived: its neighbours, weighed by the same measure.
         parts: training recordings, and those held out where there are any.
     """
-    shorter = [c for c in arrived if set(c.laws) < set(leader.laws) and c.value > leader.value - DECISIVE]
+    fewer = [c for c in arrived if set(c.laws) < set(leader.laws)]
+    shorter = [c for c in fewer if log_odds(leader, c, parts) < DECISIVE]  # by the odds that the longer needs to be led
     if shorter:
         return max(shorter, key=lambda c: c.value)
     # one as long has nothing to prove beyond being more probable, what was held out or is foretold told as well
@@ -80,6 +81,22 @@ def leading(leader: Candidate, arrived: Sequence[Candidate], parts: Sequence[Dat
     as_long = [c for c in as_long if c.held_out is not None or c.foretold >= leader.foretold]
     further = [c for c in arrived if accepted(c, leader, parts)]
     return max([leader, *as_long, *further], key=lambda c: c.value)
+
+
+def first_of_several(given: Candidate, candidates: Iterable[Candidate], parts: Sequence[Data]) -> Candidate | None:
+    """The most probable of those for which the training is decisive, where each tells what was held out worse.
+
+    Where several effects are missing, one of them alone may be bent to stand for the others where it was fitted, and
+    tell the rest worse; a search goes on from there, and what it ends with has to tell the rest better than the family.
+
+    Args:
+        given: the family.
+        candidates: all that were weighed or left.
+        parts: training recordings, and those held out where there are any.
+    """
+    judged = [candidate for candidate in candidates if candidate.stage == "judged" and candidate.laws]
+    told = [c for c in judged if matters(c, given) and log_odds(c, given, parts) > DECISIVE]
+    return max(told, key=lambda c: c.value, default=None)
 
 
 def why_not(candidate: Candidate, without: Candidate, best: Candidate, parts: Sequence[Data]) -> str:

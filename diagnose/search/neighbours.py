@@ -12,7 +12,7 @@ from ...model.law import Law
 from ...model.terms import with_term
 from .candidate import Candidate, key
 from .race import PATIENCE, Entry, Start
-from .starts import without
+from .starts import generalised, without
 
 
 def kept(fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
@@ -32,6 +32,21 @@ def dropped(leader: Candidate, data: Data, *, afresh: bool) -> list[Entry]:
         )
         for name in leader.laws
         for model, initial in without(leader.fit, data, name, afresh=afresh)
+    ]
+
+
+def more_general(leader: Candidate) -> list[Entry]:
+    """The leader with one law exchanged for that of which it is a case."""
+    assert leader.fit is not None
+    return [
+        Entry(
+            key([general if law == name else law for law in leader.laws]),
+            wider.model,
+            wider.initial,
+            (),
+            patience=PATIENCE,
+        )
+        for name, general, wider in generalised(leader.fit, leader.laws)
     ]
 
 

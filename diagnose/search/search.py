@@ -24,13 +24,13 @@ from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from .candidate import Candidate, key
-from .judgement import leading, only_a_name
+from .judgement import accepted, first_of_several, leading, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
-from .neighbours import dropped, kept, with_learnt, with_shapes
+from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, in_the_best_valleys, race, started
 from .side_valleys import by_probing
-from .starts import Proposal, by_motion, by_score, generalised, unseen_in_motion
+from .starts import Proposal, by_motion, by_score, unseen_in_motion
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
 #: Of what the best law gains on the measured motion others must gain this part there to be simulated.
@@ -83,6 +83,14 @@ class Search:
         """The best structure there is, starting from the given family."""
         self._compare_by(family)
         leader = self.candidates[()] = self.weigh((), family)
+        leader = self._climbed(leader)
+        if leader.laws or (first := first_of_several(leader, self.candidates.values(), self.parts)) is None:
+            return leader
+        several, given = self._climbed(first), self.candidates[()]
+        return several if accepted(several, given, self.parts) else given
+
+    def _climbed(self, leader: Candidate) -> Candidate:
+        """From a structure to one that no neighbour is better than."""
         led: dict[tuple[str, ...], float] = {}
         while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
             led[leader.laws] = leader.value
@@ -338,16 +346,7 @@ class Search:
     def _exchanged(self, leader: Candidate) -> list[Start]:
         """The leader with one law exchanged for those that act most like it on the leader's own motion."""
         assert leader.fit is not None
-        entries = [
-            Entry(
-                key([general if law == name else law for law in leader.laws]),
-                wider.model,
-                wider.initial,
-                (),
-                patience=PATIENCE,
-            )
-            for name, general, wider in generalised(leader.fit, leader.laws)
-        ]
+        entries = more_general(leader)
         # on the motion of a leader that is right, what acts like one of its laws begins near its own maximum
         patience = PATIENCE if self._at_noise(leader, ()) else _CONVERGES
         for name in leader.laws:

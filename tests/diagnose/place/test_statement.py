@@ -154,6 +154,16 @@ def test_a_delay_is_told_in_milliseconds_and_its_direction(sign, order, stretch)
     assert f"50 ms {order} what the recorded force says" in statement
 
 
+@pytest.mark.parametrize(("turns", "told"), [(0.9, True), (1.1, False)])
+def test_what_exceeds_a_cycle_of_the_force_is_no_delay(turns, told, stretch):
+    def late(s):
+        return turns * 2 * np.pi * np.std(s.drive) / np.std(s.drive_rate) * s.drive_rate
+
+    statement, _ = said(stretch, late, kind="delay")
+    assert ("after what the recorded force says" in statement) == told
+    assert ("by more than a delay could" in statement) != told
+
+
 @pytest.mark.parametrize(("sign", "word"), [(1, "grows"), (-1, "falls")])
 def test_a_drift_is_told_in_per_cent(sign, word, stretch):
     """A tenth of the stiffness in twenty seconds."""

@@ -9,6 +9,7 @@ import pytest
 from dashpot.diagnose.search.candidate import Candidate, key
 from dashpot.diagnose.search.judgement import (
     accepted,
+    first_of_several,
     leading,
     leaves_mismatch,
     log_odds,
@@ -84,6 +85,25 @@ def test_a_shorter_structure_leads_where_it_comes_as_near(behind, leads):
     leader = candidate("quadratic-drag", evidence=100.0, left=0.9)
     family = candidate(evidence=100.0 - behind)
     assert leading(leader, [family], parts(1.0)).laws == leads
+
+
+@pytest.mark.parametrize(("left", "leads"), [(1.02, ()), (1.4, ("quadratic-drag",))])
+def test_far_from_the_noise_a_shorter_structure_leads_by_the_odds_that_the_longer_must_have(left, leads):
+    """There thousands of samples repeat themselves, and are few witnesses for a law more."""
+    leader = candidate("quadratic-drag", evidence=1000.0, left=1.0)
+    assert leading(leader, [candidate(left=left)], parts(0.1)).laws == leads
+
+
+@pytest.mark.parametrize(
+    ("evidence", "left", "first"), [(DECISIVE + 0.1, 0.9, True), (DECISIVE - 0.1, 0.9, False), (100.0, 0.999, False)]
+)
+def test_the_first_of_several_is_one_that_the_training_is_decisive_for(evidence, left, first):
+    """Whatever it says of the rest; by something that matters."""
+    family, drag = candidate(), candidate("quadratic-drag", evidence=evidence, predictive=0.0, left=left)
+    drag = replace(drag, foretold=-50.0)
+    friction = candidate("stribeck", evidence=evidence - 0.05, left=left)
+    found = first_of_several(family, [friction, drag, family, replace(drag, stage="left")], parts(1.0))
+    assert found is (drag if first else None)
 
 
 def test_of_the_shorter_the_most_probable_leads():

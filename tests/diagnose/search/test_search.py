@@ -151,55 +151,7 @@ def test_what_was_judged_where_it_is_exchanged_is_not_entered_again(proposing):
     assert added(search._exchanged(leader)) == ["quintic-stiffness"]
 
 
-# --- the way from leader to leader
-
-
-@pytest.fixture
-def led(monkeypatch):
-    """``led(table)``: two ways of asking, and who leads after each; gives the last leader and all that was asked."""
-
-    def follow(table: dict[tuple[tuple[str, ...], str], Candidate]) -> tuple[Candidate, list]:
-        asked = []
-
-        def ways(_search, _leader):
-            return [lambda best, way=way: asked.append((best.laws, way)) or [way] for way in ("first", "second")]
-
-        def weigh(_search, laws, fitted):
-            return Candidate(laws, fitted, None, 0.0, 0.0, 0.0, "judged")
-
-        monkeypatch.setattr(Search, "_compare_by", lambda self, front: None)
-        monkeypatch.setattr(Search, "_simulated", lambda self, leader: leader)
-        monkeypatch.setattr(Search, "_ways", ways)
-        monkeypatch.setattr(Search, "weigh", weigh)
-        monkeypatch.setattr(Search, "_led_by_others", lambda self, best, way: table.get((best.laws, way[0]), best))
-        search, leader = leading()
-        assert leader.fit is not None
-        return search.from_family(leader.fit), asked
-
-    return follow
-
-
-def worth(value: float, *laws: str) -> Candidate:
-    return Candidate(laws, None, None, value, 0.0, 0.0, "judged")
-
-
-def test_every_way_is_asked_of_the_last_leader(led):
-    last, asked = led({((), "second"): worth(100.0, "drag")})
-    assert last.laws == ("drag",)
-    assert asked == [((), "first"), ((), "second"), (("drag",), "first"), (("drag",), "second")]
-
-
-def test_another_leader_is_asked_from_the_first_way_on(led):
-    _, asked = led({((), "first"): worth(100.0, "drag")})
-    assert asked == [((), "first"), (("drag",), "first"), (("drag",), "second")]
-
-
-@pytest.mark.parametrize(("again", "ends"), [(6.9 - 0.1, ()), (6.9 + 0.1, ("drag",))])
-def test_a_structure_leads_again_only_where_it_came_decisively_farther(led, again, ends):
-    """Odds of a thousand are 6.9."""
-    last, asked = led({((), "first"): worth(100.0, "drag"), (("drag",), "first"): worth(again)})
-    assert last.laws == ends
-    assert asked == [((), "first"), (("drag",), "first"), ((), "first")][: 2 + bool(ends)]
+# --- what is asked of a leader
 
 
 def test_of_neighbours_that_arrive_the_one_that_does_without_a_law_leads(monkeypatch):
@@ -379,7 +331,7 @@ def test_a_leader_that_keeps_step_is_simulated_from_there_on(weighing, monkeypat
     search, leader = leading("quadratic-drag")
     search.data = replace(search.data, memory=memory)
     family = leading()[1]
-    search.candidates = {(): family, ("old",): worth(5.0, "old"), ("left",): Candidate(("left",))}
+    search.candidates = {(): family, ("old",): replace(family, laws=("old",)), ("left",): Candidate(("left",))}
     assert leader.fit is not None
     fitted, anew = replace(leader.fit), replace(leader.fit)
     module = "dashpot.diagnose.search.search"
