@@ -135,6 +135,10 @@ def _recording(
     force_factor *= force_unit.factor if force_unit else 1.0
     indices = [i for i in (choice.response, choice.force, choice.time) if i is not None]
     numbers = table.numbers(indices)
+    there = np.flatnonzero(np.all(np.isfinite(numbers), axis=1))
+    if there.size and (missing := len(numbers) - 1 - int(there[-1])):
+        numbers = numbers[:-missing]
+        notes.append(f"{table.where}: a channel ends before the others, {missing} row(s) behind its end were left out")
     signals = numbers[:, : 1 if choice.force is None else 2]
     stamps = None
     if choice.time is not None:

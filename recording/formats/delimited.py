@@ -182,6 +182,12 @@ def _numbers(
             cells = [[grouped.plain(cell) for cell in row] for row in cells]
             if all(_is_number(cell) for row in cells for cell in row):
                 return np.array(cells, float)
+    whole = len(rows)
+    while whole and not all(_cells(rows[whole - 1], delimiter)[i] for i in indices):
+        whole -= 1  # a channel that ended before the others: what is not there is no number
+    if 0 < whole < len(rows):
+        ended = np.full((len(rows) - whole, len(indices)), np.nan)
+        return np.vstack([_numbers(where, lines[:whole], delimiter, numerals, names, indices), ended])
     for (number, _), row in zip(lines, rows, strict=True):
         cells = _cells(row, delimiter)
         for i in indices:

@@ -7,6 +7,7 @@ import gzip
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
+from dashpot.recording import read
 from dashpot.recording.formats.delimited import read_delimited
 
 ROWS = np.array([[0.0, 1.5], [0.1, -2.5e-3], [0.2, 3.0]])
@@ -108,3 +109,16 @@ def test_a_last_cell_that_is_empty_in_some_rows_is_still_a_fault():
     rows = "\n".join(f"{0.01 * k:.2f},{k % 7},{'' if k == 30 else k}" for k in range(40))
     with pytest.raises(BadInput, match=r"line 32, column 'y_mm' is empty"):
         read_delimited("hole.csv", f"t_s,x_mm,y_mm\n{rows}\n".encode()).numbers([2])
+
+
+def test_a_channel_that_ends_before_the_others_ends_the_record(tmp_path):
+    rows = "\n".join(f"{0.01 * k:.2f},{k % 7},{'' if k > 37 else k}" for k in range(40))
+    table = read_delimited("ends.csv", f"t_s,x_mm,F_N\n{rows}\n".encode())
+    assert np.isnan(table.numbers([1, 2])[38:, 1]).all()
+    assert np.isfinite(table.numbers([1, 2])[:38]).all()
+    assert np.isfinite(table.numbers([0, 1])).all()
+    (tmp_path / "ends.csv").write_text(f"t_s,x_mm,F_N\n{rows}\n")
+    recording = read(tmp_path / "ends.csv", checked=False)
+    assert recording.n == 38
+    assert any("2 row(s) behind its end were left out" in note for note in recording.notes)
+    assert read(tmp_path / "ends.csv", force="none", response="x_mm", checked=False).n == 40
