@@ -61,19 +61,21 @@ class Descent:
         """Normal matrix and gradient of each segment, here."""
         if self._blocks is None:
             rows = self.problem.derivatives(self.state, self.residuals)
-            self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise)
-            shared, own = self._solved(0.0)
-            self._expected = tuple(
-                residual - np.concatenate([shared, initial]) @ row
-                for residual, initial, row in zip(self.residuals, own, rows, strict=True)
-            )
+            self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise, consumed=True)
         return self._blocks
 
     @property
     def expected(self) -> tuple[np.ndarray, ...]:
         """What the whole next step would leave if the response were linear: one (n,) array a segment."""
-        _ = self.blocks  # made together with it
-        assert self._expected is not None
+        if self._expected is None:
+            rows = self.problem.derivatives(self.state, self.residuals)
+            if self._blocks is None:
+                self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise)
+            shared, own = self._solved(0.0)
+            self._expected = tuple(
+                residual - np.concatenate([shared, initial]) @ row
+                for residual, initial, row in zip(self.residuals, own, rows, strict=True)
+            )
         return self._expected
 
     def weigh_by(self, noise: Sequence[NoiseSpectrum]) -> None:
@@ -120,7 +122,7 @@ class Descent:
 
     def _solved(self, damping: float) -> tuple[np.ndarray, np.ndarray]:
         """The next step, without those parameters that would leave their bounds from where they are."""
-        blocks = self.blocks if self._blocks is None else self._blocks
+        blocks = self.blocks
         problem = self.problem
         shared, own = solve(blocks, damping, problem.shared)
         if problem.bounds is None:
@@ -140,16 +142,34 @@ def blocks_of(
     rows: Sequence[np.ndarray],
     residuals: Sequence[np.ndarray],
     noise: Sequence[NoiseSpectrum] | None,
+    *,
+    consumed: bool = False,
 ) -> list[Block]:
-    """Normal matrix and gradient of each segment, from its derivatives and residuals, whitened by the noise."""
+    """Normal matrix and gradient of each segment, from its derivatives and residuals, whitened by the noise.
 
-    def block(i: int) -> Block:
-        spectrum = white(residuals[i]) if noise is None else noise[i]
-        lines = spectrum.lines(np.vstack([rows[i], residuals[i]]))
-        jacobian, residual = lines[:-1], lines[-1]
-        return jacobian @ jacobian.T, jacobian @ residual
+    With ``consumed`` the derivatives' own memory is used: they are derivatives no more.
+    """
+    spectra = [white(residual) for residual in residuals] if noise is None else noise
+    made = rows if consumed else [own.copy() for own in rows]
+    in_lines(problem, made, spectra)
+    blocks = []
+    for lines, residual, spectrum in zip(made, residuals, spectra, strict=True):
+        blocks.append((lines @ lines.T, lines @ spectrum.lines(residual)))
+    return blocks
 
-    return list(problem.map(block, range(len(residuals))))
+
+def in_lines(problem: OutputError, rows: Sequence[np.ndarray], spectra: Sequence[NoiseSpectrum]) -> None:
+    """Turn each segment's derivatives, in their own place and row by row, into their whitened lines."""
+    each = [(row, spectrum) for own, spectrum in zip(rows, spectra, strict=True) for row in own]
+    problem.map(lambda k: _in_lines(*each[k]), range(len(each)))
+
+
+def _in_lines(row: np.ndarray, spectrum: NoiseSpectrum) -> None:
+    if not np.any(row):
+        return
+    made = spectrum.lines(row, overwrite=True)
+    if made is not row:
+        row[:] = made
 
 
 def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None) -> float:
@@ -161,4 +181,4 @@ def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | No
         return np.inf
     if noise is None:
         return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
-    return sum(0.5 * float(np.sum(s.lines(r) ** 2)) for r, s in zip(residuals, noise, strict=True))
+    return sum(0.5 * float(np.vdot(lines := s.lines(r), lines)) for r, s in zip(residuals, noise, strict=True))

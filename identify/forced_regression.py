@@ -14,6 +14,7 @@ response obeys another equation.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,6 +25,9 @@ from .regression import resting
 from .signals import Signal
 from .weakform import Solution, solve, windows
 
+#: Samples whose envelope is made at once, and cycles beside them.
+_AT_ONCE = 2**16
+_BESIDE = 40.0
 OVERLAP = 4
 CURVE_POINTS = 60
 
@@ -52,29 +56,31 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
     x, force, fs = displacement.samples, drive.samples, displacement.fs
     if np.ptp(force) == 0:
         raise BadInput("The regression needs a force; this record has none: treat it as a free decay.")
-    signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
+    amplitude, growth, rate = _envelope(x, fs, displacement.frequency)
     sigma = max(displacement.noise, 1e-6 * float(np.std(x)))
-    f = float(np.median(np.abs(signal.omega[signal.amplitude > 0.3 * np.max(signal.amplitude)]))) / (2 * np.pi)
+    f = float(np.median(np.abs(rate[amplitude > 0.3 * np.max(amplitude)]))) / (2 * np.pi)
     period = max(5, round(fs / max(f, fs / x.size)))
     low, high = drive.band
     length = min(8.0, x.size / period / 3) * period / fs
     view = windows(x.size, fs, length, min(low, f) - 1 / length, min(max(high, f) + 1 / length, 0.45 * fs), OVERLAP)
 
-    level = float(np.quantile(signal.amplitude, 0.995))
-    amplitude = np.maximum(signal.amplitude, 1e-4 * level)
-    speed = np.abs(signal.growth + 1j * signal.omega) * amplitude
+    level = float(np.quantile(amplitude, 0.995))
+    amplitude = np.maximum(amplitude, 1e-4 * level)
+    mean_omega = view.mean(rate * amplitude**2) / view.mean(amplitude**2)
+    speed = np.hypot(growth, rate) * amplitude
+    del growth, rate
     top_speed = float(np.quantile(speed, 0.995))
     speed = np.maximum(speed, 1e-4 * top_speed)
-    velocity = np.gradient(x, 1 / fs, edge_order=2)
     correction = _gradient_gain(view.omega, fs)  # what the central difference does to each bin
 
-    backbone = [view.project(b * x) for b in backbone_basis(amplitude / level)]
-    damping = [view.project(d * velocity) / correction for d in damping_basis(amplitude / level, speed / top_speed)]
+    backbone = [view.project(b * x) for b in _backbone(amplitude / level)]
+    velocity = np.gradient(x, 1 / fs, edge_order=2)
+    damping = [view.project(d * velocity) / correction for d in _damping(amplitude / level, speed / top_speed)]
+    del velocity, speed
     columns = np.stack([view.project(force), *backbone, *damping], axis=-1)
     acceleration = view.project(x, 2)
 
     # the fundamental only, where it stands clear of the noise
-    mean_omega = view.mean(signal.omega * amplitude**2) / view.mean(amplitude**2)
     noise = sigma * np.sqrt(view.energy / fs)
     near = np.abs(view.omega - mean_omega[:, None]) < np.maximum(0.4 * np.abs(mean_omega[:, None]), view.width)
     moving = view.mean((resting(x, sigma, period) | (amplitude < 5 * sigma)).astype(float)) < 0.02
@@ -131,14 +137,39 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
 
 def backbone_basis(a: np.ndarray) -> np.ndarray:
     """Functions of the relative amplitude that omega0^2(A) is made of, shape (8, n): a cubic spline and 1/A."""
-    bends = [np.clip(a - knot, 0, None) ** 3 for knot in (0.2, 0.4, 0.6, 0.8)]
-    return np.stack([np.ones_like(a), 1 / a, a, a**2, *bends])
+    return np.stack(list(_backbone(a)))
 
 
 def damping_basis(a: np.ndarray, speed: np.ndarray) -> np.ndarray:
     """Functions of relative amplitude and relative speed that 2 h0 is made of, shape (6, n)."""
-    bends = [np.clip(a - knot, 0, None) ** 2 for knot in (0.33, 0.67)]
-    return np.stack([np.ones_like(a), 1 / speed, a, a**2, *bends])
+    return np.stack(list(_damping(a, speed)))
+
+
+def _backbone(a: np.ndarray) -> Iterator[np.ndarray]:
+    yield from (np.ones_like(a), 1 / a, a, a**2)
+    yield from (np.clip(a - knot, 0, None) ** 3 for knot in (0.2, 0.4, 0.6, 0.8))
+
+
+def _damping(a: np.ndarray, speed: np.ndarray) -> Iterator[np.ndarray]:
+    yield from (np.ones_like(a), 1 / speed, a, a**2)
+    yield from (np.clip(a - knot, 0, None) ** 2 for knot in (0.33, 0.67))
+
+
+def _envelope(x: np.ndarray, fs: float, frequency: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Amplitude, growth and rate of the phase, (n,) each, of a driven motion: see ``AnalyticSignal``.
+
+    Of a long one in parts, each with cycles beside it to either side, beyond which no kernel reaches.
+    """
+    beside = int(np.ceil(_BESIDE * fs / frequency))
+    part = max(_AT_ONCE, 8 * beside)
+    made = np.empty((3, x.size))
+    for begin in range(0, x.size, part) if x.size > 2 * part else (0,):
+        end = begin + part if x.size > 2 * part else x.size
+        first = max(0, begin - beside)
+        signal = analytic_signal(x[first : end + beside], fs, undecay=0.0, frequency=frequency)
+        own = slice(begin - first, begin - first + min(end, x.size) - begin)
+        made[:, begin:end] = signal.amplitude[own], signal.growth[own], signal.omega[own]
+    return made[0], made[1], made[2]
 
 
 def _gradient_gain(omega: np.ndarray, fs: float) -> np.ndarray:

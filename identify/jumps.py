@@ -31,16 +31,20 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
     state is taken from the simulation. Where nothing smooth is left at all, everything stays as it was.
     """
     residuals = problem.residuals(state)
-    forward = problem.derivatives(state, residuals, raw=True)
-    backward = problem.derivatives(state, residuals, backward=True, raw=True)
+    ways = problem.quotients(state, residuals), problem.quotients(state, residuals, backward=True)
     kept: list[Segment] = []
     initial: list[np.ndarray] = []
     for i, segment in enumerate(problem.segments):
         cycle = max(3, round(2 * np.pi / segment.pace / segment.dt))
-        parameters = slice(0, len(problem.free))
         sizes = np.maximum(np.abs(state.values[list(problem.free)]), problem.scale[list(problem.free)])
         visible = _VISIBLE * float(np.max(np.abs(segment.response))) / sizes
-        jumps = _jumps(forward[i][parameters], backward[i][parameters], cycle, visible)
+
+        def jumping(k: int, i: int = i, cycle: int = cycle, visible: np.ndarray = visible) -> np.ndarray:
+            return _jumps(ways[0](i, k), ways[1](i, k), cycle, float(visible[k]))
+
+        jumps = np.zeros(segment.n, bool)
+        for found in problem.map(jumping, range(len(problem.free))):
+            jumps |= found
         begin, end = _longest(~jumps)
         if begin == 0 and end == segment.n:
             kept.append(segment)
@@ -54,17 +58,20 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
     return tuple(kept), replace(state, initial=np.array(initial))
 
 
-def _jumps(forward: np.ndarray, backward: np.ndarray, cycle: int, visible: np.ndarray) -> np.ndarray:
-    """(n,) whether any parameter's derivative (k, n) is none there, to within half a cycle.
+def _jumps(forward: np.ndarray, backward: np.ndarray, cycle: int, visible: float) -> np.ndarray:
+    """(n,) whether a parameter's derivative (n,) is none there, to within half a cycle.
 
-    Below ``visible`` (k,) a difference is rounding.
+    Below ``visible`` a difference is rounding.
     """
     from scipy.ndimage import maximum_filter1d
 
-    apart = maximum_filter1d(np.abs(forward - backward), cycle, axis=-1)
-    size = maximum_filter1d(np.maximum(np.abs(forward), np.abs(backward)), cycle, axis=-1)
-    floor = _SMALL * np.max(np.minimum(np.abs(forward), np.abs(backward)), axis=-1, keepdims=True)
-    return np.any(apart > _DISAGREE * size + floor + visible[:, None], axis=0)
+    apart = maximum_filter1d(np.abs(forward - backward), cycle)
+    size = np.abs(forward, out=forward), np.abs(backward, out=backward)
+    floor = _SMALL * float(np.max(np.minimum(*size))) + visible
+    largest = maximum_filter1d(np.maximum(*size, out=forward), cycle)
+    largest *= _DISAGREE
+    largest += floor
+    return apart > largest
 
 
 def _longest(good: np.ndarray) -> tuple[int, int]:

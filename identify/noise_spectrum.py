@@ -29,23 +29,50 @@ class NoiseSpectrum:
         """(..., n) signals with every frequency divided by the noise's standard deviation there."""
         return self._filter(signals, 1.0 / np.sqrt(self.density))
 
-    def lines(self, signals: np.ndarray) -> np.ndarray:
-        """(..., m) the whitened signals' inner products and no more: their Fourier lines as real numbers (Parseval).
+    def lines(self, signals: np.ndarray, *, overwrite: bool = False) -> np.ndarray:
+        """(..., n) the whitened signals' inner products and no more: their Fourier lines as real numbers (Parseval).
 
-        Half the work of ``whiten``, none of it where the spectrum is flat.
+        Half the work of ``whiten``, none where the spectrum is flat; with ``overwrite`` in the signals' own place.
         """
+        made = signals if overwrite else np.array(signals, float)
         if self._flat:
-            return signals / np.sqrt(self.density[0])
-        from scipy import fft
+            made /= np.sqrt(self.density[0])
+            return made
+        from scipy import fftpack
 
-        weights = np.sqrt(self._counted / (self.n * self.density))
-        return (np.asarray(fft.rfft(signals, axis=-1)) * weights).view(float)
+        made = np.asarray(fftpack.rfft(made, axis=-1, overwrite_x=overwrite))
+        return self._scaled(made, np.sqrt(self._counted / (self.n * self.density)))
+
+    def whitened_twice(self, lines: np.ndarray) -> np.ndarray:
+        """(..., n) signals of given ``lines``, whitened once more: what a residual's inner product with these is."""
+        if self._flat:
+            return lines / np.sqrt(self.density[0])
+        from scipy import fftpack
+
+        # back through the weights of ``lines``, once more through the noise's standard deviation
+        made = self._scaled(lines.copy(), 1.0 / np.sqrt(self._counted / self.n * self.density))
+        return np.asarray(fftpack.irfft(made, axis=-1, overwrite_x=True))
+
+    def of_sensor(self, lines: np.ndarray) -> np.ndarray:
+        """(..., n) lines times the share of the noise at each that is not due to force noise."""
+        share = 1.0 - self.force_share + np.zeros_like(self.density)
+        return lines * share[0] if self._flat else self._scaled(lines.copy(), share)
+
+    def _scaled(self, lines: np.ndarray, factors: np.ndarray) -> np.ndarray:
+        """Lines (..., n), in their place, each times its factor (n // 2 + 1,): real part and imaginary part alike."""
+        even = self.n % 2 == 0
+        lines[..., 0] *= factors[0]
+        inner = lines[..., 1 : self.n - even]
+        inner.reshape(*inner.shape[:-1], -1, 2)[...] *= factors[1 : factors.size - even, None]
+        if even:
+            lines[..., -1] *= factors[-1]
+        return lines
 
     @cached_property
     def _flat(self) -> bool:
         return bool(np.all(self.density == self.density[0]))
 
-    @cached_property
+    @property
     def _counted(self) -> np.ndarray:
         """How often each line counts: with its mirror image, where it has one."""
         weights = np.full(self.density.size, 2.0)
@@ -57,10 +84,6 @@ class NoiseSpectrum:
     def colour(self, signals: np.ndarray) -> np.ndarray:
         """(..., n) signals with every frequency multiplied by the noise's standard deviation there."""
         return self._filter(signals, np.sqrt(self.density))
-
-    def sensor_part(self, whitened: np.ndarray) -> np.ndarray:
-        """(..., n) whitened signals times the square root of the share that is not due to force noise."""
-        return self._filter(whitened, np.sqrt(1.0 - self.force_share + np.zeros_like(self.density)))
 
     def _filter(self, signals: np.ndarray, gain: np.ndarray) -> np.ndarray:
         from scipy import fft

@@ -28,6 +28,7 @@ from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .segments import Segment
 
+Item = TypeVar("Item")
 T = TypeVar("T")
 
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
@@ -156,11 +157,11 @@ class OutputError:
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
     ) -> list[Block]:
         """Normal matrix and gradient of each segment at a point, whitened by the noise."""
-        return blocks_of(self, self.derivatives(state, residuals), residuals, noise)
+        return blocks_of(self, self.derivatives(state, residuals), residuals, noise, consumed=True)
 
-    def map(self, function: Callable[[int], T], items: Sequence[int]) -> list[T]:
-        """Results of a function that is mostly linear algebra, item by item."""
-        return list(self._pool.map(function, items))
+    def map(self, function: Callable[[Item], T], items: Sequence[Item]) -> list[T]:
+        """Results of a function that is mostly simulation or linear algebra, item by item."""
+        return list(self._pool.map(function, items))  # the core releases the interpreter lock
 
     def keeping(self, state: State) -> OutputError:
         """The same with all parameters and offsets as they are: only initial states are to be found."""
@@ -200,7 +201,7 @@ class OutputError:
             own = prediction_gain(self.memory, segment.pace, segment.dt, segment.quantity)
             gain = np.zeros(self.core.states)
             gain[:2] = own
-            measured = segment.response - shown
+            measured = segment.response - shown if np.any(shown) else segment.response
         made = self.core.record(
             state.values,
             state.initial[index],
@@ -215,7 +216,9 @@ class OutputError:
             keep=keep,
             quantity=segment.quantity,
         )
-        return made + (shown[: made.size] if shown.ndim else float(shown)) if np.any(shown) else made
+        if np.any(shown):
+            made += shown[: made.size] if shown.ndim else float(shown)
+        return made
 
     def force(self, segment: Segment) -> Force | None:
         """What drives a segment, in pieces of the length that suits the step."""
@@ -226,15 +229,11 @@ class OutputError:
         free = self.core.equations.free
         return tuple(i for i in range(self.core.states) if free[i] or not segment.rests)
 
-    def parallel(self, jobs: Sequence[Callable[[], np.ndarray]]) -> list[np.ndarray]:
-        """Results of jobs that are mostly simulation."""
-        return list(self._pool.map(lambda job: job(), jobs))  # the core releases the interpreter lock
-
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
-        every = range(len(self.segments))
-        made = self.parallel([lambda i=i: self._beside_jumps(i, state)[0] for i in every])
-        return tuple(segment.response - response for segment, response in zip(self.segments, made, strict=True))
+
+        made = self.map(lambda i: self._beside_jumps(i, state)[0], range(len(self.segments)))
+        return tuple(np.subtract(s.response, shown, out=shown) for s, shown in zip(self.segments, made, strict=True))
 
     def states(self, index: int, state: State) -> np.ndarray:
         """(n, states) displacement, velocity and inner states along one segment, simulated freely."""
@@ -243,53 +242,56 @@ class OutputError:
         n, step = segment.n, self.max_step
         return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
 
-    def derivatives(
-        self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False, raw: bool = False
-    ) -> list[np.ndarray]:
+    def derivatives(self, state: State, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
         """(shared + states, n) derivatives of each segment's response: free parameters, offsets, its initial state.
 
         Where the response jumps (an acceleration, when friction turns), all runs of a segment show what their states
         give under the same signs, sample by sample: the jump itself has no derivative. Where a hair decides whether
         friction holds the mass, a difference quotient is no derivative either: samples at which a parameter would move
-        the response by more than its phase can turn are left at zero, unless the ``raw`` quotients are asked for.
+        the response by more than its phase can turn are left at zero.
         """
-        jobs: list[Callable[[], np.ndarray]] = []
-        jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
-        taken = self.parallel([lambda i=i: self._beside_jumps(i, state)[1] for i in jumping])
-        signs = dict(zip(jumping, taken, strict=True))
+        quotient = self.quotients(state, residuals)
+        made = [np.zeros((self.shared + self.core.states, segment.n)) for segment in self.segments]
 
-        def slope(i: int, k: int, base: np.ndarray) -> np.ndarray:
-            """Difference quotient; to the other side where the model does not simulate beyond; else zero."""
+        def fill(place: tuple[int, int]) -> None:
+            i, k = place
+            made[i][k] = self._shown_by(i, k) if self._is_sensors(k) else quotient(i, k)
+
+        self.map(fill, [(i, k) for i, segment in enumerate(self.segments) for k in self._moving(segment)])
+        for i, rows in enumerate(made):
+            self._bound(i, rows, state, residuals[i])
+        return made
+
+    def quotients(
+        self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False
+    ) -> Callable[[int, int], np.ndarray]:
+        """Gives (n,) the difference quotient of one segment's response by one unknown, there.
+
+        To the other side where the model does not simulate beyond; else zero. Under the same signs as ``derivatives``.
+        """
+        jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
+        signs = dict(zip(jumping, self.map(lambda i: self._beside_jumps(i, state)[1], jumping), strict=True))
+
+        def quotient(i: int, k: int) -> np.ndarray:
             ahead = (-self.step if backward else self.step) * self._size(i, k, state)
             for step in (ahead, -ahead):
-                moved = (self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i)) - base) / step
+                moved = self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i))
+                moved -= self.segments[i].response
+                moved += residuals[i]
+                moved /= step
                 if np.all(np.isfinite(moved)):
                     return moved
-            return np.zeros_like(base)
+            return np.zeros(self.segments[i].n)
 
-        for i, segment in enumerate(self.segments):
-            base = segment.response - residuals[i]
-            idle = {self.shared + own for own in set(range(self.core.states)) - set(self.own(segment))}
-            idle |= {
-                len(self.free) + place
-                for place, offset in enumerate(self.offsets)
-                if offset.recording != segment.recording or (offset.channel == "force" and segment.force is None)
-            }
-            for k in range(self.shared + self.core.states):
-                if k in idle:
-                    jobs.append(lambda base=base: np.zeros_like(base))
-                elif self._is_sensors(k):
-                    jobs.append(lambda base=base, i=i, k=k: np.zeros_like(base) + self._shown_by(i, k))
-                else:
-                    jobs.append(lambda i=i, k=k, base=base: slope(i, k, base))
-        rows = iter(self.parallel(jobs))
-        jacobians = [np.stack([next(rows) for _ in range(self.shared + self.core.states)]) for _ in self.segments]
-        if raw:
-            return jacobians
-        bases = [segment.response - residual for segment, residual in zip(self.segments, residuals, strict=True)]
-        return [
-            self._bounded(i, made, state, base) for i, (made, base) in enumerate(zip(jacobians, bases, strict=True))
-        ]
+        return quotient
+
+    def _moving(self, segment: Segment) -> list[int]:
+        """Unknowns by which a segment's response changes at all."""
+        idle = {self.shared + own for own in set(range(self.core.states)) - set(self.own(segment))}
+        for k, offset in enumerate(self.offsets, start=len(self.free)):
+            if offset.recording != segment.recording or (offset.channel == "force" and segment.force is None):
+                idle.add(k)
+        return [k for k in range(self.shared + self.core.states) if k not in idle]
 
     def _is_sensors(self, k: int) -> bool:
         """Whether an unknown is what a sensor shows beside a motion that knows nothing of it: needs no simulation."""
@@ -300,18 +302,19 @@ class OutputError:
         """() or (n,) what a sensor shows along a segment for each unit of its offset."""
         return zeros_along([self.offsets[k - len(self.free)]], np.ones(1), self.segments[i])[0]
 
-    def _bounded(self, i: int, rows: np.ndarray, state: State, made: np.ndarray) -> np.ndarray:
-        """Derivatives of a segment without the samples at which they cannot be any.
+    def _bound(self, i: int, rows: np.ndarray, state: State, residual: np.ndarray) -> None:
+        """Leave out of a segment's derivatives, in their place, the samples at which they cannot be any.
 
         A frequency that changes by all of itself turns the phase by 2 pi a cycle, as far back as the model remembers;
         no parameter does more.
         """
         segment = self.segments[i]
         cycles = max(1.0, min(self.memory, segment.n * segment.dt * segment.pace / (2 * np.pi)))
-        limit = _MOST_TURN * 2 * np.pi * cycles * max(float(np.ptp(segment.response)), float(np.ptp(made))) / 2
-        sizes = np.array([self._size(i, k, state) for k in range(len(self.free))])
-        beyond = np.any(np.abs(rows[: len(self.free)]) * sizes[:, None] > limit, axis=0)
-        return np.where(beyond, 0.0, rows) if np.any(beyond) else rows
+        span = max(float(np.ptp(segment.response)), float(np.ptp(segment.response - residual)))
+        limits = [_MOST_TURN * np.pi * cycles * span / self._size(i, k, state) for k in range(len(self.free))]
+        beyond = [np.abs(row) > limit for row, limit in zip(rows, limits, strict=False) if np.max(np.abs(row)) > limit]
+        if beyond:
+            rows[:, np.any(beyond, axis=0)] = 0.0
 
     def _jumps(self, i: int) -> bool:
         """Whether a segment's response jumps where a surface is crossed."""
@@ -380,10 +383,7 @@ class OutputError:
 
     def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
         """(k, k) information of the free parameters, initial states eliminated."""
-        blocks = []
-        for rows, spectrum in zip(derivatives, noise, strict=True):
-            lines = spectrum.lines(rows)
-            blocks.append((lines @ lines.T, np.zeros(rows.shape[0])))
+        blocks = blocks_of(self, derivatives, [np.zeros(rows.shape[1]) for rows in derivatives], noise)
         return self._of_parameters(shared_information(blocks, self.shared))
 
     def score(

@@ -16,6 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+#: Samples under windows that are transformed at once: what a processor's cache holds.
+_AT_ONCE = 100_000
+
 
 @dataclass(frozen=True)
 class Windows:
@@ -49,7 +52,7 @@ class Windows:
         bins = np.rint(self.omega * self.length / (2 * np.pi * self.fs)).astype(int)
         out = np.empty((self.starts.size, bins.size), complex)
         offsets = np.arange(self.length)
-        chunk = max(1, 2_000_000 // self.length)
+        chunk = max(1, _AT_ONCE // self.length)
         for i in range(0, self.starts.size, chunk):
             block = y[self.starts[i : i + chunk, None] + offsets] * w
             out[i : i + chunk] = np.fft.rfft(block, axis=1)[:, bins]

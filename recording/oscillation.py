@@ -32,8 +32,7 @@ def oscillation(signal: np.ndarray, fs: float) -> Oscillation:
     """Describe a signal (n,) sampled at `fs` Hz. The noise is the upper fifth of the spectrum, taken as white."""
     centred = without_slow(signal)
     n = len(signal)
-    index = np.arange(n)
-    straight = centred - np.polyval(np.polyfit(index, centred, 1), index)
+    straight = _without_line(centred)
     power = np.abs(np.fft.rfft(straight)) ** 2 / n
     frequency = np.fft.rfftfreq(n, 1 / fs)
     # the Hann window keeps a slow, strong oscillation from leaking into the band of the noise
@@ -74,9 +73,15 @@ def without_slow(signal: np.ndarray) -> np.ndarray:
 
 def strongest_line(signal: np.ndarray) -> int:
     """How often the strongest line of the signal (n,) swings in it; its ends are tapered a little, for a trend."""
-    index = np.arange(len(signal))
-    straight = signal - np.polyval(np.polyfit(index, signal, 1), index)
+    straight = _without_line(signal)
     return 1 + int(np.argmax(np.abs(np.fft.rfft(straight * np.hanning(len(signal) + 2)[1:-1] ** 0.25)[1:])))
+
+
+def _without_line(signal: np.ndarray) -> np.ndarray:
+    """The signal (n,) about the straight line of least squares through it."""
+    place = np.linspace(-1.0, 1.0, len(signal))
+    place *= place @ signal / (place @ place)
+    return signal - np.mean(signal) - place
 
 
 def _window_mean(signal: np.ndarray, half: int) -> np.ndarray:

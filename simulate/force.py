@@ -15,6 +15,10 @@ import numpy as np
 
 #: With at least this many samples a cycle a cubic spline errs by less than 1e-5 of the force.
 SAMPLES_A_CYCLE = 30.0
+#: Pieces of a spline that are made at once, and points beside them: each counts 3.7 times less than the one before, so
+#: that what lies beyond them is below rounding.
+_AT_ONCE = 2**16
+_BESIDE = 40
 
 
 @dataclass(frozen=True)
@@ -121,12 +125,23 @@ def smooth_force(samples: np.ndarray, dt: float, highest: float) -> Force:
         dt: sample interval, s.
         highest: highest frequency that moves the rig noticeably, Hz; decides how finely to up-sample.
     """
-    from scipy.interpolate import CubicSpline
-
     fine = int(np.clip(np.ceil(SAMPLES_A_CYCLE * highest * dt), 1, 16))
     points = upsample(samples, fine) if fine > 1 else samples
-    spline = CubicSpline(np.arange(points.size) * (dt / fine), points)
-    return Force(np.ascontiguousarray(spline.c[::-1].T), fine)
+    return Force(_spline(points, dt / fine), fine)
+
+
+def _spline(points: np.ndarray, step: float) -> np.ndarray:
+    """(n - 1, 4) pieces of the cubic spline through (n,) points; of a long one in parts that overlap."""
+    from scipy.interpolate import CubicSpline
+
+    pieces = np.empty((points.size - 1, 4))
+    for begin in range(0, points.size - 1, _AT_ONCE):
+        end = min(begin + _AT_ONCE, points.size - 1)
+        first = max(0, begin - _BESIDE)
+        part = points[first : end + 1 + _BESIDE]
+        coefficients = CubicSpline(np.arange(part.size) * step, part).c
+        pieces[begin:end] = coefficients[::-1, begin - first : end - first].T
+    return pieces
 
 
 def upsample(samples: np.ndarray, factor: int) -> np.ndarray:

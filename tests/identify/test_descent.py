@@ -21,7 +21,7 @@ class Line:
         return (self.measured - state.values @ self.rows,)
 
     def derivatives(self, state, residuals):
-        return [self.rows]
+        return [self.rows.copy()]
 
     def map(self, function, items):
         return [function(item) for item in items]

@@ -13,11 +13,11 @@ N, CYCLE = 400, 20
 
 def jumping(disagree: float, *, size: float = 1.0, visible: float = 0.0) -> np.ndarray:
     """Where a derivative of that size jumps whose differences disagree at one sample by that part of the larger."""
-    forward = np.full((1, N), 1.0)
-    forward[0, 200:] = size
+    forward = np.full(N, 1.0)
+    forward[200:] = size
     backward = forward.copy()
-    backward[0, 300] -= disagree * size
-    return _jumps(forward, backward, CYCLE, np.array([visible]))
+    backward[300] -= disagree * size
+    return _jumps(forward, backward, CYCLE, visible)
 
 
 @pytest.mark.parametrize(("disagree", "jumps"), [(0.295, False), (0.305, True)])
@@ -63,7 +63,8 @@ def smoothed(jump_at: int | None, n: int = 30 * CYCLE):
         free=(0,),
         scale=np.ones(1),
         residuals=lambda _: None,
-        derivatives=lambda *_, backward_=backward, **how: [backward_ if how.get("backward") else forward],
+        quotients=lambda *_, **how: lambda _, k: (backward if how.get("backward") else forward)[k].copy(),
+        map=lambda function, items: [function(item) for item in items],
         states=lambda i, state: np.arange(n)[:, None],
         core=SimpleNamespace(initial=lambda along: along + 0.5),
     )

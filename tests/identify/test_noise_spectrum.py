@@ -26,6 +26,25 @@ def test_lines_have_the_inner_products_of_whitened_signals(n):
 
 
 @pytest.mark.parametrize("n", [200, 201])
+@pytest.mark.parametrize("flat", [False, True])
+def test_of_lines_follow_the_signals_that_weigh_a_residual(n, flat):
+    rows = signals(n)
+    spectrum = white(rows[0]) if flat else coloured(n)
+    assert spectrum.whitened_twice(spectrum.lines(rows)) == pytest.approx(spectrum.whiten(spectrum.whiten(rows)))
+    assert spectrum.lines(rows[1:].copy(), overwrite=True) == pytest.approx(spectrum.lines(rows[1:]), rel=1e-12)
+
+
+@pytest.mark.parametrize("n", [200, 201])
+def test_the_sensor_has_its_share_of_each_line(n):
+    rows = signals(n)
+    share = np.linspace(0.0, 1.0, n // 2 + 1)
+    spectrum = NoiseSpectrum(coloured(n).density, n, share)
+    both = spectrum.whiten(spectrum._filter(rows, np.sqrt(1.0 - share)))
+    lines = spectrum.lines(rows)
+    assert lines @ spectrum.of_sensor(lines).T == pytest.approx(both @ both.T, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("n", [200, 201])
 def test_a_flat_spectrum_is_a_factor(n):
     rows = signals(n)
     spectrum = white(rows[0])

@@ -13,6 +13,7 @@ from dashpot.identify.scatter import scatter
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
+from scipy.signal import fftconvolve
 
 FS, NOISE = 500.0, 2e-6
 MODEL = Oscillator.from_values(TRUTH)
@@ -113,3 +114,22 @@ def test_force_noise_goes_through_the_rig_as_its_impulse_response_says():
     quiet = scatter(problem, state, flat(problem), [0.0], 1)
     scattered = scatter(problem, state, flat(problem), [level], 600, seed=4) - quiet
     same(scattered, expected, 0.2)  # of 600 draws a variance is good to 6 %
+
+
+def test_of_a_long_record_few_draws_tell_as_much(monkeypatch):
+    """Stretches of thirty time constants are draws of their own; the closed form is that of all of it."""
+    n, level = 60_000, 3e-4
+    shaken = np.convolve(np.random.default_rng(2).standard_normal(n), np.ones(12) / 12, mode="same")
+    problem, state = problem_of(LINEAR, [recorded(LINEAR, shaken, n)])
+    rows = problem.derivatives(state, problem.residuals(state))[0][:3] / NOISE**2
+    kick = np.zeros(4000)
+    kick[1] = 1.0
+    shape = integrate(LINEAR, kick, 1 / FS)[0]
+    folded = fftconvolve(rows, shape[None, ::-1], mode="full", axes=1)[:, shape.size - 1 :]
+    expected = level**2 * folded @ folded.T
+    quiet = scatter(problem, state, flat(problem), [0.0], 1)
+    drawn = []
+    simulate = problem.simulate
+    monkeypatch.setattr(problem, "simulate", lambda *a, **k: drawn.append("force" in k) or simulate(*a, **k))
+    same(scatter(problem, state, flat(problem), [level], 200, seed=5) - quiet, expected, 0.3)  # good to 10 %
+    assert 8 <= sum(drawn) <= 60

@@ -3,6 +3,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.simulate.force import force_between, smooth_force, staircase, straight_lines, upsample
+from scipy.interpolate import CubicSpline
 
 
 def values(force, dt, points=5):
@@ -98,3 +99,10 @@ def test_thirty_samples_a_cycle_are_enough_for_a_coarser_force():
 def test_a_held_force_is_as_coarse_as_it_can_be():
     force = staircase(np.array([0.0, 1.0, -1.0, 3.0]))
     assert force.coarser(3, 0.5) is force
+
+
+def test_a_long_spline_is_made_in_parts_and_is_one():
+    samples = np.cumsum(np.random.default_rng(0).standard_normal(150_001))
+    pieces = smooth_force(samples, 1.0, 0.01).pieces
+    whole = CubicSpline(np.arange(samples.size), samples).c[::-1].T
+    assert np.max(np.abs(pieces - whole)) < 1e-12 * np.max(np.abs(samples))
