@@ -25,9 +25,10 @@ from ..simulate.force import force_between, smooth_force
 from .blows import ContactForce
 from .data import measured, noise_of
 from .delivered import Fit
+from .descent import in_lines
 from .mismatch import gain_of_mismatch
 from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
-from .normal_equations import pseudo_inverse
+from .normal_equations import promise, pseudo_inverse, solve
 from .odds import DECISIVE
 from .offset import Offset
 from .output_error import Outcome, OutputError, State
@@ -41,6 +42,9 @@ from .weighed import ABOVE_NOISE, over_noise
 _NEAR = 0.1
 #: It matters where it moves a parameter by this many of its standard errors.
 _MATTERS = 1.0
+#: So much less likely than a smooth force by the linearised response, in log-likelihood, it is not fitted: three times
+#: what is decisive, which is a weight of one in a thousand million.
+_HOPELESS = 3.0 * DECISIVE
 #: Steps of the search from one hold to another; the difference is small, and each step squares what is left of it.
 _STEPS = 6
 
@@ -110,9 +114,23 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     unknown = HoldFound("smooth", {}, {})
     here = problem.residuals(state)
     noise = _noise(problem, here, oscillator)
-    others = {hold: _under(problem, hold, recordings) for hold in HOLDS if hold != "smooth"}
-    if max(_distance(other, state, here, noise) for other in others.values()) < _MATTERS:
+    there = {hold: _under(problem, hold, recordings).residuals(state) for hold in HOLDS if hold != "smooth"}
+    if max(_distance(left, here, noise) for left in there.values()) < _MATTERS:
         return unknown  # no parameter can be moved by more of its standard errors than the whole response is
+    lines = problem.derivatives(state, here)
+    in_lines(problem, lines, noise)
+    reached = _reached(problem, lines, here, noise)
+    log_odds = {"smooth": 0.0} | {h: reached - _reached(problem, lines, left, noise) for h, left in there.items()}
+    del lines, there
+    # of a model that leaves more than noise the difference is not believed as it is
+    within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
+    others = {
+        hold: _under(problem, hold, recordings)
+        for hold, odds in log_odds.items()
+        if hold != "smooth" and not (within and odds < -_HOPELESS)
+    }
+    if not others:
+        return HoldFound("smooth", log_odds, {})
     smooth = _Trial("smooth", problem, problem.search(state, noise, tolerance=0.1, most=1), oscillator)
     trials = [smooth]
     for hold, other in others.items():
@@ -123,7 +141,7 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     if not moving:
         return unknown
     best = max(moving, key=lambda trial: trial.likelihood)
-    log_odds = {trial.hold: _log_odds(trial, smooth, oscillator, recordings) for trial in trials}
+    log_odds |= {trial.hold: _log_odds(trial, smooth, oscillator, recordings) for trial in trials}
     decisive = log_odds[best.hold] > DECISIVE
     return HoldFound(
         best.hold if decisive else "smooth",
@@ -252,12 +270,29 @@ def _driven(segment: Segment, recording: Recording, hold: str, delay: float = 0.
     return replace(segment, force=force_between(samples, segment.dt, hold, highest))
 
 
-def _distance(other: OutputError, state: State, here: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> float:
+def _distance(there: Sequence[np.ndarray], here: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> float:
     """Size of the difference that a hold makes to the responses, in standard deviations of the noise."""
-    moved = [r - base for r, base in zip(other.residuals(state), here, strict=True)]
-    if not all(np.all(np.isfinite(m)) for m in moved):
+    if not all(np.all(np.isfinite(r)) for r in there):
         return math.inf
-    return math.sqrt(sum(float(np.sum(s.lines(m) ** 2)) for s, m in zip(noise, moved, strict=True)))
+    return math.sqrt(sum(_power(s.lines(r - base)) for s, r, base in zip(noise, there, here, strict=True)))
+
+
+def _reached(
+    problem: OutputError, lines: Sequence[np.ndarray], residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
+) -> float:
+    """Negative log-likelihood that the linearised response reaches from some residuals, but for a constant.
+
+    ``lines`` are the derivatives', which one hold or another changes by a part of a sample's turn.
+    """
+    if not all(np.all(np.isfinite(r)) for r in residuals):
+        return -math.inf  # nobody knows
+    left = [spectrum.lines(r) for spectrum, r in zip(noise, residuals, strict=True)]
+    blocks = [(rows @ rows.T, rows @ r) for rows, r in zip(lines, left, strict=True)]
+    return 0.5 * (sum(_power(r) for r in left) - promise(blocks, *solve(blocks, 0.0, problem.shared)))
+
+
+def _power(lines: np.ndarray) -> float:
+    return float(np.vdot(lines, lines))
 
 
 def _further(

@@ -123,11 +123,20 @@ def test_holds_are_told_apart_at_odds_of_a_thousand():
 
 
 def compared(
-    monkeypatch, *, apart=9.0, moved=(9.0, 9.0), likelier=(0.0, 0.0), further=0.5, times_the_noise=1.0, told=0.0
+    monkeypatch,
+    *,
+    apart=9.0,
+    moved=(9.0, 9.0),
+    likelier=(0.0, 0.0),
+    further=0.5,
+    times_the_noise=1.0,
+    told=0.0,
+    ahead=0.0,
 ):
     """What is found where the two holds move parameters and are likelier than a smooth force by so much.
 
-    They leave so many ``times_the_noise``, of which a mismatch would have ``told`` so much.
+    They leave so many ``times_the_noise``, of which a mismatch would have ``told`` so much; beforehand they seem
+    likelier by ``ahead``.
     """
     moved_by, gained = (dict(zip(("zero", "linear"), pair, strict=True)) for pair in (moved, likelier))
 
@@ -141,7 +150,12 @@ def compared(
             return moved_by[self.hold]
 
     point = SimpleNamespace(residuals=(), state=None)
-    problem = SimpleNamespace(residuals=lambda _: (), search=lambda *_, **__: point, segments=())
+    problem = SimpleNamespace(
+        residuals=lambda _: (), search=lambda *_, **__: point, segments=(), derivatives=lambda *_: []
+    )
+    linearised = iter([0.0, -ahead, -ahead])
+    monkeypatch.setattr(module, "in_lines", lambda *_: None)
+    monkeypatch.setattr(module, "_reached", lambda *_: next(linearised))
     monkeypatch.setattr(module, "over_noise", lambda *_: [1.0, times_the_noise])
     monkeypatch.setattr(module, "gain_of_mismatch", lambda *_: told)
     monkeypatch.setattr(module, "_Trial", Trial)
@@ -163,6 +177,16 @@ def test_a_hold_matters_where_it_moves_a_parameter_by_its_error(monkeypatch, mov
     found = compared(monkeypatch, moved=(moved, 0.0), likelier=(50.0, 99.0))
     assert found.hold == ("zero" if matters else "smooth")
     assert found.log_odds == ({"smooth": 0.0, "zero": 50.0, "linear": 99.0} if matters else {})
+
+
+@pytest.mark.parametrize(
+    ("ahead", "times_the_noise", "fitted"), [(-20.6, 1.0, True), (-20.8, 1.0, False), (-20.8, 1.11, True)]
+)
+def test_what_is_hopeless_beforehand_is_not_fitted(monkeypatch, ahead, times_the_noise, fitted):
+    """Of a weight of one in a thousand million; where more than noise is left, nobody knows beforehand."""
+    found = compared(monkeypatch, ahead=ahead, times_the_noise=times_the_noise, likelier=(1.0, 1.0), told=1.0)
+    assert bool(found.values) is fitted
+    assert found.log_odds["zero"] == pytest.approx(1.0 if fitted else ahead)
 
 
 @pytest.mark.parametrize(("odds", "hold"), [(999.0, "smooth"), (1001.0, "linear")])
