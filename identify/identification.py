@@ -28,7 +28,7 @@ from .climb import POOR_NRMSE, QUIET
 from .data import Data, data_of
 from .delivered import Fit
 from .excitation import kind_of
-from .further_laws import with_laws
+from .further_laws import holding, with_laws
 from .hilbert_result import HilbertAnalysis, hilbert_analysis
 from .hold import held_as, with_hold
 from .likelihood import maximum_likelihood
@@ -140,7 +140,7 @@ def identify(
             model = _with_values(model, fixed, final=not laws)
             if laws:
                 progress(f"start values for {', '.join(laws)}")
-                model = with_laws(model, laws, replace(data, coarse=True))
+                model = with_laws(model, laws, replace(data, coarse=True), fixed)
                 model = _with_values(model, fixed, final=True)
             return model
 
@@ -210,10 +210,7 @@ def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool)
             force_unit=model.force_unit,
             effects=tuple(term.effect for term in model.terms),
         )
-        known = model.parameters()
-    return model.with_parameters(
-        {key: replace(known[key], value=value, std=None) for key, value in values.items() if key in known}
-    )
+    return holding(model, values)
 
 
 def _with_shapes(

@@ -49,6 +49,8 @@ def scatter(
         remainders: spectra of what is left, where the fit weighed by others and the model leaves more than noise.
         recordings: of the segments, where what a converter of few levels did to them is to be counted in.
     """
+    if not problem.free:
+        return np.zeros((0, 0))  # nothing but zeros or initial states is to be found: no score, and no need to draw
     residuals = problem.residuals(state)
     derivatives = problem.derivatives(state, residuals)
     in_lines(problem, derivatives, noise)

@@ -120,3 +120,15 @@ def test_a_parameter_that_is_not_free_has_no_derivative_and_no_information():
     assert outcome.information.shape == (len(structure.free),) * 2
     assert outcome.state.values[list(structure.model.parameters()).index("viscous")] == LINEAR["viscous"]
     assert outcome.converged
+
+
+def test_what_moves_nothing_has_a_derivative_of_nothing():
+    """Not of rounding, which the normal equations, in each unknown's own scale, would take for a direction to go in."""
+    sine = "softening-stiffness/sine"
+    values = TRUTH | {f"{sine}.stiffness": 0.0, f"{sine}.width": 1e-2}
+    model = Oscillator.from_values(values, effects=(sine,))
+    structure = Structure(model, data_of([sweep(TRUTH)], model, coarse=False))
+    problem, state = structure.problem, structure.state(None)
+    (rows,) = problem.derivatives(state, problem.residuals(state))
+    moved = dict(zip(structure.free, np.any(rows != 0.0, axis=1), strict=False))
+    assert moved == dict.fromkeys(structure.free, True) | {f"{sine}.width": False}

@@ -9,7 +9,7 @@ from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of
 from dashpot.identify.noise_spectrum import NoiseSpectrum
 from dashpot.identify.offset import Offset
-from dashpot.identify.scatter import scatter
+from dashpot.identify.scatter import _stretches, scatter
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
@@ -32,9 +32,9 @@ def recorded(values, force, n, begin=(0.0, 0.0), name="run"):
     return Recording(name, FS, y, force, free=force is None, hold="linear")
 
 
-def problem_of(values, recordings, offsets=()):
+def problem_of(values, recordings, offsets=(), fixed=("cubic", "preload", "dry")):
     model = Oscillator.from_values(values)
-    structure = Structure(model, data_of(recordings, model, coarse=False), ("cubic", "preload", "dry"), offsets)
+    structure = Structure(model, data_of(recordings, model, coarse=False), fixed, offsets)
     return structure.problem, structure.state(None)
 
 
@@ -133,3 +133,13 @@ def test_of_a_long_record_few_draws_tell_as_much(monkeypatch):
     monkeypatch.setattr(problem, "simulate", lambda *a, **k: drawn.append("force" in k) or simulate(*a, **k))
     same(scatter(problem, state, flat(problem), [level], 200, seed=5) - quiet, expected, 0.3)  # good to 10 %
     assert 8 <= sum(drawn) <= 60
+
+
+@pytest.mark.parametrize("offsets", [(), (Offset(0, "response", 1e-5),)])
+def test_where_nothing_is_to_be_found_there_is_no_score(offsets):
+    """In a record of several stretches, too, whose draws would be asked whether they are enough."""
+    n = 20_000
+    recording = recorded(LINEAR, sweep(n), n)
+    problem, state = problem_of(LINEAR, [recording], offsets, fixed=tuple(LINEAR))
+    assert _stretches(problem.segments[0], problem, state) > 1
+    assert scatter(problem, state, flat(problem), [3e-4], 60).shape == (0, 0)
