@@ -3,25 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from ..recording.recording import Recording
 from ..simulate.force import Force
 from .descent import in_lines
-from .equivalent import equivalent
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse, shared_information
 from .output_error import OutputError, State
 from .rounding import scatter_of_rounding
-from .segments import Segment
-
-#: What noise does to a rig is forgotten by a factor e in one time constant of its damping. In stretches of so many it
-#: scatters the score independently but for what reaches over their ends, a thirtieth of the variance.
-_FORGOTTEN = 30.0
-#: Draws between two looks at whether they are enough.
-_AT_ONCE = 4
 
 
 def scatter(
@@ -44,7 +35,7 @@ def scatter(
         state: the maximum of the likelihood.
         noise: spectra that the fit weighed by.
         force_noise: standard deviation of the force noise of each segment (0: none).
-        draws: as good as so many of a whole segment; of a long one fewer are, for its stretches are draws of their own.
+        draws: how many times.
         seed: of the random numbers.
         remainders: spectra of what is left, where the fit weighed by others and the model leaves more than noise.
         recordings: of the segments, where what a converter of few levels did to them is to be counted in.
@@ -103,40 +94,18 @@ def _of_force(
     """(k, k) scatter of the score by noise of that standard deviation on the force of one segment; None where
     no draw simulates.
 
-    Of stretches that know nothing of one another the scatters add up, and each is known from all draws. These are
-    enough once the variances, of sums of squares of normal numbers, are as good as those of ``draws`` sums.
+    Each draw is scored over the whole segment. Of stretches the scores do not add up as if they were independent, far
+    as these reach beyond what the rig remembers: weighed by noise that rings as the rig does, a score is little that is
+    left of much, and each cut leaves its ends behind.
     """
-    segment = problem.segments[i]
-    edges = np.linspace(0, segment.n, _stretches(segment, problem, state) + 1).astype(int)
+    dt = problem.segments[i].dt
 
     def score(draw: int) -> np.ndarray:
         random = np.random.default_rng([seed, i, draw])
-        moved = problem.simulate(i, state, force=force.disturbed(level, random, segment.dt))
+        moved = problem.simulate(i, state, force=force.disturbed(level, random, dt))
         moved -= base
-        return np.array([weighed[:, a:b] @ moved[a:b] for a, b in pairwise(edges)])
+        return weighed @ moved
 
-    scores: list[np.ndarray] = []
-    for first in range(0, draws, _AT_ONCE):
-        made = problem.map(score, range(first, min(first + _AT_ONCE, draws)))
-        scores += [own for own in made if np.all(np.isfinite(own))]  # chatter where friction hardly holds: no score
-        if edges.size > 2 and scores and _as_good_as(np.concatenate(scores)) >= draws:
-            break
-    if not scores:
-        return None
-    every = np.concatenate(scores)
-    return every.T @ every / len(scores)
-
-
-def _stretches(segment: Segment, problem: OutputError, state: State) -> int:
-    """How many stretches of a segment know nothing of one another."""
-    values = dict(zip(problem.core.parameter_names, map(float, state.values), strict=True))
-    peak = max(np.sqrt(2) * float(np.std(segment.response)) / segment.pace**segment.order, np.finfo(float).tiny ** 0.25)
-    damping = abs(equivalent(values, peak, segment.pace, segment.time)[1])
-    return max(1, int(segment.n * segment.dt * 0.5 * damping / _FORGOTTEN))
-
-
-def _as_good_as(scores: np.ndarray) -> float:
-    """Equal normal numbers whose variance is known as well as that of the sum of (n, k) normal ones is from these."""
-    squares = scores**2
-    spread = np.maximum(np.sum(squares**2, axis=0) / 3.0, np.finfo(float).tiny)
-    return float(np.min(np.sum(squares, axis=0) ** 2 / spread))
+    scores = np.array(problem.map(score, range(draws)))
+    scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
+    return scores.T @ scores / len(scores) if len(scores) else None

@@ -8,12 +8,12 @@ from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of
 from dashpot.identify.noise_spectrum import NoiseSpectrum
+from dashpot.identify.normal_equations import pseudo_inverse
 from dashpot.identify.offset import Offset
-from dashpot.identify.scatter import _stretches, scatter
+from dashpot.identify.scatter import scatter
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
-from scipy.signal import fftconvolve
 
 FS, NOISE = 500.0, 2e-6
 MODEL = Oscillator.from_values(TRUTH)
@@ -116,30 +116,23 @@ def test_force_noise_goes_through_the_rig_as_its_impulse_response_says():
     same(scattered, expected, 0.2)  # of 600 draws a variance is good to 6 %
 
 
-def test_of_a_long_record_few_draws_tell_as_much(monkeypatch):
-    """Stretches of thirty time constants are draws of their own; the closed form is that of all of it."""
-    n, level = 60_000, 3e-4
-    shaken = np.convolve(np.random.default_rng(2).standard_normal(n), np.ones(12) / 12, mode="same")
-    problem, state = problem_of(LINEAR, [recorded(LINEAR, shaken, n)])
-    rows = problem.derivatives(state, problem.residuals(state))[0][:3] / NOISE**2
-    kick = np.zeros(4000)
+def test_weighed_by_the_spectrum_of_its_own_noise_the_score_scatters_as_the_information_says():
+    """Little of much is left in it then: of a long record cut anywhere in the motion more would be."""
+    n, level = 60_000, 3e-3
+    problem, state = problem_of(LINEAR, [recorded(LINEAR, sweep(n), n)])
+    kick = np.zeros(n)
     kick[1] = 1.0
-    shape = integrate(LINEAR, kick, 1 / FS)[0]
-    folded = fftconvolve(rows, shape[None, ::-1], mode="full", axes=1)[:, shape.size - 1 :]
-    expected = level**2 * folded @ folded.T
-    quiet = scatter(problem, state, flat(problem), [0.0], 1)
-    drawn = []
-    simulate = problem.simulate
-    monkeypatch.setattr(problem, "simulate", lambda *a, **k: drawn.append("force" in k) or simulate(*a, **k))
-    same(scatter(problem, state, flat(problem), [level], 200, seed=5) - quiet, expected, 0.3)  # good to 10 %
-    assert 8 <= sum(drawn) <= 60
+    passed = np.abs(np.fft.rfft(integrate(LINEAR, kick, 1 / FS)[0])) ** 2 * level**2
+    noise = [NoiseSpectrum(NOISE**2 + passed, n, passed / (NOISE**2 + passed))]
+    spread = scatter(problem, state, noise, [level], 60, seed=5)
+    inverse = pseudo_inverse(problem.shared_information(state, problem.residuals(state), noise))
+    errors = np.sqrt(np.diag(inverse @ spread @ inverse)) / np.sqrt(np.diag(inverse))
+    assert errors == pytest.approx(np.ones(3), abs=0.3)  # of 60 draws good to 9 %
 
 
 @pytest.mark.parametrize("offsets", [(), (Offset(0, "response", 1e-5),)])
 def test_where_nothing_is_to_be_found_there_is_no_score(offsets):
-    """In a record of several stretches, too, whose draws would be asked whether they are enough."""
-    n = 20_000
-    recording = recorded(LINEAR, sweep(n), n)
-    problem, state = problem_of(LINEAR, [recording], offsets, fixed=tuple(LINEAR))
-    assert _stretches(problem.segments[0], problem, state) > 1
+    """Nor is anything simulated for one."""
+    problem, state = problem_of(LINEAR, [recorded(LINEAR, sweep(2000), 2000)], offsets, fixed=tuple(LINEAR))
+    problem.simulate = None
     assert scatter(problem, state, flat(problem), [3e-4], 60).shape == (0, 0)
