@@ -125,7 +125,11 @@ def test_a_parameter_that_is_not_free_has_no_derivative_and_no_information():
 def test_what_moves_nothing_has_a_derivative_of_nothing():
     """Not of rounding, which the normal equations, in each unknown's own scale, would take for a direction to go in."""
     sine = "softening-stiffness/sine"
-    values = TRUTH | {f"{sine}.stiffness": 0.0, f"{sine}.width": 1e-2}
+    values = TRUTH | {
+        "omega0": 0.7 * OMEGA,
+        f"{sine}.stiffness": 0.0,
+        f"{sine}.width": 1e-2,
+    }
     model = Oscillator.from_values(values, effects=(sine,))
     structure = Structure(model, data_of([sweep(TRUTH)], model, coarse=False))
     problem, state = structure.problem, structure.state(None)
