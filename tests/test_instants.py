@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -24,8 +25,8 @@ COMMANDS = {
     "show rig.yaml --json": (3, 15),
     "look sweep.csv decay.csv": (0, 3),
     "linearise rig.yaml --amplitude 1e-3": (0, 3),
-    "compare rig.yaml old.yaml": (0, 3),
-    "watch rig.yaml old.yaml --report new.html": (0, 3),
+    "compare old.yaml known.yaml": (0, 3),
+    "watch old.yaml known.yaml --report new.html": (0, 3),
     "simulate rig.yaml sweep.csv -o out.csv": (0, 5),
     "export rig.yaml old.c new/a.casadi": (5, 15),
     "export rig.yaml a.mjcf b.urdf": (0, 3),
@@ -47,7 +48,9 @@ def there(tmp_path_factory, recorded):
     folder = tmp_path_factory.mktemp("there")
     oscillator = Oscillator.from_values(TRUTH, name="rig")
     save(oscillator, folder / "rig.yaml")
-    (folder / "old.yaml").write_text((folder / "rig.yaml").read_text())
+    for name in ("old", "known"):
+        errors = {key: replace(p, std=0.01 * abs(p.value)) for key, p in oscillator.parameters().items()}
+        save(oscillator.with_parameters(errors), folder / f"{name}.yaml")
     export_fmu(oscillator, folder / "rig.fmu")
     made = {"sweep": recorded(TRUTH, sweep=(1.5, 6.0, 14.0)), "decay": recorded(TRUTH, begin=(8e-3, 0.0))}
     for name, record in made.items():
