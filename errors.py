@@ -21,7 +21,7 @@ class BadInput(DashpotError):
 
 
 class Unwritable(BadInput):
-    """A place on this machine takes no file, whatever the input is; with room or permission there the same goes well."""
+    """A place on this machine takes no file, whatever the input: with room or permission there all goes well."""
 
 
 class ToolchainMissing(DashpotError):

@@ -209,7 +209,7 @@ def test_a_disk_that_cannot_be_written_ends_the_run_with_a_sentence(fleet, tmp_p
 @pytest.mark.parametrize("name", ["full", "place"])
 def test_no_room_on_the_machine_is_no_fault_of_a_row_which_is_done_when_there_is_some(fleet, tmp_path, name):
     asked = fleet(name)
-    with pytest.raises(BadInput, match="No space left on device|takes nothing"):
+    with pytest.raises(BadInput, match=r"No space left on device|takes nothing"):
         run(asked, tmp_path / "out", local("worker", 1))
     assert not kept(tmp_path / "out")
     (tmp_path / "room").touch()
