@@ -14,25 +14,30 @@ from .output_error import OutputError, State
 from .segments import Segment
 from .wavering import Wavering
 
+#: What leaves a recording that agrees with a rig: with more or less mass, friction or stiffness than the others'.
+OF_A_WHOLE: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock)
 #: All kinds.
-KINDS: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock, Hum, ForceHum, ZeroStep, Wavering)
+KINDS: tuple[type[Fault], ...] = (*OF_A_WHOLE, Hum, ForceHum, ZeroStep, Wavering)
 
 #: Times at which a fault that begins somewhere is looked for, in each recording; from the best one the search goes on.
 TIMES = 24
 #: Lines of what is left that are looked at, in each recording.
 _LINES = 3
-#: Cycles in a record up to which a clock is asked whether it wavers so often.
+#: Cycles in a record up to which a clock is asked whether it wavers so often; faster ones are lines, as hum is.
 _WAVES = 6
 #: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
 _OWN = 1e-8
 
 
-def possible(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> list[Fault]:
+def possible(
+    segments: Sequence[Segment], residuals: Sequence[np.ndarray], kinds: Sequence[type[Fault]] = KINDS
+) -> list[Fault]:
     """Every fault that is looked for: of each recording every kind, everywhere.
 
     Args:
         segments: of the recordings.
         residuals: what a model leaves of each (n,).
+        kinds: that are looked for.
     """
     faults: list[Fault] = []
     recordings = sorted({segment.recording for segment in segments})
@@ -44,13 +49,14 @@ def possible(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> li
         times = first.time + np.linspace(0.0, span, TIMES, endpoint=False)
         driven = any(segment.force is not None for segment, _ in own)
         longest = max(own, key=lambda pair: pair[0].n)
-        for kind in KINDS:
+        for kind in kinds:
             if kind.forced and not driven:
                 continue
             if kind.timed:
                 faults += [kind(recording, float(time)) for time in times]
             elif kind.slow:
                 faults += [kind(recording, waves / span) for waves in range(1, _WAVES + 1)]
+                faults += [kind(recording, hertz) for hertz in waves_of_time(longest[1], longest[0])]
             elif kind.tonal:
                 faults += [kind(recording, hertz) for hertz in lines(longest[1], longest[0].dt)]
             elif len(recordings) > 1 or kind.forced:  # the clock of a single recording is the only one
@@ -72,6 +78,16 @@ def lines(residual: np.ndarray, dt: float) -> list[float]:
         found.append(float((top + (0.5 * (left - right) / curved if curved < 0 else 0.0)) / (padded * dt)))
         spectrum[max(top - 4 * 4, 0) : top + 4 * 4] = 0.0
     return found
+
+
+def waves_of_time(residual: np.ndarray, segment: Segment) -> list[float]:
+    """Frequencies, Hz, at which a clock may waver, by what a model leaves (n,) of a segment.
+
+    What is recorded too late by a little is off by its rate times that: so the times' waves are the lines of what is
+    left, multiplied by the rate. Those of twice the motion's frequency and above are the square of the rate itself.
+    """
+    hertz = lines(residual * np.gradient(segment.response - residual, segment.dt), segment.dt)
+    return [line for line in hertz if 2 * np.pi * line < segment.pace]
 
 
 def expected_gains(

@@ -64,7 +64,10 @@ class FoundFault:
 
 
 def faults_found(
-    fit: Fit, recordings: Sequence[Recording], known: Contradiction | None = None
+    fit: Fit,
+    recordings: Sequence[Recording],
+    known: Contradiction | None = None,
+    kinds: Sequence[type[Fault]] = KINDS,
 ) -> tuple[FoundFault, ...]:
     """The faults of recordings that explain what a fit leaves; none where they do not explain it to the noise.
 
@@ -72,7 +75,8 @@ def faults_found(
         fit: of these recordings.
         recordings: as they were fitted.
         known: the part of them that the rest contradicts, where there is one: the search begins at what the rest says,
-            and looks for faults of that part's recording that begin or end with it.
+            and looks for one fault of that part's recording that begins or ends with it.
+        kinds: that are asked for.
     """
     problem, state = fitted_problem(fit, recordings)
     start = fit.oscillator
@@ -81,8 +85,9 @@ def faults_found(
     likelihood = concentrated(problem, state, start)
     if known is not None:
         point = known.state
-    while len(found) < max(2, len(recordings)):
-        asked, count = _asked(best, point, fit, known)
+    # one recording has one fault (``_is_one_cause``)
+    while len(found) < (1 if known is not None else max(2, len(recordings))):
+        asked, count = _asked(best, point, fit, known, kinds)
         if not asked:
             break
         price = DECISIVE + math.log(count)
@@ -115,7 +120,9 @@ def _is_one_cause(told: Sequence[FoundFault]) -> bool:
     return len(told) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
 
 
-def _asked(problem: OutputError, state: State, fit: Fit, contradicted: Contradiction | None) -> tuple[list[Fault], int]:
+def _asked(
+    problem: OutputError, state: State, fit: Fit, contradicted: Contradiction | None, kinds: Sequence[type[Fault]]
+) -> tuple[list[Fault], int]:
     """Of each kind the fault whose score promises most, where that is decisive; how many there were to choose from.
 
     The score says where; how much a kind gains only its own fit says, for a large fault is no small step. Of a wave
@@ -127,12 +134,12 @@ def _asked(problem: OutputError, state: State, fit: Fit, contradicted: Contradic
         residuals = problem.residuals(state)
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return [], 0
-    faults = possible(problem.segments, residuals)
+    faults = possible(problem.segments, residuals, kinds)
     if contradicted is not None:
         part = contradicted.part
         edges = (part.span.begin, part.begin, part.end)
         faults = [f for f in faults if f.recording == part.recording and not f.timed]
-        faults += [kind(part.recording, edge) for kind in KINDS if kind.timed for edge in edges]
+        faults += [kind(part.recording, edge) for kind in kinds if kind.timed for edge in edges]
     known = getattr(problem, "faults", ())
     faults = [f for f in faults if not any(type(f) is type(k) and f.recording == k.recording for k in known)]
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
