@@ -13,6 +13,7 @@ from .normal_equations import pseudo_inverse
 from .output_error import OutputError, State
 from .segments import Segment
 from .wavering import Wavering
+from .waves_of_time import waves_of_time
 
 #: What leaves a recording that agrees with a rig: with more or less mass, friction or stiffness than the others'.
 OF_A_WHOLE: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock)
@@ -23,8 +24,8 @@ KINDS: tuple[type[Fault], ...] = (*OF_A_WHOLE, Hum, ForceHum, ZeroStep, Wavering
 TIMES = 24
 #: Lines of what is left that are looked at, in each recording.
 _LINES = 3
-#: Cycles in a record up to which a clock is asked whether it wavers so often; faster ones are lines, as hum is.
-_WAVES = 6
+#: Cycles in a record of the slowest waves of a clock that are looked for; faster ones are lines, as hum is.
+_WAVES = (1, 2, 4)
 #: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
 _OWN = 1e-8
 
@@ -55,7 +56,7 @@ def possible(
             if kind.timed:
                 faults += [kind(recording, float(time)) for time in times]
             elif kind.slow:
-                faults += [kind(recording, waves / span) for waves in range(1, _WAVES + 1)]
+                faults += [kind(recording, waves / span) for waves in _WAVES]
                 faults += [kind(recording, hertz) for hertz in waves_of_time(longest[1], longest[0])]
             elif kind.tonal:
                 faults += [kind(recording, hertz) for hertz in lines(longest[1], longest[0].dt)]
@@ -78,16 +79,6 @@ def lines(residual: np.ndarray, dt: float) -> list[float]:
         found.append(float((top + (0.5 * (left - right) / curved if curved < 0 else 0.0)) / (padded * dt)))
         spectrum[max(top - 4 * 4, 0) : top + 4 * 4] = 0.0
     return found
-
-
-def waves_of_time(residual: np.ndarray, segment: Segment) -> list[float]:
-    """Frequencies, Hz, at which a clock may waver, by what a model leaves (n,) of a segment.
-
-    What is recorded too late by a little is off by its rate times that: so the times' waves are the lines of what is
-    left, multiplied by the rate. Those of twice the motion's frequency and above are the square of the rate itself.
-    """
-    hertz = lines(residual * np.gradient(segment.response - residual, segment.dt), segment.dt)
-    return [line for line in hertz if 2 * np.pi * line < segment.pace]
 
 
 def expected_gains(

@@ -18,7 +18,7 @@ from ..recording.recording import Recording
 from .contradiction import Contradiction
 from .data import noise_of
 from .delivered import Fit
-from .fault import Fault, ForceHum, Hum, Late
+from .fault import Fault, ForceHum, Hum, Late, times_of
 from .fault_score import KINDS, expected_gains, possible
 from .faulty_fit import FaultyFit
 from .fitted_problem import fitted_problem
@@ -92,10 +92,11 @@ def faults_found(
             break
         price = DECISIVE + math.log(count)
         tried = []
-        for slow in (False, True):  # waves are many fits
-            tried += [_fitted(problem, point, [*found, fault]) for fault in asked if fault.slow == slow]
+        tried += [_fitted(problem, point, [*found, fault]) for fault in asked if not fault.slow]
+        for fault in (fault for fault in asked if fault.slow):  # waves are many fits, and each finds the same one
             if any(_noise_alone(other, where, fit, recordings) for other, where in tried):
                 break
+            tried.append(_fitted(problem, point, [*found, fault]))
         odds = [concentrated(other, where, start) for other, where in tried]
         top = int(np.argmax(odds))
         if not odds[top] > likelihood + price:
@@ -174,24 +175,42 @@ def _fitted(problem: OutputError, state: State, faults: Sequence[Fault]) -> tupl
             break
         before = faulty.faults
         point = faulty.search(point, tolerance=0.5, most=_STEPS, informed=False).state
-        faulty = _placed(faulty, point)
+        faulty, point = _placed(faulty, point)
         if faulty.faults == before:
             break
     return faulty, faulty.search(point, tolerance=0.1, most=_STEPS, informed=False).state
 
 
-def _placed(faulty: FaultyFit, state: State) -> FaultyFit:
-    """The last fault where what is left is least, all else as it is: by halving, to a sample."""
+def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
+    """The last fault where what is left is least, all else as it is: by halving, to a sample.
+
+    A wave of another frequency stays as it is where the motion is largest: from the beginning of the record it would
+    be out of step there.
+    """
     fault = faulty.faults[-1]
     own = [i for i, segment in enumerate(faulty.segments) if segment.recording == fault.recording]
     segments = [faulty.segments[i] for i in own]
     span = segments[-1].time + segments[-1].n * segments[-1].dt - segments[0].time
     if not (fault.timed or fault.tonal):
-        return faulty
+        return faulty, state
     places = [other.place for other in faulty.faults[:-1]]
+    weights = [s.response - np.mean(s.response) for s in segments]
+    middle = float(
+        np.average(np.concatenate([times_of(s) for s in segments]), weights=np.concatenate(weights) ** 2)
+        if fault.tonal
+        else 0.0
+    )
+
+    def at(place: float) -> State:
+        if not fault.tonal:
+            return state
+        sizes = state.offsets.copy()
+        wave = (sizes[-1] - 1j * sizes[-2]) * np.exp(2j * np.pi * (fault.place - place) * middle)
+        sizes[-2:] = -wave.imag, wave.real
+        return replace(state, offsets=sizes)
 
     def left(place: float) -> float:
-        moved = faulty.moved_to([*places, place])
+        moved, state = faulty.moved_to([*places, place]), at(place)
         with np.errstate(over="ignore"):  # a motion that runs away
             total = sum(float(np.sum((moved.segments[i].response - moved.simulate(i, state)) ** 2)) for i in own)
         return total if math.isfinite(total) else math.inf
@@ -206,7 +225,7 @@ def _placed(faulty: FaultyFit, state: State) -> FaultyFit:
             place, least = there, value
         else:
             by /= 2.0
-    return faulty.moved_to([*places, place])
+    return faulty.moved_to([*places, place]), at(place)
 
 
 def _noise_alone(faulty: FaultyFit, state: State, fit: Fit, recordings: Sequence[Recording]) -> bool:
