@@ -6,7 +6,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.examples.lies import STANDS, Lie, clipped_peak, force_gain, response_gain, told, walk, wavering
+from dashpot.examples.lies import (
+    STANDS,
+    Lie,
+    clipped_peak,
+    force_gain,
+    of_another_rig,
+    response_gain,
+    told,
+    walk,
+    wavering,
+)
 from dashpot.identify import identify
 from dashpot.identify.blame import in_words
 from dashpot.identify.contradiction import Contradiction
@@ -22,9 +32,11 @@ SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
         (Lie("", "force gain", 2, force_gain(0.8, 0.45)), "the force counts 0.8 ±"),
         (Lie("", "walk", 2, walk(0.05)), "zero walks at random"),
         (Lie("", "clipped", 2, clipped_peak(), last=True), "the top of a swing is cut off"),
+        (Lie("", "another rig", 2, of_another_rig(SHORT, viscous=1.3)), "it agrees with one rig, viscous 6.5"),
+        (Lie("", "wavering", 2, wavering(0.01, 9.5)), "its clock wavers by 1 ±"),
         pytest.param(Lie("", "wavering", 2, wavering(0.01, 3.0)), "its clock wavers by 1 ±", marks=pytest.mark.long),
     ],
-    ids=["gain", "walk", "clipped", "wavering"],
+    ids=["gain", "walk", "clipped", "another rig", "wavering fast", "wavering"],
 )
 def test_without_being_asked_a_lie_is_named_and_covered(lie, words):
     found = identify(told(SHORT, lie))
