@@ -25,7 +25,7 @@ TIMES = 24
 #: Lines of what is left that are looked at, in each recording.
 _LINES = 3
 #: Cycles in a record of the slowest waves of a clock that are looked for; faster ones are lines, as hum is.
-_WAVES = (1, 2, 4)
+_WAVES = (1, 2, 3, 4, 5, 6)
 #: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
 _OWN = 1e-8
 
