@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .endings import out_of_memory, sentence
-from .errors import BadInput
+from .errors import BadInput, Unwritable
 from .fleet.manifest import Entry
 from .fleet.outcome import Outcome
 from .fleet.store import Busy, Store
@@ -97,7 +97,7 @@ def done(task: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _kept(store: Store, entry: Entry, key: str, stage: str, before: Outcome | None) -> Outcome:
-    """Do a stage and keep what came of it; raises BadInput only where that cannot be written."""
+    """Do a stage and keep what came of it; raises BadInput only where that, or what it takes, cannot be written."""
     begun = time.monotonic()
     place = store.place(entry.name, key)
     try:
@@ -105,7 +105,11 @@ def _kept(store: Store, entry: Entry, key: str, stage: str, before: Outcome | No
             outcome, files = _identified(entry, key)
         else:
             outcome, files = _diagnosed(entry, place, before or Outcome(key, entry.name, "open", ""))
+    except Unwritable:  # no fault of the row, which is open still
+        raise
     except Exception as problem:  # each row has its own end
+        if isinstance(problem, OSError):
+            raise Unwritable(sentence(problem)) from problem
         seconds = time.monotonic() - begun
         if isinstance(problem, BadInput):
             return store.failed(entry.name, key, stage, "bad-input", str(problem), seconds)

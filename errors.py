@@ -20,5 +20,9 @@ class BadInput(DashpotError):
     """The input cannot be used as it is; the command line turns this into exit code 2."""
 
 
+class Unwritable(BadInput):
+    """A place on this machine takes no file, whatever the input: with room or permission there all goes well."""
+
+
 class ToolchainMissing(DashpotError):
     """A compiler that this step needs is not on the machine."""

@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from .aside import aside
-from .errors import BadInput
+from .errors import BadInput, Unwritable
 
 
 @dataclass
@@ -147,7 +147,7 @@ def fill(path: Path, content: str | bytes, shown: Path | None = None) -> None:
     except OSError as problem:
         raise _refused(shown or path, problem) from problem
     if not same:
-        raise BadInput(f"{shown or path}: what was written there does not read back the same; choose another place")
+        raise Unwritable(f"{shown or path}: what was written there does not read back the same; choose another place")
 
 
 def remove(target: Path) -> None:
@@ -261,4 +261,4 @@ def _refused(target: Path, problem: Exception) -> BadInput:
     if isinstance(problem, (FileExistsError, NotADirectoryError)):
         return BadInput(f"{target}: cannot be written, for its folder's name is that of a file; choose another place")
     reason = (problem.strerror if isinstance(problem, OSError) else None) or str(problem)
-    return BadInput(f"{target}: cannot be written ({reason}); choose another place")
+    return Unwritable(f"{target}: cannot be written ({reason}); choose another place")

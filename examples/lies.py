@@ -191,11 +191,11 @@ def coarse_force(levels: int) -> Change:
     return change
 
 
-def of_another_rig(stand: Stand, omega0: float) -> Change:
-    """A record of a rig whose natural frequency is so many times that of this one."""
+def of_another_rig(stand: Stand, **times: float) -> Change:
+    """A record of a rig of which some values are so many times those of this one."""
 
     def change(r: Recording) -> Recording:
-        others = stand.clean(omega0=omega0 * stand.values["omega0"])
+        others = stand.clean(**{name: by * stand.values[name] for name, by in times.items()})
         return next(other for other in others if other.name == r.name)
 
     return change
@@ -226,8 +226,10 @@ def lies(stand: Stand) -> tuple[Lie, ...]:
         Lie("clock 2 % fast", "clock", 2, clock(0.02)),
         Lie("clock 0.3 % slow", "clock", 0, clock(-0.003)),
         Lie("clock wavers by 1 %", "wavering", 2, wavering(0.01, 3.0)),
-        Lie("another rig, 10 %", "another rig", 0, of_another_rig(stand, 1.1)),
-        Lie("another rig, 40 %", "another rig", 1, of_another_rig(stand, 1.4)),
+        Lie("clock wavers fast", "wavering", 2, wavering(0.01, 20.0)),
+        Lie("another rig, 10 %", "another rig", 0, of_another_rig(stand, omega0=1.1)),
+        Lie("another rig, 40 %", "another rig", 1, of_another_rig(stand, omega0=1.4)),
+        Lie("another rig's friction", "another rig", 1, of_another_rig(stand, viscous=1.3, dry=1.3)),
         Lie("a clipped peak", "clipped", 2, clipped_peak(), last=True),
         Lie("20 levels of force", "levels", 2, coarse_force(20), last=True),
     )

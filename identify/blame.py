@@ -8,10 +8,11 @@ from dataclasses import dataclass
 from ..recording.recording import Recording
 from .contradiction import Contradiction, contradiction, covering
 from .delivered import Fit
+from .fault_score import KINDS, OF_A_WHOLE
 from .faults_found import faults_found
 from .part import Part
 from .part_kinds import kind_of_part
-from .stranger_among import stranger_among
+from .stranger_among import of_one_rig, stranger_among, told_apart
 from .weighed import ABOVE_NOISE
 
 
@@ -49,11 +50,7 @@ def blame(
     found = contradiction(fit, recordings)
     if found is None and not asked:
         return Blame(fit, {}, ())
-    told = {fault.fault.recording: fault.words for fault in faults_found(fit, recordings, found)}
-    if not told and found is not None and (kind := kind_of_part(found, fit, recordings)) is not None:
-        told[found.part.recording] = kind
-    if not told and alone is not None and (odd := stranger_among(recordings, alone)) is not None:
-        told[odd[0]] = odd[1]
+    told = _told(fit, recordings, found, alone)
     if found is None:
         return Blame(fit, told, ())
     fit = covering(fit, found)
@@ -62,6 +59,29 @@ def blame(
     words = in_words(found, recordings)
     name = found.part.recording
     return Blame(fit, {name: words}, ()) if found.reached else Blame(fit, {}, (f"{recordings[name].name}: {words}",))
+
+
+def _told(
+    fit: Fit,
+    recordings: Sequence[Recording],
+    found: Contradiction | None,
+    alone: Callable[[Sequence[Recording]], Fit] | None,
+) -> dict[int, str]:
+    """By the recordings' places, what the measuring chain did to one, or that it is of another rig."""
+    suspect = None if found is None or found.other is not None or not found.part.whole else found.part.recording
+    own = None if suspect is None or alone is None else of_one_rig([recordings[suspect]], alone)
+    # what agrees with a rig of its own has no fault that begins somewhere, and no line or wave on it
+    faults = faults_found(fit, recordings, found, KINDS if own is None else OF_A_WHOLE)
+    if faults:
+        return {fault.fault.recording: fault.words for fault in faults}
+    if alone is not None and own is not None and suspect is not None:
+        words = told_apart(suspect, own, recordings, alone, alike=found is not None and found.reached)
+        if words is not None:
+            return {suspect: words}
+    if found is not None and (kind := kind_of_part(found, fit, recordings)) is not None:
+        return {found.part.recording: kind}
+    odd = None if alone is None or own is not None else stranger_among(recordings, alone)
+    return {} if odd is None else {odd[0]: odd[1]}
 
 
 def in_words(found: Contradiction, recordings: Sequence[Recording]) -> str:

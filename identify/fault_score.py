@@ -13,26 +13,32 @@ from .normal_equations import pseudo_inverse
 from .output_error import OutputError, State
 from .segments import Segment
 from .wavering import Wavering
+from .waves_of_time import waves_of_time
 
+#: What leaves a recording that agrees with a rig: with more or less mass, friction or stiffness than the others'.
+OF_A_WHOLE: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock)
 #: All kinds.
-KINDS: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock, Hum, ForceHum, ZeroStep, Wavering)
+KINDS: tuple[type[Fault], ...] = (*OF_A_WHOLE, Hum, ForceHum, ZeroStep, Wavering)
 
 #: Times at which a fault that begins somewhere is looked for, in each recording; from the best one the search goes on.
 TIMES = 24
 #: Lines of what is left that are looked at, in each recording.
 _LINES = 3
-#: Cycles in a record up to which a clock is asked whether it wavers so often.
-_WAVES = 6
+#: Cycles in a record of the slowest waves of a clock that are looked for; faster ones are lines, as hum is.
+_WAVES = (1, 2, 3, 4, 5, 6)
 #: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
 _OWN = 1e-8
 
 
-def possible(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> list[Fault]:
+def possible(
+    segments: Sequence[Segment], residuals: Sequence[np.ndarray], kinds: Sequence[type[Fault]] = KINDS
+) -> list[Fault]:
     """Every fault that is looked for: of each recording every kind, everywhere.
 
     Args:
         segments: of the recordings.
         residuals: what a model leaves of each (n,).
+        kinds: that are looked for.
     """
     faults: list[Fault] = []
     recordings = sorted({segment.recording for segment in segments})
@@ -44,13 +50,14 @@ def possible(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> li
         times = first.time + np.linspace(0.0, span, TIMES, endpoint=False)
         driven = any(segment.force is not None for segment, _ in own)
         longest = max(own, key=lambda pair: pair[0].n)
-        for kind in KINDS:
+        for kind in kinds:
             if kind.forced and not driven:
                 continue
             if kind.timed:
                 faults += [kind(recording, float(time)) for time in times]
             elif kind.slow:
-                faults += [kind(recording, waves / span) for waves in range(1, _WAVES + 1)]
+                faults += [kind(recording, waves / span) for waves in _WAVES]
+                faults += [kind(recording, hertz) for hertz in waves_of_time(longest[1], longest[0])]
             elif kind.tonal:
                 faults += [kind(recording, hertz) for hertz in lines(longest[1], longest[0].dt)]
             elif len(recordings) > 1 or kind.forced:  # the clock of a single recording is the only one

@@ -18,7 +18,7 @@ from ..recording.recording import Recording
 from .contradiction import Contradiction
 from .data import noise_of
 from .delivered import Fit
-from .fault import Fault, ForceHum, Hum, Late
+from .fault import Fault, ForceHum, Hum, Late, times_of
 from .fault_score import KINDS, expected_gains, possible
 from .faulty_fit import FaultyFit
 from .fitted_problem import fitted_problem
@@ -64,7 +64,10 @@ class FoundFault:
 
 
 def faults_found(
-    fit: Fit, recordings: Sequence[Recording], known: Contradiction | None = None
+    fit: Fit,
+    recordings: Sequence[Recording],
+    known: Contradiction | None = None,
+    kinds: Sequence[type[Fault]] = KINDS,
 ) -> tuple[FoundFault, ...]:
     """The faults of recordings that explain what a fit leaves; none where they do not explain it to the noise.
 
@@ -72,7 +75,8 @@ def faults_found(
         fit: of these recordings.
         recordings: as they were fitted.
         known: the part of them that the rest contradicts, where there is one: the search begins at what the rest says,
-            and looks for faults of that part's recording that begin or end with it.
+            and looks for one fault of that part's recording that begins or ends with it.
+        kinds: that are asked for.
     """
     problem, state = fitted_problem(fit, recordings)
     start = fit.oscillator
@@ -81,16 +85,18 @@ def faults_found(
     likelihood = concentrated(problem, state, start)
     if known is not None:
         point = known.state
-    while len(found) < max(2, len(recordings)):
-        asked, count = _asked(best, point, fit, known)
+    # one recording has one fault (``_is_one_cause``)
+    while len(found) < (1 if known is not None else max(2, len(recordings))):
+        asked, count = _asked(best, point, fit, known, kinds)
         if not asked:
             break
         price = DECISIVE + math.log(count)
         tried = []
-        for slow in (False, True):  # waves are many fits
-            tried += [_fitted(problem, point, [*found, fault]) for fault in asked if fault.slow == slow]
+        tried += [_fitted(problem, point, [*found, fault]) for fault in asked if not fault.slow]
+        for fault in (fault for fault in asked if fault.slow):  # waves are many fits, and each finds the same one
             if any(_noise_alone(other, where, fit, recordings) for other, where in tried):
                 break
+            tried.append(_fitted(problem, point, [*found, fault]))
         odds = [concentrated(other, where, start) for other, where in tried]
         top = int(np.argmax(odds))
         if not odds[top] > likelihood + price:
@@ -115,7 +121,9 @@ def _is_one_cause(told: Sequence[FoundFault]) -> bool:
     return len(told) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
 
 
-def _asked(problem: OutputError, state: State, fit: Fit, contradicted: Contradiction | None) -> tuple[list[Fault], int]:
+def _asked(
+    problem: OutputError, state: State, fit: Fit, contradicted: Contradiction | None, kinds: Sequence[type[Fault]]
+) -> tuple[list[Fault], int]:
     """Of each kind the fault whose score promises most, where that is decisive; how many there were to choose from.
 
     The score says where; how much a kind gains only its own fit says, for a large fault is no small step. Of a wave
@@ -127,12 +135,12 @@ def _asked(problem: OutputError, state: State, fit: Fit, contradicted: Contradic
         residuals = problem.residuals(state)
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return [], 0
-    faults = possible(problem.segments, residuals)
+    faults = possible(problem.segments, residuals, kinds)
     if contradicted is not None:
         part = contradicted.part
         edges = (part.span.begin, part.begin, part.end)
         faults = [f for f in faults if f.recording == part.recording and not f.timed]
-        faults += [kind(part.recording, edge) for kind in KINDS if kind.timed for edge in edges]
+        faults += [kind(part.recording, edge) for kind in kinds if kind.timed for edge in edges]
     known = getattr(problem, "faults", ())
     faults = [f for f in faults if not any(type(f) is type(k) and f.recording == k.recording for k in known)]
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
@@ -167,24 +175,42 @@ def _fitted(problem: OutputError, state: State, faults: Sequence[Fault]) -> tupl
             break
         before = faulty.faults
         point = faulty.search(point, tolerance=0.5, most=_STEPS, informed=False).state
-        faulty = _placed(faulty, point)
+        faulty, point = _placed(faulty, point)
         if faulty.faults == before:
             break
     return faulty, faulty.search(point, tolerance=0.1, most=_STEPS, informed=False).state
 
 
-def _placed(faulty: FaultyFit, state: State) -> FaultyFit:
-    """The last fault where what is left is least, all else as it is: by halving, to a sample."""
+def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
+    """The last fault where what is left is least, all else as it is: by halving, to a sample.
+
+    A wave of another frequency stays as it is where the motion is largest: from the beginning of the record it would
+    be out of step there.
+    """
     fault = faulty.faults[-1]
     own = [i for i, segment in enumerate(faulty.segments) if segment.recording == fault.recording]
     segments = [faulty.segments[i] for i in own]
     span = segments[-1].time + segments[-1].n * segments[-1].dt - segments[0].time
     if not (fault.timed or fault.tonal):
-        return faulty
+        return faulty, state
     places = [other.place for other in faulty.faults[:-1]]
+    weights = [s.response - np.mean(s.response) for s in segments]
+    middle = float(
+        np.average(np.concatenate([times_of(s) for s in segments]), weights=np.concatenate(weights) ** 2)
+        if fault.tonal
+        else 0.0
+    )
+
+    def at(place: float) -> State:
+        if not fault.tonal:
+            return state
+        sizes = state.offsets.copy()
+        wave = (sizes[-1] - 1j * sizes[-2]) * np.exp(2j * np.pi * (fault.place - place) * middle)
+        sizes[-2:] = -wave.imag, wave.real
+        return replace(state, offsets=sizes)
 
     def left(place: float) -> float:
-        moved = faulty.moved_to([*places, place])
+        moved, state = faulty.moved_to([*places, place]), at(place)
         with np.errstate(over="ignore"):  # a motion that runs away
             total = sum(float(np.sum((moved.segments[i].response - moved.simulate(i, state)) ** 2)) for i in own)
         return total if math.isfinite(total) else math.inf
@@ -199,7 +225,7 @@ def _placed(faulty: FaultyFit, state: State) -> FaultyFit:
             place, least = there, value
         else:
             by /= 2.0
-    return faulty.moved_to([*places, place])
+    return faulty.moved_to([*places, place]), at(place)
 
 
 def _noise_alone(faulty: FaultyFit, state: State, fit: Fit, recordings: Sequence[Recording]) -> bool:

@@ -265,7 +265,7 @@ def belong_together(recordings: Sequence[Recording]) -> None:
                 f"{other.name} records {other.quantity} in {other.unit}, {first.name} {first.quantity} in "
                 f"{first.unit}, which has no factor to it; give both in units of length, or one of them at a time"
             )
-    forced = [r for r in recordings if r.force is not None and np.any(r.force)]
+    forced = [r for r in recordings if r.force is not None and np.ptp(r.force) > 0]  # a load that stays drives nothing
     units = {r.force_unit for r in forced}
     if len(units) > 1:
         raise BadInput(f"the forces are in different units ({', '.join(sorted(units))}); give them in one unit")

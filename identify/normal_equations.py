@@ -9,6 +9,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+#: Rounding: a direction with less than this part of the information of the best has none; and so little of it that
+#: the inverse would be beyond what a number can be is none at all.
+_LOST = 1e-14
+_LEAST = 1.0 / (_LOST * float(np.finfo(float).max))
+
 #: Normal matrix and gradient of one segment: shared unknowns first, then its own.
 Block = tuple[np.ndarray, np.ndarray]
 
@@ -55,9 +60,9 @@ def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
     if not matrix.size or not np.all(np.isfinite(matrix)):
         return np.zeros_like(matrix)
     diagonal = np.diag(matrix)
-    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    size = np.sqrt(np.where(diagonal > _LEAST, diagonal, 1.0))
     eigenvalues, vectors = np.linalg.eigh(matrix / np.outer(size, size))
-    kept = eigenvalues > 1e-14 * max(float(eigenvalues[-1]), np.finfo(float).tiny)
+    kept = eigenvalues > _LOST * max(float(eigenvalues[-1]), 1.0)  # which it is where there is any
     inverse = np.where(kept, 1.0 / np.where(kept, eigenvalues, 1.0), 0.0)
     return (vectors * inverse) @ vectors.T / np.outer(size, size)
 

@@ -72,7 +72,7 @@ def split_panels(surfaces: Surfaces, rows: int, span: float, count: int) -> Pane
     row = np.repeat(np.arange(rows), count + 1)
     g = surfaces(np.tile(edges, rows), row).reshape(-1, rows, count + 1)
     low, high = g[..., :-1], g[..., 1:]
-    surface, at, interval = np.nonzero(low * high < 0)
+    surface, at, interval = np.nonzero(np.sign(low) * np.sign(high) < 0)  # a product may be beyond any number
     roots = np.broadcast_to(edges[1:], low.shape).copy()
     roots[surface, at, interval] = _bisect(surfaces, surface, at, edges[interval], edges[interval + 1])
     split = np.zeros(low.shape[::2], dtype=bool)  # a split that no row needs is left out

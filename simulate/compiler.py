@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import BadInput, ToolchainMissing
+from ..errors import ToolchainMissing, Unwritable
 from . import store, zig
 from .cache import cache_folder
 from .compiler_run import LONGEST_SECONDS, LONGEST_SECONDS_OF_ZIG, call, library_made
@@ -130,7 +130,7 @@ def build(
         Path of the library in the store, and its content.
 
     Raises:
-        BadInput: where there is no room to build in.
+        Unwritable: where there is no room to build in.
         ToolchainMissing: where the compiler fails, does nothing, or does not end.
     """
     steps = compiler.steps([*FLAGS, *flags], main, name)
@@ -156,7 +156,7 @@ def build(
                 raise ToolchainMissing(_failed(compiler, str(problem))) from problem
             return store.put(folder / name, *entry, content), content
     except OSError as problem:
-        raise BadInput(
+        raise Unwritable(
             f"{problem.filename or store.private_folder('compiled')}: nothing can be compiled there "
             f"({problem.strerror or problem}); make room, or set DASHPOT_CACHE to another folder"
         ) from problem

@@ -5,7 +5,7 @@ from __future__ import annotations
 import tempfile
 from pathlib import Path
 
-from ..errors import BadInput
+from ..errors import Unwritable
 from ..model.law import Expression
 
 
@@ -13,7 +13,7 @@ def generated_c(generator: Expression) -> str:
     """What a ``casadi.CodeGenerator`` of the name ``law.c`` writes.
 
     Raises:
-        BadInput: where the temporary folder does not take all of it.
+        Unwritable: where the temporary folder does not take all of it.
     """
     with tempfile.TemporaryDirectory() as folder:
         try:
@@ -23,7 +23,7 @@ def generated_c(generator: Expression) -> str:
             text = ""
     whole = generator.dump()  # the same without the words above and below
     if whole not in text or not text.endswith('#ifdef __cplusplus\n} /* extern "C" */\n#endif\n'):
-        raise BadInput(
+        raise Unwritable(
             f"{tempfile.gettempdir()}: does not take the C code of the model; make room there, or set TMPDIR to "
             "another folder"
         )

@@ -6,6 +6,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -22,14 +23,22 @@ FUZZ = "DASHPOT_FUZZ"
 #: Each with how many instants `make test` tries, and `make test-all`: fewer of those that take long.
 COMMANDS = {
     "show rig.yaml --json": (3, 15),
+    "look sweep.csv decay.csv": (0, 3),
+    "linearise rig.yaml --amplitude 1e-3": (0, 3),
+    "compare old.yaml known.yaml": (0, 3),
+    "watch old.yaml known.yaml --report new.html": (0, 3),
     "simulate rig.yaml sweep.csv -o out.csv": (0, 5),
     "export rig.yaml old.c new/a.casadi": (5, 15),
+    "export rig.yaml a.mjcf b.urdf": (0, 3),
     "export rig.yaml a.fmu --platform linux64": (0, 3),
     "export rig.yaml a.ssp --platform linux64": (0, 3),
-    "verify rig.fmu sweep.csv --json out.json": (0, 3),
+    "verify rig.fmu sweep.csv --json out.json --report out.html": (0, 3),
     "hilbert decay.csv -o curves": (0, 3),
     "identify decay.csv -o old.yaml --report new.html": (0, 3),
     "diagnose rig.yaml sweep.csv -o found": (0, 3),
+    "batch fleet.yaml -o kept --jobs 1": (0, 3),
+    "paper -o pages": (0, 0),
+    "demo -o story": (0, 0),
 }
 
 
@@ -39,13 +48,19 @@ def there(tmp_path_factory, recorded):
     folder = tmp_path_factory.mktemp("there")
     oscillator = Oscillator.from_values(TRUTH, name="rig")
     save(oscillator, folder / "rig.yaml")
-    (folder / "old.yaml").write_text((folder / "rig.yaml").read_text())
+    for name in ("old", "known"):
+        errors = {key: replace(p, std=0.01 * abs(p.value)) for key, p in oscillator.parameters().items()}
+        save(oscillator.with_parameters(errors), folder / f"{name}.yaml")
     export_fmu(oscillator, folder / "rig.fmu")
     made = {"sweep": recorded(TRUTH, sweep=(1.5, 6.0, 14.0)), "decay": recorded(TRUTH, begin=(8e-3, 0.0))}
     for name, record in made.items():
         columns = [record.time, *([] if record.force is None else [record.force]), record.response]
         header = "time_s,x_m" if record.force is None else "time_s,force_N,x_m"
         np.savetxt(folder / f"{name}.csv", np.column_stack(columns), "%.9g", ",", header=header, comments="")
+    (folder / "fleet.yaml").write_text(
+        "format: dashpot-fleet/1\ndefaults: {mass: 0.27, report: false, diagnose: never, max-left: 3x}\n"
+        "rigs: [{name: a, recordings: decay.csv}, {name: b, recordings: sweep.csv}]\n"
+    )
     subprocess.run([sys.executable, "-P", "-m", "dashpot", "export", "rig.yaml", "old.c"], cwd=folder, check=True)
     return folder
 

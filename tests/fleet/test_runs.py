@@ -206,6 +206,16 @@ def test_a_disk_that_cannot_be_written_ends_the_run_with_a_sentence(fleet, tmp_p
         run(asked, folder, local("worker", 1))
 
 
+@pytest.mark.parametrize("name", ["full", "place"])
+def test_no_room_on_the_machine_is_no_fault_of_a_row_which_is_done_when_there_is_some(fleet, tmp_path, name):
+    asked = fleet(name)
+    with pytest.raises(BadInput, match=r"No space left on device|takes nothing"):
+        run(asked, tmp_path / "out", local("worker", 1))
+    assert not kept(tmp_path / "out")
+    (tmp_path / "room").touch()
+    assert states(run(asked, tmp_path / "out", local("worker", 1))) == {name: "good"}
+
+
 def test_a_cluster_does_the_same(fleet, tmp_path):
     distributed = pytest.importorskip("distributed", reason="dask and distributed are an extra")
     from dashpot.fleet.engine import dask

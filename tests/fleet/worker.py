@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import time
 from pathlib import Path
 
 from dashpot import batch_entry
-from dashpot.errors import BadInput
+from dashpot.errors import BadInput, Unwritable
 from dashpot.fleet.outcome import Outcome
 from dashpot.writing import write
 
@@ -31,6 +32,10 @@ def happens(name):
         raise MemoryError
     if "bad" in name:
         raise BadInput("no such thing")
+    if "full" in name and not Path(os.environ["BEGUN"]).with_name("room").exists():
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), "/tmp/x")
+    if "place" in name and not Path(os.environ["BEGUN"]).with_name("room").exists():
+        raise Unwritable("/tmp takes nothing")
     if "fault" in name:
         raise ValueError("a mistake")
 

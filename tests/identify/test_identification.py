@@ -11,6 +11,7 @@ from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
+from dashpot.identify.identification import belong_together
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording, read
@@ -160,6 +161,11 @@ def test_a_recording_in_another_unit_is_noticed():
     other = Recording(name="millimetres", fs=sweep.fs, response=sweep.response * 1e3, force=sweep.force)
     with pytest.raises(BadInput, match="millimetres moves 1000 times"):
         identify([sweep, other])
+
+
+def test_a_load_that_stays_is_no_force_that_moves_a_mass_far():
+    decay = record("decay")
+    belong_together([record("sweep"), replace(decay, force=np.ones(decay.n))])
 
 
 def test_nothing_given_is_said():

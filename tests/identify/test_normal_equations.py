@@ -113,6 +113,15 @@ def test_information_below_what_the_arithmetic_carries_is_none(apart, kept):
     assert (difference @ inverse @ difference > 1e12) == kept
 
 
+@pytest.mark.parametrize("least", [1e-294, 1e-300, 0.0])
+def test_information_whose_inverse_is_beyond_any_number_is_none(least):
+    inverse = pseudo_inverse(np.diag([4.0, least]))
+    assert np.all(np.isfinite(inverse))
+    assert inverse[0, 0] == pytest.approx(0.25)
+    assert (inverse[1, 1] > 0) == (least == 1e-294)
+    assert not np.any(pseudo_inverse(np.diag([1e-300, 1e-310])))
+
+
 def test_least_squares_in_the_columns_that_are_used():
     random = np.random.default_rng(0)
     columns, target = random.standard_normal((30, 3)) * (1.0, 1e-6, 1e6), random.standard_normal(30)

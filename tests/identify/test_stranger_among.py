@@ -10,7 +10,7 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS
 from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.stranger_among import KEPT, stranger_among
+from dashpot.identify.stranger_among import KEPT, of_one_rig, stranger_among, told_apart
 from dashpot.model import Oscillator
 
 STAND = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
@@ -78,6 +78,18 @@ def test_a_frequency_that_is_hardly_known_names_nothing():
 
     assert stranger_among(records(0.05), fitted) is not None
     assert stranger_among(records(0.05), unsure) is None  # 1.7 errors apart
+
+
+def test_where_the_others_move_as_far_friction_alone_makes_another_rig():
+    rough = STAND.clean(viscous=1.3 * STAND.values["viscous"])
+    lying = STAND.noisy([clean(0.0)[0], rough[1], clean(0.0)[2]])
+    own = of_one_rig([lying[1]], fitted)
+    assert told_apart(1, own, lying, fitted) is None  # what the family lacks might do that
+    words = told_apart(1, own, lying, fitted, alike=True)
+    assert words.startswith("it agrees with one rig, viscous 6.5")
+    assert "1/s, all others with another, viscous" in words
+    honest = records(0.0)
+    assert told_apart(1, of_one_rig([honest[1]], fitted), honest, fitted, alike=True) is None
 
 
 def test_where_nothing_fits_nothing_is_named():
