@@ -100,6 +100,7 @@ def fundamental_beyond_a_sine(
         force += d / n * _SIGNS[:, None] * _odd_powers(way * np.exp(-1j * turning))
         force[:_MEET] += met[1:]
         u = -(force + (2j * n * omega + viscous) * change) / stiff
+        u = u * np.minimum(1.0, amplitude / np.maximum(np.abs(u), 1e-300))  # else it is no fundamental, and no motion
         change = np.gradient(u, time, axis=1) if time.size > 1 else change
         total = met[0] - 0.75 * cubic * amplitude**3
         total = total + p * (np.exp(-1j * crossing) - 1) + d * way * (np.exp(-1j * turning) - 1)

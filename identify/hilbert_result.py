@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,12 +14,12 @@ from .decays import find_free_motion
 from .displacement import displacement
 from .excitation import kind_of
 from .force_off import zero_of
+from .mass_by_laws import driven_mass
 from .modal_curve import modal_curve
 from .modal_fit import modal_fit
-from .modal_mass import mass_fit
+from .modal_mass import MassFit, agreed
 from .modal_result import ModalCurve, ModalFit
 from .modal_stretch import Stretch, decay_stretch, forced_stretch
-from .rung_in import rung_in
 from .signals import Signal, drive_of
 
 if TYPE_CHECKING:
@@ -94,8 +94,8 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
     if not recordings:
         raise BadInput("No recording given; give at least one free decay or forced record.")
     notes: list[str] = []
-    free: list[tuple[Stretch, ModalCurve]] = []
-    forced: list[tuple[Stretch, ModalCurve]] = []
+    free: list[_Evaluated] = []
+    forced: list[_Evaluated] = []
     for r in recordings:
         try:
             x = displacement(r)
@@ -121,11 +121,20 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
     if not free and not forced:
         raise BadInput("Nothing can be evaluated by the Hilbert transform. " + " ".join(notes))
     return HilbertAnalysis(
-        curves=tuple(curve for _, curve in (*free, *forced)),
-        freevib=_together(free, None, notes),
-        forcevib=_together(forced, mass_fit, notes),
+        curves=tuple(stretch.curve for stretch in (*free, *forced)),
+        freevib=_together(free, notes),
+        forcevib=_together(forced, notes),
         notes=tuple(dict.fromkeys(notes)),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Evaluated:
+    """A stretch with its curve; with its mass where it is driven."""
+
+    stretch: Stretch
+    curve: ModalCurve
+    mass: MassFit | None
 
 
 def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
@@ -147,7 +156,7 @@ def _evaluate(
     x: Signal,
     drive: Signal | None,
     samples: tuple[int, int],
-    found: list[tuple[Stretch, ModalCurve]],
+    found: list[_Evaluated],
     notes: list[str],
 ) -> None:
     begin = r.start + samples[0] / r.fs
@@ -162,20 +171,26 @@ def _evaluate(
         if drive is None:
             stretch = decay_stretch(part)
         else:
-            stretch = rung_in(forced_stretch(part, drive.part(*samples)))
-            mass = mass_fit([stretch])
-        found.append((stretch, modal_curve(stretch, mass, r.name, samples, begin, part.samples)))
+            driven = driven_mass(forced_stretch(part, drive.part(*samples)))
+            stretch, mass = driven.stretch, driven.mass
+            if driven.by_laws:
+                notes.append(
+                    f"{r.name}, driven stretch at {begin:.4g} s: it meets no amplitude at two frequencies, so that its "
+                    "mass leans on Eqs. 1, 6 and 7; drive it through its resonance for one that does not."
+                )
+        curve = modal_curve(stretch, mass, r.name, samples, begin, part.samples)
+        found.append(_Evaluated(stretch, curve, mass))
     except BadInput as problem:
         what = "decay" if drive is None else "driven stretch"
         notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
 
 
-def _together(found: list[tuple[Stretch, ModalCurve]], mass: Callable | None, notes: list[str]) -> ModalFit | None:
-    stretches = [stretch for stretch, _ in found]
-    if len(found) < 2 and all(curve.fit is not None for _, curve in found):
-        return found[0][1].fit if found else None  # one alone is all
+def _together(found: Sequence[_Evaluated], notes: list[str]) -> ModalFit | None:
+    if len(found) < 2 and all(f.curve.fit is not None for f in found):
+        return found[0].curve.fit if found else None  # one alone is all
+    masses = [f.mass for f in found if f.mass is not None]
     try:
-        return modal_fit(stretches, None if mass is None else mass(stretches))
+        return modal_fit([f.stretch for f in found], agreed(masses) if masses else None)
     except BadInput as problem:
         notes.append(str(problem))
         return None

@@ -24,7 +24,7 @@ from .modal_stretch import Stretch
 
 _LEAST_POINTS = 8
 _ROUNDS = 3
-_EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
+EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
 _STEP = 1e-4  # of a parameter, for a derivative
 
 #: Columns (p, n) of a law and their slopes with ln A, at a stretch's amplitudes.
@@ -40,8 +40,6 @@ def modal_fit(stretches: Sequence[Stretch], mass: MassFit | None = None) -> Moda
     given = mass or MassFit(rows=tuple(np.zeros(0) for _ in stretches))
     spring, friction = spring_and_friction(stretches, given)
     squared = float(spring.value[0])
-    if not squared > 0:
-        raise BadInput("The backbone leads to no positive stiffness: this is not the motion of one oscillator.")
     covariance = _covariance((spring, friction), given)
     both = _law_fit("preload and polynomial", ("omega0", "cubic", "preload"), spring, covariance[1:4, 1:4])
     damping = _law_fit("viscous and dry", ("viscous", "dry"), friction, covariance[4:, 4:])
@@ -83,7 +81,7 @@ def spring_and_friction(stretches: Sequence[Stretch], mass: MassFit, rounds: int
     """Eq. 6 with the preload, and Eq. 7, fitted in turn with what the harmonics that they make add to them.
 
     Raises:
-        BadInput: too few points stand clear of the noise.
+        BadInput: too few points stand clear of the noise, or no positive stiffness comes out.
     """
     further = [(np.zeros(s.signal.time.size),) * 2 for s in stretches]
     noise: list[tuple[CurveNoise | None, CurveNoise | None]] = [(None, None) for _ in stretches]
@@ -92,11 +90,13 @@ def spring_and_friction(stretches: Sequence[Stretch], mass: MassFit, rounds: int
         each = list(zip(stretches, further, noise, strict=True))
         spring = _Fit(tuple(_spring(s, mass, _both, f[0], spring.value, n[0]) for s, f, n in each), mass)
         friction = _Fit(tuple(_damper(s, mass, f[1], friction.value, n[1]) for s, f, n in each), mass)
+        if not spring.value[0] > 0:
+            raise BadInput("The backbone leads to no positive stiffness: this is not the motion of one oscillator.")
         if k == 1:  # the first knows nothing of the laws' slopes; later ones would change weights only, and little
             noise = [(a.noise, b.noise) for a, b in zip(spring.curves, friction.curves, strict=True)]
         if k + 1 < rounds:
-            found = dict(zip(_EQ17, [*spring.value, *friction.value], strict=True))
-            found["omega0"] = float(np.sqrt(max(found["omega0"], 0.0)))
+            found = dict(zip(EQ17, [*spring.value, *friction.value], strict=True))
+            found["omega0"] = float(np.sqrt(found["omega0"]))
             further = [
                 tuple(map(np.add, further_harmonics(a.stretch, found), _across(a, b, spring.value, friction.value)))
                 for a, b in zip(spring.curves, friction.curves, strict=True)

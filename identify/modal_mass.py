@@ -40,13 +40,8 @@ class MassFit:
     rows: tuple[np.ndarray, ...] = ()
 
 
-def mass_fit(stretches: Sequence[Stretch]) -> MassFit:
-    """The mass that driven stretches agree on, each weighed by what it says.
-
-    Raises:
-        BadInput: too little motion above the noise; no positive mass, where force and response do not belong together.
-    """
-    singles = [_of_stretch(s) for s in stretches]
+def agreed(singles: Sequence[MassFit]) -> MassFit:
+    """The mass of several stretches from that of each, weighed by what it says."""
     weight = np.array([1 / single.std**2 for single in singles])
     share = weight / np.sum(weight)
     inverse = float(sum(w * single.inverse for w, single in zip(share, singles, strict=True)))
@@ -54,31 +49,72 @@ def mass_fit(stretches: Sequence[Stretch]) -> MassFit:
     return MassFit(inverse, float(1 / np.sqrt(np.sum(weight))), rows)
 
 
-def _of_stretch(stretch: Stretch) -> MassFit:
-    s, ratio, clear = stretch.signal, stretch.ratio, stretch.clear
-    if ratio is None or np.count_nonzero(clear) < _LEAST:
-        raise BadInput(
-            "The forced record has too little motion above its noise for FORCEVIB; force it harder or longer."
-        )
-    first, second = s.equation_first, s.equation_second
+def mass_fit(stretch: Stretch) -> MassFit:
+    """The mass of one driven stretch.
+
+    Raises:
+        BadInput: too little motion above the noise; no positive mass, where force and response do not belong together.
+    """
+    first, clear = stretch.signal.equation_first, moving(stretch)
     level = float(np.max(stretch.amplitude[stretch.keep][clear]))
     top = float(np.max((np.abs(first) * stretch.amplitude)[stretch.keep][clear]))
     low = 1e-4  # where it is not clear it does not count, and must only stay a number
     a = np.maximum(stretch.amplitude / level, low)
     springs, dampers = backbone_basis(a), damping_basis(a, np.maximum(np.abs(first) * stretch.amplitude / top, low))
+    return regressed(stretch, springs, dampers)[0]
+
+
+def moving(stretch: Stretch) -> np.ndarray:
+    """Where, of ``keep``, a driven stretch stands clear of its noise, (k,) of bool.
+
+    Raises:
+        BadInput: nowhere for long enough, or nothing drives it.
+    """
+    if stretch.ratio is None or np.count_nonzero(stretch.clear) < _LEAST:
+        raise BadInput(
+            "The forced record has too little motion above its noise for FORCEVIB; force it harder or longer."
+        )
+    return stretch.clear
+
+
+def regressed(
+    stretch: Stretch,
+    springs: np.ndarray,
+    dampers: np.ndarray,
+    further: np.ndarray | float = 0.0,
+    smoothed: float = 0.0,
+) -> tuple[MassFit, np.ndarray]:
+    """1/m and the factors (p + q,) of functions that omega0² and 2 h0 are made of, by least squares of the equation.
+
+    Args:
+        stretch: driven.
+        springs: functions of omega0², (p, n).
+        dampers: of 2 h0, (q, n).
+        further: what else of the force over the mass is known, over X, (n,), complex, 1/s².
+        smoothed: part of the stretch over which the columns are smoothed in the normal equations (instrumental
+            variables): F/X and the amplitude share the noise of what they are compared with, and where the mass can
+            hardly be told from the functions that bends it by more than its error.
+
+    Raises:
+        BadInput: no positive mass, where force and response do not belong together.
+    """
+    s, ratio, clear = stretch.signal, stretch.ratio, stretch.clear
+    first = s.equation_first
+    assert ratio is not None  # `moving` is asked before
     columns = stretch.low_pass(np.concatenate([-ratio[None], stretch.passed(springs), stretch.passed(dampers, first)]))
-    target = stretch.low_pass(second)
+    target = stretch.low_pass(s.equation_second + further)
     points = np.arange(0, clear.size, max(1, int(s.period / _A_CYCLE)))
     columns, target, clear = columns[:, points], target[points], clear[points]
     count, last = len(springs), max(1, int(np.count_nonzero(clear)))
+    leant = _smooth(columns, clear, smoothed) if smoothed else columns
     squared, damping, inverse = s.omega**2, np.zeros(s.omega.size), 0.0
-    gain, misfit = np.zeros((1, 1)), 1.0
+    value, gain, misfit = np.zeros(len(columns)), np.zeros((1, 1)), 1.0
     for _ in range(_ROUNDS):
         weight = np.where(clear, 1 / stretch.point_variance(squared, damping, inverse)[points], 0.0)
         scale = 1 / np.sqrt(np.sum(np.abs(columns) ** 2 * weight, axis=1))
-        scaled = columns * scale[:, None]
-        normal = np.real((scaled * weight) @ scaled.conj().T)
-        gain = -scale[:, None] * (np.linalg.pinv(normal, rcond=1e-13, hermitian=True) @ (scaled.conj() * weight))
+        scaled, asked = columns * scale[:, None], leant.conj() * scale[:, None] * weight
+        normal = np.real(asked @ scaled.T)
+        gain = -scale[:, None] * (np.linalg.pinv(normal, rcond=1e-13, hermitian=not smoothed) @ asked)
         value = np.real(gain @ target)
         left = target + value @ columns
         misfit = float(np.sum(weight * np.abs(left) ** 2)) / (2 * last)
@@ -91,4 +127,14 @@ def _of_stretch(stretch: Stretch) -> MassFit:
     row = stretch.before_low_pass(shares)
     moved, drive = stretch.noise_weights(row[None], np.zeros((1, row.size)), squared, damping, inverse)
     variance = stretch.noise**2 * np.sum(moved**2) + stretch.force_noise**2 * np.sum(drive**2)
-    return MassFit(inverse, float(np.sqrt(variance * max(1.0, misfit))), (row,))
+    return MassFit(inverse, float(np.sqrt(variance * max(1.0, misfit))), (row,)), value[1:]
+
+
+def _smooth(columns: np.ndarray, clear: np.ndarray, part: float) -> np.ndarray:
+    """Columns (p, q) under Hann's window, half as wide as this part of the points, of those that are clear."""
+    from scipy.signal import oaconvolve
+
+    kernel = np.hanning(2 * max(1, round(part * np.count_nonzero(clear))) + 1)
+    rows = np.concatenate([np.where(clear, columns, 0.0), clear[None].astype(complex)])
+    smooth = np.asarray(oaconvolve(rows, kernel[None], mode="same", axes=-1))
+    return smooth[:-1] / np.maximum(np.real(smooth[-1]), 1.0)

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 
 from ..errors import BadInput
 from .modal_fit import spring_and_friction
-from .modal_mass import mass_fit
+from .modal_mass import MassFit
 from .modal_stretch import Stretch
 
 #: Motion is left out where noise would make it miss the laws as far with this chance.
@@ -18,7 +19,7 @@ _ROUNDS = 10
 _FITS = 2
 
 
-def rung_in(stretch: Stretch) -> Stretch:
+def rung_in(stretch: Stretch, mass_of: Callable[[Stretch], MassFit]) -> Stretch:
     """A driven stretch without its beginning, as long as that misses the laws that the rest follows.
 
     A force that comes on sets the rig ringing: for so long there is no single amplitude. Windows of one independent
@@ -26,6 +27,10 @@ def rung_in(stretch: Stretch) -> Stretch:
     point what it adds to those before it, over its own error, so that a curve that is off by less than its points
     are, but off for long, is seen. Where half of it must go and the rest is still off it is not the ringing, and all
     stays.
+
+    Args:
+        stretch: driven.
+        mass_of: finds the mass of one.
     """
     from scipy.special import gammaincinv
 
@@ -34,7 +39,7 @@ def rung_in(stretch: Stretch) -> Stretch:
     for _ in range(_ROUNDS):
         bad = half
         try:
-            fits = spring_and_friction([left], mass_fit([left]), _FITS)
+            fits = spring_and_friction([left], mass_of(left), _FITS)
         except BadInput:  # no mass, no motion above the noise: the ringing may be why
             fits = None
         if fits is not None:

@@ -37,7 +37,7 @@ def test_the_kind_is_told_by_the_signal(force, kind):
     assert kind_of(under(force), ()) == kind
 
 
-@pytest.mark.parametrize(("part", "broad"), [(0.75, True), (0.85, False)])
+@pytest.mark.parametrize(("part", "broad"), [(0.75, True), (0.9, False)])
 def test_four_fifths_of_what_is_no_noise_are_narrow(part, broad):
     noise = np.random.default_rng(0).standard_normal(TIME.size)
     assert (kind_of(under(np.where(part * SECONDS > TIME, sweep(10.0, 10.0), noise)), ()) == "broadband") is broad
@@ -66,3 +66,15 @@ def test_a_force_has_a_band_and_free_motion_none():
     assert band_of(under(np.zeros(TIME.size))) is None
     band = band_of(under(sweep(10.0, 20.0)))
     assert band == pytest.approx((10.0, 20.0), rel=0.05)
+
+
+@pytest.mark.parametrize("seconds", [1.0, 2.0, 6.0])
+def test_a_short_sweep_is_one_and_as_short_a_multisine_is_none(seconds):
+    time = np.arange(round(1000 * seconds)) / 1000
+    noise = 0.01 * np.random.default_rng(3).standard_normal(time.size)
+    swept = np.sin(2 * np.pi * (5.0 * time + 7.5 / seconds * time**2)) + noise
+    lines = np.arange(np.ceil(5 * seconds), 20 * seconds) / seconds
+    phases = np.random.default_rng(4).uniform(0, 2 * np.pi, lines.size)
+    many = np.cos(2 * np.pi * np.outer(time, lines) + phases).sum(1) / np.sqrt(lines.size) + noise
+    kinds = [kind_of(Recording("run", 1000.0, np.cos(time), force), (), 0.01) for force in (swept, many)]
+    assert kinds == ["sweep", "broadband"]

@@ -27,7 +27,7 @@ def stretches() -> tuple[Stretch, Stretch]:
 
 
 def test_the_ringing_is_left_out_and_no_more(stretches: tuple[Stretch, Stretch]):
-    whole, later = (rung_in(stretch) for stretch in stretches)
+    whole, later = (rung_in(stretch, mass_fit) for stretch in stretches)
     # exp(-2.5 t) is a thousandth, the noise beside the motion, after 2.8 s
     assert 1.5 < whole.rung_in / FS < 4.0
     assert later.rung_in / FS < 0.5  # one window at most, which noise alone leaves out once in 400
@@ -36,7 +36,7 @@ def test_the_ringing_is_left_out_and_no_more(stretches: tuple[Stretch, Stretch])
 def test_what_is_left_is_noise(stretches: tuple[Stretch, Stretch]):
     whole = stretches[0]
     before, after = (
-        spring_and_friction([stretch], mass_fit([stretch]))[0].misfit for stretch in (whole, rung_in(whole))
+        spring_and_friction([stretch], mass_fit(stretch))[0].misfit for stretch in (whole, rung_in(whole, mass_fit))
     )
     assert before > 3.0
     assert after < 1.3

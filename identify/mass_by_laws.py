@@ -1,0 +1,105 @@
+"""FORCEVIB's mass where no two instants show one amplitude: that with which the laws hold.
+
+Below its resonance a rig moves the more the faster it is driven. Each amplitude is then met once, and any mass has some
+smooth backbone and damping curve that go with it (``modal_mass``): only laws, Eqs. 1, 6 and 7, tell them apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from .further_harmonics import further_harmonics
+from .modal_fit import EQ17, spring_and_friction
+from .modal_mass import MassFit, mass_fit, moving, regressed
+from .modal_stretch import Stretch
+from .rung_in import rung_in
+
+#: Part of the stretch over which the columns are smoothed: far more cycles than the noise of a curve lasts.
+_SMOOTHED = 1 / 4
+#: The laws' own harmonics move the mass, and it them.
+_FITS = 3
+
+
+_ADVICE = (
+    "A drive that stays below the resonance meets each amplitude once, and hardly tells the mass: drive it through the "
+    "resonance, or nearer to it."
+)
+#: The laws hold where noise would leave as much with this chance.
+_CHANCE = 1 / 400
+#: Where they hold with neither mass, that which leaves so many times as much is at fault: twice the distance.
+_FAR = 4.0
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenMass:
+    """A driven stretch without its ringing, with its mass.
+
+    Attributes:
+        stretch: without its ringing.
+        mass: of it alone.
+        by_laws: whether the laws were needed for it.
+        hold: whether they leave noise.
+        misfit: mean square of what they leave over that of the noise, of stiffness or damping, whichever is larger.
+    """
+
+    stretch: Stretch
+    mass: MassFit
+    by_laws: bool
+    hold: bool
+    misfit: float
+
+
+def driven_mass(whole: Stretch) -> DrivenMass:
+    """The mass of a driven stretch by smooth functions, or by the laws where these hold with no other.
+
+    Raises:
+        BadInput: neither way leads to a mass.
+    """
+    found: list[DrivenMass] = []
+    problems: list[BadInput] = []
+    for way in (mass_fit, mass_by_laws):
+        try:
+            found.append(_found(whole, way))
+        except BadInput as problem:
+            problems.append(problem)
+            continue
+        if found[-1].hold:
+            return found[-1]
+    if not found:
+        raise BadInput(f"{problems[0]} {_ADVICE}")
+    return found[-1] if _FAR * found[-1].misfit < found[0].misfit else found[0]
+
+
+def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
+    from scipy.special import gammaincinv
+
+    stretch = rung_in(whole, way)
+    mass = way(stretch)
+    fits = spring_and_friction([stretch], mass)  # no positive stiffness: that mass is none
+    most = [2 * gammaincinv(n / 2, 1 - _CHANCE) / n for n in (fit.curves[0].noise.count for fit in fits)]
+    hold = all(fit.misfit < limit for fit, limit in zip(fits, most, strict=True))
+    return DrivenMass(stretch, mass, way is mass_by_laws, hold, max(fit.misfit for fit in fits))
+
+
+def mass_by_laws(stretch: Stretch) -> MassFit:
+    """1/m beside Eqs. 1, 6 and 7 in one regression, with the harmonics that these make.
+
+    Raises:
+        BadInput: too little motion above the noise, or no positive mass.
+    """
+    clear, first = moving(stretch), stretch.signal.equation_first
+    a = np.maximum(stretch.amplitude, 1e-4 * float(np.max(stretch.amplitude[stretch.keep][clear])))
+    springs = np.stack([np.ones_like(a), 0.75 * a**2, 4 / (np.pi * a)])
+    dampers = np.stack([np.ones_like(a), 4 / (np.pi * a * np.abs(first))])
+    mass, value = regressed(stretch, springs, dampers, smoothed=_SMOOTHED)
+    for _ in range(_FITS - 1):
+        if not value[0] > 0:
+            raise BadInput("FORCEVIB finds no positive stiffness: this is not the motion of one oscillator.")
+        names = dict(zip(EQ17, [np.sqrt(value[0]), *value[1:]], strict=True))
+        stiff, damping = further_harmonics(stretch, names)
+        mass, value = regressed(stretch, springs, dampers, stiff + damping * first, _SMOOTHED)
+    return mass
