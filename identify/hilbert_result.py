@@ -167,7 +167,7 @@ def _evaluate(
                 return
             begin = r.start + samples[0] / r.fs
         part = x.part(*samples)
-        mass = None
+        mass = driven = None
         if drive is None:
             stretch = decay_stretch(part)
         else:
@@ -179,10 +179,28 @@ def _evaluate(
                     "mass leans on Eqs. 1, 6 and 7; drive it through its resonance for one that does not."
                 )
         curve = modal_curve(stretch, mass, r.name, samples, begin, part.samples)
+        if driven is not None and not driven.hold:
+            notes.append(f"{r.name}, driven stretch at {begin:.4g} s: {_why_not(curve, driven.misfit)}")
         found.append(_Evaluated(stretch, curve, mass))
     except BadInput as problem:
         what = "decay" if drive is None else "driven stretch"
         notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
+
+
+def _why_not(curve: ModalCurve, misfit: float) -> str:
+    """Why the laws miss a driven motion: it is swept so fast that the rig rings beside the drive, or other physics.
+
+    What rings at a frequency that is passed dies as exp(-h t): the half-power width, h/pi, is to take longer than 1/h.
+    """
+    rate = float(np.ptp(curve.omega)) / (2 * np.pi) / float(np.ptp(curve.time))
+    slow = float(np.median(curve.damping)) ** 2 / np.pi
+    how = f"Eqs. 1, 6 and 7 leave {np.sqrt(misfit):.2g} times its noise, and its parameters hold no better than that; "
+    if slow > 0 and rate > slow:
+        return (
+            f"{how}it is swept at {rate:.2g} Hz/s, so that the rig rings beside its drive: sweep no faster than "
+            f"{slow:.2g} Hz/s"
+        )
+    return f"{how}other physics moves it: see dashpot diagnose"
 
 
 def _together(found: Sequence[_Evaluated], notes: list[str]) -> ModalFit | None:

@@ -7,7 +7,7 @@ smooth backbone and damping curve that go with it (``modal_mass``): only laws, E
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,10 @@ _ADVICE = (
     "A drive that stays below the resonance meets each amplitude once, and hardly tells the mass: drive it through the "
     "resonance, or nearer to it."
 )
+#: The same where smooth functions are all there is, which are more: less, or nothing is left to tell them by.
+_ASKED_ALONE = 1 / 12
+#: A mass is told where 1/m is so many standard errors above zero.
+_TOLD = 3.0
 #: The laws hold where noise would leave as much with this chance.
 _CHANCE = 1 / 400
 #: Where they hold with neither mass, that which leaves so many times as much is at fault: twice the distance.
@@ -71,7 +75,13 @@ def driven_mass(whole: Stretch) -> DrivenMass:
             return found[-1]
     if not found:
         raise BadInput(f"{problems[0]} {_ADVICE}")
-    return found[-1] if _FAR * found[-1].misfit < found[0].misfit else found[0]
+    if _FAR * found[-1].misfit < found[0].misfit:
+        return found[-1]
+    # no law says whether the smooth functions took the noise for the mass: how far it may be off without their help
+    wide = mass_fit(found[0].stretch, _ASKED_ALONE).std
+    if not found[0].mass.inverse > _TOLD * wide:
+        raise BadInput(_ADVICE)
+    return replace(found[0], mass=replace(found[0].mass, std=max(wide, found[0].mass.std)))
 
 
 def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:

@@ -150,12 +150,30 @@ class _Fit:
         """What each curve misses the law by, point for point, over its error: see ``CurveNoise.whitened``."""
         return [c.noise.whitened(c.target - self.value @ c.columns) for c in self.curves]
 
+    def _widened(self) -> float:
+        """By how much the variance is larger than that of the sensors' noise, where the law misses by more than that.
+
+        What noise leaves is white. What a law leaves goes on for a while, and its mean is off by as much more: by the
+        sum of its autocorrelation as long as that is positive (Bartlett 1946, Geyer 1992).
+        """
+        if self.misfit <= 1.0:
+            return 1.0
+        left = self.left()
+        square = sum(float(rest @ rest) for rest in left)
+        total = 1.0
+        for lag in range(1, max(rest.size for rest in left) // 4):
+            together = sum(float(rest[lag:] @ rest[: rest.size - lag]) for rest in left if rest.size > lag) / square
+            if together <= 0:
+                break
+            total += 2 * together
+        return self.misfit * total
+
     def rows(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """How the values change with the equation's error, (p, n) complex, and with ln A, (p, n), of each stretch."""
         gains = [self.inverse @ c.noise.weigh(c.plain) for c in self.curves]
         with_mass = sum(gain @ c.on_mass for gain, c in zip(gains, self.curves, strict=True))
         rows = []
-        wide = np.sqrt(max(1.0, self.misfit))
+        wide = np.sqrt(self._widened())
         for gain, c, of_mass in zip(gains, self.curves, self.mass.rows, strict=True):
             by_sample = c.stretch.before_low_pass(gain)
             on_error = by_sample * c.on_error

@@ -49,8 +49,8 @@ def agreed(singles: Sequence[MassFit]) -> MassFit:
     return MassFit(inverse, float(1 / np.sqrt(np.sum(weight))), rows)
 
 
-def mass_fit(stretch: Stretch) -> MassFit:
-    """The mass of one driven stretch.
+def mass_fit(stretch: Stretch, smoothed: float = 0.0) -> MassFit:
+    """The mass of one driven stretch; `smoothed` as ``regressed`` has it.
 
     Raises:
         BadInput: too little motion above the noise; no positive mass, where force and response do not belong together.
@@ -61,7 +61,7 @@ def mass_fit(stretch: Stretch) -> MassFit:
     low = 1e-4  # where it is not clear it does not count, and must only stay a number
     a = np.maximum(stretch.amplitude / level, low)
     springs, dampers = backbone_basis(a), damping_basis(a, np.maximum(np.abs(first) * stretch.amplitude / top, low))
-    return regressed(stretch, springs, dampers)[0]
+    return regressed(stretch, springs, dampers, smoothed=smoothed)[0]
 
 
 def moving(stretch: Stretch) -> np.ndarray:
