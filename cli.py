@@ -117,7 +117,10 @@ def look(files: tuple[Path, ...], as_json: bool, **options: Any) -> None:
 @with_mode
 @with_recordings
 def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str | None, **options: Any) -> None:
-    """FREEVIB and FORCEVIB as results: curves over time and amplitude, laws fitted to them, each with its error."""
+    """FREEVIB and FORCEVIB as results: curves over time and amplitude, laws fitted to them, each with its error.
+
+    With --mode all every mode is evaluated by itself, each into a folder of its own.
+    """
     from .hilbert import FILES, run
 
     outputs_checked([output / name for name in FILES], recordings)

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .callable_module import callable_as_its_name
+from .errors import BadInput
 from .writing import together, write
 
 if TYPE_CHECKING:
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from .recording import Recording
 
 callable_as_its_name(__name__)  # dashpot.hilbert(...)
+ALL = "all"  # in the place of a mode
 FILES = ("curves.csv", "hilbert.json", "report.html")
 
 
@@ -25,13 +27,16 @@ def run(
 
     Args:
         recordings: of one rig.
-        mode: which of several modes, as ``--mode`` has it; None: the strongest where others would be in its way.
+        mode: which of several modes, as ``--mode`` has it; None: the strongest where others would be in its way;
+            ``all``: one after the other, each into a folder of its own in `folder`.
         folder: made where it does not exist.
         say: called with one line per remark.
 
     Raises:
         BadInput: nothing can be evaluated, or a file cannot be written.
     """
+    if mode is not None and mode.strip().lower() == ALL:
+        return _each_mode(recordings, folder, say)
     from .identify import hilbert_analysis
     from .identify.hilbert_files import describe
     from .identify.modes import mode_alone
@@ -45,6 +50,31 @@ def run(
     result = write_files(analysis, given, folder)
     say(f"written: {', '.join(str(folder / name) for name in FILES)}")
     return result, describe(analysis, given)
+
+
+def _each_mode(recordings: Sequence[Recording], folder: Path, say: Callable[[str], None]) -> tuple[dict[str, Any], str]:
+    """As ``run``, mode by mode; what no mode that was evaluated holds of the motion is said as the share left aside."""
+    from .identify.mode_lines import modes_of
+
+    entries: list[dict[str, Any]] = []
+    words: list[str] = []
+    left = 1.0
+    for number, mode in enumerate(modes_of(recordings, whole=True), 1):
+        entry = {"mode": number, "frequency_hz": mode.frequency, "share": mode.share}
+        title = f"Mode {number}, {mode.frequency:.4g} Hz, {100 * mode.share:.3g} % of the motion"
+        try:
+            result, text = run(recordings, str(number), folder / f"mode-{number}", say)
+        except BadInput as problem:
+            entries.append(entry | {"problem": str(problem)})
+            words.append(f"{title}: {problem}")
+            continue
+        left -= mode.share
+        entries.append(entry | result)
+        words.append(f"{title}\n{text}")
+    if all("problem" in entry for entry in entries):
+        raise BadInput(" ".join(["No mode can be evaluated by itself.", *words]))
+    left = max(0.0, left)
+    return {"modes": entries, "left_aside": left}, "\n".join([*words, f"Left aside: {100 * left:.2g} % of the motion."])
 
 
 def write_files(analysis: HilbertAnalysis, recordings: Sequence[Recording], folder: Path) -> dict[str, Any]:

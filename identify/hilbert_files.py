@@ -192,4 +192,5 @@ def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
         lines.append(f"{method.upper()}, {len(analysis.of(method))} {words}")
         values, stds = {**fit.values, **fit.derived}, {**fit.stds, **fit.derived_std}
         lines += [f"  {n:8} {Parameter(v, stds[n], compose(UNITS[n], unit))}" for n, v in values.items()]
+        lines.append(f"  Eqs. 1, 6 and 7 leave {np.sqrt(fit.misfit):.2g} times the noise.")
     return "\n".join(lines)

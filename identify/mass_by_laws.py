@@ -32,8 +32,6 @@ _ADVICE = (
 _ASKED_ALONE = 1 / 12
 #: A mass is told where 1/m is so many standard errors above zero.
 _TOLD = 3.0
-#: The laws hold where noise would leave as much with this chance.
-_CHANCE = 1 / 400
 #: Where they hold with neither mass, that which leaves so many times as much is at fault: twice the distance.
 _FAR = 4.0
 
@@ -85,13 +83,10 @@ def driven_mass(whole: Stretch) -> DrivenMass:
 
 
 def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
-    from scipy.special import gammaincinv
-
     stretch = rung_in(whole, way)
     mass = way(stretch)
     fits = spring_and_friction([stretch], mass)  # no positive stiffness: that mass is none
-    most = [2 * gammaincinv(n / 2, 1 - _CHANCE) / n for n in (fit.curves[0].noise.count for fit in fits)]
-    hold = all(fit.misfit < limit for fit, limit in zip(fits, most, strict=True))
+    hold = all(fit.holds for fit in fits)
     return DrivenMass(stretch, mass, way is mass_by_laws, hold, max(fit.misfit for fit in fits))
 
 

@@ -25,6 +25,8 @@ from .modal_stretch import Stretch
 _LEAST_POINTS = 8
 _ROUNDS = 3
 EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
+#: A law holds where noise would leave as much with this chance.
+_CHANCE = 1 / 400
 _STEP = 1e-4  # of a parameter, for a derivative
 
 #: Columns (p, n) of a law and their slopes with ln A, at a stretch's amplitudes.
@@ -145,10 +147,18 @@ class _Fit:
         rest = [c.target - self.value @ c.columns for c in curves]
         left = sum(float(c.noise.weigh(r) @ r) for c, r in zip(curves, rest, strict=True))
         self.misfit = left / count
+        self.count = count
 
     def left(self) -> list[np.ndarray]:
         """What each curve misses the law by, point for point, over its error: see ``CurveNoise.whitened``."""
         return [c.noise.whitened(c.target - self.value @ c.columns) for c in self.curves]
+
+    @property
+    def holds(self) -> bool:
+        """Whether what the law leaves may be noise."""
+        from scipy.special import gammaincinv
+
+        return bool(self.misfit * self.count < 2 * gammaincinv(self.count / 2, 1 - _CHANCE))
 
     def _widened(self) -> float:
         """By how much the variance is larger than that of the sensors' noise, where the law misses by more than that.
@@ -156,8 +166,8 @@ class _Fit:
         What noise leaves is white. What a law leaves goes on for a while, and its mean is off by as much more: by the
         sum of its autocorrelation as long as that is positive (Bartlett 1946, Geyer 1992).
         """
-        if self.misfit <= 1.0:
-            return 1.0
+        if self.holds:
+            return max(1.0, self.misfit)
         left = self.left()
         square = sum(float(rest @ rest) for rest in left)
         total = 1.0

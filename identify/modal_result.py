@@ -57,6 +57,11 @@ class ModalFit:
         return {**({} if self.mass is None else {"mass": self.mass}), **self.both.values, **self.damping.values}
 
     @property
+    def misfit(self) -> float:
+        """Mean square of what the laws leave over that of the noise, of stiffness or damping, whichever is larger."""
+        return max(self.both.misfit, self.damping.misfit)
+
+    @property
     def stds(self) -> dict[str, float]:
         """Their standard errors, by name."""
         return {**({} if self.mass is None else {"mass": self.mass_std}), **self.both.stds, **self.damping.stds}

@@ -48,11 +48,15 @@ def modal_table(
         if truth is not None:
             row.append(number(truth[name], 6) if name in truth else "")
         rows.append((*row, pretty_unit(units.compose(of, unit))))
+    missed = [_misfit(fit.misfit) for fit in fits.values()]
+    rows.append(("left over noise", *missed, *[""] * (len(head) - 1 - len(missed) + (truth is not None)), ""))
     if truth is not None:
         head.append("True value")
     caption = (
         "Each with one standard error. FREEVIB and FORCEVIB: Eqs. 1, 6, 7 together, fitted to all curves of the method"
         + ("; maximum likelihood: the motion itself, simulated." if model is not None else ".")
+        + " Last row: mean square of what the laws leave, over that of the noise; where it is far above 1 they are not "
+        "all that moves the rig, and the errors above are widened by it."
     )
     return Table((*head, "Unit"), tuple(rows), tuple(range(1, len(head))), caption)
 
@@ -67,8 +71,7 @@ def laws_table(fit: ModalFit, unit: str, caption: str) -> Table:
             f"{name} {_text(law.values[name], law.stds[name])} {pretty_unit(units.compose(UNITS[name], unit))}"
             for name in law.values
         )
-        tone = "good" if law.misfit < 4 else "bad"
-        rows.append((_name(law), words, Cell(number(law.misfit, 3), tone)))
+        rows.append((_name(law), words, _misfit(law.misfit)))
     return Table(("Law", "Parameters", "Misfit"), tuple(rows), (2,), caption)
 
 
@@ -80,6 +83,11 @@ def _name(law: LawFit) -> str:
         "viscous and dry": "Eq. 7",
     }
     return f"{law.law} ({equation[law.law]})"
+
+
+def _misfit(misfit: float) -> Cell:
+    """Bad where the law leaves twice the noise: then it is not all that moves the rig."""
+    return Cell(number(misfit, 3), "good" if misfit < 4 else "bad")
 
 
 def _cell(value: float | None, std: float | None) -> str | Cell:

@@ -8,9 +8,11 @@ import math
 import numpy as np
 import pytest
 from dashpot.cli import main
+from dashpot.errors import BadInput
 from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
-from dashpot.hilbert import FILES
+from dashpot.hilbert import FILES, run
+from dashpot.recording import Recording
 
 
 @pytest.fixture(scope="module")
@@ -66,3 +68,31 @@ def test_what_cannot_be_evaluated_is_refused_and_nothing_written(tmp_path, capsy
     assert ended.value.code == 2
     assert capsys.readouterr().err.startswith("dashpot: ")
     assert not (tmp_path / "out").exists() or not any((tmp_path / "out").iterdir())
+
+
+def test_every_mode_by_itself_with_the_share_left_aside(tmp_path, capsys):
+    """Each of two modes has its own frequency and damping."""
+    t = np.arange(8000) / 1000
+    modes = ((12.0, 0.9, 4e-3), (47.0, 1.6, 1.5e-3))
+    x = sum(a * np.exp(-h * t) * np.cos(2 * np.pi * f * t) for f, h, a in modes)
+    x = x + 1e-6 * np.random.default_rng(5).standard_normal(t.size)
+    record, out = tmp_path / "decay.csv", tmp_path / "out"
+    np.savetxt(record, np.column_stack([t, x]), delimiter=",", header="time_s,x_m", comments="")
+    main(["hilbert", str(record), "-o", str(out), "--mode", "all", "--json"])
+    told = json.loads(capsys.readouterr().out, parse_constant=refuse)
+    assert [entry["mode"] for entry in told["modes"]] == [1, 2]
+    assert 0 <= told["left_aside"] < 0.01
+    for entry, (frequency, damping, _) in zip(told["modes"], modes, strict=True):
+        assert sorted(path.name for path in (out / f"mode-{entry['mode']}").iterdir()) == sorted(FILES)
+        law = {k: v["value"] for law in entry["freevib"]["laws"] for k, v in law["parameters"].items()}
+        assert law["omega0"] == pytest.approx(np.hypot(2 * np.pi * frequency, damping), rel=1e-4)
+        assert law["viscous"] == pytest.approx(2 * damping, rel=5e-3)
+    powers = [a**2 / (4 * h) for _, h, a in modes]
+    assert [entry["share"] for entry in told["modes"]] == pytest.approx(np.divide(powers, sum(powers)), abs=0.02)
+
+
+def test_where_no_mode_can_be_evaluated_all_is_refused(tmp_path):
+    still = Recording("ramp", 1000.0, np.linspace(0.0, 1e-3, 3000))
+    with pytest.raises(BadInput, match="No mode can be evaluated by itself"):
+        run([still], "all", tmp_path / "out", lambda _: None)
+    assert not (tmp_path / "out").exists()
