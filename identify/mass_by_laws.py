@@ -25,15 +25,13 @@ _FITS = 3
 
 
 _ADVICE = (
-    "A drive that stays below the resonance meets each amplitude once, and hardly tells the mass: drive it through the "
-    "resonance, or nearer to it."
+    "It meets no amplitude twice, and what it meets hardly tells the mass: drive it through the resonance, or nearer to "
+    "it."
 )
 #: The same where smooth functions are all there is, which are more: less, or nothing is left to tell them by.
 _ASKED_ALONE = 1 / 12
 #: A mass is told where 1/m is so many standard errors above zero.
 _TOLD = 3.0
-#: Where they hold with neither mass, that which leaves so many times as much is at fault: twice the distance.
-_FAR = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,30 +54,40 @@ class DrivenMass:
 
 
 def driven_mass(whole: Stretch) -> DrivenMass:
-    """The mass of a driven stretch by smooth functions, or by the laws where these hold with no other.
+    """The mass of a driven stretch by smooth functions, or by the laws where it meets no amplitude twice.
 
     Raises:
         BadInput: neither way leads to a mass.
     """
     found: list[DrivenMass] = []
-    problems: list[BadInput] = []
+    problem: BadInput | None = None
     for way in (mass_fit, mass_by_laws):
         try:
             found.append(_found(whole, way))
-        except BadInput as problem:
-            problems.append(problem)
-            continue
-        if found[-1].hold:
-            return found[-1]
-    if not found:
-        raise BadInput(f"{problems[0]} {_ADVICE}")
-    if _FAR * found[-1].misfit < found[0].misfit:
-        return found[-1]
+        except BadInput as p:
+            problem = problem or p
+        else:
+            if found[-1].hold:
+                return found[-1]
+        if _meets_amplitudes_twice(whole):
+            break
+    if _meets_amplitudes_twice(whole):
+        if problem is not None:
+            raise problem
+        return found[0]
     # no law says whether the smooth functions took the noise for the mass: how far it may be off without their help
-    wide = mass_fit(found[0].stretch, _ASKED_ALONE).std
-    if not found[0].mass.inverse > _TOLD * wide:
+    alone = mass_fit(whole, _ASKED_ALONE)
+    if not found or not found[0].mass.inverse > _TOLD * alone.std:
         raise BadInput(_ADVICE)
-    return replace(found[0], mass=replace(found[0].mass, std=max(wide, found[0].mass.std)))
+    return replace(found[0], mass=replace(found[0].mass, std=max(alone.std, found[0].mass.std)))
+
+
+def _meets_amplitudes_twice(stretch: Stretch) -> bool:
+    """Whether the motion passes a resonance: down to its half-power points on either side of its peak."""
+    amplitude = stretch.amplitude[stretch.keep][moving(stretch)]
+    peak = int(np.argmax(amplitude))
+    valleys = float(np.min(amplitude[: peak + 1])), float(np.min(amplitude[peak:]))
+    return float(amplitude[peak]) > np.sqrt(2.0) * max(valleys)
 
 
 def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
