@@ -25,8 +25,8 @@ _FITS = 3
 
 
 _ADVICE = (
-    "It meets no amplitude twice, and what it meets hardly tells the mass: drive it through the resonance, or nearer to "
-    "it."
+    "It meets no amplitude twice, and what it meets hardly tells the mass: drive it through the resonance, or nearer "
+    "to it."
 )
 #: The same where smooth functions are all there is, which are more: less, or nothing is left to tell them by.
 _ASKED_ALONE = 1 / 12
