@@ -81,12 +81,12 @@ def signals_held() -> Iterator[None]:
     """
     heard: list[int] = []
     before = {}
-    if threading.current_thread() is threading.main_thread():
-        for number in _HELD:
-            if signal.getsignal(number) not in (signal.SIG_IGN, None):  # None: set by no Python
-                before[number] = signal.signal(number, lambda number, _: heard.append(number))
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, _HELD) if hasattr(signal, "pthread_sigmask") else None
     try:
+        if threading.current_thread() is threading.main_thread():
+            for number in _HELD:
+                if signal.getsignal(number) not in (signal.SIG_IGN, None):  # None: set by no Python
+                    before[number] = signal.signal(number, lambda number, _: heard.append(number))
         yield
     finally:
         for number, handler in before.items():

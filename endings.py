@@ -176,10 +176,17 @@ def _own_temporary_folder() -> Iterator[None]:
             tempfile.tempdir = os.environ["TMPDIR"] = folder
         yield
     finally:
-        with signals_held():
-            if folder is not None:
-                shutil.rmtree(folder, ignore_errors=True)
-                tempfile.tempdir = before
-                os.environ.pop("TMPDIR", None)
-                if variable is not None:
-                    os.environ["TMPDIR"] = variable
+        interrupted = None
+        while folder is not None:
+            try:
+                with signals_held():
+                    shutil.rmtree(folder, ignore_errors=True)
+                    tempfile.tempdir = before
+                    os.environ.pop("TMPDIR", None)
+                    if variable is not None:
+                        os.environ["TMPDIR"] = variable
+                    folder = None
+            except KeyboardInterrupt as asked:  # on the way in, when nothing was held yet: it is heard behind this
+                interrupted = asked
+        if interrupted is not None:
+            raise interrupted
