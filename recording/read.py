@@ -135,7 +135,7 @@ def _recording(
     force_factor *= force_unit.factor if force_unit else 1.0
     indices = [i for i in (choice.response, choice.force, choice.time) if i is not None]
     numbers = table.numbers(indices)
-    there = np.flatnonzero(np.all(np.isfinite(numbers), axis=1))
+    there = np.flatnonzero(~np.any(np.isnan(numbers), axis=1))  # an infinite one is there, and refused
     if there.size and (missing := len(numbers) - 1 - int(there[-1])):
         numbers = numbers[:-missing]
         notes.append(f"{table.where}: a channel ends before the others, {missing} row(s) behind its end were left out")

@@ -273,19 +273,20 @@ def _run(run: FmuRun, piece: Piece) -> Run:
     recording = piece.recording
     force, output = force_of(recording), run.output_for(recording)
 
-    stops: list[FmuStopped] = []
+    stopped: FmuStopped | None = None
 
     def simulate(state: np.ndarray, n: int, load: float) -> np.ndarray:
+        nonlocal stopped
         pushed = force.shifted(-load) if force is not None and load else force
         try:
             return run.record(pushed, n, recording.dt, state, recording.start, output)
         except FmuStopped as stop:  # from another start the motion may stay within bounds
-            stops.append(stop)
+            stopped = stop
             return stop.reached if stop.reached.size == n else np.full(n, np.nan)
 
     replay = run_along(simulate, recording, run.inner)
-    if stops and not np.all(np.isfinite(replay.response)):
-        raise stops[-1]
+    if stopped is not None and not np.all(np.isfinite(replay.response)):
+        raise stopped
     pushed = force if force is None else force.shifted(-replay.load)
     twin = twin_of(run.model, recording, pushed, replay, piece.sensor)
     if twin is None:

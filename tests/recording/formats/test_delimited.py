@@ -122,3 +122,10 @@ def test_a_channel_that_ends_before_the_others_ends_the_record(tmp_path):
     assert recording.n == 38
     assert any("2 row(s) behind its end were left out" in note for note in recording.notes)
     assert read(tmp_path / "ends.csv", force="none", response="x_mm", checked=False).n == 40
+
+
+def test_an_infinite_number_at_the_end_is_no_end_of_a_channel(tmp_path):
+    rows = "\n".join(f"{0.01 * k:.2f},{k % 7},{'inf' if k > 37 else k}" for k in range(40))
+    (tmp_path / "over.csv").write_text(f"t_s,x_mm,F_N\n{rows}\n")
+    with pytest.raises(BadInput, match=r"over\.csv"):
+        read(tmp_path / "over.csv")
