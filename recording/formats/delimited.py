@@ -6,6 +6,7 @@ import codecs
 import csv
 import re
 from collections.abc import Sequence
+from itertools import takewhile
 
 import numpy as np
 
@@ -41,6 +42,7 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
     delimiter = _delimiter([lines[0][1], lines[sample][1]])
     if delimiter is not None:  # what a spreadsheet or a logger puts behind the last column is no column
         width = len(_cells(lines[sample][1], delimiter)) - min(_spare(line, delimiter) for _, line in lines[sample:])
+        width = max(width, _named(lines[: sample + 1], delimiter))
         numbered, lines = ([(i, _within(line, delimiter, width)) for i, line in rows] for rows in (numbered, lines))
     begin, names_of, units_of = below_preamble([line for _, line in lines], sample, lambda x: _cells(x, delimiter))
     above, lines = lines[:begin], lines[begin:]
@@ -121,6 +123,14 @@ def _within(line: str, delimiter: str, width: int) -> str:
         return line
     more = len(_cells(line, delimiter)) - width
     return line.rstrip(" ")[: -min(spare, more)] if more > 0 else line
+
+
+def _named(lines: list[tuple[int, str]], delimiter: str) -> int:
+    """How many columns the header has that stands above the first numbers, less what is empty at its end."""
+    above = list(takewhile(lambda pair: not _numeric(_cells(pair[1], delimiter), Numerals()), lines))
+    if len(above) > 1 and is_unit_row(_cells(above[-1][1], delimiter)):
+        above.pop()
+    return len(_cells(above[-1][1], delimiter)) - _spare(above[-1][1], delimiter) if above else 0
 
 
 def _cells(line: str, delimiter: str | None) -> list[str]:

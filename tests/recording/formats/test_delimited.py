@@ -124,6 +124,16 @@ def test_a_channel_that_ends_before_the_others_ends_the_record(tmp_path):
     assert read(tmp_path / "ends.csv", force="none", response="x_mm", checked=False).n == 40
 
 
+@pytest.mark.parametrize("units", ["", "s,mm,\n"])
+def test_a_column_with_a_name_is_one_where_it_is_empty_throughout(units):
+    rows = "\n".join(f"{0.01 * k:.2f},{k % 7}," for k in range(40))
+    table = read_delimited("notes.csv", f"t,x,remark\n{units}{rows}\n".encode())
+    assert table.names == ("t", "x", "remark")
+    assert table.numbers([0, 1]).shape == (40, 2)
+    with pytest.raises(BadInput, match="'remark' is empty"):
+        table.numbers([0, 1, 2])
+
+
 def test_an_infinite_number_at_the_end_is_no_end_of_a_channel(tmp_path):
     rows = "\n".join(f"{0.01 * k:.2f},{k % 7},{'inf' if k > 37 else k}" for k in range(40))
     (tmp_path / "over.csv").write_text(f"t_s,x_mm,F_N\n{rows}\n")
