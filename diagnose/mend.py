@@ -69,8 +69,8 @@ def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:
         return "takes nothing away of what the model lacks where it is simulated freely"
     if held and not follows_any(held):
         return "follows nothing of what was held out"
-    if held and tells_worse(held):
-        return "tells what was held out worse than the given family"
+    if tells_worse(held or records):  # where nothing was held out the others stand in
+        return f"tells {'what was held out' if held else 'the recordings'} worse than the given family"
     return None
 
 

@@ -226,6 +226,14 @@ def test_what_tells_held_out_motion_worse_is_no_finding(errors, worse):
     assert not worse or "worse than the given family" in why
 
 
+@pytest.mark.parametrize(("after", "worse"), [(0.0427, False), (0.0432, True), (0.239, True)])
+def test_where_nothing_was_held_out_the_recordings_themselves_must_not_be_told_worse(after, worse):
+    """A structure that suits pieces of a cycle each may not suit the whole: a limit of half a per cent of its size."""
+    why = no_finding([row(0.0427, after, 1e-4)], 0.9)
+    assert (why is not None) is worse
+    assert not worse or "tells the recordings worse" in why
+
+
 def test_where_nothing_is_mended_the_row_says_before_twice():
     record = unmended(row(0.5, 0.1))
     assert record.nrmse_after == 0.5
