@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..errors import BadInput
+from ..identify.data import natural_frequency
 from ..identify.decays import find_free_motion, force_is_silent
 from ..identify.envelope import SHORTEST_CYCLES
 from ..identify.identification import of_one_motion
@@ -44,13 +45,13 @@ def same_quantity(model: Oscillator, recordings: Sequence[Recording]) -> None:
 
 def carries(recording: Recording, model: Oscillator) -> bool:
     """Whether a recording holds a decay or, where the mass is known, a driven stretch that can be fitted."""
-    segments = cut([recording], model.omega0.value)
+    segments = cut([recording], natural_frequency([recording], model))
     return any(segment.force is None or model.mass is not None for segment in segments)
 
 
 def why_unused(recording: Recording, model: Oscillator) -> str:
     """A sentence that says why a recording cannot be fitted."""
-    frequency = model.omega0.value / (2 * math.pi)
+    frequency = natural_frequency([recording], model) / (2 * math.pi)
     cycles = recording.n * recording.dt * frequency
     noise = response_of(recording).noise
     loudness = float(np.std(recording.response)) / noise if noise > 0 else math.inf
@@ -88,7 +89,8 @@ def split(recordings: Sequence[Recording], model: Oscillator) -> tuple[list[Reco
 def _blocks(recording: Recording, model: Oscillator) -> tuple[list[tuple[int, int]], bool]:
     """Stretches that may be held out or not, in order of time, and whether they are free decays; few are none."""
     motion = find_free_motion(recording)
-    cycle = 2 * math.pi / pace_of([recording], model.omega0.value) * recording.fs
+    natural = natural_frequency([recording], model)
+    cycle = 2 * math.pi / pace_of([recording], natural) * recording.fs
     if recording.force is None or not np.any(recording.force) or (motion.decays and force_is_silent(recording)):
         spans = [(decay.start, decay.stop) for decay in motion.decays]
         if len(spans) < _THIRDS:
@@ -100,7 +102,7 @@ def _blocks(recording: Recording, model: Oscillator) -> tuple[list[tuple[int, in
     if len(motion.decays) >= _THIRDS:
         ends = [0, *(decay.stop for decay in motion.decays[:-1]), recording.n]
         return list(pairwise(ends)), False
-    rate = max(0.5 * model.viscous.value, _LEAST_DAMPING * model.omega0.value)
+    rate = max(0.5 * model.viscous.value, _LEAST_DAMPING * natural)
     blocks = _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs))
     at = recording.n * 2 // _THIRDS
     if recording.n - at < _SHORTEST_END * cycle:

@@ -26,7 +26,8 @@ class Climb:
     """Where a search came to from prediction and the beginnings of decays.
 
     ``problem`` is over what it tells, ``whole`` whether that is all, ``lost`` whether some stretch is hardly explained;
-    ``log_nrmse`` is the mean logarithm of what it leaves of each segment's motion, weighed by length.
+    ``log_nrmse`` is the mean logarithm of what it leaves of each segment's motion, weighed by length: of what it does
+    not tell, all of it.
     """
 
     problem: OutputError
@@ -59,7 +60,7 @@ def best_climb(problem: OutputError, start: State, others: Callable[[], Iterable
             tried(replace(start, values=np.array(list(other.values().values()))))
     if not climbs:
         raise problems[0]
-    return min(climbs, key=lambda climb: (not climb.whole, climb.log_nrmse))
+    return min(climbs, key=lambda climb: climb.log_nrmse)
 
 
 def from_near(problem: OutputError, state: State) -> Climb | None:
@@ -90,7 +91,8 @@ def _climbed(problem: OutputError, state: State) -> Climb:
     )
     loud = [float(np.std(segment.response)) for segment in told.segments]
     size = [segment.n for segment in told.segments]
-    log_nrmse = float(np.average(np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD)), weights=size))
+    left = np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD))
+    log_nrmse = float(np.sum(left * size)) / sum(segment.n for segment in problem.segments)
     lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
     return Climb(told, state, rungs, iterations, whole, log_nrmse, lost)
 

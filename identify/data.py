@@ -17,7 +17,7 @@ from .noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, re
 from .offset import Offset
 from .prediction import FREE
 from .segments import COARSE_FORCE_BAND, FORCE_BAND, Segment, cut, pace_of
-from .signals import noise_levels
+from .signals import noise_levels, response_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ def data_of(
     Raises:
         BadInput: where nothing in them can be fitted.
     """
-    segments = cut(recordings, _natural(recordings, model), COARSE_FORCE_BAND if coarse else FORCE_BAND)
+    segments = cut(recordings, natural_frequency(recordings, model), COARSE_FORCE_BAND if coarse else FORCE_BAND)
     if model.mass is None:
         segments = tuple(segment for segment in segments if segment.force is None)
     if not segments:
@@ -76,15 +76,24 @@ def data_of(
     return measured(segments, recordings, model, lines, coarse=coarse)
 
 
-def _natural(recordings: Sequence[Recording], model: Oscillator) -> float:
+def natural_frequency(recordings: Sequence[Recording], model: Oscillator) -> float:
     """Natural frequency, rad/s, where a further law may be the spring (gravity on a pendulum)."""
     omega0 = model.omega0.value
-    pace = pace_of(recordings, omega0)
-    if not (model.terms and pace > omega0):
+    if not model.terms:
+        return omega0
+    pace = max([pace_of(recordings, omega0), *(2 * np.pi * _swinging(recording) for recording in recordings)])
+    if not pace > omega0:
         return omega0
     peak = np.sqrt(2) * max(float(np.std(r.response)) / pace ** QUANTITIES.index(r.quantity) for r in recordings)
     stiffness, _ = equivalent(model.values(), max(peak, np.finfo(float).tiny ** 0.25), pace)
     return max(omega0, float(np.sqrt(max(stiffness, 0.0))))
+
+
+def _swinging(recording: Recording) -> float:
+    """Frequency in Hz at which a recording swings freely; 0 where a force drives it, at a frequency of its own."""
+    if recording.force is not None and np.any(recording.force):
+        return 0.0
+    return response_of(recording).frequency
 
 
 def measured(

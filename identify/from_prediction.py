@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import BadInput
 from .output_error import OutputError, State
 from .segments import Segment
-from .settle import settled
+from .settle import BEYOND_NOISE, IN_STEP, LEAST, settled
 
 #: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
 _FIRST_MEMORY = 1.0
@@ -19,12 +19,8 @@ _FIRST_CYCLES = 12.0
 _LONGER = 4.0
 #: Steps at each memory: it only has to lead to the next.
 EARLY_STEPS = 8
-#: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
-#: much in radians, where a sine is still a straight line.
-_IN_STEP = 0.3
-#: ... in stretches of so many cycles, and but for so many times the noise.
+#: A simulation keeps step throughout where it does so in each stretch of so many cycles.
 _STRETCH = 8.0
-_BEYOND_NOISE = 3.0
 
 
 def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[float, State], int]:
@@ -32,19 +28,36 @@ def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[flo
 
     Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
     """
-    first, iterations = problem.predicting(_FIRST_MEMORY), 0
-    state = settled(first, state)
-    if not simulates(first, state):
-        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
     rungs: dict[float, State] = {}
-    for memory in memories(problem.segments):
-        if keeps_step_throughout(problem.segments, problem.residuals(state)):
-            break
-        outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
-        state, iterations = outcome.state, iterations + outcome.iterations
-        rungs[memory] = state
+    iterations = 0
+    free = settled(problem, state)
+    if keeps_step_throughout(problem.segments, problem.residuals(free)):
+        state = free
+    else:
+        first = problem.predicting(_FIRST_MEMORY)
+        predicted = settled(first, state)
+        if simulates(first, predicted):
+            state = predicted
+        elif simulates(problem, free):  # what a prediction corrects may push it over the top of its spring
+            return _searched(problem, free, rungs, iterations)
+        else:
+            raise BadInput(
+                "the model does not simulate with its start values; check signs and units of force and response"
+            )
+        for memory in memories(problem.segments):
+            if keeps_step_throughout(problem.segments, problem.residuals(state)):
+                break
+            outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
+            state, iterations = outcome.state, iterations + outcome.iterations
+            rungs[memory] = state
     if not simulates(problem, state):
         return state, rungs, iterations
+    return _searched(problem, state, rungs, iterations)
+
+
+def _searched(
+    problem: OutputError, state: State, rungs: dict[float, State], iterations: int
+) -> tuple[State, dict[float, State], int]:
     outcome = problem.search(state, tolerance=1.0)
     return outcome.state, rungs, iterations + outcome.iterations
 
@@ -63,7 +76,8 @@ def growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
 
 
 def _beginning(segment: Segment, cycles: float) -> Segment:
-    return segment.part(0, min(segment.n, int(cycles * 2 * np.pi / segment.pace / segment.dt)))
+    count = int(cycles * 2 * np.pi / segment.pace / segment.dt)
+    return segment.part(0, min(segment.n, max(count, LEAST)))  # a model may be far too fast for the recorder
 
 
 def memories(segments: Sequence[Segment]) -> list[float]:
@@ -79,7 +93,7 @@ def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> 
     """Whether a simulation is so near to the motion, all of it together, that its error is one of phase and size."""
     power = [float(np.sum((s.response - np.mean(s.response)) ** 2)) for s in segments]
     missed = [float(np.sum(residual**2)) for residual in residuals]
-    return bool(np.isfinite(sum(missed)) and sum(missed) < _IN_STEP**2 * sum(power))
+    return bool(np.isfinite(sum(missed)) and sum(missed) < IN_STEP**2 * sum(power))
 
 
 def keeps_step_throughout(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
@@ -91,7 +105,7 @@ def keeps_step_throughout(segments: Sequence[Segment], residuals: Sequence[np.nd
         for measured, rest in zip(
             np.array_split(segment.response, count), np.array_split(residual, count), strict=True
         ):
-            if np.sqrt(np.mean(rest**2)) > _IN_STEP * np.std(measured) + _BEYOND_NOISE * segment.noise:
+            if np.sqrt(np.mean(rest**2)) > IN_STEP * np.std(measured) + BEYOND_NOISE * segment.noise:
                 return False
     return True
 

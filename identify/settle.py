@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -10,49 +11,98 @@ from ..simulate.core import STEPS_PER_PERIOD
 from .output_error import OutputError, State
 from .reach import nearest_reach
 
+#: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
+#: much in radians, where a sine is still a straight line ...
+IN_STEP = 0.3
+#: ... but for so many times the noise.
+BEYOND_NOISE = 3.0
 #: The sizes of the motion, in those of the finite differences (a hundredth of it).
 _SIZES = 100.0
+#: Samples that a beginning has at least: two initial values, and as many again for what they leave, and more.
+LEAST = 8
+#: Cycles that are asked first where the beginning is lost; each tells the next one's start.
+_FIRST = (0.25, 0.5, 1.0)
 
 
 def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
-    """Better initial states from the first few cycles of each segment, the parameters as they are."""
+    """Better initial states from the first few cycles of each segment, the parameters as they are.
+
+    Where these are lost, as where a pendulum is begun a little too fast and goes over the top, the first quarter of a
+    cycle is asked first, and ever longer beginnings from there.
+    """
     rate = max(2 * np.pi / (problem.max_step * STEPS_PER_PERIOD), np.finfo(float).tiny)
     initial = state.initial.copy()
     for i, segment in enumerate(problem.segments):
         own = problem.own(segment)
         if not own:
             continue
-        n = int(np.clip(cycles / rate / segment.dt * 2 * np.pi, 8, segment.n))
+        begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
+        lengths = [int(np.clip(part / rate / segment.dt * 2 * np.pi, LEAST, segment.n)) for part in (*_FIRST, cycles)]
+        found = begun.settled(initial[i], lengths[-1])
+        if not begun.in_step(found, lengths[-1]):
+            grown = initial[i]
+            for n in lengths:
+                grown = begun.settled(grown, n)
+            found = grown if begun.in_step(grown, lengths[-1]) else found
+        initial[i] = found
+    return replace(state, initial=initial)
 
-        def misfit(candidate: np.ndarray, i: int = i, n: int = n) -> float:
-            return float(np.sum((problem.segments[i].response[:n] - response(candidate, i, n)) ** 2))
 
-        def response(candidate: np.ndarray, i: int = i, n: int = n) -> np.ndarray:
-            moved = initial.copy()
-            moved[i] = candidate
-            return problem.simulate(i, replace(state, initial=moved), n)
+class _Beginning:
+    """One segment's beginning, simulated from initial states of its own.
 
-        initial[i] = nearest_reach(initial[i], problem.core.reaches(state.values), own, misfit)
+    Args:
+        problem: all segments.
+        state: parameters and initial states of all.
+        place: of the segment.
+        own: which of its states may be moved.
+    """
+
+    def __init__(self, problem: OutputError, state: State, place: int, own: Sequence[int]) -> None:
+        self.problem, self.state, self.place, self.own = problem, state, place, list(own)
+        self.measured = problem.segments[place].response
+
+    def in_step(self, candidate: np.ndarray, n: int) -> bool:
+        """Whether what (states,) leaves of the first n samples is one of phase and size, noise and zero aside."""
+        measured, noise = self.measured[:n], self.problem.segments[self.place].noise
+        with np.errstate(over="ignore", invalid="ignore"):  # a motion that ran away
+            left = float(np.std(measured - self._response(candidate, n)))
+        return left <= IN_STEP * float(np.std(measured)) + BEYOND_NOISE * noise
+
+    def settled(self, start: np.ndarray, n: int) -> np.ndarray:
+        """(states,) as the first n samples ask for them next to a start."""
+        own, scale = self.own, self.problem.state_scale[self.own]
+        reaches = self.problem.core.reaches(self.state.values)
+
+        def misfit(candidate: np.ndarray) -> float:
+            return float(np.sum((self.measured[:n] - self._response(candidate, n)) ** 2))
+
+        initial = nearest_reach(start, reaches, own, misfit)
         for _ in range(4):
-            base = response(initial[i])
+            base = self._response(initial, n)
             rows = []
-            for k in own:
-                moved = initial[i].copy()
-                moved[k] += problem.state_scale[k]
-                rows.append((response(moved) - base) / problem.state_scale[k])
+            for k, step in zip(own, scale, strict=True):
+                moved = initial.copy()
+                moved[k] += step
+                rows.append((self._response(moved, n) - base) / step)
             jacobian = np.array(rows).T
-            residual = segment.response[:n] - base
+            residual = self.measured[:n] - base
             if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
                 break
             # a step by the size of the motion costs as much as what is left, or the far side of a curved valley would
             # be reached at once; the nearer the motion is, the less it costs
-            size = _SIZES * problem.state_scale[list(own)]
+            size = _SIZES * scale
             ridge = float(np.linalg.norm(residual)) * np.eye(len(own))
             stacked = np.vstack([jacobian * size, ridge]), np.append(residual, np.zeros(len(own)))
-            trial = initial[i].copy()
-            trial[list(own)] += np.linalg.lstsq(*stacked)[0] * size
-            after = segment.response[:n] - response(trial)
+            trial = initial.copy()
+            trial[own] += np.linalg.lstsq(*stacked)[0] * size
+            after = self.measured[:n] - self._response(trial, n)
             if not np.sum(after**2) < np.sum(residual**2):
                 break
-            initial[i] = trial
-    return replace(state, initial=initial)
+            initial = trial
+        return initial
+
+    def _response(self, candidate: np.ndarray, n: int) -> np.ndarray:
+        moved = self.state.initial.copy()
+        moved[self.place] = candidate
+        return self.problem.simulate(self.place, replace(self.state, initial=moved), n)

@@ -10,6 +10,8 @@ from dashpot.diagnose import diagnose
 from dashpot.diagnose.recordings import carries, split, why_unused
 from dashpot.errors import BadInput
 from dashpot.identify.hilbert import noise_level
+from dashpot.model import Oscillator, Response
+from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 
 
@@ -71,3 +73,17 @@ def test_split_keeps_whole_what_cannot_spare_a_stretch(rig):
     short = replace(whole.slice(0, round(4 * 2 * np.pi / case.model.omega0.value * whole.fs)), name="short")
     assert carries(short, case.model)
     assert split([short], case.model) == ([short], [])
+
+
+def test_a_pendulum_whose_gravity_is_a_law_of_its_own_is_split_as_one_whose_is_not():
+    """What a spring is made of is no matter of how long a recording is against its cycles."""
+    t = np.arange(9000) / 150.0
+    decay = Recording(name="decay", fs=150.0, response=np.exp(-0.05 * t) * np.cos(5.5 * t), unit="rad", free=True)
+    values = {"omega0": 5.5, "cubic": 0.0, "preload": 0.0, "viscous": 0.1, "dry": 0.0}
+    whole = Oscillator.from_values(values, response=Response("displacement", "rad"))
+    part = Oscillator.from_values(values | {"omega0": 0.1}, response=Response("displacement", "rad"))
+    sine = with_term(part, "softening-stiffness/sine", {"stiffness": 5.5**2, "width": 1.0})
+    names = [[r.name for r in group] for group in split([decay], sine)]
+    assert names == [[r.name for r in group] for group in split([decay], whole)]
+    assert len(names[1]) >= 2
+    assert carries(decay, sine)

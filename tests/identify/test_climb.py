@@ -95,13 +95,14 @@ def test_others_are_asked_for_where_the_first_explains_little(climbs, first, ask
     ("outcomes", "chosen"),
     [
         ((to(-3.0, lost=True), to(-4.0, lost=True), to(-2.0)), 1),
-        ((to(-9.0, whole=False), to(-1.0), to(-2.0)), 2),
+        ((to(-1.5, whole=False), to(-1.0), to(-2.0)), 2),
+        ((to(-2.5, whole=False), to(-0.1), to(-2.0)), 0),
         ((to(-1.0, whole=False), to(-2.0, whole=False), "no"), 1),
         (("no", "neither", to(0.0, lost=True)), 2),
         ((to(-1.0, lost=True), "no", "neither"), 0),
     ],
 )
-def test_the_whole_first_and_then_what_leaves_least(climbs, outcomes, chosen):
+def test_what_leaves_least_of_the_whole_is_taken(climbs, outcomes, chosen):
     climbs(*outcomes)
     assert best(3) is outcomes[chosen]
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
@@ -10,6 +12,7 @@ from dashpot.identify.data import data_of
 from dashpot.identify.settle import settled
 from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator, Response
+from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 
 FS, NOISE = 1000.0, 1e-6
@@ -80,6 +83,29 @@ def test_a_stretch_that_begins_in_motion_under_a_force():
     t = np.arange(2500) / FS
     moving = structure(force=np.sin(2 * np.pi * (8 * t + 2 * t**2)))
     assert np.all(errors(settled(moving.problem, moving.state(None))) < 1e-3)
+
+
+@pytest.mark.parametrize("faster", [1.1, 1.25, 1.4])
+def test_a_pendulum_begun_too_fast_is_held_back(faster):
+    """At 1.1 it swings too far, at 1.25 and 1.4 it goes over the top: the first quarter of a cycle leads back."""
+    from scipy.integrate import solve_ivp
+
+    pace, damping, begin = 5.5, 0.05, np.array([-1.25, 6.0 * 5.5 / 5.0])
+    t = np.arange(1500) / 150.0
+    motion = solve_ivp(
+        lambda _, z: [z[1], -damping * z[1] - pace**2 * np.sin(z[0])], (0, t[-1]), begin, t_eval=t, rtol=1e-10
+    ).y[0]
+    motion = motion + 1e-3 * np.random.default_rng(1).standard_normal(t.size)
+    recording = Recording("pendulum", 150.0, motion, None, "displacement", "rad", free=True)
+    values = {"omega0": 1e-3, "cubic": 0.0, "preload": 0.0, "viscous": damping, "dry": 0.0}
+    plain = Oscillator.from_values(values | {"omega0": pace}, response=Response("displacement", "rad"))
+    model = with_term(plain, "softening-stiffness/sine", {"stiffness": pace**2, "width": 1.0})
+    model = model.with_parameters({"omega0": replace(model.parameters()["omega0"], value=1e-3)})
+    swinging = Structure(model, data_of([recording], plain, coarse=False))
+    start = swinging.state(None)
+    start.initial[0, :2] = begin * np.array([1.0, faster])
+    begun = settled(swinging.problem, start)
+    assert begun.initial[0, :2] == pytest.approx(begin, rel=2e-3)
 
 
 def test_where_nothing_simulates_the_state_stays():
