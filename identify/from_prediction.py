@@ -14,6 +14,9 @@ from .settle import BEYOND_NOISE, IN_STEP, LEAST, settled
 #: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
 _FIRST_MEMORY = 1.0
 _GROWTH = 8.0
+#: ... or, where a start is so far off that a cycle leads it astray, with one no shorter than this: a tenth of a radian,
+#: over which any motion is a straight line.
+_SHORTEST_MEMORY = 1.0 / 64.0
 #: Free decays are fitted over this many cycles first, then over so many times as many.
 _FIRST_CYCLES = 12.0
 _LONGER = 4.0
@@ -32,27 +35,42 @@ def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[flo
     iterations = 0
     free = settled(problem, state)
     if keeps_step_throughout(problem.segments, problem.residuals(free)):
-        state = free
+        return _searched(problem, free, rungs, iterations)
+    first, predicted = _followed(problem, state)
+    if predicted is not None:
+        state = predicted
+    elif simulates(problem, free):  # what a prediction corrects may push it over the top of its spring
+        return _searched(problem, free, rungs, iterations)
     else:
-        first = problem.predicting(_FIRST_MEMORY)
-        predicted = settled(first, state)
-        if simulates(first, predicted):
-            state = predicted
-        elif simulates(problem, free):  # what a prediction corrects may push it over the top of its spring
-            return _searched(problem, free, rungs, iterations)
-        else:
-            raise BadInput(
-                "the model does not simulate with its start values; check signs and units of force and response"
-            )
-        for memory in memories(problem.segments):
-            if keeps_step_throughout(problem.segments, problem.residuals(state)):
-                break
-            outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
-            state, iterations = outcome.state, iterations + outcome.iterations
-            rungs[memory] = state
+        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
+    for memory in memories(problem.segments, first):
+        if keeps_step_throughout(problem.segments, problem.residuals(state)):
+            break
+        outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
+        state, iterations = outcome.state, iterations + outcome.iterations
+        rungs[memory] = state
     if not simulates(problem, state):
         return state, rungs, iterations
     return _searched(problem, state, rungs, iterations)
+
+
+def _followed(problem: OutputError, state: State) -> tuple[float, State | None]:
+    """The longest memory, of a cycle at most, over which a start predicts the motion, and its initial states there.
+
+    The shortest over which it predicts anything where none is so short; None where no prediction runs to its end.
+    """
+    found: tuple[float, State | None] = (_FIRST_MEMORY, None)
+    memory = _FIRST_MEMORY
+    while memory >= _SHORTEST_MEMORY:
+        predicting = problem.predicting(memory)
+        begun = settled(predicting, state)
+        residuals = predicting.residuals(begun)
+        if all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+            found = memory, begun
+            if keeps_step(problem.segments, residuals):
+                break
+        memory /= _GROWTH
+    return found
 
 
 def _searched(
@@ -80,10 +98,10 @@ def _beginning(segment: Segment, cycles: float) -> Segment:
     return segment.part(0, min(segment.n, max(count, LEAST)))  # a model may be far too fast for the recorder
 
 
-def memories(segments: Sequence[Segment]) -> list[float]:
+def memories(segments: Sequence[Segment], first: float = _FIRST_MEMORY) -> list[float]:
     """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
     longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
-    ladder = [_FIRST_MEMORY]
+    ladder = [first]
     while ladder[-1] * _GROWTH < longest:
         ladder.append(ladder[-1] * _GROWTH)
     return ladder

@@ -10,6 +10,7 @@ import numpy as np
 from ..simulate.core import STEPS_PER_PERIOD
 from .output_error import OutputError, State
 from .reach import nearest_reach
+from .segments import Segment
 
 #: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
 #: much in radians, where a sine is still a straight line ...
@@ -20,8 +21,8 @@ BEYOND_NOISE = 3.0
 _SIZES = 100.0
 #: Samples that a beginning has at least: two initial values, and as many again for what they leave, and more.
 LEAST = 8
-#: Cycles that are asked first where the beginning is lost; each tells the next one's start.
-_FIRST = (0.25, 0.5, 1.0)
+#: Cycles that are asked first where the beginning is lost, and by which factor ever more of them.
+_FIRST, _LONGER = 0.25, 2**0.5
 
 
 def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
@@ -30,22 +31,28 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
     Where these are lost, as where a pendulum is begun a little too fast and goes over the top, the first quarter of a
     cycle is asked first, and ever longer beginnings from there.
     """
-    rate = max(2 * np.pi / (problem.max_step * STEPS_PER_PERIOD), np.finfo(float).tiny)
+    cycle = problem.max_step * STEPS_PER_PERIOD
     initial = state.initial.copy()
     for i, segment in enumerate(problem.segments):
         own = problem.own(segment)
         if not own:
             continue
         begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
-        lengths = [int(np.clip(part / rate / segment.dt * 2 * np.pi, LEAST, segment.n)) for part in (*_FIRST, cycles)]
-        found = begun.settled(initial[i], lengths[-1])
-        if not begun.in_step(found, lengths[-1]):
-            grown = initial[i]
-            for n in lengths:
-                grown = begun.settled(grown, n)
-            found = grown if begun.in_step(grown, lengths[-1]) else found
+        whole = _samples(segment, cycles * cycle)
+        found = begun.settled(initial[i], whole)
+        if not begun.in_step(found, whole):
+            grown, part = initial[i], _FIRST
+            while part < cycles:
+                grown, part = begun.settled(grown, _samples(segment, part * cycle)), part * _LONGER
+            grown = begun.settled(grown, whole)
+            found = grown if begun.in_step(grown, whole) else found
         initial[i] = found
     return replace(state, initial=initial)
+
+
+def _samples(segment: Segment, time: float) -> int:
+    """How many samples of a segment such a time (s) holds."""
+    return int(np.clip(time / segment.dt, LEAST, segment.n))
 
 
 class _Beginning:

@@ -19,7 +19,8 @@ from dashpot.identify.from_prediction import (
 )
 from dashpot.identify.segments import Segment
 from dashpot.identify.structure import Structure
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Response
+from dashpot.recording import Recording
 from dashpot.simulate.force import straight_lines
 
 W, PER_CYCLE = 31.4, 40
@@ -92,14 +93,36 @@ def problem(recorded, **changed):
     return structure.problem, structure.state(None)
 
 
-def test_from_far_off_it_ends_in_step_by_way_of_predictions(recorded):
-    search, start = problem(recorded, omega0=0.85 * TRUTH["omega0"], viscous=1.0, cubic=0.0)
+@pytest.mark.parametrize(("slower", "first"), [(0.85, 0.125), (0.97, 1.0)])
+def test_from_far_off_it_ends_in_step_by_way_of_predictions(recorded, slower, first):
+    """Over a cycle where that leads, else over a shorter part of one."""
+    search, start = problem(recorded, omega0=slower * TRUTH["omega0"], viscous=1.0, cubic=0.0)
     assert not keeps_step(search.segments, search.residuals(start))
     state, rungs, steps = from_prediction(search, start)
     assert keeps_step_throughout(search.segments, search.residuals(state))
-    assert list(rungs)[:1] == [1.0]
+    assert list(rungs)[:1] == [first]
     assert steps > 1
     assert state.values == pytest.approx([v for k, v in TRUTH.items() if k != "mass"], rel=0.05)
+
+
+@pytest.mark.parametrize("hair", [0.0, 1e-7, 2e-7, 3e-7])
+def test_no_hair_decides_where_a_large_pendulum_ends(hair):
+    """Eq. 17 is a bad model of a pendulum from 2.7 rad: it ends at its best all the same, from the pace at its tip."""
+    from scipy.integrate import solve_ivp
+
+    t = np.arange(6000) / 150.0
+    motion = solve_ivp(
+        lambda _, z: [z[1], -0.06 * z[1] - 30.25 * np.sin(z[0])], (0, t[-1]), [2.7, 0.0], t_eval=t, rtol=1e-9
+    ).y[0]
+    motion = (1.0 + hair) * motion + 1e-3 * np.random.default_rng(2).standard_normal(t.size)
+    decay = Recording("pendulum", 150.0, motion, None, "displacement", "rad", free=True)
+    values = {"omega0": 3.3, "cubic": 0.0, "preload": 0.0, "viscous": 0.05, "dry": 0.0}
+    model = Oscillator.from_values(values, response=Response("displacement", "rad"))
+    structure = Structure(model, data_of([decay], model, coarse=False))
+    state, _, _ = from_prediction(structure.problem, structure.state(None))
+    (left,) = structure.problem.residuals(state)
+    assert np.std(left) < 0.12 * np.std(motion)
+    assert state.values[0] == pytest.approx(5.53, rel=0.02)
 
 
 def test_in_step_from_the_first_no_prediction_is_asked(recorded):

@@ -122,6 +122,14 @@ def test_one_as_long_leads_where_it_is_more_probable_at_all(gain, leads):
     assert leading(leader, [other], parts(1.0)).laws == (leads,)
 
 
+@pytest.mark.parametrize(("worse", "leads"), [(DECISIVE - 0.1, "stribeck"), (DECISIVE + 0.1, "quadratic-drag")])
+def test_one_as_long_must_not_tell_decisively_worse_what_was_held_out(worse, leads):
+    """However much better it suits the recordings that it was fitted to."""
+    leader = candidate("quadratic-drag", evidence=100.0, predictive=50.0, left=0.9)
+    other = candidate("stribeck", evidence=700.0, predictive=50.0 - worse, left=0.9)
+    assert leading(leader, [other], parts(1.0)).laws == (leads,)
+
+
 @pytest.mark.parametrize(("foretold", "leads"), [(50.0, "stribeck"), (49.9, "quadratic-drag")])
 def test_where_nothing_is_held_out_one_as_long_foretells_stretches_as_well(foretold, leads):
     """What it foretells is no part of its value there: a better fit alone may have lost the way."""
