@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
 class Decay:
-    """A free decay: samples start to stop of a recording, as Python slices them."""
+    """A free decay: samples start to stop of a recording, as Python slices them.
+
+    Where a recorded force says so, nothing drives it up to the sample ``undriven``; the noise hides the end of it.
+    """
 
     start: int
     stop: int
+    undriven: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)
