@@ -14,7 +14,7 @@ import numpy as np
 from ..errors import BadInput
 from .further_harmonics import further_harmonics
 from .modal_fit import EQ17, spring_and_friction
-from .modal_mass import MassFit, mass_fit, moving, regressed
+from .modal_mass import MassFit, Slopes, mass_fit, moving, regressed
 from .modal_stretch import Stretch
 from .rung_in import rung_in
 
@@ -93,6 +93,8 @@ def _meets_amplitudes_twice(stretch: Stretch) -> bool:
 def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
     stretch = rung_in(whole, way)
     mass = way(stretch)
+    if not mass.inverse > _TOLD * mass.std:
+        raise BadInput("The noise of force and motion hides the mass; force it harder, longer or nearer its resonance.")
     fits = spring_and_friction([stretch], mass)  # no positive stiffness: that mass is none
     hold = all(fit.holds for fit in fits)
     return DrivenMass(stretch, mass, way is mass_by_laws, hold, max(fit.misfit for fit in fits))
@@ -108,11 +110,18 @@ def mass_by_laws(stretch: Stretch) -> MassFit:
     a = np.maximum(stretch.amplitude, 1e-4 * float(np.max(stretch.amplitude[stretch.keep][clear])))
     springs = np.stack([np.ones_like(a), 0.75 * a**2, 4 / (np.pi * a)])
     dampers = np.stack([np.ones_like(a), 4 / (np.pi * a * np.abs(first))])
-    mass, value = regressed(stretch, springs, dampers, smoothed=_SMOOTHED)
+    # noise lasts as long as the kernels: smoothed over less than that, the columns would share it still
+    lasts = stretch.signal.kernel + stretch.low_pass_kernel.size
+    smoothed, slopes = _SMOOTHED, None
+    if _SMOOTHED * np.count_nonzero(clear) < lasts:
+        none = np.zeros_like(dampers)
+        slopes = Slopes(springs * np.array([[0.0], [2.0], [-1.0]]), none, dampers * np.array([[0.0], [-1.0]]))
+        smoothed = 0.0
+    mass, value = regressed(stretch, springs, dampers, smoothed=smoothed, slopes=slopes)
     for _ in range(_FITS - 1):
         if not value[0] > 0:
             raise BadInput("FORCEVIB finds no positive stiffness: this is not the motion of one oscillator.")
         names = dict(zip(EQ17, [np.sqrt(value[0]), *value[1:]], strict=True))
         stiff, damping = further_harmonics(stretch, names)
-        mass, value = regressed(stretch, springs, dampers, stiff + damping * first, _SMOOTHED)
+        mass, value = regressed(stretch, springs, dampers, stiff + damping * first, smoothed, slopes)
     return mass

@@ -6,6 +6,9 @@ unknown. Here all pairs count at once: in the equation of motion over X,
     X''/X + 2 h0(A) X'/X + omega0²(A) - (1/m) F/X = 0,
 
 omega0² and h0 are any smooth functions of the amplitude, and 1/m is what least squares leave for it beside them.
+F/X, the functions and the weights share the noise of what they are compared with. What that does to the normal
+equations is known from the sensors' noise and is taken off (Fuller 1987, section 2.2): else a loud force sensor's mass
+is too large.
 """
 
 from __future__ import annotations
@@ -20,9 +23,13 @@ from .forced_regression import backbone_basis, damping_basis
 from .modal_stretch import Stretch
 
 _ROUNDS = 3
+#: What the noise adds depends on what is found.
+_ROUNDS_WITH_NOISE = 6
 _LEAST = 30
 #: Low-passed values asked a cycle: neighbours say the same.
 _A_CYCLE = 8
+#: Of the logarithm of amplitude and speed, for the functions' slopes.
+_STEP = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,21 +39,39 @@ class MassFit:
     Attributes:
         inverse: 1/kg; 0 where there is no force, and the mass is not asked for.
         std: its standard error.
+        of_force: what of that the noise of the force does, which grows with 1/m.
         rows: of each stretch (n,), complex: 1/m changes by the real part of their sum with the error.
     """
 
     inverse: float = 0.0
     std: float = 0.0
+    of_force: float = 0.0
     rows: tuple[np.ndarray, ...] = ()
 
 
+@dataclass(frozen=True, eq=False)
+class Slopes:
+    """How functions change with the logarithm of the amplitude and of the speed, by sample."""
+
+    springs: np.ndarray  # (p, n), with the amplitude
+    dampers: np.ndarray  # (q, n), with the amplitude at one speed
+    with_speed: np.ndarray  # (q, n), with the speed at one amplitude
+
+
 def agreed(singles: Sequence[MassFit]) -> MassFit:
-    """The mass of several stretches from that of each, weighed by what it says."""
-    weight = np.array([1 / single.std**2 for single in singles])
-    share = weight / np.sum(weight)
-    inverse = float(sum(w * single.inverse for w, single in zip(share, singles, strict=True)))
+    """The mass of several stretches from that of each, weighed by what it says.
+
+    A stretch whose 1/m is too large states too large an error: they are weighed by the errors at their common one.
+    """
+    each, std, of_force = np.array([(single.inverse, single.std, single.of_force) for single in singles]).T
+    inverse = float(np.median(each))
+    variance, share = std**2, np.ones(each.size) / each.size
+    for _ in range(_ROUNDS):
+        variance = std**2 + of_force**2 * ((inverse / each) ** 2 - 1)
+        share = 1 / variance / np.sum(1 / variance)
+        inverse = float(share @ each)
     rows = tuple(w * single.rows[0] for w, single in zip(share, singles, strict=True))
-    return MassFit(inverse, float(1 / np.sqrt(np.sum(weight))), rows)
+    return MassFit(inverse, float(1 / np.sqrt(np.sum(1 / variance))), rows=rows)
 
 
 def mass_fit(stretch: Stretch, smoothed: float = 0.0) -> MassFit:
@@ -60,8 +85,15 @@ def mass_fit(stretch: Stretch, smoothed: float = 0.0) -> MassFit:
     top = float(np.max((np.abs(first) * stretch.amplitude)[stretch.keep][clear]))
     low = 1e-4  # where it is not clear it does not count, and must only stay a number
     a = np.maximum(stretch.amplitude / level, low)
-    springs, dampers = backbone_basis(a), damping_basis(a, np.maximum(np.abs(first) * stretch.amplitude / top, low))
-    return regressed(stretch, springs, dampers, smoothed=smoothed)[0]
+    speed = np.maximum(np.abs(first) * stretch.amplitude / top, low)
+    springs, dampers = backbone_basis(a), damping_basis(a, speed)
+    more, less = 1 + _STEP, 1 - _STEP
+    slopes = Slopes(
+        (backbone_basis(more * a) - backbone_basis(less * a)) / (2 * _STEP),
+        (damping_basis(more * a, speed) - damping_basis(less * a, speed)) / (2 * _STEP),
+        (damping_basis(a, more * speed) - damping_basis(a, less * speed)) / (2 * _STEP),
+    )
+    return regressed(stretch, springs, dampers, smoothed=smoothed, slopes=None if smoothed else slopes)[0]
 
 
 def moving(stretch: Stretch) -> np.ndarray:
@@ -83,6 +115,7 @@ def regressed(
     dampers: np.ndarray,
     further: np.ndarray | float = 0.0,
     smoothed: float = 0.0,
+    slopes: Slopes | None = None,
 ) -> tuple[MassFit, np.ndarray]:
     """1/m and the factors (p + q,) of functions that omega0² and 2 h0 are made of, by least squares of the equation.
 
@@ -94,6 +127,7 @@ def regressed(
         smoothed: part of the stretch over which the columns are smoothed in the normal equations (instrumental
             variables): F/X and the amplitude share the noise of what they are compared with, and where the mass can
             hardly be told from the functions that bends it by more than its error.
+        slopes: of the functions, where the columns are not smoothed: what noise they share is taken off.
 
     Raises:
         BadInput: no positive mass, where force and response do not belong together.
@@ -109,13 +143,19 @@ def regressed(
     leant = _smooth(columns, clear, smoothed) if smoothed else columns
     squared, damping, inverse = s.omega**2, np.zeros(s.omega.size), 0.0
     value, gain, misfit = np.zeros(len(columns)), np.zeros((1, 1)), 1.0
-    for _ in range(_ROUNDS):
+    for k in range(_ROUNDS if slopes is None else _ROUNDS_WITH_NOISE):
         weight = np.where(clear, 1 / stretch.point_variance(squared, damping, inverse)[points], 0.0)
         scale = 1 / np.sqrt(np.sum(np.abs(columns) ** 2 * weight, axis=1))
         scaled, asked = columns * scale[:, None], leant.conj() * scale[:, None] * weight
         normal = np.real(asked @ scaled.T)
-        gain = -scale[:, None] * (np.linalg.pinv(normal, rcond=1e-13, hermitian=not smoothed) @ asked)
-        value = np.real(gain @ target)
+        added, again = np.zeros(len(columns)), np.zeros((len(columns),) * 2)
+        if slopes is not None and k:
+            shared, of_force = _shared(stretch, columns, dampers, slopes, (squared, damping, inverse), points)
+            again[0, 0] = scale[0] ** 2 * float(of_force @ weight)  # large where the force is noisy: solved for
+            added = scale * np.real(shared @ weight)
+        back = np.linalg.pinv(normal - again, rcond=1e-13, hermitian=not smoothed)
+        gain = -scale[:, None] * (back @ asked)
+        value = np.real(gain @ target) + scale * (back @ added)
         left = target + value @ columns
         misfit = float(np.sum(weight * np.abs(left) ** 2)) / (2 * last)
         inverse, squared = float(value[0]), value[1 : 1 + count] @ springs
@@ -126,8 +166,33 @@ def regressed(
     shares[points] = gain[0]
     row = stretch.before_low_pass(shares)
     moved, drive = stretch.noise_weights(row[None], np.zeros((1, row.size)), squared, damping, inverse)
-    variance = stretch.noise**2 * np.sum(moved**2) + stretch.force_noise**2 * np.sum(drive**2)
-    return MassFit(inverse, float(np.sqrt(variance * max(1.0, misfit))), (row,)), value[1:]
+    of_force = stretch.force_noise**2 * float(np.sum(drive**2)) * max(1.0, misfit)
+    variance = stretch.noise**2 * float(np.sum(moved**2)) * max(1.0, misfit) + of_force
+    return MassFit(inverse, float(np.sqrt(variance)), float(np.sqrt(of_force)), (row,)), value[1:]
+
+
+def _shared(
+    stretch: Stretch,
+    columns: np.ndarray,
+    dampers: np.ndarray,
+    slopes: Slopes,
+    found: tuple[np.ndarray, np.ndarray, float],
+    points: np.ndarray,
+) -> tuple[np.ndarray, np.ndarray]:
+    """Mean of each column's noise, conjugate, times the equation's error, (p, q), and what of it goes with 1/m."""
+    squared, damping, inverse = found
+    place, speed, drive, weight = stretch.shared_noise(squared, damping, inverse)[:, points]
+    at = stretch.keep.start + points
+    first = stretch.signal.equation_first[at].conj()
+    with_speed = slopes.with_speed[:, at]
+    rows = np.concatenate(
+        [
+            (-columns[0].conj() * place)[None],
+            0.5 * slopes.springs[:, at] * place,
+            0.5 * (slopes.dampers[:, at] + with_speed) * first * place + (dampers[:, at] + 0.5 * with_speed) * speed,
+        ]
+    )
+    return rows + columns.conj() * weight, -np.real(drive) / (inverse or 1.0)
 
 
 def _smooth(columns: np.ndarray, clear: np.ndarray, part: float) -> np.ndarray:

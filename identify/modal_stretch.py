@@ -162,6 +162,23 @@ class Stretch:
         drive = (self.force_noise * inverse_mass) ** 2 * np.sum(w**2)
         return 2 * (self.noise**2 * moved + drive) / self.signal.amplitude[self.keep] ** 2
 
+    def shared_noise(self, squared: np.ndarray, damping: np.ndarray, inverse_mass: float) -> np.ndarray:
+        """What the low-passed equation of motion over X shares of its noise with what is put into it, (4, k) complex.
+
+        Means at `keep` of the equation's error times the conjugate of the noise of low-passed dX/X, d(X'/X) and dF/X,
+        and of dX/X by sample, which makes the weights; arguments as `point_variance` has them.
+        """
+        first, zeroth = (values[self.keep] for values in self.of_displacement(squared, damping))
+        kernels, low = blackman(self.signal.kernel), self.low_pass_kernel
+        w, dw, ddw = (np.convolve(kernel, low) for kernel in kernels)
+        dw, ddw = dw * self.fs, ddw * self.fs**2
+        by_sample = np.pad(kernels[0], low.size // 2)
+        over = 2 / self.signal.amplitude[self.keep] ** 2
+        place, weight = (over * self.noise**2 * (np.sum(ddw * k) + zeroth * np.sum(w * k)) for k in (w, by_sample))
+        growth = self.signal.growth[self.keep] + self.signal.undecay
+        speed = over * self.noise**2 * first * np.sum(dw**2) - growth * place
+        return np.stack([place, speed, -over * inverse_mass * self.force_noise**2 * np.sum(w**2), weight])
+
     def of_displacement(self, squared: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The factors (n,) of the un-decayed z' and z itself in the equation of motion, that of z'' being 1."""
         s = self.signal
