@@ -58,6 +58,29 @@ class NoiseSpectrum:
         share = 1.0 - self.force_share + np.zeros_like(self.density)
         return lines * share[0] if self._flat else self._scaled(lines.copy(), share)
 
+    def widened(self, taken: np.ndarray) -> np.ndarray:
+        """(n,) factors at each of the ``lines``: mean of squared weights, times the noise's variance, over weights.
+
+        The weights are one over what is left, smoothed over few lines. A fit takes noise for motion where it has
+        freedom, at the lines about the resonance: what is left is less by the diagonal of the hat matrix there (Hoaglin
+        and Welsch 1978). And a mean of m exponential variables scatters: that of one over its square is m² / ((m - 1)
+        (m - 2)), so that lines that happen to be quiet, and are believed for it, make errors larger than they say. Of a
+        flat spectrum neither is to be seen.
+
+        Args:
+            taken: (n,) diagonal of the hat matrix, over the lines.
+        """
+        from scipy import ndimage
+
+        if self._flat:
+            return np.ones(self.n)
+        even, width = self.n % 2 == 0, 2 * smoothing(self.n) + 1
+        inner = taken[1 : self.n - even].reshape(-1, 2).mean(axis=1)
+        by_line = np.concatenate([taken[:1], inner, taken[self.n - even :]])
+        left = width * (1.0 - ndimage.uniform_filter1d(by_line, width, mode="mirror"))
+        # what has less than one degree of freedom, half a line, left says nothing of the noise
+        return self._scaled(np.ones(self.n), width / np.maximum(left - 2.0, 0.5))
+
     def _scaled(self, lines: np.ndarray, factors: np.ndarray) -> np.ndarray:
         """Lines (..., n), in their place, each times its factor (n // 2 + 1,): real part and imaginary part alike."""
         even = self.n % 2 == 0
@@ -131,9 +154,13 @@ def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> Noise
     if resonance is not None:
         sensor, force = two_sources(periodogram, resonance)
         shape, share = np.maximum(sensor + force, floor), force / np.maximum(sensor + force, floor)
-    half_width = max(8, round(n**0.3))
-    correction = ndimage.uniform_filter1d(periodogram / shape, 2 * half_width + 1, mode="mirror")
+    correction = ndimage.uniform_filter1d(periodogram / shape, 2 * smoothing(n) + 1, mode="mirror")
     return NoiseSpectrum(np.maximum(shape * correction, floor), n, share)
+
+
+def smoothing(n: int) -> int:
+    """To how many lines on either side the spectrum of n samples is smoothed."""
+    return max(8, round(n**0.3))
 
 
 def two_sources(periodogram: np.ndarray, resonance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -28,7 +28,8 @@ def scatter(
     """(k, k) scatter of the free parameters' score, force noise passed through the model as it is.
 
     The spectrum takes that noise for stationary, which it is not: a rig answers differently at each amplitude of a
-    sweep. So the noise is drawn, simulated, and weighed as the fit weighs the residual.
+    sweep. So the noise is drawn, simulated, and weighed as the fit weighs the residual. The sensor's is taken from
+    what is left, which is less by what the fit took of it (``NoiseSpectrum.widened``).
 
     Args:
         problem: what was fitted.
@@ -46,18 +47,21 @@ def scatter(
     derivatives = problem.derivatives(state, residuals)
     in_lines(problem, derivatives, noise)
     shared, free = problem.shared, len(problem.free)
-    total, blocks = np.zeros((shared, shared)), []
+    total, blocks = np.zeros((shared, shared)), [(lines @ lines.T, np.zeros(lines.shape[0])) for lines in derivatives]
+    of_shared = pseudo_inverse(shared_information(blocks, shared))
     for i, segment in enumerate(problem.segments):
-        lines = derivatives[i]
-        normal = lines @ lines.T
-        blocks.append((normal, np.zeros(lines.shape[0])))
+        lines, normal = derivatives[i], blocks[i][0]
+        of_own = pseudo_inverse(normal[shared:, shared:])
         projected = lines[:shared]
-        projected -= normal[:shared, shared:] @ pseudo_inverse(normal[shared:, shared:]) @ lines[shared:]
+        projected -= normal[:shared, shared:] @ of_own @ lines[shared:]
+        taken = np.sum(projected * (of_shared @ projected), axis=0)
+        taken += np.sum(lines[shared:] * (of_own @ lines[shared:]), axis=0)
+        wider = noise[i].widened(taken)
         force = problem.force(segment) if force_noise[i] else None
         informed = projected @ projected.T
         if remainders is None:
             for k, row in enumerate(projected):
-                total[k] += projected @ (row if force is None else noise[i].of_sensor(row))
+                total[k] += projected @ ((row if force is None else noise[i].of_sensor(row)) * wider)
         if remainders is None and force is None and not recordings:
             continue
         weighed = projected

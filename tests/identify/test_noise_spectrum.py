@@ -67,3 +67,26 @@ def test_the_estimate_of_coloured_noise_whitens_it():
     found = estimate(residual, resonance_of(omega, 900.0, 2.0))
     assert np.median(np.abs(np.log(found.density / spectrum.density))) < 0.25
     assert np.mean(found.lines(residual) ** 2) * found.lines(residual).size / n == pytest.approx(1.0, rel=0.1)
+
+
+def test_weights_that_scatter_make_errors_larger_by_what_is_said():
+    random, n, line, segments = np.random.default_rng(3), 2000, 40, 8
+    said, true = [], []
+    for _ in range(400):
+        spectra = [estimate(random.standard_normal(n)) for _ in range(segments)]
+        weights = np.array([1 / spectrum.density[line] for spectrum in spectra])
+        factor = spectra[0].widened(np.zeros(n))[2 * line]
+        said.append(float(factor * np.sum(weights)) / np.sum(weights) ** 2)
+        true.append(float(np.sum(weights**2)) / np.sum(weights) ** 2)
+    assert np.mean(said) == pytest.approx(np.mean(true), rel=0.02)
+    assert np.mean(said) > 1.03 / segments  # of weights that are known: one over the number
+
+
+def test_what_the_fit_took_is_given_back():
+    spectrum, width = estimate(np.random.default_rng(4).standard_normal(2000)), 2 * 10 + 1
+    taken = np.zeros(2000)
+    taken[2 * 300 - 1 : 2 * 300 + 1] = 1.0, 0.5  # of one line the real part and half of the imaginary one
+    factors = spectrum.widened(taken)
+    assert factors[2 * 300] == pytest.approx(width / (width - 0.75 - 2))
+    assert factors[2 * 311] == pytest.approx(width / (width - 2))
+    assert np.all(white(np.ones(10)).widened(np.zeros(10)) == 1.0)
