@@ -107,7 +107,9 @@ def picture(draw: Callable[[], str], caption: str) -> Block:
         return Text(f"No picture here: {problem}.", "note")
 
 
-def page(title: str, sections: Sequence[Section], *, lead: Sequence[Block] = (), footer: str = "") -> str:
+def page(
+    title: str, sections: Sequence[Section], *, lead: Sequence[Block] = (), footer: str = "", numbered: bool = True
+) -> str:
     """The whole page as HTML in one piece: no script, nothing loaded from anywhere.
 
     Args:
@@ -115,9 +117,11 @@ def page(title: str, sections: Sequence[Section], *, lead: Sequence[Block] = (),
         sections: in order; empty ones are left out.
         lead: blocks ahead of the first section.
         footer: last line.
+        numbered: whether the figures are; not where the headings have numbers of their own.
     """
     shown = [section for section in sections if section.blocks]
-    return _template().render(title=plain_text(title), sections=shown, lead=list(lead), footer=footer)
+    made = {"sections": shown, "lead": list(lead), "footer": footer, "numbered": numbered}
+    return _template().render(title=plain_text(title), **made)
 
 
 @cache

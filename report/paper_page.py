@@ -58,7 +58,7 @@ def paper_page(
         "the printed parameters in SI, 1 µm of sensor noise and 0.1 % of force noise. docs/paper.md has the equations "
         "and errata."
     )
-    return page("The paper's figures", sections, lead=[lead], footer=f"Made by dashpot {__version__}.")
+    return page("The paper's figures", sections, lead=[lead], footer=f"Made by dashpot {__version__}.", numbered=False)
 
 
 def sweep_is_slow(analysis: HilbertAnalysis) -> float:

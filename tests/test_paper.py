@@ -15,5 +15,6 @@ def test_the_page_has_the_papers_figures(tmp_path):
     for number in (1, 3, 4, 5, 6, 7):
         assert f"Fig. {number}" in text, number
     assert text.count("<svg") + text.count("data:image") >= 6
+    assert "Figure " not in text  # the paper's numbers and no others
     assert "http://" not in text.replace("http://www.w3.org", "")  # it needs nothing from elsewhere
     assert said[-1] == f"written: {page}"
