@@ -56,14 +56,16 @@ static void dp_correct(dp_engine *e, const double *gain, double innovation, doub
  * value there. Writes the response y (n) and, where not null, the states z (n * DP_NZ, sample by sample) and the signs at
  * each sample, kept (n * (DP_NS + 1)). With signs given (the same shape) the response is what the states give under
  * these. Of the outputs it is the one at index `shown`. With measured (n) and gain (DP_NZ) the state is corrected after
- * each sample: y is then the prediction from one sample to the next. Returns the number of samples written; fewer than
- * n: it failed there. */
+ * each sample: y is then the prediction from one sample to the next. To the force is added, all along, `load` and, where
+ * not null, the samples added (n): held from each to the next, or in straight lines (`lines`, one part an interval).
+ * Returns the number of samples written; fewer than n: it failed there. */
 DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long parts, long n, int fine,
                          double dt, double max_step, double *y, double *z, const double *measured, const double *gain,
-                         const signed char *given, signed char *kept, int shown) {
+                         const signed char *given, signed char *kept, int shown, const double *added, int lines,
+                         double load) {
     static const double none[4] = {0.0, 0.0, 0.0, 0.0};
     dp_engine e;
-    double out[DP_NY], u = force ? force[0] : 0.0;
+    double out[DP_NY], now[4], u = 0.0;
     const double step = dt / fine, often = fmin(DP_CHATTER, fine * ceil(step / max_step));
     const double *piece = force ? force : none, *end = force ? force + 4 * parts : none;
     long i;
@@ -72,10 +74,16 @@ DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const dou
     for (i = 0; i < n; ++i) {
         const double most = DP_AT_FIRST + i * often;
         for (j = 0; i > 0 && j < fine; ++j, piece += force ? 4 : 0) {
-            if (dp_advance_along(&e, piece, step) != DP_OK || e.events > most) return i;
+            memcpy(now, piece, sizeof now);
+            if (added) {
+                now[0] += added[i - 1];
+                if (lines) now[1] += (added[i] - added[i - 1]) / step;
+            }
+            now[0] += load;
+            if (dp_advance_along(&e, now, step) != DP_OK || e.events > most) return i;
             u = e.node_u;
         }
-        if (piece < end) u = *piece;
+        if (piece < end) u = (added ? *piece + added[i] : *piece) + load;
         if (given)
             dp_outputs_under(&e, given + i * (DP_NS + 1), u, out);
         else

@@ -189,13 +189,12 @@ class OutputError:
         force: Force | None = None,
         signs: np.ndarray | None = None,
         keep: np.ndarray | None = None,
+        added: np.ndarray | None = None,
     ) -> np.ndarray:
-        """(n,) response of one segment, its sensor's offset in it, to its own force or to another."""
+        """(n,) response of one segment, its sensor's offset in it, to its own force, or to another and what is added."""
         segment = self.segments[index]
         force = force or self.force(segment)
         shown, pushes = zeros_along(self.offsets, state.offsets, segment)
-        if force is not None and pushes:
-            force = force.shifted(-pushes)
         measured = gain = None
         if self.memory != FREE:
             own = prediction_gain(self.memory, segment.pace, segment.dt, segment.quantity)
@@ -215,6 +214,8 @@ class OutputError:
             signs=signs,
             keep=keep,
             quantity=segment.quantity,
+            added=added,
+            load=-pushes if force is not None else 0.0,
         )
         if np.any(shown):
             made += shown[: made.size] if shown.ndim else float(shown)
