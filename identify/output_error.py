@@ -191,7 +191,7 @@ class OutputError:
         keep: np.ndarray | None = None,
         added: np.ndarray | None = None,
     ) -> np.ndarray:
-        """(n,) response of one segment, its sensor's offset in it, to its own force, or to another and what is added."""
+        """(n,) response of one segment, its sensor's offset in it, to its own force or to another, and what is added."""
         segment = self.segments[index]
         force = force or self.force(segment)
         shown, pushes = zeros_along(self.offsets, state.offsets, segment)

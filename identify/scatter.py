@@ -12,12 +12,13 @@ from ..simulate.force import Force
 from .blows import ContactForce
 from .data import equivalent_of
 from .descent import in_lines
+from .hilbert import LONG
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import pseudo_inverse, shared_information
 from .output_error import OutputError, State
 from .prediction import FREE
 from .rounding import scatter_of_rounding
-from .segments import LONG, Segment
+from .segments import Segment
 
 #: A rig has forgotten what falls by this power of e: to a millionth, as a score may be little that is left of much.
 _FORGOTTEN = 14.0

@@ -33,8 +33,6 @@ FORCE_BAND = 3.0
 #: A search that only compares laws, or leads to where a fit begins, interpolates the force more coarsely: to 1e-5 up to
 #: the resonance, to 1e-4 at twice that.
 COARSE_FORCE_BAND = 1.0
-#: Samples from which a segment is long: what is done sample by sample alike is then done where it says as much for less.
-LONG = 2**18
 
 
 @dataclass(frozen=True, eq=False)
