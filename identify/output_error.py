@@ -9,7 +9,7 @@ endless one the response is simulated freely, and this is output error.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import dataclass, field, replace
@@ -21,7 +21,9 @@ import numpy as np
 from ..simulate.core import Core
 from ..simulate.force import Force
 from .descent import Descent, blocks_of
+from .hilbert import LONG
 from .jump_sides import nearer_sides
+from .known_quotients import KnownQuotients, kept, restored
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
@@ -127,6 +129,7 @@ class OutputError:
         #: Free parameters and offsets: what segments share.
         self.shared = len(self.free) + len(self.offsets)
         self._pool = _pool()
+        self._known = KnownQuotients()
 
     def predicting(self, memory: float) -> OutputError:
         """The same with another memory."""
@@ -273,7 +276,17 @@ class OutputError:
         jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
         signs = dict(zip(jumping, self.map(lambda i: self._beside_jumps(i, state)[1], jumping), strict=True))
 
+        known = None if backward else self._known.at(self._point(state))
+
         def quotient(i: int, k: int) -> np.ndarray:
+            n, unknown = self.segments[i].n, (i, self.free[k] if k < len(self.free) else self.shared - k - 1)
+            if known is None or n < LONG or len(self.free) <= k < self.shared:
+                return made(i, k)
+            if unknown not in known:
+                known[unknown] = kept(made(i, k))
+            return restored(known[unknown])
+
+        def made(i: int, k: int) -> np.ndarray:
             ahead = (-self.step if backward else self.step) * self._size(i, k, state)
             for step in (ahead, -ahead):
                 moved = self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i))
@@ -285,6 +298,12 @@ class OutputError:
             return np.zeros(self.segments[i].n)
 
         return quotient
+
+    def _point(self, state: State) -> tuple[Hashable, ...]:
+        """What a quotient depends on."""
+        felt = [self.memory != FREE or offset.channel == "force" for offset in self.offsets]
+        how = self.segments, self.memory, self.coarse, self.step
+        return (*how, state.values.tobytes(), state.initial.tobytes(), state.offsets[felt].tobytes())
 
     def _moving(self, segment: Segment) -> list[int]:
         """Unknowns by which a segment's response changes at all."""
