@@ -31,12 +31,10 @@ class KnownQuotients:
 
 def kept(quotient: np.ndarray) -> Kept:
     """A quotient (n,) as it is kept."""
-    size = float(np.max(np.abs(quotient))) or 1.0
-    return (quotient / size).astype(np.float32), size
+    size = max(float(np.max(quotient)), -float(np.min(quotient))) or 1.0
+    return np.divide(quotient, size, out=np.empty(quotient.size, np.float32), casting="same_kind"), size
 
 
-def restored(known: Kept) -> np.ndarray:
-    """(n,) of what was kept."""
-    made = known[0].astype(float)
-    made *= known[1]
-    return made
+def restore(known: Kept, out: np.ndarray) -> None:
+    """Put what was kept into an array (n,)."""
+    np.multiply(known[0], known[1], out=out)

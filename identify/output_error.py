@@ -23,7 +23,7 @@ from ..simulate.force import Force
 from .descent import Descent, blocks_of
 from .hilbert import LONG
 from .jump_sides import nearer_sides
-from .known_quotients import KnownQuotients, kept, restored
+from .known_quotients import KnownQuotients, kept, restore
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
@@ -193,6 +193,7 @@ class OutputError:
         signs: np.ndarray | None = None,
         keep: np.ndarray | None = None,
         added: np.ndarray | None = None,
+        out: np.ndarray | None = None,
     ) -> np.ndarray:
         """(n,) response of one segment, its sensor's offset in it, to its own force or to another, and what is added."""
         segment = self.segments[index]
@@ -219,6 +220,7 @@ class OutputError:
             quantity=segment.quantity,
             added=added,
             load=-pushes if force is not None else 0.0,
+            out=out,
         )
         if np.any(shown):
             made += shown[: made.size] if shown.ndim else float(shown)
@@ -236,7 +238,8 @@ class OutputError:
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
 
-        made = self.map(lambda i: self._beside_jumps(i, state)[0], range(len(self.segments)))
+        room = [np.empty(segment.n) for segment in self.segments]
+        made = self.map(lambda i: self._beside_jumps(i, state, room[i])[0], range(len(self.segments)))
         return tuple(np.subtract(s.response, shown, out=shown) for s, shown in zip(self.segments, made, strict=True))
 
     def states(self, index: int, state: State) -> np.ndarray:
@@ -259,7 +262,10 @@ class OutputError:
 
         def fill(place: tuple[int, int]) -> None:
             i, k = place
-            made[i][k] = self._shown_by(i, k) if self._is_sensors(k) else quotient(i, k)
+            if self._is_sensors(k):
+                made[i][k] = self._shown_by(i, k)
+            else:
+                quotient(i, k, made[i][k])
 
         self.map(fill, [(i, k) for i, segment in enumerate(self.segments) for k in self._moving(segment)])
         for i, rows in enumerate(made):
@@ -268,34 +274,33 @@ class OutputError:
 
     def quotients(
         self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False
-    ) -> Callable[[int, int], np.ndarray]:
-        """Gives (n,) the difference quotient of one segment's response by one unknown, there.
+    ) -> Callable[[int, int, np.ndarray], None]:
+        """Puts the difference quotient of one segment's response by one unknown, there, into an array (n,).
 
         To the other side where the model does not simulate beyond; else zero. Under the same signs as ``derivatives``.
         """
         jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
         signs = dict(zip(jumping, self.map(lambda i: self._beside_jumps(i, state)[1], jumping), strict=True))
 
-        known = None if backward else self._known.at(self._point(state))
+        known = {} if backward else self._known.at(self._point(state))
 
-        def quotient(i: int, k: int) -> np.ndarray:
-            n, unknown = self.segments[i].n, (i, self.free[k] if k < len(self.free) else self.shared - k - 1)
-            if known is None or n < LONG or len(self.free) <= k < self.shared:
-                return made(i, k)
-            if unknown not in known:
-                known[unknown] = kept(made(i, k))
-            return restored(known[unknown])
-
-        def made(i: int, k: int) -> np.ndarray:
+        def quotient(i: int, k: int, out: np.ndarray) -> None:
+            unknown = i, self.free[k] if k < len(self.free) else self.shared - k - 1
+            if unknown in known:
+                restore(known[unknown], out)
+                return
             ahead = (-self.step if backward else self.step) * self._size(i, k, state)
             for step in (ahead, -ahead):
-                moved = self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i))
-                moved -= self.segments[i].response
-                moved += residuals[i]
-                moved /= step
-                if np.all(np.isfinite(moved)):
-                    return moved
-            return np.zeros(self.segments[i].n)
+                self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i), out=out)
+                out -= self.segments[i].response
+                out += residuals[i]
+                out /= step
+                if np.all(np.isfinite(out)):
+                    break
+            else:
+                out.fill(0.0)
+            if not backward and out.size >= LONG and not len(self.free) <= k < self.shared:
+                known[unknown] = kept(out)
 
         return quotient
 
@@ -332,7 +337,8 @@ class OutputError:
         cycles = max(1.0, min(self.memory, segment.n * segment.dt * segment.pace / (2 * np.pi)))
         span = max(float(np.ptp(segment.response)), float(np.ptp(segment.response - residual)))
         limits = [_MOST_TURN * np.pi * cycles * span / self._size(i, k, state) for k in range(len(self.free))]
-        beyond = [np.abs(row) > limit for row, limit in zip(rows, limits, strict=False) if np.max(np.abs(row)) > limit]
+        large = [max(float(np.max(row)), -float(np.min(row))) > limit for row, limit in zip(rows, limits, strict=False)]
+        beyond = [np.abs(row) > limit for row, limit, over in zip(rows, limits, large, strict=False) if over]
         if beyond:
             rows[:, np.any(beyond, axis=0)] = 0.0
 
@@ -340,10 +346,11 @@ class OutputError:
         """Whether a segment's response jumps where a surface is crossed."""
         return self.segments[i].quantity == "acceleration" and bool(self.core.equations.kinds)
 
-    def _beside_jumps(self, i: int, state: State) -> tuple[np.ndarray, np.ndarray]:
+    def _beside_jumps(self, i: int, state: State, out: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """(n,) response of a segment, beside its jumps on the nearer side, and (n, surfaces + 1) the signs it has."""
-        segment, keep = self.segments[i], self.core.signs(self.segments[i].n)
-        response = self.simulate(i, state, keep=keep if self._jumps(i) else None)
+        segment = self.segments[i]
+        keep = self.core.signs(segment.n if self._jumps(i) else 0)
+        response = self.simulate(i, state, keep=keep if self._jumps(i) else None, out=out)
         if self.memory != FREE or not self._jumps(i):  # what a prediction corrects by is as simulated
             return response, keep
         return nearer_sides(segment, response, keep, lambda signs: self.simulate(i, state, signs=signs))

@@ -129,8 +129,7 @@ def scatter_of_rounding(
         if shown is not None:
             error += shown.error(random, within)
         if driven is not None and force is not None:
-            other = force.with_added(driven.error(random, within), segment.dt)
-            error += problem.simulate(i, state, force=other) - base
+            error += problem.simulate(i, state, added=driven.error(random, within)) - base
         return weighed @ error
 
     scores = np.array(problem.map(score, range(draws)))
