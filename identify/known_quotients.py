@@ -7,7 +7,7 @@ quotient over a step of 1e-5 is good to 1e-7, and so is a number of that precisi
 
 from __future__ import annotations
 
-from collections.abc import Hashable
+from collections.abc import Callable, Hashable, Sequence
 
 import numpy as np
 
@@ -38,3 +38,41 @@ def kept(quotient: np.ndarray) -> Kept:
 def restore(known: Kept, out: np.ndarray) -> None:
     """Put what was kept into an array (n,)."""
     np.multiply(known[0], known[1], out=out)
+
+
+def put_quotient(
+    moved: Callable[[float, np.ndarray], object],
+    ahead: float,
+    response: np.ndarray,
+    residual: np.ndarray,
+    out: np.ndarray,
+) -> None:
+    """Put a difference quotient into an array (n,); to the other side where ahead it is not finite, else zero.
+
+    Args:
+        moved: puts what the model shows with the unknown moved by a step into an array.
+        ahead: the step.
+        response: measured.
+        residual: what the model leaves of it with the unknown where it is.
+        out: where the quotient goes.
+    """
+    room = out if out.dtype == float else np.empty(out.size)
+    for step in (ahead, -ahead):
+        moved(step, room)
+        room -= response
+        room += residual
+        room /= step
+        if np.all(np.isfinite(room)):
+            break
+    else:
+        room.fill(0.0)
+    if room is not out:
+        out[:] = room
+
+
+def without_impossible(rows: np.ndarray, limits: Sequence[float]) -> None:
+    """Leave out of derivatives (k, n), in their place, the samples at which one of the first goes beyond its limit."""
+    large = [max(float(np.max(row)), -float(np.min(row))) > limit for row, limit in zip(rows, limits, strict=False)]
+    beyond = [np.abs(row) > limit for row, limit, over in zip(rows, limits, large, strict=False) if over]
+    if beyond:
+        rows[:, np.any(beyond, axis=0)] = 0.0

@@ -12,7 +12,7 @@ import os
 from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
 from typing import Self, TypeVar
 
@@ -23,11 +23,12 @@ from ..simulate.force import Force
 from .descent import Descent, blocks_of
 from .hilbert import LONG
 from .jump_sides import nearer_sides
-from .known_quotients import KnownQuotients, kept, restore
+from .known_quotients import KnownQuotients, kept, put_quotient, restore, without_impossible
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
+from .search_point import Outcome, State
 from .segments import Segment
 
 Item = TypeVar("Item")
@@ -44,42 +45,6 @@ _MOST_TURN = 2.0
 def _pool() -> ThreadPoolExecutor:
     """The threads that simulate; one set for all searches of the process."""
     return ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A point of the search.
-
-    Attributes:
-        values: (parameters,), shared by all segments.
-        initial: (segments, states) initial states as ``Core.begin`` takes them.
-        offsets: (offsets,) of the sensors, in the order of ``OutputError.offsets``.
-    """
-
-    values: np.ndarray
-    initial: np.ndarray
-    offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """Where the search ended.
-
-    Attributes:
-        state: best point.
-        cost: negative log-likelihood, but for what does not depend on the parameters.
-        information: (k, k) information matrix of the free parameters, all else eliminated.
-        residuals: measured minus response, one (n,) array a segment.
-        iterations: steps taken.
-        converged: whether the search came to rest rather than to its limit of steps.
-    """
-
-    state: State
-    cost: float
-    information: np.ndarray
-    residuals: tuple[np.ndarray, ...]
-    iterations: int
-    converged: bool
 
 
 class OutputError:
@@ -160,7 +125,8 @@ class OutputError:
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
     ) -> list[Block]:
         """Normal matrix and gradient of each segment at a point, whitened by the noise."""
-        return blocks_of(self, self.derivatives(state, residuals), residuals, noise, consumed=True)
+        rows = self.derivatives(state, residuals, single=True)
+        return blocks_of(self, rows, residuals, noise, consumed=True)
 
     def map(self, function: Callable[[Item], T], items: Sequence[Item]) -> list[T]:
         """Results of a function that is mostly simulation or linear algebra, item by item."""
@@ -195,7 +161,7 @@ class OutputError:
         added: np.ndarray | None = None,
         out: np.ndarray | None = None,
     ) -> np.ndarray:
-        """(n,) response of one segment, its sensor's offset in it, to its own force or to another, and what is added."""
+        """(n,) response of one segment, its sensor's offset in it, to its own force or another, and what is added."""
         segment = self.segments[index]
         force = force or self.force(segment)
         shown, pushes = zeros_along(self.offsets, state.offsets, segment)
@@ -249,16 +215,18 @@ class OutputError:
         n, step = segment.n, self.max_step
         return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
 
-    def derivatives(self, state: State, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+    def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, single: bool = False) -> list[np.ndarray]:
         """(shared + states, n) derivatives of each segment's response: free parameters, offsets, its initial state.
 
         Where the response jumps (an acceleration, when friction turns), all runs of a segment show what their states
         give under the same signs, sample by sample: the jump itself has no derivative. Where a hair decides whether
         friction holds the mass, a difference quotient is no derivative either: samples at which a parameter would move
-        the response by more than its phase can turn are left at zero.
+        the response by more than its phase can turn are left at zero. With ``single`` those of long segments come in
+        single precision, to which a quotient is good.
         """
         quotient = self.quotients(state, residuals)
-        made = [np.zeros((self.shared + self.core.states, segment.n)) for segment in self.segments]
+        count = self.shared + self.core.states
+        made = [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
 
         def fill(place: tuple[int, int]) -> None:
             i, k = place
@@ -290,15 +258,11 @@ class OutputError:
                 restore(known[unknown], out)
                 return
             ahead = (-self.step if backward else self.step) * self._size(i, k, state)
-            for step in (ahead, -ahead):
-                self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i), out=out)
-                out -= self.segments[i].response
-                out += residuals[i]
-                out /= step
-                if np.all(np.isfinite(out)):
-                    break
-            else:
-                out.fill(0.0)
+
+            def moved(step: float, room: np.ndarray) -> None:
+                self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i), out=room)
+
+            put_quotient(moved, ahead, self.segments[i].response, residuals[i], out)
             if not backward and out.size >= LONG and not len(self.free) <= k < self.shared:
                 known[unknown] = kept(out)
 
@@ -337,10 +301,7 @@ class OutputError:
         cycles = max(1.0, min(self.memory, segment.n * segment.dt * segment.pace / (2 * np.pi)))
         span = max(float(np.ptp(segment.response)), float(np.ptp(segment.response - residual)))
         limits = [_MOST_TURN * np.pi * cycles * span / self._size(i, k, state) for k in range(len(self.free))]
-        large = [max(float(np.max(row)), -float(np.min(row))) > limit for row, limit in zip(rows, limits, strict=False)]
-        beyond = [np.abs(row) > limit for row, limit, over in zip(rows, limits, large, strict=False) if over]
-        if beyond:
-            rows[:, np.any(beyond, axis=0)] = 0.0
+        without_impossible(rows, limits)
 
     def _jumps(self, i: int) -> bool:
         """Whether a segment's response jumps where a surface is crossed."""

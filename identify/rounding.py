@@ -20,6 +20,7 @@ from ..recording.fact import fact
 from ..recording.recording import Recording
 from ..recording.resolution import converter_step
 from .blows import ContactForce
+from .normal_equations import products
 from .output_error import OutputError, State
 from .signals import Signal, drive_of, response_of
 
@@ -130,7 +131,7 @@ def scatter_of_rounding(
             error += shown.error(random, within)
         if driven is not None and force is not None:
             error += problem.simulate(i, state, added=driven.error(random, within)) - base
-        return weighed @ error
+        return products(weighed, error)
 
     scores = np.array(problem.map(score, range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]

@@ -14,7 +14,7 @@ from .data import equivalent_of
 from .descent import in_lines
 from .hilbert import LONG
 from .noise_spectrum import NoiseSpectrum
-from .normal_equations import pseudo_inverse, shared_information
+from .normal_equations import products, pseudo_inverse, shared_information
 from .output_error import OutputError, State
 from .prediction import FREE
 from .rounding import scatter_of_rounding
@@ -57,21 +57,24 @@ def scatter(
     if not problem.free:
         return np.zeros((0, 0))  # nothing but zeros or initial states is to be found: no score, and no need to draw
     residuals = problem.residuals(state)
-    derivatives = problem.derivatives(state, residuals)
+    derivatives = problem.derivatives(state, residuals, single=True)
     in_lines(problem, derivatives, noise)
     shared, free = problem.shared, len(problem.free)
     total, blocks = np.zeros((shared, shared)), []
     for i, segment in enumerate(problem.segments):
         lines = derivatives[i]
-        normal = lines @ lines.T
+        normal = products(lines, lines)
         blocks.append((normal, np.zeros(lines.shape[0])))
         projected = lines[:shared]
-        projected -= normal[:shared, shared:] @ pseudo_inverse(normal[shared:, shared:]) @ lines[shared:]
+        if np.any(normal[shared:, shared:]):
+            border = normal[:shared, shared:] @ pseudo_inverse(normal[shared:, shared:])
+            for begin in range(0, segment.n, LONG):
+                projected[:, begin : begin + LONG] -= border @ lines[shared:, begin : begin + LONG]
         force = problem.force(segment) if force_noise[i] else None
-        informed = projected @ projected.T
+        informed = products(projected, projected)
         if remainders is None:
             for k, row in enumerate(projected):
-                total[k] += projected @ (row if force is None else noise[i].of_sensor(row))
+                total[k] += products(projected, row if force is None else noise[i].of_sensor(row))
         if remainders is None and force is None and not recordings:
             continue
         weighed = projected
@@ -82,7 +85,7 @@ def scatter(
             total += scatter_of_rounding(problem, state, i, weighed, base, recordings, draws, seed)
         if remainders is not None:
             coloured = remainders[i].colour(weighed)
-            total += coloured @ coloured.T
+            total += products(coloured, coloured)
         elif force is not None:
             drawn = _of_force(problem, state, i, force, force_noise[i], weighed, base, draws, seed)
             total += informed if drawn is None else drawn
@@ -127,7 +130,7 @@ def _of_force(
         else:
             moved = problem.simulate(i, state, force=force, added=level * random.standard_normal(count))
         moved -= base
-        return weighed @ moved
+        return products(weighed, moved)
 
     scores = np.array(problem.map(score, range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
