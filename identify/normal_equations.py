@@ -15,7 +15,7 @@ _LOST = 1e-14
 _LEAST = 1.0 / (_LOST * float(np.finfo(float).max))
 
 #: Samples that are multiplied at once.
-_AT_ONCE = 2**16
+_AT_ONCE = 2**14
 
 #: Normal matrix and gradient of one segment: shared unknowns first, then its own.
 Block = tuple[np.ndarray, np.ndarray]
