@@ -25,6 +25,8 @@ _FORGOTTEN = 14.0
 #: Fewer windows of a segment say less than whole draws of it do; more than this many nothing more.
 _FEWEST_WINDOWS = 16
 _MOST_WINDOWS = 2000
+#: Where fewer than so many windows tell nearly all, as many whole draws cost less.
+_FEWEST_TOLD = 2.0
 #: Draws of each half of the windows that are made at once.
 _AT_ONCE = 2
 
@@ -190,4 +192,6 @@ def _of_windows(
         told = np.sum(values, axis=0) ** 2 / np.maximum(np.sum(values**2, axis=0), np.finfo(float).tiny)
         if done * float(np.min(told)) >= draws:
             break
+        if float(np.min(told)) < _FEWEST_TOLD:
+            return None
     return total / done

@@ -160,11 +160,13 @@ def upsample(samples: np.ndarray, factor: int) -> np.ndarray:
     The ends are continued by point reflection, so that no step appears there; the Fourier interpolation is then exact
     for what lies below half the sampling frequency.
     """
+    return _upsampled_in_parts(samples, factor) if samples.size >= _LONG else _upsampled(samples, factor)
+
+
+def _upsampled(samples: np.ndarray, factor: int) -> np.ndarray:
     from scipy.signal import resample
 
     n = samples.size
-    if n >= _LONG:
-        return _upsampled_in_parts(samples, factor)
     pad = min(n - 1, _REFLECTED)
     left = 2.0 * samples[0] - samples[pad:0:-1]
     right = 2.0 * samples[-1] - samples[-2 : -pad - 2 : -1]
@@ -181,13 +183,13 @@ def upsample(samples: np.ndarray, factor: int) -> np.ndarray:
 
 
 def _upsampled_in_parts(samples: np.ndarray, factor: int) -> np.ndarray:
-    """The same of a long force, in parts that overlap."""
+    """``upsample`` of a long force, in parts that overlap."""
     last = samples.size - 1
     fine = np.empty(last * factor + 1)
     count = _AT_ONCE - 2 * (_NEIGHBOURS + _REFLECTED)
     for begin in range(0, last, count):
         end = min(begin + count, last)
         first = max(0, begin - _NEIGHBOURS)
-        part = upsample(samples[first : min(end + _NEIGHBOURS, last) + 1], factor)
+        part = _upsampled(samples[first : min(end + _NEIGHBOURS, last) + 1], factor)
         fine[begin * factor : end * factor + 1] = part[(begin - first) * factor : (end - first) * factor + 1]
     return fine
