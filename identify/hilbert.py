@@ -79,7 +79,7 @@ def noise_level(x: np.ndarray, fs: float) -> float:
     if x.size < LONG:
         density = welch(x, fs, window="blackmanharris", nperseg=size, detrend="linear")[1]
     else:
-        density = _welch(x, fs, get_window("blackmanharris", size))
+        density = _welch(x, fs, np.asarray(get_window("blackmanharris", size)))
     top = density[int(0.75 * density.size) : -1]
     if top.size < 4:
         return 0.0

@@ -21,6 +21,7 @@ import numpy as np
 from ..simulate.core import Core
 from ..simulate.force import Force
 from .descent import Descent, blocks_of
+from .given_back import give_back
 from .hilbert import LONG
 from .jump_sides import nearer_sides
 from .known_quotients import KnownQuotients, kept, put_quotient, restore, without_impossible
@@ -224,6 +225,8 @@ class OutputError:
         the response by more than its phase can turn are left at zero. With ``single`` those of long segments come in
         single precision, to which a quotient is good.
         """
+        if max(segment.n for segment in self.segments) >= LONG:
+            give_back()
         quotient = self.quotients(state, residuals)
         count = self.shared + self.core.states
         made = [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
@@ -267,6 +270,10 @@ class OutputError:
                 known[unknown] = kept(out)
 
         return quotient
+
+    def forget(self) -> None:
+        """Make room of the quotients that are known at the last point, where nobody will ask for them again."""
+        self._known.at(())
 
     def _point(self, state: State) -> tuple[Hashable, ...]:
         """What a quotient depends on."""

@@ -85,6 +85,12 @@ def _of_force(recording: Recording) -> Rounding | None:
     return None if drive is None else rounding_of(drive)
 
 
+def measure_rounding(recording: Recording) -> None:
+    """Know from here on what ``scatter_of_rounding`` asks of a recording."""
+    _of_response(recording)
+    _of_force(recording)
+
+
 def _below(samples: np.ndarray, highest: float) -> np.ndarray:
     """(n,) samples without what lies above ``highest`` cycles a sample; continued by point reflection at its ends."""
     n = samples.size

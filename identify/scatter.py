@@ -12,12 +12,13 @@ from ..simulate.force import Force
 from .blows import ContactForce
 from .data import equivalent_of
 from .descent import in_lines
+from .given_back import give_back
 from .hilbert import LONG
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import products, pseudo_inverse, shared_information
 from .output_error import OutputError, State
 from .prediction import FREE
-from .rounding import scatter_of_rounding
+from .rounding import measure_rounding, scatter_of_rounding
 from .segments import Segment
 
 #: A rig has forgotten what falls by this power of e: to a millionth, as a score may be little that is left of much.
@@ -58,8 +59,11 @@ def scatter(
     """
     if not problem.free:
         return np.zeros((0, 0))  # nothing but zeros or initial states is to be found: no score, and no need to draw
+    for recording in recordings:
+        measure_rounding(recording)  # which takes memory of its own
     residuals = problem.residuals(state)
     derivatives = problem.derivatives(state, residuals, single=True)
+    problem.forget()
     in_lines(problem, derivatives, noise)
     shared, free = problem.shared, len(problem.free)
     total, blocks = np.zeros((shared, shared)), []
@@ -182,6 +186,7 @@ def _of_windows(
         return np.array([weighed[:, begin:end] @ moved[begin:end] for begin, end in pairwise([*starts, n])], float)
 
     total, values, done = np.zeros((k, k)), np.zeros((edges.size - 1, k)), 0
+    give_back()
     while done < draws:
         for place, found in enumerate(problem.map(scores, range(2 * done, 2 * done + 2 * _AT_ONCE))):
             if not np.all(np.isfinite(found)):
