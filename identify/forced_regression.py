@@ -58,10 +58,10 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
     if np.ptp(drive.samples) == 0:
         raise BadInput("The regression needs a force; this record has none: treat it as a free decay.")
     factor = _more_than_enough(displacement, drive)
-    velocity = np.gradient(displacement.samples, 1 / displacement.fs, edge_order=2)
-    recorded = displacement.fs
+    recorded, velocity = displacement.fs, None
     if factor > 1:
-        displacement, drive, velocity = displacement.thinned(factor), drive.thinned(factor), thinned(velocity, factor)
+        velocity = thinned(np.gradient(displacement.samples, 1 / recorded, edge_order=2), factor)
+        displacement, drive = displacement.thinned(factor), drive.thinned(factor)
     x, force, fs = displacement.samples, drive.samples, displacement.fs
     amplitude, growth, rate = _envelope(x, fs, displacement.frequency)
     sigma = max(displacement.noise, 1e-6 * float(np.std(x)))
@@ -81,6 +81,7 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
     correction = _gradient_gain(view.omega, recorded)  # what the central difference does to each bin
 
     backbone = [view.project(b * x) for b in _backbone(amplitude / level)]
+    velocity = np.gradient(x, 1 / fs, edge_order=2) if velocity is None else velocity
     damping = [view.project(d * velocity) / correction for d in _damping(amplitude / level, speed / top_speed)]
     del velocity, speed
     columns = np.stack([view.project(force), *backbone, *damping], axis=-1)
