@@ -51,31 +51,55 @@ static void dp_correct(dp_engine *e, const double *gain, double innovation, doub
     e->modes_ready = same;
 }
 
+/* One cubic in place of `joined` pieces, each `step` long: with the value and the slope that they have at both ends. */
+static void dp_joined(const double *piece, int joined, double step, double *one) {
+    const double *last = piece + 4 * (joined - 1);
+    const double whole = joined * step;
+    const double rise = last[0] + step * (last[1] + step * (last[2] + step * last[3])) - piece[0];
+    const double slope = last[1] + step * (2.0 * last[2] + 3.0 * step * last[3]);
+    one[0] = piece[0];
+    one[1] = piece[1];
+    one[2] = (3.0 * rise / whole - 2.0 * piece[1] - slope) / whole;
+    one[3] = (piece[1] + slope - 2.0 * rise / whole) / (whole * whole);
+}
+
 /* n samples dt apart; the force is a cubic in each of `fine` equal parts of a sample interval (force: 4 coefficients a
- * part, `parts` of them, at least (n - 1) * fine, or null for a free motion). A force that jumps at a sample has its new
+ * part, `parts` of them, at least (n - 1) * fine, or null for a free motion), `joined` of which are taken as one. A force that jumps at a sample has its new
  * value there. Writes the response y (n) and, where not null, the states z (n * DP_NZ, sample by sample) and the signs at
  * each sample, kept (n * (DP_NS + 1)). With signs given (the same shape) the response is what the states give under
  * these. Of the outputs it is the one at index `shown`. With measured (n) and gain (DP_NZ) the state is corrected after
- * each sample: y is then the prediction from one sample to the next. Returns the number of samples written; fewer than
- * n: it failed there. */
+ * each sample: y is then the prediction from one sample to the next. To the force is added, all along, `load` and, where
+ * not null, the samples added (n): held from each to the next, or in straight lines (`lines`, one part an interval).
+ * Returns the number of samples written; fewer than n: it failed there. */
 DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long parts, long n, int fine,
                          double dt, double max_step, double *y, double *z, const double *measured, const double *gain,
-                         const signed char *given, signed char *kept, int shown) {
+                         const signed char *given, signed char *kept, int shown, const double *added, int lines,
+                         double load, int joined) {
     static const double none[4] = {0.0, 0.0, 0.0, 0.0};
     dp_engine e;
-    double out[DP_NY], u = force ? force[0] : 0.0;
-    const double step = dt / fine, often = fmin(DP_CHATTER, fine * ceil(step / max_step));
+    double out[DP_NY], now[4], u = 0.0;
+    const double piece_step = dt / fine, step = joined * piece_step;
+    const double often = fmin(DP_CHATTER, fine / joined * ceil(step / max_step));
     const double *piece = force ? force : none, *end = force ? force + 4 * parts : none;
     long i;
     int j;
     dp_start(&e, p, z0, t0, max_step);
     for (i = 0; i < n; ++i) {
         const double most = DP_AT_FIRST + i * often;
-        for (j = 0; i > 0 && j < fine; ++j, piece += force ? 4 : 0) {
-            if (dp_advance_along(&e, piece, step) != DP_OK || e.events > most) return i;
+        for (j = 0; i > 0 && j < fine; j += joined, piece += force ? 4 * joined : 0) {
+            if (joined > 1)
+                dp_joined(piece, joined, piece_step, now);
+            else
+                memcpy(now, piece, sizeof now);
+            if (added) {
+                now[0] += added[i - 1];
+                if (lines) now[1] += (added[i] - added[i - 1]) / step;
+            }
+            now[0] += load;
+            if (dp_advance_along(&e, now, step) != DP_OK || e.events > most) return i;
             u = e.node_u;
         }
-        if (piece < end) u = *piece;
+        if (piece < end) u = (added ? *piece + added[i] : *piece) + load;
         if (given)
             dp_outputs_under(&e, given + i * (DP_NS + 1), u, out);
         else

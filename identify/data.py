@@ -141,12 +141,16 @@ def equivalent_resonance(segment: Segment, value: Mapping[str, float]) -> np.nda
     With the laws among the values, by name: see ``equivalent``.
     """
     omega = 2 * np.pi * np.fft.rfftfreq(segment.n, segment.dt)
-    order = segment.order
+    stiffness, damping = equivalent_of(segment, value)
+    return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * segment.order)
+
+
+def equivalent_of(segment: Segment, value: Mapping[str, float]) -> tuple[float, float]:
+    """Stiffness and damping of the equivalent linear rig at a segment's amplitude: see ``equivalent``."""
     tiny = np.finfo(float).tiny ** 0.25  # a search may have run to where nothing moves
     pace = segment.pace
-    peak = max(np.sqrt(2) * float(np.std(segment.response)) / pace**order, tiny)
-    stiffness, damping = equivalent(value, peak, pace, segment.time + 0.5 * segment.n * segment.dt)
-    return resonance_of(omega, stiffness, abs(damping)) * omega ** (2 * order)
+    peak = max(np.sqrt(2) * float(np.std(segment.response)) / pace**segment.order, tiny)
+    return equivalent(value, peak, pace, segment.time + 0.5 * segment.n * segment.dt)
 
 
 def noise_of(

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .noise_spectrum import NoiseSpectrum, white
-from .normal_equations import Block, held_at, promise, solve
+from .normal_equations import Block, held_at, products, promise, solve
 
 if TYPE_CHECKING:
     from .output_error import OutputError, State
@@ -60,7 +60,7 @@ class Descent:
     def blocks(self) -> list[Block]:
         """Normal matrix and gradient of each segment, here."""
         if self._blocks is None:
-            rows = self.problem.derivatives(self.state, self.residuals)
+            rows = self.problem.derivatives(self.state, self.residuals, single=True)
             self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise, consumed=True)
         return self._blocks
 
@@ -154,7 +154,7 @@ def blocks_of(
     in_lines(problem, made, spectra)
     blocks = []
     for lines, residual, spectrum in zip(made, residuals, spectra, strict=True):
-        blocks.append((lines @ lines.T, lines @ spectrum.lines(residual)))
+        blocks.append((products(lines, lines), products(lines, spectrum.lines(residual))))
     return blocks
 
 

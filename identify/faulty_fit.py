@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from copy import copy
 from dataclasses import replace
 from itertools import pairwise
@@ -62,6 +62,8 @@ class FaultyFit(OutputError):
         force: Force | None = None,
         signs: np.ndarray | None = None,
         keep: np.ndarray | None = None,
+        added: np.ndarray | None = None,
+        out: np.ndarray | None = None,
     ) -> np.ndarray:
         """(n,) response of one segment as the chain shows it; see ``OutputError.simulate``."""
         own = [
@@ -76,9 +78,12 @@ class FaultyFit(OutputError):
         sound.offsets = self.offsets[: self.plain]
         sound.segments = (*self.segments[:index], segment, *self.segments[index + 1 :])
         state = replace(state, offsets=state.offsets[: self.plain])
-        made = OutputError.simulate(sound, index, state, n, force, signs, keep)
+        made = OutputError.simulate(sound, index, state, n, force, signs, keep, added, out)
         for fault, sizes in own:
             made = fault.shown(made, self.segments[index], sizes)
+        if out is not None and made is not out:
+            out[:] = made
+            return out
         return made
 
     def shown_beside(self, index: int, state: State, made: np.ndarray) -> np.ndarray:
@@ -90,6 +95,10 @@ class FaultyFit(OutputError):
         if self.memory != FREE or fault.moves:
             return self.simulate(index, state)
         return fault.shown(made, self.segments[index], sizes)
+
+    def _point(self, state: State) -> tuple[Hashable, ...]:
+        """What a quotient depends on: the faults too, of which nothing is known again."""
+        return (object(),)
 
     def _is_sensors(self, k: int) -> bool:
         """Whether an unknown is what a sensor shows beside a motion that knows nothing of it: a fault may change it."""

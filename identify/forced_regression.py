@@ -20,9 +20,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from .hilbert import analytic_signal
+from .hilbert import LONG, analytic_signal
 from .regression import resting
-from .signals import Signal
+from .signals import Signal, thinned
 from .weakform import Solution, solve, windows
 
 #: Samples whose envelope is made at once, and cycles beside them.
@@ -30,6 +30,8 @@ _AT_ONCE = 2**16
 _BESIDE = 40.0
 OVERLAP = 4
 CURVE_POINTS = 60
+#: Samples a cycle of the highest frequency that are enough of a long record.
+_SAMPLES_A_CYCLE = 12.0
 
 
 @dataclass(frozen=True)
@@ -53,9 +55,14 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
     Raises BadInput when the force is constant, the record has fewer than ten cycles above its noise, or no positive
     mass comes out (then force and response do not belong together, or their signs or units differ).
     """
-    x, force, fs = displacement.samples, drive.samples, displacement.fs
-    if np.ptp(force) == 0:
+    if np.ptp(drive.samples) == 0:
         raise BadInput("The regression needs a force; this record has none: treat it as a free decay.")
+    factor = _more_than_enough(displacement, drive)
+    recorded, velocity = displacement.fs, None
+    if factor > 1:
+        velocity = thinned(np.gradient(displacement.samples, 1 / recorded, edge_order=2), factor)
+        displacement, drive = displacement.thinned(factor), drive.thinned(factor)
+    x, force, fs = displacement.samples, drive.samples, displacement.fs
     amplitude, growth, rate = _envelope(x, fs, displacement.frequency)
     sigma = max(displacement.noise, 1e-6 * float(np.std(x)))
     f = float(np.median(np.abs(rate[amplitude > 0.3 * np.max(amplitude)]))) / (2 * np.pi)
@@ -71,10 +78,10 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
     del growth, rate
     top_speed = float(np.quantile(speed, 0.995))
     speed = np.maximum(speed, 1e-4 * top_speed)
-    correction = _gradient_gain(view.omega, fs)  # what the central difference does to each bin
+    correction = _gradient_gain(view.omega, recorded)  # what the central difference does to each bin
 
     backbone = [view.project(b * x) for b in _backbone(amplitude / level)]
-    velocity = np.gradient(x, 1 / fs, edge_order=2)
+    velocity = np.gradient(x, 1 / fs, edge_order=2) if velocity is None else velocity
     damping = [view.project(d * velocity) / correction for d in _damping(amplitude / level, speed / top_speed)]
     del velocity, speed
     columns = np.stack([view.project(force), *backbone, *damping], axis=-1)
@@ -133,6 +140,13 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
         per_point=len(backbone) / grid.size,
         misfit=result.residual,
     )
+
+
+def _more_than_enough(displacement: Signal, drive: Signal) -> int:
+    """How many times more samples a long record has than the regression needs."""
+    if displacement.n < LONG:
+        return 1
+    return max(1, int(displacement.fs / (_SAMPLES_A_CYCLE * max(drive.band[1], displacement.frequency))))
 
 
 def backbone_basis(a: np.ndarray) -> np.ndarray:

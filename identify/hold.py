@@ -26,9 +26,10 @@ from .blows import ContactForce
 from .data import measured, noise_of
 from .delivered import Fit
 from .descent import in_lines
+from .given_back import give_back
 from .mismatch import gain_of_mismatch
 from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
-from .normal_equations import promise, pseudo_inverse, solve
+from .normal_equations import products, promise, pseudo_inverse, solve
 from .odds import DECISIVE
 from .offset import Offset
 from .output_error import Outcome, OutputError, State
@@ -114,10 +115,13 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     unknown = HoldFound("smooth", {}, {})
     here = problem.residuals(state)
     noise = _noise(problem, here, oscillator)
+    give_back()
     there = {hold: _under(problem, hold, recordings).residuals(state) for hold in HOLDS if hold != "smooth"}
     if max(_distance(left, here, noise) for left in there.values()) < _MATTERS:
         return unknown  # no parameter can be moved by more of its standard errors than the whole response is
-    lines = problem.derivatives(state, here)
+    lines = problem.derivatives(state, here, single=True)
+    problem.forget()
+    give_back()
     in_lines(problem, lines, noise)
     reached = _reached(problem, lines, here, noise)
     log_odds = {"smooth": 0.0} | {h: reached - _reached(problem, lines, left, noise) for h, left in there.items()}
@@ -287,7 +291,7 @@ def _reached(
     if not all(np.all(np.isfinite(r)) for r in residuals):
         return -math.inf  # nobody knows
     left = [spectrum.lines(r) for spectrum, r in zip(noise, residuals, strict=True)]
-    blocks = [(rows @ rows.T, rows @ r) for rows, r in zip(lines, left, strict=True)]
+    blocks = [(products(rows, rows), products(rows, r)) for rows, r in zip(lines, left, strict=True)]
     return 0.5 * (sum(_power(r) for r in left) - promise(blocks, *solve(blocks, 0.0, problem.shared)))
 
 

@@ -22,6 +22,8 @@ _SMALL = 1e-3
 #: ... nor where doubling the parameter would move the response by less than this part of it.
 _VISIBLE = 1e-6
 _SHORTEST_CYCLES = 10.0
+#: Samples that are looked at together.
+_AT_ONCE = 2**16
 
 
 def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment, ...], State]:
@@ -40,7 +42,10 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
         visible = _VISIBLE * float(np.max(np.abs(segment.response))) / sizes
 
         def jumping(k: int, i: int = i, cycle: int = cycle, visible: np.ndarray = visible) -> np.ndarray:
-            return _jumps(ways[0](i, k), ways[1](i, k), cycle, float(visible[k]))
+            both = np.empty((2, problem.segments[i].n))
+            for way, quotient in zip(ways, both, strict=True):
+                way(i, k, quotient)
+            return _jumps(both[0], both[1], cycle, float(visible[k]))
 
         jumps = np.zeros(segment.n, bool)
         for found in problem.map(jumping, range(len(problem.free))):
@@ -65,13 +70,22 @@ def _jumps(forward: np.ndarray, backward: np.ndarray, cycle: int, visible: float
     """
     from scipy.ndimage import maximum_filter1d
 
-    apart = maximum_filter1d(np.abs(forward - backward), cycle)
-    size = np.abs(forward, out=forward), np.abs(backward, out=backward)
-    floor = _SMALL * float(np.max(np.minimum(*size))) + visible
-    largest = maximum_filter1d(np.maximum(*size, out=forward), cycle)
-    largest *= _DISAGREE
-    largest += floor
-    return apart > largest
+    def size(of: slice) -> tuple[np.ndarray, np.ndarray]:
+        return np.abs(forward[of]), np.abs(backward[of])
+
+    jumps = np.empty(forward.size, bool)
+    parts = [slice(begin, begin + _AT_ONCE) for begin in range(0, forward.size, _AT_ONCE)]
+    floor = _SMALL * max(float(np.max(np.minimum(*size(part)))) for part in parts) + visible
+    for part in parts:
+        first = max(0, part.start - cycle)
+        wide = slice(first, part.stop + cycle)
+        apart = maximum_filter1d(np.abs(forward[wide] - backward[wide]), cycle)
+        largest = maximum_filter1d(np.maximum(*size(wide)), cycle)
+        largest *= _DISAGREE
+        largest += floor
+        own = slice(part.start - first, part.stop - first)
+        jumps[part] = apart[own] > largest[own]
+    return jumps
 
 
 def _longest(good: np.ndarray) -> tuple[int, int]:

@@ -41,7 +41,7 @@ class NoiseSpectrum:
         from scipy import fftpack
 
         made = np.asarray(fftpack.rfft(made, axis=-1, overwrite_x=overwrite))
-        return self._scaled(made, np.sqrt(self._counted / (self.n * self.density)))
+        return self._scaled(made, self._weights)
 
     def whitened_twice(self, lines: np.ndarray) -> np.ndarray:
         """(..., n) signals of given ``lines``, whitened once more: what a residual's inner product with these is."""
@@ -90,6 +90,10 @@ class NoiseSpectrum:
         if even:
             lines[..., -1] *= factors[-1]
         return lines
+
+    @cached_property
+    def _weights(self) -> np.ndarray:
+        return np.sqrt(self._counted / (self.n * self.density))
 
     @cached_property
     def _flat(self) -> bool:

@@ -14,8 +14,23 @@ import numpy as np
 _LOST = 1e-14
 _LEAST = 1.0 / (_LOST * float(np.finfo(float).max))
 
+#: Samples that are multiplied at once.
+_AT_ONCE = 2**14
+
 #: Normal matrix and gradient of one segment: shared unknowns first, then its own.
 Block = tuple[np.ndarray, np.ndarray]
+
+
+def products(rows: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """``rows @ others.T``; of rows in single precision in parts and summed in double, as so many are lost in single."""
+    if rows.dtype == float:
+        return rows @ others.T
+    total = np.zeros((rows.shape[0], *others.shape[:-1]))
+    for begin in range(0, rows.shape[1], _AT_ONCE):
+        part = slice(begin, begin + _AT_ONCE)
+        first = rows[:, part].astype(float)
+        total += first @ (first if others is rows else others[..., part].astype(float)).T
+    return total
 
 
 def promise(blocks: Sequence[Block], shared: np.ndarray, own: np.ndarray) -> float:

@@ -9,10 +9,10 @@ endless one the response is simulated freely, and this is output error.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Hashable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import cache
 from typing import Self, TypeVar
 
@@ -21,11 +21,15 @@ import numpy as np
 from ..simulate.core import Core
 from ..simulate.force import Force
 from .descent import Descent, blocks_of
+from .given_back import give_back
+from .hilbert import LONG
 from .jump_sides import nearer_sides
+from .known_quotients import KnownQuotients, kept, put_quotient, restore, without_impossible
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
+from .search_point import Outcome, State
 from .segments import Segment
 
 Item = TypeVar("Item")
@@ -42,42 +46,6 @@ _MOST_TURN = 2.0
 def _pool() -> ThreadPoolExecutor:
     """The threads that simulate; one set for all searches of the process."""
     return ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """A point of the search.
-
-    Attributes:
-        values: (parameters,), shared by all segments.
-        initial: (segments, states) initial states as ``Core.begin`` takes them.
-        offsets: (offsets,) of the sensors, in the order of ``OutputError.offsets``.
-    """
-
-    values: np.ndarray
-    initial: np.ndarray
-    offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
-
-
-@dataclass(frozen=True, eq=False)
-class Outcome:
-    """Where the search ended.
-
-    Attributes:
-        state: best point.
-        cost: negative log-likelihood, but for what does not depend on the parameters.
-        information: (k, k) information matrix of the free parameters, all else eliminated.
-        residuals: measured minus response, one (n,) array a segment.
-        iterations: steps taken.
-        converged: whether the search came to rest rather than to its limit of steps.
-    """
-
-    state: State
-    cost: float
-    information: np.ndarray
-    residuals: tuple[np.ndarray, ...]
-    iterations: int
-    converged: bool
 
 
 class OutputError:
@@ -127,6 +95,7 @@ class OutputError:
         #: Free parameters and offsets: what segments share.
         self.shared = len(self.free) + len(self.offsets)
         self._pool = _pool()
+        self._known = KnownQuotients()
 
     def predicting(self, memory: float) -> OutputError:
         """The same with another memory."""
@@ -157,7 +126,8 @@ class OutputError:
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
     ) -> list[Block]:
         """Normal matrix and gradient of each segment at a point, whitened by the noise."""
-        return blocks_of(self, self.derivatives(state, residuals), residuals, noise, consumed=True)
+        rows = self.derivatives(state, residuals, single=True)
+        return blocks_of(self, rows, residuals, noise, consumed=True)
 
     def map(self, function: Callable[[Item], T], items: Sequence[Item]) -> list[T]:
         """Results of a function that is mostly simulation or linear algebra, item by item."""
@@ -189,13 +159,13 @@ class OutputError:
         force: Force | None = None,
         signs: np.ndarray | None = None,
         keep: np.ndarray | None = None,
+        added: np.ndarray | None = None,
+        out: np.ndarray | None = None,
     ) -> np.ndarray:
-        """(n,) response of one segment, its sensor's offset in it, to its own force or to another."""
+        """(n,) response of one segment, its sensor's offset in it, to its own force or another, and what is added."""
         segment = self.segments[index]
         force = force or self.force(segment)
         shown, pushes = zeros_along(self.offsets, state.offsets, segment)
-        if force is not None and pushes:
-            force = force.shifted(-pushes)
         measured = gain = None
         if self.memory != FREE:
             own = prediction_gain(self.memory, segment.pace, segment.dt, segment.quantity)
@@ -215,6 +185,9 @@ class OutputError:
             signs=signs,
             keep=keep,
             quantity=segment.quantity,
+            added=added,
+            load=-pushes if force is not None else 0.0,
+            out=out,
         )
         if np.any(shown):
             made += shown[: made.size] if shown.ndim else float(shown)
@@ -232,7 +205,8 @@ class OutputError:
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
 
-        made = self.map(lambda i: self._beside_jumps(i, state)[0], range(len(self.segments)))
+        room = [np.empty(segment.n) for segment in self.segments]
+        made = self.map(lambda i: self._beside_jumps(i, state, room[i])[0], range(len(self.segments)))
         return tuple(np.subtract(s.response, shown, out=shown) for s, shown in zip(self.segments, made, strict=True))
 
     def states(self, index: int, state: State) -> np.ndarray:
@@ -242,20 +216,27 @@ class OutputError:
         n, step = segment.n, self.max_step
         return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
 
-    def derivatives(self, state: State, residuals: Sequence[np.ndarray]) -> list[np.ndarray]:
+    def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, single: bool = False) -> list[np.ndarray]:
         """(shared + states, n) derivatives of each segment's response: free parameters, offsets, its initial state.
 
         Where the response jumps (an acceleration, when friction turns), all runs of a segment show what their states
         give under the same signs, sample by sample: the jump itself has no derivative. Where a hair decides whether
         friction holds the mass, a difference quotient is no derivative either: samples at which a parameter would move
-        the response by more than its phase can turn are left at zero.
+        the response by more than its phase can turn are left at zero. With ``single`` those of long segments come in
+        single precision, to which a quotient is good.
         """
+        if max(segment.n for segment in self.segments) >= LONG:
+            give_back()
         quotient = self.quotients(state, residuals)
-        made = [np.zeros((self.shared + self.core.states, segment.n)) for segment in self.segments]
+        count = self.shared + self.core.states
+        made = [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
 
         def fill(place: tuple[int, int]) -> None:
             i, k = place
-            made[i][k] = self._shown_by(i, k) if self._is_sensors(k) else quotient(i, k)
+            if self._is_sensors(k):
+                made[i][k] = self._shown_by(i, k)
+            else:
+                quotient(i, k, made[i][k])
 
         self.map(fill, [(i, k) for i, segment in enumerate(self.segments) for k in self._moving(segment)])
         for i, rows in enumerate(made):
@@ -264,26 +245,41 @@ class OutputError:
 
     def quotients(
         self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False
-    ) -> Callable[[int, int], np.ndarray]:
-        """Gives (n,) the difference quotient of one segment's response by one unknown, there.
+    ) -> Callable[[int, int, np.ndarray], None]:
+        """Puts the difference quotient of one segment's response by one unknown, there, into an array (n,).
 
         To the other side where the model does not simulate beyond; else zero. Under the same signs as ``derivatives``.
         """
         jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
         signs = dict(zip(jumping, self.map(lambda i: self._beside_jumps(i, state)[1], jumping), strict=True))
 
-        def quotient(i: int, k: int) -> np.ndarray:
+        known = {} if backward else self._known.at(self._point(state))
+
+        def quotient(i: int, k: int, out: np.ndarray) -> None:
+            unknown = i, self.free[k] if k < len(self.free) else self.shared - k - 1
+            if unknown in known:
+                restore(known[unknown], out)
+                return
             ahead = (-self.step if backward else self.step) * self._size(i, k, state)
-            for step in (ahead, -ahead):
-                moved = self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i))
-                moved -= self.segments[i].response
-                moved += residuals[i]
-                moved /= step
-                if np.all(np.isfinite(moved)):
-                    return moved
-            return np.zeros(self.segments[i].n)
+
+            def moved(step: float, room: np.ndarray) -> None:
+                self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i), out=room)
+
+            put_quotient(moved, ahead, self.segments[i].response, residuals[i], out)
+            if not backward and out.size >= LONG and not len(self.free) <= k < self.shared:
+                known[unknown] = kept(out)
 
         return quotient
+
+    def forget(self) -> None:
+        """Make room of the quotients that are known at the last point, where nobody will ask for them again."""
+        self._known.at(())
+
+    def _point(self, state: State) -> tuple[Hashable, ...]:
+        """What a quotient depends on."""
+        felt = [self.memory != FREE or offset.channel == "force" for offset in self.offsets]
+        how = self.segments, self.memory, self.coarse, self.step
+        return (*how, state.values.tobytes(), state.initial.tobytes(), state.offsets[felt].tobytes())
 
     def _moving(self, segment: Segment) -> list[int]:
         """Unknowns by which a segment's response changes at all."""
@@ -312,18 +308,17 @@ class OutputError:
         cycles = max(1.0, min(self.memory, segment.n * segment.dt * segment.pace / (2 * np.pi)))
         span = max(float(np.ptp(segment.response)), float(np.ptp(segment.response - residual)))
         limits = [_MOST_TURN * np.pi * cycles * span / self._size(i, k, state) for k in range(len(self.free))]
-        beyond = [np.abs(row) > limit for row, limit in zip(rows, limits, strict=False) if np.max(np.abs(row)) > limit]
-        if beyond:
-            rows[:, np.any(beyond, axis=0)] = 0.0
+        without_impossible(rows, limits)
 
     def _jumps(self, i: int) -> bool:
         """Whether a segment's response jumps where a surface is crossed."""
         return self.segments[i].quantity == "acceleration" and bool(self.core.equations.kinds)
 
-    def _beside_jumps(self, i: int, state: State) -> tuple[np.ndarray, np.ndarray]:
+    def _beside_jumps(self, i: int, state: State, out: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
         """(n,) response of a segment, beside its jumps on the nearer side, and (n, surfaces + 1) the signs it has."""
-        segment, keep = self.segments[i], self.core.signs(self.segments[i].n)
-        response = self.simulate(i, state, keep=keep if self._jumps(i) else None)
+        segment = self.segments[i]
+        keep = self.core.signs(segment.n if self._jumps(i) else 0)
+        response = self.simulate(i, state, keep=keep if self._jumps(i) else None, out=out)
         if self.memory != FREE or not self._jumps(i):  # what a prediction corrects by is as simulated
             return response, keep
         return nearer_sides(segment, response, keep, lambda signs: self.simulate(i, state, signs=signs))

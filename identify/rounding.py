@@ -20,6 +20,7 @@ from ..recording.fact import fact
 from ..recording.recording import Recording
 from ..recording.resolution import converter_step
 from .blows import ContactForce
+from .normal_equations import products
 from .output_error import OutputError, State
 from .signals import Signal, drive_of, response_of
 
@@ -84,6 +85,12 @@ def _of_force(recording: Recording) -> Rounding | None:
     return None if drive is None else rounding_of(drive)
 
 
+def measure_rounding(recording: Recording) -> None:
+    """Know from here on what ``scatter_of_rounding`` asks of a recording."""
+    _of_response(recording)
+    _of_force(recording)
+
+
 def _below(samples: np.ndarray, highest: float) -> np.ndarray:
     """(n,) samples without what lies above ``highest`` cycles a sample; continued by point reflection at its ends."""
     n = samples.size
@@ -129,9 +136,8 @@ def scatter_of_rounding(
         if shown is not None:
             error += shown.error(random, within)
         if driven is not None and force is not None:
-            other = force.with_added(driven.error(random, within), segment.dt)
-            error += problem.simulate(i, state, force=other) - base
-        return weighed @ error
+            error += problem.simulate(i, state, added=driven.error(random, within)) - base
+        return products(weighed, error)
 
     scores = np.array(problem.map(score, range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]

@@ -60,6 +60,10 @@ class Core:
             _BYTES,
             _BYTES,
             ctypes.c_int,
+            _DOUBLES,
+            ctypes.c_int,
+            ctypes.c_double,
+            ctypes.c_int,
         ]
 
     def begin(self, initial: np.ndarray) -> np.ndarray:
@@ -103,6 +107,9 @@ class Core:
         signs: np.ndarray | None = None,
         keep: np.ndarray | None = None,
         quantity: str | None = None,
+        added: np.ndarray | None = None,
+        load: float = 0.0,
+        out: np.ndarray | None = None,
     ) -> np.ndarray:
         """Response over a recording, or its prediction from one sample to the next.
 
@@ -125,6 +132,9 @@ class Core:
             keep: (n, surfaces + 1) int8, filled with the signs at each sample.
             quantity: what the recording shows; None is what the model's response is. Another one is the motion itself:
                 the model's laws of a sensor are of its own response.
+            added: (n,) samples of what is added to the force, as ``Force.with_added`` joins them, without a copy of it.
+            load: a constant that is added to it.
+            out: (n,) where the response goes, if given.
 
         Returns:
             (n,) response as recorded, or (n, states); NaN from where the simulation failed (the motion grew beyond
@@ -136,7 +146,10 @@ class Core:
             force = straight_lines(force, dt)
         if force is not None and force.pieces.shape[0] < (n - 1) * force.fine:
             raise BadInput(f"the force covers {force.pieces.shape[0] // force.fine + 1} samples where {n} are needed")
-        y = np.full(n, np.nan)
+        if added is not None:
+            added = np.ascontiguousarray(added[:n], float)
+        y = np.empty(n) if out is None else out
+        y.fill(np.nan)
         z = np.full((n, self.states), np.nan) if states else None
         if measured is not None:
             measured, gain = np.ascontiguousarray(measured, float), np.ascontiguousarray(gain, float)
@@ -157,6 +170,10 @@ class Core:
             None if signs is None else signs.ctypes.data_as(_BYTES),
             None if keep is None else keep.ctypes.data_as(_BYTES),
             self.equations.output(quantity or self.quantity),
+            _pointer(added),
+            force is not None and force.hold != "zero" and force.fine == force.joined,
+            load,
+            1 if force is None else force.joined,
         )
         return y if z is None else z
 

@@ -19,6 +19,12 @@ SAMPLES_A_CYCLE = 30.0
 #: that what lies beyond them is below rounding.
 _AT_ONCE = 2**16
 _BESIDE = 40
+#: Samples beyond each end by which a force is continued where it is up-sampled.
+_REFLECTED = 512
+#: A force of so many samples is up-sampled in parts too, with as many beside them as make their ends felt no more: what
+#: lies beyond tells less than one part in so many of the highest frequencies, where there is noise.
+_LONG = 2**18
+_NEIGHBOURS = 1024
 
 
 @dataclass(frozen=True)
@@ -30,11 +36,13 @@ class Force:
             between samples where the last sample's value is not the end of the piece before it.
         fine: pieces a sample interval.
         hold: what they make of the samples: ``zero``, ``linear`` or ``smooth``.
+        joined: so many of them are taken as one, with the values and slopes at its ends.
     """
 
     pieces: np.ndarray
     fine: int = 1
     hold: str = "smooth"
+    joined: int = 1
 
     def coarser(self, times: int, dt: float) -> Force:
         """The same force in up to so many times fewer pieces, each with the values and slopes of the old at its ends.
@@ -44,6 +52,8 @@ class Force:
         fewer = max(k for k in range(1, times + 1) if self.fine % k == 0)
         if fewer == 1:
             return self
+        if self.pieces.shape[0] >= _LONG:
+            return replace(self, joined=fewer)  # by whoever takes them, without a copy
         count = self.pieces.shape[0] // fewer * fewer
         first, last = self.pieces[:count:fewer], self.pieces[fewer - 1 : count : fewer]
         short = dt / self.fine
@@ -150,10 +160,14 @@ def upsample(samples: np.ndarray, factor: int) -> np.ndarray:
     The ends are continued by point reflection, so that no step appears there; the Fourier interpolation is then exact
     for what lies below half the sampling frequency.
     """
+    return _upsampled_in_parts(samples, factor) if samples.size >= _LONG else _upsampled(samples, factor)
+
+
+def _upsampled(samples: np.ndarray, factor: int) -> np.ndarray:
     from scipy.signal import resample
 
     n = samples.size
-    pad = min(n - 1, 512)
+    pad = min(n - 1, _REFLECTED)
     left = 2.0 * samples[0] - samples[pad:0:-1]
     right = 2.0 * samples[-1] - samples[-2 : -pad - 2 : -1]
     wide = np.concatenate([left, samples, right])
@@ -166,3 +180,16 @@ def upsample(samples: np.ndarray, factor: int) -> np.ndarray:
     fine = fine[pad * factor : (pad + n - 1) * factor + 1]
     ramp = np.interp(np.arange(fine.size) / factor + pad, np.arange(wide.size), trend)
     return fine + ramp
+
+
+def _upsampled_in_parts(samples: np.ndarray, factor: int) -> np.ndarray:
+    """``upsample`` of a long force, in parts that overlap."""
+    last = samples.size - 1
+    fine = np.empty(last * factor + 1)
+    count = _AT_ONCE - 2 * (_NEIGHBOURS + _REFLECTED)
+    for begin in range(0, last, count):
+        end = min(begin + count, last)
+        first = max(0, begin - _NEIGHBOURS)
+        part = _upsampled(samples[first : min(end + _NEIGHBOURS, last) + 1], factor)
+        fine[begin * factor : end * factor + 1] = part[(begin - first) * factor : (end - first) * factor + 1]
+    return fine

@@ -20,7 +20,7 @@ class Line:
     def residuals(self, state):
         return (self.measured - state.values @ self.rows,)
 
-    def derivatives(self, state, residuals):
+    def derivatives(self, state, residuals, *, single=False):
         return [self.rows.copy()]
 
     def map(self, function, items):
@@ -104,7 +104,7 @@ def test_every_segment_finds_its_own_initial_state():
         def residuals(self, state):
             return (self.measured + 0.5 * self.start - state.values @ self.rows - state.initial[0] @ [self.start],)
 
-        def derivatives(self, state, residuals):
+        def derivatives(self, state, residuals, *, single=False):
             return [np.vstack([self.rows, self.start])]
 
     descent = Descent(WithStart(), State(np.zeros(2), np.zeros((1, 1))))  # type: ignore[arg-type]

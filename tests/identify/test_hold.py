@@ -151,7 +151,11 @@ def compared(
 
     point = SimpleNamespace(residuals=(), state=None)
     problem = SimpleNamespace(
-        residuals=lambda _: (), search=lambda *_, **__: point, segments=(), derivatives=lambda *_: []
+        forget=lambda: None,
+        residuals=lambda _: (),
+        search=lambda *_, **__: point,
+        segments=(),
+        derivatives=lambda *_, **how: [],
     )
     linearised = iter([0.0, -ahead, -ahead])
     monkeypatch.setattr(module, "in_lines", lambda *_: None)

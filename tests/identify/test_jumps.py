@@ -58,12 +58,15 @@ def smoothed(jump_at: int | None, n: int = 30 * CYCLE):
     if jump_at is not None:
         backward[0, jump_at] = 0.0
 
+    def quotients(*_, **how):
+        return lambda _, k, out: np.copyto(out, (backward if how.get("backward") else forward)[k])
+
     problem = SimpleNamespace(
         segments=(segment,),
         free=(0,),
         scale=np.ones(1),
         residuals=lambda _: None,
-        quotients=lambda *_, **how: lambda _, k: (backward if how.get("backward") else forward)[k].copy(),
+        quotients=quotients,
         map=lambda function, items: [function(item) for item in items],
         states=lambda i, state: np.arange(n)[:, None],
         core=SimpleNamespace(initial=lambda along: along + 0.5),

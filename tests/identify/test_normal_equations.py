@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.normal_equations import least_squares, promise, pseudo_inverse, shared_information, solve
+from dashpot.identify.normal_equations import (
+    least_squares,
+    products,
+    promise,
+    pseudo_inverse,
+    shared_information,
+    solve,
+)
 
 SHARED, OWN, SEGMENTS, SAMPLES = 4, 3, 5, 40
 
@@ -129,3 +136,16 @@ def test_least_squares_in_the_columns_that_are_used():
     solved = least_squares(columns.T @ columns, columns.T @ target, used)
     assert solved[used] == pytest.approx(np.linalg.lstsq(columns[:, used], target)[0])
     assert solved[1] == 0.0
+
+
+def test_rows_in_single_precision_are_summed_in_double():
+    random = np.random.default_rng(0)
+    rows = random.standard_normal((3, 100_001)).astype(np.float32)
+    rows[1] = rows[0] + 1e-3 * rows[1]  # of which sums in single precision would not tell the difference
+    vector = random.standard_normal(100_001)
+    exact = rows.astype(float)
+    size = np.linalg.norm(exact, axis=1)
+    assert products(rows, rows) / np.outer(size, size) == pytest.approx(
+        exact @ exact.T / np.outer(size, size), abs=1e-13
+    )
+    assert products(rows, vector) / size == pytest.approx(exact @ vector / size, abs=1e-11)

@@ -9,7 +9,9 @@ from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.prediction import prediction_gain
 from dashpot.model import Oscillator, Response
+from dashpot.simulate import force as forces
 from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.force import force_between
 
 DT, N = 1e-3, 3000
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
@@ -144,3 +146,28 @@ def test_kept_signs_are_those_of_the_motion():
 def test_a_force_that_is_too_short_is_refused():
     with pytest.raises(BadInput, match="the force covers 100 samples where 3000 are needed"):
         core()(force=FORCE[:100])
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear", "smooth"])
+@pytest.mark.parametrize("highest", [10.0, 100.0])
+def test_what_is_added_to_a_force_is_as_if_it_had_been_in_its_pieces(hold, highest):
+    run, force = core(), force_between(FORCE, DT, hold, highest)
+    samples = 0.1 * np.random.default_rng(0).standard_normal(N)
+    expected = run(force=force.with_added(samples, DT).shifted(0.05))
+    room = np.empty(N)
+    assert run(force=force, added=samples, load=0.05, out=room) is room
+    assert np.array_equal(room, expected)
+
+
+def test_pieces_that_are_joined_on_the_way_are_those_of_a_coarser_force(monkeypatch):
+    run, force = core(), force_between(FORCE, DT, "smooth", 150.0)
+    assert force.fine == 5
+    other = force_between(FORCE, DT, "smooth", 200.0)
+    assert other.fine == 6
+    expected = [run(force=force.coarser(5, DT)), run(force=other.coarser(3, DT))]
+    monkeypatch.setattr(forces, "_LONG", 1000)
+    joined = [force.coarser(5, DT), other.coarser(3, DT)]
+    assert [one.joined for one in joined] == [5, 3]
+    assert joined[0].pieces is force.pieces
+    for one, y in zip(joined, expected, strict=True):
+        assert run(force=one) == pytest.approx(y, abs=1e-12 * np.max(np.abs(y)))

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dashpot.simulate import force as forces
 from dashpot.simulate.force import force_between, smooth_force, staircase, straight_lines, upsample
 from scipy.interpolate import CubicSpline
 
@@ -106,3 +107,13 @@ def test_a_long_spline_is_made_in_parts_and_is_one():
     pieces = smooth_force(samples, 1.0, 0.01).pieces
     whole = CubicSpline(np.arange(samples.size), samples).c[::-1].T
     assert np.max(np.abs(pieces - whole)) < 1e-12 * np.max(np.abs(samples))
+
+
+def test_a_long_force_is_up_sampled_in_parts_and_is_one(monkeypatch):
+    samples = np.sin(np.cumsum(0.3 + 0.2 * np.sin(np.arange(150_001) / 3000.0)))  # 13 to 60 samples a cycle
+    whole = upsample(samples, 3)
+    monkeypatch.setattr(forces, "_LONG", 1000)
+    monkeypatch.setattr(forces, "_AT_ONCE", 2**14)
+    parts = upsample(samples, 3)
+    assert parts[::3] == pytest.approx(samples, abs=1e-12)
+    assert np.max(np.abs(parts - whole)[2000:-2000]) < 1e-6

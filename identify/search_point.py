@@ -1,0 +1,43 @@
+"""Where a search is, and where it ended."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """A point of the search.
+
+    Attributes:
+        values: (parameters,), shared by all segments.
+        initial: (segments, states) initial states as ``Core.begin`` takes them.
+        offsets: (offsets,) of the sensors, in the order of ``OutputError.offsets``.
+    """
+
+    values: np.ndarray
+    initial: np.ndarray
+    offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """Where the search ended.
+
+    Attributes:
+        state: best point.
+        cost: negative log-likelihood, but for what does not depend on the parameters.
+        information: (k, k) information matrix of the free parameters, all else eliminated.
+        residuals: measured minus response, one (n,) array a segment.
+        iterations: steps taken.
+        converged: whether the search came to rest rather than to its limit of steps.
+    """
+
+    state: State
+    cost: float
+    information: np.ndarray
+    residuals: tuple[np.ndarray, ...]
+    iterations: int
+    converged: bool
