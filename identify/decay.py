@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Decay:
-    """A free decay: samples start to stop of a recording, as Python slices them.
-
-    Where a recorded force says so, nothing drives it up to the sample ``undriven``; the noise hides the end of it.
-    """
+    """A free decay: samples start to stop of a recording, as Python slices them."""
 
     start: int
     stop: int
-    undriven: int | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)

@@ -82,7 +82,7 @@ def force_off(force: np.ndarray, envelope: Envelope) -> list[Decay]:
         # a blow strikes within a cycle: the envelope is at its height a cycle later
         begin = float(np.max(size[start : start + period]))
         if begin > 2 * end_level and (size[tail] < 0.8 * begin):
-            decays.append(Decay(start, fading, stop))
+            decays.append(Decay(start, fading))
     return decays
 
 

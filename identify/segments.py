@@ -15,7 +15,6 @@ from .blows import ContactForce, contact_force, through
 from .decays import find_free_motion, force_is_silent
 from .hilbert import noise_level
 from .signals import response_of
-from .tail import with_tails
 
 #: A recording of so many natural periods is one of a rig that swings ...
 _SWINGS = 10.0
@@ -106,8 +105,7 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
     """Segments of all recordings.
 
     A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
-    force, or with a silent one, contributes its decays alone. What has sunk into the noise still says when it ended
-    (``tail``). The rest of a recording with force is forced; a hammer's
+    force, or with a silent one, contributes its decays alone. The rest of a recording with force is forced; a hammer's
     blow is simulated together with the ringing after it. Where nothing moves there is
     nothing to fit.
 
@@ -124,7 +122,7 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
         least = _SHORTEST_SLIDE * 2 * np.pi / pace * recording.fs
         force = recording.force
         motion = find_free_motion(recording)
-        decays = with_tails(recording, motion)
+        decays = motion.decays
         ends = [(decay.start, decay.stop, False) for decay in decays]
         period = round(2 * np.pi / pace * recording.fs)
         if motion.blows and force is not None:
