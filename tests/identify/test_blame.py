@@ -6,17 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.examples.lies import (
-    STANDS,
-    Lie,
-    clipped_peak,
-    force_gain,
-    of_another_rig,
-    response_gain,
-    told,
-    walk,
-    wavering,
-)
+from dashpot.examples.lies import STANDS, Lie, of_another_rig, told
+from dashpot.examples.measuring_chain import clipped_peak, force_gain, response_gain, walk, wavering
 from dashpot.identify import identify
 from dashpot.identify.blame import in_words
 from dashpot.identify.contradiction import Contradiction
