@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import tempfile
@@ -207,7 +208,7 @@ def identify(
         )
     if mass is not None:
         fix = fix | {"mass": mass}
-    if not fix.get("mass", 1.0) > 0:
+    if not 0 < fix.get("mass", 1.0) < math.inf:
         raise BadInput(f"a mass of {fix['mass']:g} kg moves nowhere; give a positive number")
     laws = [find_law(effect).name for effect in effects]
     begin = None if start is None else load(start)

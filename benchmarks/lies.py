@@ -1,7 +1,7 @@
 """Counts which lies of recordings are told: `benchmarks/lies.py FILE [STAND...]`.
 
-By `identify` as a user calls it, with nothing asked for: how many of its stated errors the worst parameter is off, and
-what is said of the record that lies. FILE takes a line of JSON a recording, as soon as it is done; begun again with
+As a user reads and identifies them, with nothing asked for: how many of its stated errors the worst parameter is off,
+and what is said of the record that lies. FILE takes a line of JSON a recording, as soon as it is done; begun again with
 the same file, what is in there is not done again. `honest.py` has the other half: false words.
 """
 
@@ -16,6 +16,7 @@ from pathlib import Path
 from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS, Lie, Stand, lies, told
 from dashpot.identify import identify
+from dashpot.recording.checks import check
 
 #: Stated errors beyond which a number is wrong.
 WRONG = 5.0
@@ -29,8 +30,11 @@ def outcome(stand: Stand, lie: Lie) -> dict[str, object]:
     """
     recordings = told(stand, lie)
     name = recordings[lie.record].name
-    off = 0.0
+    off, problems = 0.0, [problem for recording in recordings for problem in check(recording)]
+    remarks = [problem.sentence for problem in problems]
     try:
+        if errors := [problem.sentence for problem in problems if problem.severity == "error"]:
+            raise BadInput(" ".join(errors))  # as reading the file does
         found = identify(recordings)
     except BadInput as problem:
         said, noted = [str(problem)], []
@@ -38,7 +42,7 @@ def outcome(stand: Stand, lie: Lie) -> dict[str, object]:
         parameters = found.oscillator.parameters()
         off = max(abs(p.value - stand.values[key]) / p.std for key, p in parameters.items() if p.std)
         contradicted = [n for n in found.notes if "does not agree with" in n or "contradict" in n]
-        said, noted = [*found.faults, *contradicted], list(found.notes)
+        said, noted = [*found.faults, *contradicted], [*remarks, *found.notes]
     if any(name in s and lie.is_named(s) for s in (*said, *noted)):
         verdict = "named"
     elif any(name in s for s in said):
@@ -52,9 +56,9 @@ def main(file: Path, names: list[str]) -> None:
     """Do what is not in the file, and count what is."""
     kept = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
     done = {(row["stand"], row["lie"]) for row in kept}
-    pairs = zip(*(((name, lie) for lie in lies(STANDS[name])) for name in names), strict=True)
+    turns = zip(*(lies(STANDS[name]) for name in names), strict=True)
     with file.open("a") as lines:
-        for name, lie in (pair for row in pairs for pair in row):  # the stands in turn
+        for name, lie in (pair for turn in turns for pair in zip(names, turn, strict=True)):
             if (name, lie.name) in done:
                 continue
             began = time.monotonic()

@@ -41,7 +41,8 @@ from .virtual_recording import recording_of
 WORDS = {
     "gain": ("the response counts",),
     "force gain": ("the force counts",),
-    "late": ("in step",),
+    "late": ("in step", "cycle late"),
+    "sign": ("its sign", "leaps by"),
     "hum": ("lies on the response",),
     "force hum": ("lies on the force",),
     "step": ("zero steps", "leaps by"),
@@ -54,9 +55,9 @@ WORDS = {
     "levels": ("levels",),
     "lost": ("leaps by", "lost"),
     "twice": ("twice", "leaps by"),
-    "held": ("leaps by", "held", "stands still"),
-    "zeros": ("leaps by", "zero"),
-    "outlier": ("leaps by",),
+    "held": ("leaps by", "stands still"),
+    "zeros": ("leaps by", "stands still"),
+    "outlier": ("leaps by", "is off by"),
 }
 
 
@@ -190,7 +191,7 @@ def lies(stand: Stand) -> tuple[Lie, ...]:
         Lie("response x0.97, weak", "gain", 1, response_gain(0.97, 0.5)),
         Lie("response x1.15 throughout", "gain", 1, response_gain(1.15, 0.0), also=("force gain",)),
         Lie("response x0.85 on the decay", "gain", 0, response_gain(0.85, 0.15)),
-        Lie("response turned over", "gain", 2, response_gain(-1.0, 0.5)),
+        Lie("response turned over", "sign", 2, response_gain(-1.0, 0.5)),
         Lie("force x1.25 throughout", "force gain", 2, force_gain(1.25, 0.0), also=("gain", "another rig")),
         Lie("force x0.95, weak", "force gain", 1, force_gain(0.95, 0.6)),
         Lie("force x1.5", "force gain", 2, force_gain(1.5, 0.7)),
