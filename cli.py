@@ -355,6 +355,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Entry point: whatever happens has one of the ends that ``endings`` knows."""
     # the simulations have threads of their own; those of the linear algebra would only stand in their way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ["MPLBACKEND"] = "agg"  # a command draws into files alone, whatever is set for windows
 
     def command() -> None:
         with waiting_told():

@@ -69,3 +69,13 @@ def test_the_words_say_which_part_and_what_may_be_the_cause():
     assert same.startswith("what it shows until 10 s and what it shows from 10 s on contradict each other")
     others = contradicted(Part(weak, 4, 6), Part(strong, 0, 24), reached=False)
     assert others.startswith("from 4 to 6 s it contradicts strong.csv, and the rest agrees with either")
+
+
+@pytest.mark.long
+def test_where_one_recording_leads_the_search_astray_the_others_say_which():
+    stand = STANDS["fast"]
+    found = identify(told(stand, Lie("", "wavering", 2, wavering(0.01, 3.0))))
+    assert len(found.faults) == 1
+    assert found.faults[0].startswith("strong.csv: its clock wavers by 0.99")
+    parameters = found.oscillator.parameters()
+    assert max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std) < 5.0
