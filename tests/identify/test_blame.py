@@ -72,10 +72,18 @@ def test_the_words_say_which_part_and_what_may_be_the_cause():
 
 
 @pytest.mark.long
-def test_where_one_recording_leads_the_search_astray_the_others_say_which():
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (wavering(0.01, 3.0), "its clock wavers by 0.99"),
+        (of_another_rig(STANDS["fast"], omega0=0.95), "it agrees with one rig, 45.3"),
+    ],
+    ids=["wavering", "another rig"],
+)
+def test_where_one_recording_leads_the_search_astray_the_others_say_which(change, words):
     stand = STANDS["fast"]
-    found = identify(told(stand, Lie("", "wavering", 2, wavering(0.01, 3.0))))
+    found = identify(told(stand, Lie("", "", 2, change)))
     assert len(found.faults) == 1
-    assert found.faults[0].startswith("strong.csv: its clock wavers by 0.99")
+    assert found.faults[0].startswith(f"strong.csv: {words}")
     parameters = found.oscillator.parameters()
     assert max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std) < 5.0
