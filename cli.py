@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import tempfile
@@ -207,7 +208,7 @@ def identify(
         )
     if mass is not None:
         fix = fix | {"mass": mass}
-    if not fix.get("mass", 1.0) > 0:
+    if not 0 < fix.get("mass", 1.0) < math.inf:
         raise BadInput(f"a mass of {fix['mass']:g} kg moves nowhere; give a positive number")
     laws = [find_law(effect).name for effect in effects]
     begin = None if start is None else load(start)
@@ -354,6 +355,7 @@ def main(arguments: list[str] | None = None) -> None:
     """Entry point: whatever happens has one of the ends that ``endings`` knows."""
     # the simulations have threads of their own; those of the linear algebra would only stand in their way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ["MPLBACKEND"] = "agg"  # a command draws into files alone, whatever is set for windows
 
     def command() -> None:
         with waiting_told():

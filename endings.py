@@ -54,6 +54,8 @@ def ended(command: Callable[[], Any]) -> None:
 def _end(problem: BaseException) -> NoReturn:
     if os.environ.get(TRACEBACK) and not isinstance(problem, (SystemExit, click.exceptions.Exit)):
         traceback.print_exception(problem)
+    if isinstance(problem, SystemExit) and type(sys.stdout).__name__.endswith("PacifyFlushWrapper"):
+        problem = BrokenPipeError()  # of which click makes an end of its own, with 1
     if isinstance(problem, SystemExit):
         raise problem
     if isinstance(problem, click.exceptions.Exit):

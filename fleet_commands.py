@@ -11,7 +11,7 @@ from typing import Any
 import click
 
 from .errors import BadInput
-from .options import FILE, with_laws
+from .options import FILE, Above, with_laws
 from .several_values import CommandOfSeveral, SeveralValues
 from .terminal import outputs_checked, print_json, say
 
@@ -48,7 +48,7 @@ def _cores() -> int:
 )
 @click.option(
     "--time-limit",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Above(),
     default=3600.0,
     show_default=True,
     metavar="S",
@@ -56,7 +56,7 @@ def _cores() -> int:
 )
 @click.option(
     "--memory-limit",
-    type=click.FloatRange(min=0, min_open=True),
+    type=Above(),
     metavar="MB",
     help="Most address space of one process, not on Windows; default: what there is.",
 )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -14,6 +15,21 @@ if TYPE_CHECKING:
     from .recording import Recording
 
 FILE = click.Path(path_type=Path)
+
+
+class Above(click.FloatRange):
+    """A number above zero, which nan is not, up to the largest."""
+
+    def __init__(self, most: float | None = None) -> None:
+        super().__init__(min=0, min_open=True, max=most)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """See ``click.FloatRange``."""
+        number = super().convert(value, param, ctx)
+        if math.isnan(number):
+            self.fail(f"{value} is not in the range {self._describe_range()}.", param, ctx)
+        return number
+
 
 _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--time", metavar="COLUMN", help="Column of the time, by name, pattern ('*clock*') or number."),
@@ -43,7 +59,7 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),
     click.option(
         "--max-size",
-        type=click.FloatRange(min=0, min_open=True, max=1e6),
+        type=Above(1e6),
         default=500.0,
         show_default=True,
         metavar="MB",
@@ -67,7 +83,7 @@ def with_time_limit(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option that says how long an FMU may take."""
     return click.option(
         "--time-limit",
-        type=click.FloatRange(min=0, min_open=True, max=1e6),
+        type=Above(1e6),
         default=30.0,
         show_default=True,
         metavar="S",

@@ -22,8 +22,15 @@ def content_of(path: str | os.PathLike[str], most: int) -> bytes:
     mode = Path(path).stat().st_mode
     if not stat.S_ISREG(mode) and not stat.S_ISDIR(mode):  # what opening a folder gives says enough
         raise OSError(errno.EINVAL, "a pipe or a device, which may never end", str(path))
-    with Path(path).open("rb") as file:
+    with open(path, "rb", opener=at_once) as file:
         content = file.read(most + 1)
+    if content is None:  # what the kernel shows as a file and lets wait, such as /proc/kmsg
+        raise OSError(errno.EINVAL, "a pipe or a device, which may never end", str(path))
     if len(content) > most:
         raise OSError(errno.EFBIG, f"more than {most / 1e6:g} MB", str(path))
     return content
+
+
+def at_once(path: str, flags: int) -> int:
+    """A file opened so that reading never waits for what is not there yet."""
+    return os.open(path, flags | getattr(os, "O_NONBLOCK", 0))

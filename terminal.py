@@ -39,7 +39,8 @@ def say(line: str, *, always: bool = False) -> None:
     With ``--quiet`` only what must ``always`` be said is: bad news, which the exit code tells too.
     """
     if always or not quiet():
-        click.echo(printable(line), err=True)
+        with contextlib.suppress(OSError):  # what is done is done, also where nobody can be told
+            click.echo(printable(line), err=True)
     doing(printable(line).partition("\n")[0])
 
 

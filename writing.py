@@ -8,6 +8,7 @@ followed.
 
 from __future__ import annotations
 
+import errno
 import os
 import secrets
 import stat
@@ -231,11 +232,16 @@ def same_place(first: Path, second: Path) -> bool:
 
 def _place(target: Path) -> Path:
     """Where a file of that name lies, links followed; raises BadInput where there is what must not be replaced."""
-    place = target.resolve() if target.is_symlink() else target
+    place = target
     try:
+        place = target.resolve() if target.is_symlink() else target
         mode = place.stat().st_mode
     except FileNotFoundError:
         return place
+    except (RuntimeError, OSError) as problem:  # RuntimeError: pathlib's word for a circle before Python 3.13
+        if isinstance(problem, RuntimeError) or problem.errno == errno.ELOOP:
+            raise BadInput(f"{target}: is a link that leads to itself; name a file") from None
+        raise
     if stat.S_ISDIR(mode):
         raise BadInput(f"{target}: is a folder; name a file in it")
     if not stat.S_ISREG(mode):

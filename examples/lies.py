@@ -6,16 +6,59 @@ sentence that a user gets, and by the record it was told in.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..recording.recording import QUANTITIES, Recording
+from .measuring_chain import (
+    Change,
+    clipped_at,
+    clipped_peak,
+    clock,
+    coarse_force,
+    coarse_response,
+    drift,
+    force_gain,
+    force_hum,
+    held,
+    hum,
+    late,
+    lost,
+    outlier,
+    response_gain,
+    step,
+    twice,
+    walk,
+    wavering,
+    zeroed,
+)
 from .truth import TRUTH
 from .virtual_recording import recording_of
 
-Change = Callable[[Recording], Recording]
+#: Of each kind words of which one must stand in the sentence; of one that a record shows where it is.
+WORDS = {
+    "gain": ("the response counts",),
+    "force gain": ("the force counts",),
+    "late": ("in step", "cycle late"),
+    "sign": ("its sign", "leaps by"),
+    "hum": ("lies on the response",),
+    "force hum": ("lies on the force",),
+    "step": ("zero steps", "leaps by"),
+    "drift": ("drift",),
+    "walk": ("walks",),
+    "clock": ("clock",),
+    "wavering": ("wavers",),
+    "another rig": ("another rig",),
+    "clipped": ("cut off", "clipped"),
+    "levels": ("levels",),
+    "lost": ("leaps by", "lost"),
+    "twice": ("twice", "leaps by"),
+    "held": ("leaps by", "stands still"),
+    "zeros": ("leaps by", "stands still"),
+    "outlier": ("leaps by", "is off by"),
+}
 
 
 @dataclass(frozen=True)
@@ -78,8 +121,8 @@ STANDS = {
 class Lie:
     """One thing that a measuring chain does to one of the recordings.
 
-    `kind` is what it is; `record` the place of the recording that lies; `change` what happens to it, `last` with the
-    noise already on it.
+    `kind` is what it is, and `also` are kinds that leave the same numbers; `record` the place of the recording that
+    lies; `change` what happens to it, `last` with the noise already on it.
     """
 
     name: str
@@ -87,6 +130,11 @@ class Lie:
     record: int
     change: Change
     last: bool = False
+    also: tuple[str, ...] = ()
+
+    def is_named(self, sentence: str) -> bool:
+        """Whether a sentence has the words of its kind."""
+        return any(word in sentence for kind in (self.kind, *self.also) for word in WORDS[kind])
 
 
 def told(stand: Stand, lie: Lie | None, seed: int = 0) -> list[Recording]:
@@ -96,99 +144,6 @@ def told(stand: Stand, lie: Lie | None, seed: int = 0) -> list[Recording]:
     if lie is not None and lie.last:
         return [lie.change(r) if i == lie.record else r for i, r in enumerate(stand.noisy(clean, seed))]
     return stand.noisy(lying, seed)
-
-
-def response_gain(by: float, since: float) -> Change:
-    """The response counts `by` times from that part of the record on."""
-    return lambda r: replace(r, response=np.where(_part(r) < since, 1.0, by) * r.response)
-
-
-def force_gain(by: float, since: float) -> Change:
-    """The force counts `by` times from that part of the record on."""
-    return lambda r: replace(r, force=np.where(_part(r) < since, 1.0, by) * r.force)
-
-
-def late(seconds: float) -> Change:
-    """The response comes late by so much: of the two channels one is read later."""
-
-    def change(r: Recording) -> Recording:
-        from scipy.interpolate import CubicSpline
-
-        shown = CubicSpline(r.time, r.response)(np.maximum(r.time - seconds, r.start))
-        return replace(r, response=shown).slice(0, r.n - max(0, round(-seconds * r.fs)))
-
-    return change
-
-
-def hum(hertz: float, part: float) -> Change:
-    """A line on the response, of that part of its rms."""
-    return lambda r: replace(r, response=r.response + part * np.std(r.response) * _tone(r, hertz))
-
-
-def force_hum(hertz: float, part: float) -> Change:
-    """A line on the recorded force, of that part of its rms."""
-    return lambda r: replace(r, force=r.force + part * np.std(r.force) * _tone(r, hertz))
-
-
-def step(part: float, since: float) -> Change:
-    """The sensor's zero steps by that part of the rms of the response."""
-    return lambda r: replace(r, response=r.response + part * np.std(r.response) * (_part(r) >= since))
-
-
-def drift(part: float) -> Change:
-    """The sensor's zero drifts by that part of the rms of the response from end to end."""
-    return lambda r: replace(r, response=r.response + part * np.std(r.response) * _part(r))
-
-
-def walk(part: float, seed: int = 0) -> Change:
-    """The sensor's zero walks at random, as far as that part of the rms of the response."""
-
-    def change(r: Recording) -> Recording:
-        path = np.cumsum(np.random.default_rng(seed).standard_normal(r.n))
-        return replace(r, response=r.response + part * np.std(r.response) * path / np.sqrt(r.n))
-
-    return change
-
-
-def clock(by: float) -> Change:
-    """The recorder's clock is off by that part: its file states another rate than it has."""
-    return lambda r: replace(r, fs=r.fs * (1.0 + by))
-
-
-def wavering(by: float, times: float) -> Change:
-    """The recorder's speed goes up and down by that part, so many times in the record."""
-
-    def change(r: Recording) -> Recording:
-        from scipy.interpolate import CubicSpline
-
-        turn = 2 * np.pi * times / r.duration
-        at = r.time + by / turn * (1.0 - np.cos(turn * (r.time - r.start)))
-        at = np.clip(at, r.time[0], r.time[-1])
-        force = None if r.force is None else CubicSpline(r.time, r.force)(at)
-        return replace(r, response=CubicSpline(r.time, r.response)(at), force=force)
-
-    return change
-
-
-def clipped_peak() -> Change:
-    """The tip of the largest swing is cut off, by a twentieth of its height."""
-
-    def change(r: Recording) -> Recording:
-        top = int(np.argmax(r.response))
-        near = np.abs(np.arange(r.n) - top) < 0.01 * r.n
-        return replace(r, response=np.where(near, np.minimum(r.response, 0.95 * r.response[top]), r.response))
-
-    return change
-
-
-def coarse_force(levels: int) -> Change:
-    """The force comes in so many levels."""
-
-    def change(r: Recording) -> Recording:
-        size = np.ptp(r.force) / levels
-        return replace(r, force=size * np.round(r.force / size))
-
-    return change
 
 
 def of_another_rig(stand: Stand, **times: float) -> Change:
@@ -232,14 +187,44 @@ def lies(stand: Stand) -> tuple[Lie, ...]:
         Lie("another rig's friction", "another rig", 1, of_another_rig(stand, viscous=1.3, dry=1.3)),
         Lie("a clipped peak", "clipped", 2, clipped_peak(), last=True),
         Lie("20 levels of force", "levels", 2, coarse_force(20), last=True),
+        Lie("response x1.3", "gain", 2, response_gain(1.3, 0.7)),
+        Lie("response x0.97, weak", "gain", 1, response_gain(0.97, 0.5)),
+        Lie("response x1.15 throughout", "gain", 1, response_gain(1.15, 0.0), also=("force gain",)),
+        Lie("response x0.85 on the decay", "gain", 0, response_gain(0.85, 0.15)),
+        Lie("response turned over", "sign", 2, response_gain(-1.0, 0.5)),
+        Lie("force x1.25 throughout", "force gain", 2, force_gain(1.25, 0.0), also=("gain", "another rig")),
+        Lie("force x0.95, weak", "force gain", 1, force_gain(0.95, 0.6)),
+        Lie("force x1.5", "force gain", 2, force_gain(1.5, 0.7)),
+        Lie("force x0.9 early", "force gain", 2, force_gain(0.9, 0.25)),
+        Lie("late by 0.02 cycles", "late", 1, late(0.02 * cycle)),
+        Lie("late by 0.5 cycles", "late", 2, late(0.5 * cycle)),
+        Lie("early by 0.03 cycles", "late", 1, late(-0.03 * cycle)),
+        Lie("hum 2 times above, 1 %", "hum", 1, hum(2.1 * line, 0.01)),
+        Lie("hum in the band, 10 %", "hum", 1, hum(0.87 * line, 0.1)),
+        Lie("hum below, 5 %", "hum", 2, hum(0.3 * line, 0.05)),
+        Lie("hum near the decay, 3 %", "hum", 0, hum(1.4 * line, 0.03)),
+        Lie("force hum in the band, 15 %", "force hum", 1, force_hum(0.9 * line, 0.15)),
+        Lie("force hum above, 20 %", "force hum", 2, force_hum(3.3 * line, 0.2)),
+        Lie("zero steps by 20 %", "step", 2, step(0.2, 0.7)),
+        Lie("zero steps back by 3 %", "step", 1, step(-0.03, 0.6)),
+        Lie("zero steps on the decay", "step", 0, step(0.05, 0.1)),
+        Lie("drift of 5 %", "drift", 1, drift(0.05)),
+        Lie("drift of 100 %", "drift", 2, drift(1.0)),
+        Lie("drift on the decay", "drift", 0, drift(0.2)),
+        Lie("walk of 20 %", "walk", 1, walk(0.2, 1)),
+        Lie("clock 5 % slow", "clock", 1, clock(-0.05), also=("another rig",)),
+        Lie("clock 1 % fast", "clock", 1, clock(0.01), also=("another rig",)),
+        Lie("clock 0.5 % fast", "clock", 2, clock(0.005), also=("another rig",)),
+        Lie("clock wavers by 0.3 %", "wavering", 1, wavering(0.003, 8.0)),
+        Lie("clock wavers by 2 %", "wavering", 2, wavering(0.02, 5.0)),
+        Lie("another rig's mass", "another rig", 2, of_another_rig(stand, mass=1.2), also=("force gain", "gain")),
+        Lie("another rig's spring", "another rig", 2, of_another_rig(stand, omega0=0.95), also=("clock",)),
+        Lie("another rig's cubic", "another rig", 2, of_another_rig(stand, cubic=2.0)),
+        Lie("a block lost", "lost", 2, lost(0.3 * cycle, 0.4)),
+        Lie("a block twice", "twice", 2, twice(2.3 * cycle, 0.45), last=True),
+        Lie("a block held", "held", 1, held(0.5 * cycle, 0.5), last=True),
+        Lie("a block of zeros", "zeros", 2, zeroed(0.6 * cycle, 0.5), last=True),
+        Lie("one sample off", "outlier", 1, outlier(1.0, 0.5)),
+        Lie("clipped at 80 %", "clipped", 2, clipped_at(0.8), last=True),
+        Lie("20 levels of response", "levels", 1, coarse_response(20), last=True),
     )
-
-
-def _part(r: Recording) -> np.ndarray:
-    """(n,) from 0 to 1 along the record."""
-    return np.arange(r.n) / r.n
-
-
-def _tone(r: Recording, hertz: float) -> np.ndarray:
-    """(n,) a sine of rms 1."""
-    return np.sqrt(2.0) * np.sin(2 * np.pi * hertz * r.time + 0.7)

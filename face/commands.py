@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -116,7 +117,7 @@ def identify(
     recordings = read(*given, **options)
     belong_together(recordings)
     known = dict(fixed or {}) | ({} if mass is None else {"mass": mass})
-    if not known.get("mass", 1.0) > 0:
+    if not 0 < known.get("mass", 1.0) < math.inf:
         raise BadInput(f"a mass of {known['mass']:g} kg moves nowhere; give a positive number")
     begin = None if start is None else oscillator_of(start)
     alone, band = mode_alone(recordings, None if mode is None else str(mode), begin, notes.append)

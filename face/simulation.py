@@ -164,7 +164,7 @@ def _driven(
     oscillator: Oscillator, force: np.ndarray | None, n: int, dt: float, initial: tuple[float, float], hold: str
 ) -> np.ndarray:
     from ..identify.segments import FORCE_BAND
-    from ..simulate.core import core_of, internal_step
+    from ..simulate.core import core_of, step_for
     from ..simulate.force import force_between
 
     values, omega = oscillator.values(), max(oscillator.omega0.value, 1e-6)
@@ -176,7 +176,7 @@ def _driven(
     peak = max(abs(begin[0]), abs(begin[1]) / omega, size)
 
     def run(peak: float, *, states: bool = False) -> np.ndarray:
-        step = internal_step(oscillator, values, peak or 1e-6)
+        step = step_for(oscillator, peak or 1e-6, n * dt)
         return core.record(np.array(list(values.values())), begin, pushed, n, dt, step, states=states)
 
     reached = float(np.nanmax(np.abs(run(peak, states=True)[:, 0]), initial=0.0))

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+import numpy as np
 
 from ..recording.recording import Recording
 from .contradiction import Contradiction, contradiction, covering
@@ -12,7 +14,7 @@ from .fault_score import KINDS, OF_A_WHOLE
 from .faults_found import faults_found
 from .part import Part
 from .part_kinds import kind_of_part
-from .stranger_among import of_one_rig, stranger_among, told_apart
+from .stranger_among import FEWEST, of_one_rig, stranger_among, told_apart
 from .weighed import ABOVE_NOISE
 
 
@@ -32,7 +34,11 @@ class Blame:
 
 
 def blame(
-    fit: Fit, recordings: Sequence[Recording], *, asked: bool, alone: Callable[[Sequence[Recording]], Fit] | None
+    fit: Fit,
+    recordings: Sequence[Recording],
+    *,
+    asked: bool,
+    alone: Callable[[Sequence[Recording]], Fit] | None,
 ) -> Blame:
     """Who is to blame for what a fit leaves.
 
@@ -48,6 +54,8 @@ def blame(
     if not max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
         return Blame(fit, {}, ())
     found = contradiction(fit, recordings)
+    if found is None and alone is not None:
+        found = _from_the_others(fit, recordings, alone)
     if found is None and not asked:
         return Blame(fit, {}, ())
     told = _told(fit, recordings, found, alone)
@@ -59,6 +67,27 @@ def blame(
     words = in_words(found, recordings)
     name = found.part.recording
     return Blame(fit, {name: words}, ()) if found.reached else Blame(fit, {}, (f"{recordings[name].name}: {words}",))
+
+
+def _from_the_others(
+    fit: Fit, recordings: Sequence[Recording], alone: Callable[[Sequence[Recording]], Fit]
+) -> Contradiction | None:
+    """What is contradicted where all recordings but one agree to their noise, seen from their model.
+
+    One that lies may have led the search so far astray that the normal equations tell nothing there. Two that disagree
+    do not say which of them is right.
+    """
+    known = fit.oscillator.parameters()
+    for odd in range(len(recordings) if len(recordings) >= FEWEST else 0):
+        theirs = of_one_rig([recording for place, recording in enumerate(recordings) if place != odd], alone)
+        if theirs is None or theirs.oscillator.mass is None:
+            continue
+        values = {key: replace(p, value=theirs.oscillator.parameters()[key].value) for key, p in known.items()}
+        found = contradiction(replace(fit, oscillator=fit.oscillator.with_parameters(values)), recordings)
+        if found is not None:
+            moved = np.array([values[key].value - known[key].value for key in fit.names])
+            return replace(found, shifts=tuple(shift + moved for shift in found.shifts))
+    return None
 
 
 def _told(

@@ -1,4 +1,4 @@
-"""What a part of a recording that all the rest contradicts looks like: a sensor's walk, a swing whose top is cut off.
+"""What a part of a recording that all the rest contradicts looks like: a walk, a swing cut off, a sample held or off.
 
 No size of these is fitted: it is asked of what is left there, by the model that the rest agrees with.
 """
@@ -38,7 +38,20 @@ def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]
         segment, inside = fitted.segment, found.part.holds(fitted.segment)
         if np.count_nonzero(inside) < _FLAT:
             continue
-        if (cut := cut_off(segment, left, inside, noise_levels(recording)[0])) is not None:
+        noise = noise_levels(recording)[0]
+        if (stood := stands_still(segment, left, inside, noise)) is not None:
+            value, begin, end = stood
+            return (
+                f"from {begin:.4g} to {end:.4g} s the response stands still at {value:.4g} {recording.unit} while the "
+                "thing moves on: the recorder held a sample, or a cable was loose; leave that out (--part FROM:TO)"
+            )
+        if (spike := lone(segment, left, inside, noise)) is not None:
+            size, time = spike
+            return (
+                f"at {time:.4g} s the response is off by {size:.4g} {recording.unit} for a sample or two: a spike of "
+                "the electronics; leave that out (--part FROM:TO), or record again"
+            )
+        if (cut := cut_off(segment, left, inside, noise)) is not None:
             top, time = cut
             return (
                 f"at {time:.4g} s the top of a swing is cut off at {top:.4g} {recording.unit}: the sensor or its "
@@ -85,11 +98,47 @@ def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float
         noise: standard deviation of the sensor's.
     """
     shown = segment.response
+    for flat in _flats(shown, inside):
+        beyond = -left[flat] * np.sign(shown[flat.start])
+        if np.max(beyond) > BEYOND_ERRORS * noise:
+            return float(shown[flat.start]), segment.time + 0.5 * (flat.start + flat.stop - 1) * segment.dt
+    return None
+
+
+def stands_still(
+    segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float
+) -> tuple[float, float, float] | None:
+    """Where a part stays at one value while the motion passes it: value and times; None where it does not.
+
+    A swing that is cut off is all beyond the value; this one is on its near side too, by more than noise.
+
+    Args:
+        segment, left, inside, noise: as of ``cut_off``.
+    """
+    for flat in _flats(segment.response, inside):
+        way = np.sign(segment.response[flat.start])
+        passed = left[flat] * way if way else np.abs(left[flat])
+        if np.max(passed) > BEYOND_ERRORS * noise:
+            begin, end = (segment.time + place * segment.dt for place in (flat.start, flat.stop - 1))
+            return float(segment.response[flat.start]), begin, end
+    return None
+
+
+def lone(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float) -> tuple[float, float] | None:
+    """Size and time of what a sample or two of a part are off by, all else in it being noise; None where it is not.
+
+    Args:
+        segment, left, inside, noise: as of ``cut_off``.
+    """
+    off = np.flatnonzero(inside & (np.abs(left) > BEYOND_ERRORS * noise))
+    if off.size == 0 or off[-1] - off[0] >= _FLAT - 1:
+        return None
+    top = int(off[np.argmax(np.abs(left[off]))])
+    return float(left[top]), segment.time + top * segment.dt
+
+
+def _flats(shown: np.ndarray, inside: np.ndarray) -> list[slice]:
+    """Runs of equal samples of a part that no noise makes."""
     same = np.concatenate([[False], (np.diff(shown) == 0.0) & inside[1:] & inside[:-1]])
     edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
-    for begin, end in edges.reshape(-1, 2):
-        flat = slice(begin - 1, end)
-        beyond = -left[flat] * np.sign(shown[begin])
-        if end - begin + 1 >= _FLAT and np.max(beyond) > BEYOND_ERRORS * noise:
-            return float(shown[begin]), segment.time + 0.5 * (begin - 1 + end - 1) * segment.dt
-    return None
+    return [slice(int(begin) - 1, int(end)) for begin, end in edges.reshape(-1, 2) if end - begin + 1 >= _FLAT]

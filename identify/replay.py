@@ -11,7 +11,7 @@ from ..model import Oscillator
 from ..model.law import InnerState, Scales
 from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
-from ..simulate.core import core_of, internal_step
+from ..simulate.core import core_of, step_for
 from ..simulate.force import Force, force_between
 from .initial_motion import from_first_cycle
 from .offsets import centre, drift_of, zero_of_load_cell
@@ -242,7 +242,7 @@ def replayed(oscillator: Oscillator, recording: Recording) -> Replay:
     peak = float(np.max(np.abs(recording.response))) / natural_frequency(recording) ** QUANTITIES.index(
         recording.quantity
     )
-    step = internal_step(oscillator, oscillator.values(), peak)
+    step = step_for(oscillator, peak, recording.duration)
     force = force_of(recording)
 
     def simulator(initial: np.ndarray, n: int, load: float) -> np.ndarray:

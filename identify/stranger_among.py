@@ -22,7 +22,7 @@ from .weighed import ABOVE_NOISE
 #: Physical limit: a natural frequency that differs by less than this part is one that a lab cannot keep constant.
 KEPT = 1e-3
 #: Two recordings that disagree do not say which of them is the stranger.
-_FEWEST = 3
+FEWEST = 3
 
 
 Fitted = Callable[[Sequence[Recording]], Fit]
@@ -35,7 +35,7 @@ def stranger_among(recordings: Sequence[Recording], fitted: Fitted) -> tuple[int
         recordings: of which one model leaves more than noise.
         fitted: the fit of some of them alone, from starts of their own.
     """
-    if len(recordings) < _FEWEST or (odd := _oddest(recordings)) is None:
+    if len(recordings) < FEWEST or (odd := _oddest(recordings)) is None:
         return None
     own = of_one_rig([recordings[odd]], fitted)
     words = None if own is None else told_apart(odd, own, recordings, fitted)
@@ -64,7 +64,7 @@ def told_apart(
         alike: whether the others move as far and are driven as hard, so that no lack of physics makes it differ; then
             it is one in another parameter too.
     """
-    if len(recordings) < _FEWEST:
+    if len(recordings) < FEWEST:
         return None
     theirs = of_one_rig([recording for i, recording in enumerate(recordings) if i != odd], fitted)
     if theirs is None:

@@ -26,18 +26,22 @@ _Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(print
 _RecordedUnit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(printable)]
 
 
+#: Largest number of a model, whatever its unit: squares and cubes of it are still numbers.
+MOST = 1e100
+
+
 class ParameterForm(Form):
     """One number with its standard error and unit."""
 
-    value: float
-    std: Annotated[float, Field(ge=0)] | None = None
+    value: Annotated[float, Field(ge=-MOST, le=MOST)]
+    std: Annotated[float, Field(ge=0, le=MOST)] | None = None
     unit: _Unit
 
 
 class PositiveForm(ParameterForm):
     """A parameter that only makes sense above zero."""
 
-    value: Annotated[float, Field(gt=0)]
+    value: Annotated[float, Field(gt=0, le=MOST)]
 
 
 class TermForm(Form):
@@ -159,6 +163,7 @@ def _sentence(error: ErrorDetails, path: Path, meaning: Meaning) -> str:
         "finite_number": "must be a finite number",
         "greater_than": f"must be greater than {limits.get('gt', 0):g}, not {shown(given)}",
         "greater_than_equal": f"must not be below {limits.get('ge', 0):g}, but is {shown(given)}",
+        "less_than_equal": f"must be at most {limits.get('le', 0):g}, but is {shown(given)}; check its unit",
         "string_type": f"must be text, not {shown(given)}; put it in quotes",
         "string_too_short": "is empty; write something there",
         "string_too_long": f"is longer than {limits.get('max_length')} characters; shorten it",

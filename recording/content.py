@@ -9,6 +9,7 @@ import zlib
 from pathlib import Path
 
 from ..errors import BadInput
+from ..reading import at_once
 
 #: The largest file that is read, unpacked, in MB: ten million samples as text. ``--max-size`` sets another.
 MOST_MB = 500.0
@@ -28,8 +29,10 @@ def content_of(path: Path, most: float = MOST_MB) -> bytes:
             raise BadInput(f"{path} is a pipe or a device, which may never end; save it as a file first")
         if found.st_size > most * 1e6:
             raise too_large(str(path), most)
-        with path.open("rb") as file:
+        with open(path, "rb", opener=at_once) as file:
             content = file.read(int(most * 1e6) + 1)
+        if content is None:  # what the kernel shows as a file and lets wait, such as /proc/kmsg
+            raise BadInput(f"{path} is a pipe or a device, which may never end; save it as a file first")
     except FileNotFoundError:
         raise BadInput(f"{path} does not exist; check the name and the folder") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte

@@ -132,7 +132,7 @@ def decays(signal: np.ndarray, fs: float, frequency: float) -> bool:
     """
     from scipy.stats import t as student
 
-    rms = _cycle_rms(signal, fs, frequency)
+    rms = _cycle_rms(signal / np.max(np.abs(signal)), fs, frequency)  # whose squares are still numbers
     blocks = len(rms)
     level = np.log(np.maximum(rms, 1e-9 * rms.max()))
     windows = [w for w in {*DECAY_WINDOWS, blocks} if 5 <= w <= blocks]

@@ -13,6 +13,8 @@ NEGLIGIBLE = 0.01  # intervals: time stamps this close to a uniform grid are tha
 TOLERABLE = 0.25  # intervals, rms of the steps: beyond it a spline between the samples is a guess
 LONE = 0.01  # of the steps: rarer odd ones are lost samples, not a rate that the rounding cannot show
 GAP = 1.5  # medians: between one step and two
+#: Hz, physical limit: nothing is sampled more slowly than once in a century, or faster than light swings.
+RATES = (3e-10, 1e15)
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
     if time is None:
         if fs is None:
             raise BadInput(f"{where} has no time column; name it with --time, or give the sampling rate with --fs")
-        return Sampling(fs, 0.0, columns)
+        return Sampling(_rate(where, fs, "--fs"), 0.0, columns)
 
     bad = np.flatnonzero(~np.isfinite(time))
     if len(bad):
@@ -65,7 +67,13 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
             f"{where}: --fs says {fs:g} Hz but the time column says {rate:.6g} Hz; leave --fs out, "
             "or check the unit of the time column"
         )
-    return Sampling(rate, float(time[0]), columns, tuple(notes))
+    return Sampling(_rate(where, rate, "the unit of the time column"), float(time[0]), columns, tuple(notes))
+
+
+def _rate(where: str, rate: float, source: str) -> float:
+    if not RATES[0] <= rate <= RATES[1]:
+        raise BadInput(f"{where}: a sampling rate of {rate:.3g} Hz is none that a recorder has; check {source}")
+    return rate
 
 
 def _rounding(time: np.ndarray) -> float:

@@ -212,6 +212,8 @@ _FAST_STEPS_PER_PERIOD = 30.0
 #: A motion at this part of its rate or more is a decay: Dormand-Prince follows it with few steps per time constant.
 _DAMPED = 0.5
 _STEPS_PER_DECAY = 1.5
+#: More internal steps than these are a slip of units, as in the FMU (``DP_MOST_STEPS``).
+_MOST_STEPS = 1e8
 
 
 def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude: float) -> float:
@@ -243,3 +245,15 @@ def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude
     if not np.isfinite(pace) or pace <= 0.0:
         raise BadInput("the model has no motion to integrate: its fastest rate is not a positive number")
     return 1.0 / pace
+
+
+def step_for(oscillator: Oscillator, amplitude: float, seconds: float) -> float:
+    """``internal_step`` of a model's own values; raises BadInput where so many seconds take more steps than is sane."""
+    step = internal_step(oscillator, oscillator.values(), amplitude)
+    if seconds > _MOST_STEPS * step:
+        raise BadInput(
+            f"the model's fastest motion within {amplitude:.3g} {oscillator.response.displacement_unit} takes "
+            f"{1 / step:.1g} steps a second, which are more than {_MOST_STEPS:.0g} "
+            f"for {seconds:.4g} s; check units and parameters"
+        )
+    return step

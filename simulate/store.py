@@ -49,6 +49,8 @@ def put(made: Path, stem: str, source: str, suffix: str, content: bytes) -> Path
     """Move the file ``made``, which lies in the store and holds ``content``, to its place; returns that."""
     entry = private_folder("compiled") / f"{stem}-{source}-{_digest(content)}{suffix}"
     made.chmod(0o600)
+    if entry.is_dir() and not entry.is_symlink():  # nothing that we made is a folder there
+        shutil.rmtree(entry, ignore_errors=True)
     made.replace(entry)
     _clean(entry.parent, entry)
     return entry

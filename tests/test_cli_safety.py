@@ -43,6 +43,10 @@ def here(made, tmp_path, monkeypatch):
     for file in made.iterdir():
         shutil.copy(file, tmp_path / file.name)
     (tmp_path / "file").write_text("no folder", encoding="utf-8")
+    (tmp_path / "circle.c").symlink_to("circle.c")
+    text = (tmp_path / "rig.yaml").read_text(encoding="utf-8")
+    for name, old, new in (("stiff", "460000.0", "1.0e+30"), ("large", "79.60795784196536", "1.0e+200")):
+        (tmp_path / f"{name}.yaml").write_text(text.replace(old, new), encoding="utf-8")
     monkeypatch.chdir(tmp_path)
     return tmp_path
 
@@ -93,6 +97,14 @@ def refused(capsys, folder, *arguments):
         ("verify rig.yaml sweep.csv", "is no FMU; make one of a model file with: dashpot export"),
         ("demo -o file", "cannot be written"),
         ("diagnoze rig.yaml", "No such command"),
+        ("export rig.yaml circle.c", "is a link that leads to itself"),
+        ("look sweep.csv --max-size nan", "nan is not in the range"),
+        ("verify rig.fmu sweep.csv --time-limit nan", "nan is not in the range"),
+        ("batch fleet.yaml -o new --time-limit nan", "nan is not in the range"),
+        ("identify sweep.csv -o new/a.yaml --mass inf", "a mass of inf kg moves nowhere"),
+        ("identify sweep.csv -o new/a.yaml --mass nan", "a mass of nan kg moves nowhere"),
+        ("simulate stiff.yaml sweep.csv -o new/a.csv", "more than 1e+08 for 8 s; check units and parameters"),
+        ("show large.yaml", "$.omega0.value: must be at most 1e+100, but is 1e+200"),
     ],
 )
 def test_nothing_is_written_or_lost(capsys, here, command, says):

@@ -212,3 +212,34 @@ def test_an_output_that_takes_nothing_is_said(rig, capsys, monkeypatch):
         monkeypatch.undo()
         with pytest.raises(OSError, match="No space"):
             full.close()
+
+
+SHELL = {  # what is typed, the exit code, and whether the file is there
+    "nobody reads": ("{} show rig.yaml | head -0; exit ${{PIPESTATUS[0]}}", 0, False),
+    "nobody can be told": ("{} export rig.yaml a.c 2> /dev/full", 0, True),
+    "nothing is open": ("{} export rig.yaml a.c <&- >&- 2>&-", 0, True),
+    "no place to stand": ("mkdir g && cd g && rmdir ../g && {} show rig.yaml", 2, False),
+    "no room for a file": ("ulimit -f 0; {} export rig.yaml a.c", 2, False),
+    "an unknown language": ("LC_ALL=xx LANG=yy.zz COLUMNS=-5 {} export rig.yaml a.c", 0, True),
+    "a foreign numpy beside it": ("echo 'raise SystemExit(3)' > numpy.py; {} export rig.yaml a.c", 0, True),
+    "warnings are errors": ("PYTHONWARNINGS=error PYTHONOPTIMIZE=2 {} export rig.yaml a.c", 0, True),
+}
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists() or not Path("/bin/bash").exists(), reason="of Linux")
+@pytest.mark.parametrize(("typed", "code", "made"), SHELL.values(), ids=SHELL)
+def test_a_shell_of_any_kind_gets_one_of_the_ends(rig, tmp_path, typed, code, made):
+    command = typed.format(f"{sys.executable} -P -m dashpot")
+    run = subprocess.run(["/bin/bash", "-c", command], capture_output=True, text=True, check=False, timeout=60)
+    assert run.returncode == code, run.stderr
+    assert "Traceback" not in run.stderr
+    assert (tmp_path / "a.c").exists() == made
+    assert run.stderr.count("dashpot: ") == (code == 2)
+
+
+@pytest.mark.long
+def test_a_drawing_needs_no_window(rig, tmp_path):
+    run = [sys.executable, "-P", "-m", "dashpot", "watch", "rig.yaml", "rig.yaml", "--report", "new.html"]
+    environment = os.environ | {"MPLBACKEND": "nonsense"}
+    done = subprocess.run(run, capture_output=True, text=True, check=False, env=environment)
+    assert "fault of dashpot" not in done.stderr

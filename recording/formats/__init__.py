@@ -12,6 +12,9 @@ from ..content import unpacked
 from ..table import Table
 from .apart import broken, read_apart
 
+#: Columns of a record, as many as a worksheet of Excel has; and characters in the name of one.
+MOST_COLUMNS, LONGEST_NAME = 16384, 1000
+
 
 class Format(NamedTuple):
     """A kind of file: what it is called, the module here that reads it, the package that needs, its extra.
@@ -96,7 +99,21 @@ def read_tables(name: str, content: bytes, most: float) -> list[Table]:
         raise BadInput(broken(name, kind.name, error)) from None
     if not tables:
         raise BadInput(f"{name} holds no channel of numbers; dashpot reads vectors of samples, each with a name")
+    for table in tables:
+        _reject_endless(table)
     return tables
+
+
+def _reject_endless(table: Table) -> None:
+    """Raises BadInput for more columns, or longer names, than anybody gives a record."""
+    if len(table.names) > MOST_COLUMNS:
+        raise BadInput(
+            f"{table.where} has {len(table.names)} columns, more than the {MOST_COLUMNS} of a spreadsheet; write a row "
+            "for each sample and a column for each channel"
+        )
+    for place, name in enumerate(table.names):
+        if len(name) > LONGEST_NAME:
+            raise BadInput(f"{table.where}: the name of column {place + 1} has {len(name)} characters; shorten it")
 
 
 def missing(name: str, kind: Format, error: ModuleNotFoundError) -> BadInput:

@@ -6,17 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.examples.lies import (
-    STANDS,
-    Lie,
-    clipped_peak,
-    force_gain,
-    of_another_rig,
-    response_gain,
-    told,
-    walk,
-    wavering,
-)
+from dashpot.examples.lies import STANDS, Lie, of_another_rig, told
+from dashpot.examples.measuring_chain import clipped_peak, force_gain, response_gain, walk, wavering
 from dashpot.identify import identify
 from dashpot.identify.blame import in_words
 from dashpot.identify.contradiction import Contradiction
@@ -78,3 +69,21 @@ def test_the_words_say_which_part_and_what_may_be_the_cause():
     assert same.startswith("what it shows until 10 s and what it shows from 10 s on contradict each other")
     others = contradicted(Part(weak, 4, 6), Part(strong, 0, 24), reached=False)
     assert others.startswith("from 4 to 6 s it contradicts strong.csv, and the rest agrees with either")
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (wavering(0.01, 3.0), "its clock wavers by 0.99"),
+        (of_another_rig(STANDS["fast"], omega0=0.95), "it agrees with one rig, 45.3"),
+    ],
+    ids=["wavering", "another rig"],
+)
+def test_where_one_recording_leads_the_search_astray_the_others_say_which(change, words):
+    stand = STANDS["fast"]
+    found = identify(told(stand, Lie("", "", 2, change)))
+    assert len(found.faults) == 1
+    assert found.faults[0].startswith(f"strong.csv: {words}")
+    parameters = found.oscillator.parameters()
+    assert max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std) < 5.0

@@ -6,7 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.examples.lies import STANDS, Lie, force_gain, response_gain, told
+from dashpot.examples.lies import STANDS, Lie, told
+from dashpot.examples.measuring_chain import force_gain, response_gain
 from dashpot.identify.contradiction import contradiction, covering
 from dashpot.identify.likelihood import maximum_likelihood
 from dashpot.identify.without_part import is_noise

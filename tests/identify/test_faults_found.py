@@ -7,24 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.examples.lies import STANDS, Lie, Stand, force_gain, hum, late, lies, response_gain, told
+from dashpot.examples.lies import STANDS, Lie, Stand, lies, told
+from dashpot.examples.measuring_chain import force_gain, hum, late, response_gain
 from dashpot.identify import identify
 from dashpot.identify.faults_found import faults_found
 from dashpot.identify.likelihood import maximum_likelihood
 from dashpot.model import Oscillator, Response
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
-#: What must stand in the sentence of each kind.
-WORDS = {
-    "gain": "the response counts",
-    "force gain": "the force counts",
-    "late": "in step",
-    "hum": "lies on the response",
-    "force hum": "lies on the force",
-    "step": "zero steps",
-    "clock": "clock",
-    "another rig": "another rig",
-}
 
 
 def found(stand: Stand, lie: Lie | None, seed: int = 0, **changed: float) -> list[str]:
@@ -47,7 +37,7 @@ def found(stand: Stand, lie: Lie | None, seed: int = 0, **changed: float) -> lis
 def test_a_lie_is_named_with_record_kind_place_and_size(lie, figures):
     (sentence,) = found(SHORT, lie)
     assert sentence.startswith(("decay.csv", "weak.csv", "strong.csv")[lie.record])
-    assert WORDS[lie.kind] in sentence
+    assert lie.is_named(sentence)
     for figure in figures:
         assert figure in sentence
 
@@ -106,7 +96,7 @@ def test_no_lie_leaves_wrong_numbers_without_a_word(place):
     assert off < 5.0 or any(name in sentence for sentence in (*found.faults, *found.notes))
     for sentence in found.faults:
         assert sentence.startswith(name)
-        assert WORDS.get(lie.kind, "") in sentence
+        assert lie.is_named(sentence)
 
 
 @pytest.mark.long

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.part_kinds import cut_off, walk
+from dashpot.identify.part_kinds import cut_off, lone, stands_still, walk
 from dashpot.identify.segments import Segment
 
 N = 2000
@@ -52,3 +52,30 @@ def test_equal_samples_at_which_the_motion_does_not_go_on_are_rounding():
     shown = step * np.round(motion / step)
     segment = Segment(0, 0, N, shown, None, dt, 0.0, 2 * np.pi * 5.0)
     assert cut_off(segment, shown - motion, np.ones(N, bool), step) is None
+
+
+@pytest.mark.parametrize(("value", "stood"), [(0.0, True), (0.5, True), (None, False)])
+def test_what_stands_still_while_the_motion_passes_is_told_from_a_swing_that_is_cut_off(value, stood):
+    dt, size = 1e-3, 1e-4
+    motion = np.sin(2 * np.pi * 5.0 * dt * np.arange(N))
+    shown = motion + noise(size)
+    if value is None:
+        shown = np.minimum(shown, 0.95)
+    else:
+        shown[300:400] = value
+    segment = Segment(0, 0, N, shown, None, dt, 2.0, 2 * np.pi * 5.0)
+    found = stands_still(segment, shown - motion, np.abs(np.arange(N) - 350) < 100, size)
+    assert (found is not None) == stood
+    if stood:
+        assert found == pytest.approx((value, 2.3, 2.399), abs=1e-6)
+
+
+@pytest.mark.parametrize(("samples", "told"), [(1, True), (2, True), (5, False), (0, False)])
+def test_a_sample_or_two_that_are_off_are_a_spike(samples, told):
+    left = noise(1e-4)
+    left[700 : 700 + samples] += 0.02
+    segment = Segment(0, 0, N, left, None, 1e-3, 0.0, 30.0)
+    found = lone(segment, left, np.abs(np.arange(N) - 700) < 100, 1e-4)
+    assert (found is not None) == told
+    if told:
+        assert found == pytest.approx((0.02, 0.7), abs=2e-3)

@@ -40,6 +40,11 @@ FILES = {
     "a bomb": (lambda path: path.write_bytes(gzip.compress(bytes(50_000_000))), "holds more than 1 MB"),
     "a cut archive": (lambda path: path.write_bytes(gzip.compress(b"1,2\n" * 999)[:30]), "cut short or damaged"),
     "a folder": (lambda path: path.mkdir(), "is a folder"),
+    "no rows but one": (lambda path: path.write_bytes(b"1," * 20_000), "has 20000 columns, more than the 16384 of a"),
+    "a name without end": (
+        lambda path: path.write_bytes(b"t,x" + b"1" * 5000 + b"z\n" + b"1,2\n" * 50),
+        "the name of column 2 has 5002 characters; shorten it",
+    ),
     "a circle": (lambda path: path.symlink_to(path), "cannot be read"),
 }
 
@@ -158,3 +163,19 @@ def test_blows_and_silence_are_possible():
     blow[500] = 10.0
     for signal in (blow, np.eye(1, N, 500)[0], X, 1e29 * F, np.zeros(N)):
         assert impossible(signal) is None
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/kmsg") or os.geteuid() != 0, reason="root's, of Linux")  # noqa: PTH110
+def test_a_file_of_the_kernel_that_lets_wait_is_not_waited_for(tmp_path):
+    (tmp_path / "rec.csv").symlink_to("/proc/kmsg")
+    with pytest.raises(BadInput, match="a pipe or a device, which may never end"):
+        read(tmp_path / "rec.csv")
+
+
+@pytest.mark.parametrize("power", [-300, 300])
+def test_a_rate_that_no_recorder_has(tmp_path, power):
+    path = csv(tmp_path / "rec.csv", [f"{i}e{power}" for i in range(N)])
+    with pytest.raises(BadInput, match="none that a recorder has; check the unit of the time column"):
+        read(path)
+    with pytest.raises(BadInput, match="none that a recorder has; check --fs"):
+        read(path, time="none", response=2, fs=10.0**power)

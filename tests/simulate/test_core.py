@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dashpot.errors import BadInput
 from dashpot.examples.oscillator import integrate, integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Response
-from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.core import core_of, internal_step, step_for
 from dashpot.simulate.force import staircase
 
 DT = 1e-3
@@ -136,3 +137,12 @@ def test_more_events_than_internal_steps_are_chatter(load, ends):
     assert bool(np.isfinite(x[-1])) is ends
     finer = core_of(model).record(np.array(list(values.values())), begin, staircase(force), n, dt, dt / 3)
     assert np.isfinite(finer[-1])  # three steps a sample leave room for two events
+
+
+@pytest.mark.parametrize("cubic", [1e20, 1e30, 1e60])
+def test_a_spring_so_stiff_that_nobody_could_wait_is_a_slip_of_units(cubic):
+    model = Oscillator.from_values(TRUTH | {"cubic": cubic})
+    with pytest.raises(BadInput, match="check units and parameters"):
+        step_for(model, 1e-2, 4.0)
+    sane = Oscillator.from_values(TRUTH)
+    assert step_for(sane, 1e-2, 4.0) == internal_step(sane, sane.values(), 1e-2)

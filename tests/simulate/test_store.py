@@ -56,6 +56,7 @@ DAMAGE = {
     "empty": lambda path: path.write_bytes(b""),
     "cut": lambda path: path.write_bytes(path.read_bytes()[:5000]),
     "one bit": flipped,
+    "a folder": lambda path: (path.unlink(), path.mkdir()),
     "foreign": replaced,
     "a link to a foreign one": linked,
     "longer": lambda path: path.write_bytes(path.read_bytes() + b"\0"),
