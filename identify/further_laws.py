@@ -10,14 +10,15 @@ import numpy as np
 
 from ..errors import DashpotError
 from ..model import Oscillator
+from ..model.law import Law
 from ..model.laws import find
 from ..model.terms import with_term
 from .data import Data
 from .measured_motion import Regression, probes
-from .structure import Structure, shapes_of
+from .structure import Fitted, Structure, shapes_of
 
 #: Predicted over a cycle every start leads near its own place; so many steps show which is the best.
-_MEMORY = 1.0
+MEMORY = 1.0
 _STEPS = 4
 
 
@@ -39,22 +40,39 @@ def with_laws(
     Raises:
         BadInput: where there is no law of that name.
     """
-    near = replace(data, memory=_MEMORY)
     for effect in effects:
         law = find(effect)
-        guess = Regression(data, model).best(law)
-        places = [] if guess is None else [guess.put_into(model)]
-        places += [with_term(model, effect, probe) for probe in probes(law, data.scales)]
-        best, score = places[0] if places else with_term(model, effect, {p.name: 0.0 for p in law.parameters}), -np.inf
-        for place in (holding(place, fixed) for place in places):
-            try:
-                fit = Structure(place, near, (*fixed, *shapes_of(place))).fit(None, most=_STEPS)
-            except DashpotError:
-                continue
-            if np.isfinite(fit.likelihood) and fit.likelihood > score:
-                best, score = fit.model, fit.likelihood
-        model = best
+        place = placed(model, law, data, fixed)
+        model = with_term(model, effect, {p.name: 0.0 for p in law.parameters}) if place is None else place.model
     return model
+
+
+def placed(
+    model: Oscillator, law: Law, data: Data, fixed: Mapping[str, float | None] = MappingProxyType({})
+) -> Fitted | None:
+    """A model with one law more where the recordings like it best, after some steps; None where it simulates nowhere.
+
+    Args:
+        model: beside which it is put.
+        law: of the library.
+        data: what is to be fitted.
+        fixed: parameters that keep a value, by name; None the one that they have.
+    """
+    near = replace(data, memory=MEMORY)
+    guess = Regression(data, model).best(law)
+    places = [] if guess is None else [guess.put_into(model)]
+    places += [with_term(model, law.name, probe) for probe in probes(law, data.scales)]
+    known = model.values()
+    values = {name: known[name] if value is None else value for name, value in fixed.items()}
+    best = None
+    for place in (holding(place, values) for place in places):
+        try:
+            fit = Structure(place, near, (*values, *shapes_of(place))).fit(None, most=_STEPS)
+        except DashpotError:
+            continue
+        if np.isfinite(fit.likelihood) and (best is None or fit.likelihood > best.likelihood):
+            best = fit
+    return best
 
 
 def holding(model: Oscillator, values: Mapping[str, float]) -> Oscillator:

@@ -23,6 +23,7 @@ from ...identify.structure import Fitted
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
+from .by_prediction import by_prediction
 from .candidate import Candidate, key
 from .judgement import accepted, first_of_several, leading, only_a_name
 from .likeness import alike, moves_along
@@ -30,11 +31,9 @@ from .measure import Measure, measure_by
 from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, in_the_best_valleys, race, started
 from .side_valleys import by_probing
-from .starts import Proposal, by_motion, by_score, unseen_in_motion
+from .starts import HALF, Proposal, by_motion, by_score, unseen_in_motion
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
 
-#: Of what the best law gains on the measured motion others must gain this part there to be simulated.
-_HALF = 0.5
 #: A law is exchanged for the two that act most like it, and for more where they act nearly as much like it ...
 _ALIKE, _MOST_ALIKE = 2, 4
 #: ... far from the noise with the steps that quadratic convergence takes, before what they promise counts against them.
@@ -115,6 +114,8 @@ class Search:
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
         # a law with side valleys is simulated slowly, from many places: asked for where each other has failed by itself
         rugged = [self._rugged] * (_RUGGED - self.asked_rugged)
+        assert leader.fit is not None
+        ways += [] if keeps_step(self.data.segments, leader.fit.residuals) else [self._predicted]
         if not leader.laws:
             return [*ways, *rugged, self._learnt]
         # a second cause has to tell more than a smooth spring and damping do, which then may be exchanged for it
@@ -154,18 +155,23 @@ class Search:
     def _scored(self, leader: Candidate) -> list[Start]:
         """The leader with one law more, where its score puts it, raced; far from the noise those of the best half."""
         assert leader.fit is not None
-        laws = self._addable(leader)
-        if not laws:
+        if not (laws := self._addable(leader)):
             return []
         self.progress("score of every law", 0.0)
         proposals = by_score(leader.fit, self.data, laws)
-        least = 0.0 if self._at_noise(leader, ()) else _HALF * max((p.gain for p in proposals), default=0.0)
+        least = 0.0 if self._at_noise(leader, ()) else HALF * max((p.gain for p in proposals), default=0.0)
         self._less = [proposal for proposal in proposals if proposal.gain < least]
         return self._raced(leader, [proposal for proposal in proposals if proposal.gain >= least])
 
     def _less_scored(self, leader: Candidate) -> list[Start]:
         """The others, raced."""
         return self._raced(leader, self._less)
+
+    def _predicted(self, leader: Candidate) -> list[Start]:
+        """The leader with one law more, of those that predict better where no simulation keeps step, raced."""
+        assert leader.fit is not None
+        self.progress("prediction over a cycle", 0.0)
+        return self._raced(leader, by_prediction(leader.fit, self.data, self._addable(leader), self._cost(1)))
 
     def _rugged(self, _leader: Candidate) -> list[Start]:
         """The given family with one law with side valleys, where the measured motion, which has none, speaks for it.
@@ -205,7 +211,7 @@ class Search:
         proposals = by_motion(leader.fit, self.data, laws)
         best = max((proposal.gain for proposal in proposals), default=0.0)
         names = {law.name for law in (laws if entered is None else entered)}
-        return self._raced(leader, [p for p in proposals if p.gain > _HALF * best and p.law in names], beside)
+        return self._raced(leader, [p for p in proposals if p.gain > HALF * best and p.law in names], beside)
 
     def _raced(self, leader: Candidate, proposals: Sequence[Proposal], beside: Sequence[Start] = ()) -> list[Start]:
         """The leader with one law more, where that was proposed, raced; with others."""
@@ -269,12 +275,11 @@ class Search:
                 self.candidates[laws] = self.weigh(laws, candidate.fit, candidate.held_out)
 
     def _race(self, starts: Sequence[Start], standing: Fitted) -> None:
-        def told(what: str, part: float) -> None:
-            self.progress(what, 0.3 + 0.65 * part)
-
         for start in starts:
             start.measured_by(self._measures[0])
-        self._measures = race(starts, self._measures[0], standing, self.data.points, told), self._measures[1]
+        measure, points = self._measures[0], self.data.points
+        raced = race(starts, measure, standing, points, lambda what, part: self.progress(what, 0.3 + 0.65 * part))
+        self._measures = raced, self._measures[1]
 
     def _cost(self, parameters: int) -> float:
         return 0.5 * parameters * math.log(self.data.points)
@@ -356,7 +361,7 @@ class Search:
             self._asked[place] = leader.fit
             proposals = alike(leader.fit, self.data, name, [law for law in self._beside(leader) if moves_along(law)])
             for rank, proposal in enumerate(proposals[:_MOST_ALIKE]):
-                if rank >= _ALIKE and proposal.gain < _HALF * proposals[0].gain:
+                if rank >= _ALIKE and proposal.gain < HALF * proposals[0].gain:
                     break
                 laws = key([law for law in leader.laws if law != name] + [proposal.law])
                 if laws in self.candidates and self.candidates[laws].stage == "judged":

@@ -22,6 +22,8 @@ from .judgement import only_a_name
 from .score_test import Screen
 from .spectral_lines import residual_lines
 
+#: Of what the best law gains, on the measured motion or predicted, others must gain this part to be simulated.
+HALF = 0.5
 #: Of a law with side valleys the parameters between which they lie are put in at their guess times these: what happens
 #: faster than the rig's own motion, such as a contact's ringing, the measured motion tells to no more than that.
 _PACES = (1.0, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0)
@@ -34,13 +36,13 @@ class Proposal:
     Attributes:
         law: its name.
         model: with the law in it.
-        initial: (segments, states).
+        initial: (segments, states); None where they are to be found.
         gain: of log-likelihood, that whoever proposes it expects in the end.
     """
 
     law: str
     model: Oscillator
-    initial: np.ndarray
+    initial: np.ndarray | None
     gain: float
 
 
