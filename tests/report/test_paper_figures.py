@@ -1,4 +1,4 @@
-"""The numbers that Figs. 1, 3 and 6 of ``dashpot paper`` draw, read from the drawn lines."""
+"""The numbers that the figures of ``dashpot paper`` draw, read from the drawn lines."""
 
 from __future__ import annotations
 
@@ -9,15 +9,18 @@ import pytest
 from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.decays import find_decays
+from dashpot.identify.hilbert_result import HilbertAnalysis, hilbert_analysis
+from dashpot.model import Oscillator
+from dashpot.model.backbone import exact_backbone
 from dashpot.recording import read
-from dashpot.report import preload_figure, time_history
+from dashpot.report import hilbert_figures, preload_figure, time_history
 
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The matplotlib figures that were turned into SVG."""
     figures: list[Any] = []
-    for module in (preload_figure, time_history):
+    for module in (hilbert_figures, preload_figure, time_history):
         original = module.svg
 
         def keep(figure: Any, key: str, title: str, original: Any = original) -> str:
@@ -69,6 +72,68 @@ def test_fig_6_sweeps_through_the_resonance(drawn: list[Any]):
     peak = (1.0 / TRUTH["mass"] - 4 / np.pi * TRUTH["dry"]) / TRUTH["viscous"] / TRUTH["omega0"]
     assert reach(displacement) == pytest.approx(1e3 * peak, rel=0.02)
     assert not force.patches
+
+
+@pytest.fixture(scope="module")
+def analysis() -> HilbertAnalysis:
+    """Of the bursts with their decays, and of the sweep."""
+    return hilbert_analysis([read(recordings("paper-stand")[name]) for name in ("bursts", "sweep_high")])
+
+
+def thick(axes: Any) -> list[tuple[np.ndarray, np.ndarray]]:
+    """What is drawn of the curves: dash-dot by FREEVIB, dotted by FORCEVIB."""
+    lines = [line.get_data() for line in axes.lines if line.get_linestyle() in ("-.", ":")]
+    assert len(lines) >= 2  # by either
+    return [(np.asarray(across, float), np.asarray(up, float)) for across, up in lines]
+
+
+@pytest.mark.long
+def test_fig_4_is_the_backbone_by_either_method(drawn: list[Any], analysis: HilbertAnalysis):
+    hilbert_figures.curves_figure(analysis, "m")
+    main, close = drawn[0].axes
+    model = Oscillator.from_values(TRUTH)
+    for axes in (main, close):
+        curves = thick(axes)
+        assert len(curves) >= 5  # four decays, and what was driven
+        for frequency, amplitude in curves:
+            whole = amplitude > 0.1 * 8.7  # mm; below, the paper's preload makes it steep
+            expected = exact_backbone(model, 1e-3 * amplitude[whole]) / (2 * np.pi)
+            assert np.median(np.abs(frequency[whole] / expected - 1.0)) < 2e-3
+    assert max(np.max(amplitude) for _, amplitude in thick(main)) > 0.6 * 8.7
+
+
+@pytest.mark.long
+def test_fig_5_is_the_spring_with_its_preload(drawn: list[Any], analysis: HilbertAnalysis):
+    hilbert_figures.characteristic_figure(analysis, "m", "N", TRUTH["mass"], "spring", "spring")
+    whole, bent = drawn[0].axes
+    assert "mm" in whole.get_xlabel()
+    for axes, slope in ((whole, 0.0), (bent, TRUTH["mass"] * TRUTH["omega0"] ** 2)):
+        unit = {"N": 1.0, "mN": 1e-3}[axes.get_ylabel().split("[")[1].rstrip("]")]
+        for x, force in thick(axes):
+            x = 1e-3 * x
+            seen = np.isfinite(force) & (np.abs(x) > 1e-3)
+            spring = TRUTH["omega0"] ** 2 * x + TRUTH["cubic"] * x**3 + TRUTH["preload"] * np.sign(x)
+            missed = force * unit - (TRUTH["mass"] * spring - slope * x)
+            assert np.count_nonzero(seen) > 20
+            largest = TRUTH["mass"] * TRUTH["omega0"] ** 2 * np.max(np.abs(x[seen]))
+            assert np.max(np.abs(missed[seen])) < 5e-3 * largest
+
+
+@pytest.mark.long
+def test_fig_7_is_viscous_and_dry_friction(drawn: list[Any], analysis: HilbertAnalysis):
+    hilbert_figures.characteristic_figure(analysis, "m", "N", TRUTH["mass"], "friction", "friction")
+    damping, friction = drawn[0].axes
+    unit = {"N": 1.0, "mN": 1e-3}[friction.get_ylabel().split("[")[1].rstrip("]")]
+    for speed, force in thick(friction):
+        speed = speed * {"m/s": 1.0, "mm/s": 1e-3}[friction.get_xlabel().split("[")[1].rstrip("]")]
+        seen = np.isfinite(force) & (np.abs(speed) > 0.1)
+        assert np.count_nonzero(seen) > 20
+        expected = TRUTH["mass"] * (TRUTH["viscous"] * speed + TRUTH["dry"] * np.sign(speed))
+        assert np.median(np.abs(force[seen] * unit / expected[seen] - 1.0)) < 0.03
+    for amplitude, h in thick(damping):
+        loud = 1e-3 * amplitude > 2e-3
+        expected = TRUTH["viscous"] / 2 + 2 * TRUTH["dry"] / (np.pi * TRUTH["omega0"] * 1e-3 * amplitude[loud])
+        assert np.median(np.abs(h[loud] / expected - 1.0)) < 0.03
 
 
 def reach(axes: Any) -> float:
