@@ -199,7 +199,7 @@ def terminal(here):
     [
         (pipe, "a device or a pipe"),
         (device, "a device or a pipe"),
-        (circle, "cannot be written"),
+        (circle, "is a link that leads to itself"),
         (Path.mkdir, "is a folder"),
     ],
 )
