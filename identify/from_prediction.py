@@ -31,18 +31,18 @@ def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[flo
 
     Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
     """
-    rungs: dict[float, State] = {}
-    iterations = 0
     free = settled(problem, state)
     if keeps_step_throughout(problem.segments, problem.residuals(free)):
-        return _searched(problem, free, rungs, iterations)
+        return _searched(problem, free, {}, 0)
     first, predicted = _followed(problem, state)
     if predicted is not None:
         state = predicted
     elif simulates(problem, free):  # what a prediction corrects may push it over the top of its spring
-        return _searched(problem, free, rungs, iterations)
+        return _searched(problem, free, {}, 0)
     else:
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
+    rungs: dict[float, State] = {}
+    iterations = 0
     for memory in memories(problem.segments, first):
         if keeps_step_throughout(problem.segments, problem.residuals(state)):
             break
