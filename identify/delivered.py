@@ -18,6 +18,7 @@ from ..recording.recording import Recording
 from .climb import nrmse_of
 from .data import Data
 from .from_prediction import EARLY_STEPS, keeps_step, memories, simulates
+from .jumps import left_out, smooth_stretches
 from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from .normal_equations import pseudo_inverse
 from .odds import DECISIVE
@@ -156,6 +157,13 @@ def ended(
         most: steps that each search may take.
     """
     answer, iterations = weighed(problem, state, start, recordings, plain, most)
+    if doubted:  # what was smooth where the search came from may jump where it ended
+        smooth, begun = smooth_stretches(problem, answer.outcome.state)
+        jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
+        if jumps:
+            problem, notes = problem.over(smooth), [*notes, *jumps]
+            answer, steps = weighed(problem, begun, start, recordings, plain, most)
+            iterations += steps
     doubt = np.zeros(answer.outcome.state.values.size)
     in_step = keeps_step(problem.segments, answer.outcome.residuals)
     above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE
