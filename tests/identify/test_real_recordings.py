@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from dashpot.identify import identify
 from dashpot.identify.replay import replay
+from dashpot.model.backbone import exact_backbone
 from dashpot.recording import Recording, read
 
 FOLDER = Path(os.environ.get("DASHPOT_DATA") or Path(__file__).resolve().parents[3] / "shared" / "data")
@@ -67,6 +68,13 @@ def test_ship_roll_decay_has_no_mass():
     assert dry.std is not None
     assert abs(dry.value) < 3 * dry.std
     assert any("holds something that the Eq. 17 family does not" in note for note in identification.notes)
+
+
+@needs_data
+def test_the_forced_peak_of_a_sloshing_tank_is_foretold_from_its_decay():
+    """At 5.3 % of its width, where it was measured at 0.942 of the linear frequency (Baeuerlein and Avila 2021)."""
+    tank = identify([read(FOLDER / "sloshing_0.csv.gz")]).oscillator
+    assert exact_backbone(tank, 5.3e-3)[0] / tank.omega0.value == pytest.approx(0.942, rel=0.01)
 
 
 @needs_data
