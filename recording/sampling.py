@@ -10,7 +10,12 @@ from ..errors import BadInput
 
 SAME_RATE = 1e-3  # relative: two statements of one rate; rates are often quoted to four digits
 NEGLIGIBLE = 0.01  # intervals: time stamps this close to a uniform grid are that grid
-TOLERABLE = 0.25  # intervals, rms of the steps: beyond it a spline between the samples is a guess
+TOLERABLE = 0.25  # intervals, rms of the steps: beyond it a spline between the samples is a guess ...
+WITHIN_CYCLE = 0.01  # ... but not where it is a smaller part of the fastest channel's cycle
+NEARLY_ALL = 0.99  # of a channel's power: what is faster is a tenth of its size at most, and noise
+#: Cycles of the fastest channel: a cubic spline bridges that long a step to a thousandth of a sine, 5/384 (w h)^4 (Hall
+#: and Meyer 1976).
+BRIDGED = 1 / 12
 LONE = 0.01  # of the steps: rarer odd ones are lost samples, not a rate that the rounding cannot show
 GAP = 1.5  # medians: between one step and two
 #: Hz, physical limit: nothing is sampled more slowly than once in a century, or faster than light swings.
@@ -30,8 +35,9 @@ class Sampling:
 def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, columns: np.ndarray) -> Sampling:
     """Return the columns on a uniform grid.
 
-    `time` (n,) in s and `fs` in Hz: at least one is needed, and both must agree. Moderate jitter is resampled with a
-    cubic spline (a note says so). Raises BadInput when time does not increase, has gaps or too much jitter.
+    `time` (n,) in s and `fs` in Hz: at least one is needed, and both must agree. Moderate jitter, and gaps that are
+    short beside a cycle of the motion, are bridged with a cubic spline (a note says so). Raises BadInput when time does
+    not increase, or its gaps or its jitter are larger.
     """
     if fs is not None and not (np.isfinite(fs) and fs > 0):
         raise BadInput(f"{where}: the sampling rate (--fs) is {fs:g} Hz; it must be a positive number")
@@ -56,8 +62,11 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
     notes: list[str] = []
     if deviation.max() > NEGLIGIBLE and not _only_rounded(time, rounding):
         _reject_disorder(where, time)
-        _reject_gaps(where, time)
-        columns = _resampled(where, time, rate, columns, notes)
+        grid = _grid(time)
+        cycle = _shortest_cycle(time, grid, columns)
+        missing = _bridged(where, time, cycle)
+        columns = _resampled(where, time, grid, columns, cycle, missing, notes)
+        rate = (len(grid) - 1) / (time[-1] - time[0])
     else:
         rate = _plain_rate(rate, rounding / (time[-1] - time[0]))
         if deviation.max() > NEGLIGIBLE:
@@ -119,32 +128,75 @@ def _reject_disorder(where: str, time: np.ndarray) -> None:
         )
 
 
-def _reject_gaps(where: str, time: np.ndarray) -> None:
+def _grid(time: np.ndarray) -> np.ndarray:
+    """Uniform times from the first stamp to the last, with those in it at which a sample is missing."""
     step = np.diff(time)
+    usual = float(np.mean(step[step <= GAP * np.median(step)])) if _gaps(step).size else float(np.mean(step))
+    return np.linspace(time[0], time[-1], max(2, round((time[-1] - time[0]) / usual) + 1))
+
+
+def _gaps(step: np.ndarray) -> np.ndarray:
+    """Which steps lack samples: lost ones only lengthen steps, where jitter shortens about as many."""
     median = float(np.median(step))
     gaps = np.flatnonzero(step > GAP * median)
-    # lost samples only lengthen steps; jitter shortens about as many
-    if len(gaps) > 2 * np.count_nonzero(step < median / 2):
-        missing = np.maximum(np.rint(step[gaps] / median).astype(int) - 1, 1)
+    return gaps if gaps.size > 2 * np.count_nonzero(step < median / 2) else gaps[:0]
+
+
+def _shortest_cycle(time: np.ndarray, grid: np.ndarray, columns: np.ndarray) -> float:
+    """Of each channel the cycle below whose frequency nearly all its power is, in s: the shortest of them, or 0."""
+    if not np.isfinite(columns).all():
+        return 0.0
+    lines = []
+    for column in columns.T:
+        even = np.interp(grid, time, column)
+        power = np.cumsum(np.abs(np.fft.rfft((even - even.mean()) * np.hanning(even.size))) ** 2)
+        lines.append(int(np.searchsorted(power, NEARLY_ALL * power[-1])))
+    return float((grid[-1] - grid[0]) / max(lines)) if lines and max(lines) else 0.0
+
+
+def _bridged(where: str, time: np.ndarray, cycle: float) -> str:
+    """A clause on the samples that are missing, where there are any; refused where a gap is too long beside a cycle."""
+    step = np.diff(time)
+    gaps = _gaps(step)
+    if not gaps.size:
+        return ""
+    missing = np.maximum(np.rint(step[gaps] / np.median(step)).astype(int) - 1, 1)
+    longest = int(np.argmax(step[gaps]))
+    if step[gaps[longest]] > BRIDGED * cycle:
         more = "" if len(gaps) == 1 else f", {missing.sum()} samples in {len(gaps)} gaps altogether"
         raise BadInput(
-            f"{where}: gap in time after {time[gaps[0]]:g} s, {missing[0]} sample(s) are missing{more}; "
+            f"{where}: gap in time after {time[gaps[longest]]:g} s, {missing[longest]} sample(s) are missing{more}; "
             "cut the record there and give the parts as separate files"
         )
+    return (
+        f"{missing.sum()} sample(s) are missing in {len(gaps)} gap(s) of time, "
+        f"{missing[longest]} of them after {time[gaps[longest]]:g} s, each short beside a cycle"
+    )
 
 
-def _resampled(where: str, time: np.ndarray, rate: float, columns: np.ndarray, notes: list[str]) -> np.ndarray:
-    jitter = float(np.std(np.diff(time))) * rate
-    if jitter > TOLERABLE:
+def _resampled(
+    where: str,
+    time: np.ndarray,
+    grid: np.ndarray,
+    columns: np.ndarray,
+    cycle: float,
+    missing: str,
+    notes: list[str],
+) -> np.ndarray:
+    step = np.diff(time)
+    usual = step[step <= GAP * np.median(step)] if missing else step
+    interval = (grid[-1] - grid[0]) / (len(grid) - 1)
+    jitter = float(np.std(usual))
+    if jitter > max(TOLERABLE * interval, WITHIN_CYCLE * cycle):
         raise BadInput(
-            f"{where}: the time steps jitter by {100 * jitter:.0f} % (rms) of {1 / rate:.4g} s; "
+            f"{where}: the time steps jitter by {100 * jitter / interval:.0f} % (rms) of {interval:.4g} s; "
             "record again with a hardware clock, or resample the file yourself"
         )
     if not np.isfinite(columns).all():
         return columns  # the check for numbers reports these; a spline would only spread them
     from scipy.interpolate import CubicSpline
 
-    notes.append(
-        f"{where}: the time steps jitter by {100 * jitter:.1f} % (rms); resampled by cubic spline at {rate:.6g} Hz"
-    )
-    return CubicSpline(time, columns)(np.linspace(time[0], time[-1], len(time)))
+    jittering = f"the time steps jitter by {100 * jitter / interval:.1f} % (rms)" if jitter else ""
+    said = " and ".join(clause for clause in (missing, jittering) if clause)
+    notes.append(f"{where}: {said}; resampled by cubic spline at {1 / interval:.6g} Hz")
+    return CubicSpline(time, columns)(grid)

@@ -11,12 +11,12 @@ N = 2000
 GRID = 3.0 + np.arange(N) / 250
 
 
-def signal(time: np.ndarray) -> np.ndarray:
-    return np.sin(2 * np.pi * 7 * time)[:, None]
+def signal(time: np.ndarray, frequency: float = 7) -> np.ndarray:
+    return np.sin(2 * np.pi * frequency * time)[:, None]
 
 
-def sample(time, fs=None):
-    return uniform_sampling("rig.csv", time, fs, signal(GRID if time is None else time))
+def sample(time, fs=None, frequency: float = 7):
+    return uniform_sampling("rig.csv", time, fs, signal(GRID if time is None else time, frequency))
 
 
 def test_uniform_time():
@@ -55,6 +55,42 @@ def test_moderate_jitter_is_resampled_onto_the_grid():
     assert np.abs(sampling.columns - signal(GRID)).max() < 0.01 * raw
 
 
+@pytest.mark.parametrize("lost", [[500], [500, 501], [37, 500, 501, 903, 1800]])
+def test_gaps_that_are_short_beside_a_cycle_are_bridged(lost):
+    """The longest step is at most a twelfth of a cycle: to a thousandth of the motion, as was computed from theory."""
+    sampling = sample(np.delete(GRID, lost), frequency=6)
+    assert sampling.columns.shape == (N, 1)
+    assert sampling.fs == pytest.approx(250, rel=1e-9)
+    assert np.abs(sampling.columns - signal(GRID, 6)).max() < 1e-3
+    assert f"{len(lost)} sample(s) are missing in" in sampling.notes[0]
+
+
+@pytest.mark.parametrize(("samples", "bridged"), [(24.8, True), (23.8, False)])
+def test_a_gap_of_a_twelfth_of_a_cycle_is_the_longest(samples, bridged):
+    """One sample lost, a step of two intervals: 24 samples are twelve such steps."""
+    time = np.delete(GRID, 500)
+    if bridged:
+        assert sample(time, frequency=250 / samples).columns.shape == (N, 1)
+    else:
+        with pytest.raises(BadInput, match="gap in time"):
+            sample(time, frequency=250 / samples)
+
+
+@pytest.mark.parametrize(("part", "taken"), [(0.0095, True), (0.0105, False)])
+def test_jitter_that_is_little_of_a_cycle_is_no_guess(part, taken):
+    """A logger of 250 Hz that wavers by more than a quarter of a step, beside a cycle that is slow enough."""
+    jitter = np.random.default_rng(4).uniform(-0.4, 0.4, N) / 250
+    jitter[[0, -1]] = 0
+    time = GRID + jitter
+    frequency = part / np.std(np.diff(time))
+    if taken:
+        sampling = sample(time, frequency=frequency)
+        assert np.abs(sampling.columns - signal(GRID, frequency)).max() < 1e-3
+    else:
+        with pytest.raises(BadInput, match=r"jitter by 3. %"):
+            sample(time, frequency=frequency)
+
+
 @pytest.mark.parametrize(
     ("time", "fs", "words"),
     [
@@ -65,7 +101,7 @@ def test_moderate_jitter_is_resampled_onto_the_grid():
         (GRID[::-1], None, "does not increase"),
         (np.where(np.arange(N) == 100, GRID[98], GRID), None, "does not increase at 1 place.*row 100 of"),
         (np.delete(GRID, [500, 501, 502]), None, r"gap in time after 4\.996 s, 3 sample"),
-        (np.delete(GRID, [500, 900, 901]), None, "1 sample.*3 samples in 2 gaps"),
+        (np.delete(GRID, [500, 900, 901, 902]), None, r"after 6\.596 s, 3 sample.*4 samples in 2 gaps"),
         (np.where(np.arange(N) == 7, np.nan, GRID), None, "time column has 1 value.*row 8"),
         (GRID + np.tile([0, 0.45], N // 2) / 250, None, "jitter by 45 %"),
         (GRID + np.random.default_rng(3).uniform(-0.45, 0.45, N) / 250, None, "jitter by 3. %"),
