@@ -26,6 +26,7 @@ from .data import Data, data_of
 from .delivered import Fit, ended
 from .from_prediction import from_prediction, keeps_step
 from .jumps import left_out, smooth_stretches
+from .last_swings import with_last_swings
 from .offsets import kept_offsets, zeros_of
 from .output_error import OutputError, State
 from .plainest import linear_state, plain_cost
@@ -79,6 +80,8 @@ def maximum_likelihood(
     if not near:
         free, plain, steps = _beside_linear(problem, free, start, recordings)
     iterations += steps
+    if doubted and problem.free:
+        problem = problem.over(with_last_swings(problem, free, recordings))
     smooth, begun = smooth_stretches(problem, free)
     jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
     notes += jumps
