@@ -52,8 +52,8 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
         metavar="COLUMN=FACTOR",
         multiple=True,
         callback=lambda _context, _option, texts: calibrations(texts),
-        help="What the numbers of a column stand for, such as force='22.4 N/V' or '*acc*=10.2 mV/g': force, response, "
-        "or a column by name or pattern; several times.",
+        help="What the numbers of a column stand for, such as force='22.4 N/V', '*acc*=10.2 mV/g' or time='1 ms': "
+        "force, response, time, or a column by name or pattern; several times.",
     ),
     click.option("--fs", type=float, metavar="HZ", help="Sampling frequency, where no column holds the time."),
     click.option("--part", metavar="FROM:TO", help="Seconds of each recording to use, from its first sample."),

@@ -10,6 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from ..recording.recording import QUANTITIES, Recording
+from ..recording.short_decay import LEAST_CYCLES
 from ..simulate.force import Force, force_between
 from .blows import ContactForce, contact_force, through
 from .decays import find_free_motion, force_is_silent
@@ -107,18 +108,26 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
     A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
     force, or with a silent one, contributes its decays alone. The rest of a recording with force is forced; a hammer's
     blow is simulated together with the ringing after it. Where nothing moves there is
-    nothing to fit.
+    nothing to fit. What is too short to be worth its initial values is all there is of some recordings: it is taken
+    where nothing else is.
 
     Args:
         recordings: with or without force.
         omega0: natural frequency, rad/s, to judge lengths and the force's interpolation.
         force_band: the force is interpolated finely enough up to this multiple of the natural frequency.
     """
-    segments: list[Segment] = []
     pace = pace_of(recordings, omega0)
-    slide = pace > omega0
+    found = _cut(recordings, pace, pace > omega0, force_band, _SHORTEST_CYCLES)
+    return found or _cut(recordings, pace, pace > omega0, force_band, LEAST_CYCLES)
+
+
+def _cut(
+    recordings: Sequence[Recording], pace: float, slide: bool, force_band: float, cycles: float
+) -> tuple[Segment, ...]:
+    """Segments of at least so many cycles."""
+    segments: list[Segment] = []
     for index, recording in enumerate(recordings):
-        shortest = (_SHORTEST_SLIDE if slide else _SHORTEST_CYCLES) * 2 * np.pi / pace * recording.fs
+        shortest = (_SHORTEST_SLIDE if slide else cycles) * 2 * np.pi / pace * recording.fs
         least = _SHORTEST_SLIDE * 2 * np.pi / pace * recording.fs
         force = recording.force
         motion = find_free_motion(recording)

@@ -35,6 +35,8 @@ _CAUGHT, _CAUGHT_PART = 3.0, 0.4
 _STUCK = 4.0
 #: Swings that last alike, within this factor, would have gone on so.
 _EVEN = 1.5
+#: Turning points that tell a fall from chance.
+_FEWEST_TURNS = 8
 #: Least fall of a whole record that is a decay: a steady tone's amplitude stays within a few per cent.
 _LEAST_FALL = 0.1
 
@@ -182,13 +184,23 @@ def still_falls(swings: Swings, stop: int, last: int, level: float) -> int:
 
 
 def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
-    """Whether every swing between two samples is smaller than the one before, the last by a tenth than the first."""
-    inside = np.flatnonzero((swings.at >= start) & (swings.at < stop))
-    if inside.size < 8:
+    """Whether the swings between two samples fall, by a tenth at least, far beyond what scatters them.
+
+    That is what they differ by from the nearest sizes that never rise, in either direction: noise, another mode, frames
+    of a camera that are off. What is driven, or beats, rises and falls by much of what it falls by altogether.
+    """
+    from scipy.optimize import isotonic_regression
+
+    last = swings.at.size - 1  # which is where the record ends, as the first may be where it begins
+    inside = np.flatnonzero((swings.at >= start) & (swings.at < stop) & (swings.at > 0) & (np.arange(last + 1) < last))
+    if inside.size < _FEWEST_TURNS:
         return False
     size = swings.size[inside[:-1]]
-    steady = np.all(size[2:] - size[:-2] < 2 * _NOISE * swings.noise)
+    nearest = np.empty_like(size)
+    for way in (slice(0, None, 2), slice(1, None, 2)):
+        nearest[way] = isotonic_regression(size[way], increasing=False).x
+    scatter = max(swings.noise, float(np.sqrt(np.mean((size - nearest) ** 2))))
     fall = float(size[0] + size[1] - size[-1] - size[-2]) / 2
     first, second = size[0] - size[size.size // 2], size[size.size // 2] - size[-1]
-    even = first > _LOSS * second  # a larger swing loses no less; what is driven at first loses nothing
-    return bool(steady and even and fall > _LEAST_FALL * size[0] and fall > 2 * _NOISE * swings.noise)
+    even = first > _LOSS * second - scatter  # a larger swing loses no less; what is driven at first loses nothing
+    return bool(even and fall > _LEAST_FALL * size[0] and fall > 2 * _NOISE * scatter)

@@ -59,7 +59,7 @@ def of_column(calibrations: dict[str, str], role: str, name: str, unit: str, whe
     """The calibration of a column: that of its name or of a pattern that it fits, else that of its role.
 
     Args:
-        calibrations: texts by role (force, response), name or pattern.
+        calibrations: texts by role (force, response, time), name or pattern.
         role: of the column.
         name: of the column, as the file has it.
         unit: of the column, where the file says it apart from the name.

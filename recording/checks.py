@@ -265,6 +265,7 @@ def wrong_unit(recording: Recording, motion: Oscillation) -> list[Problem]:
         return []
     advice = (
         f"the unit is probably {doubt.probable}: pass --unit {doubt.probable} if so"
+        + (f", --unit {recording.unit} if it does turn so far" if recording.unit in ROTATIONS else "")
         if doubt.probable
         else "state the right unit with --unit"
     )

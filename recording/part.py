@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from ..errors import BadInput
 from .recording import Recording
 
@@ -30,15 +32,41 @@ def cut_out(recording: Recording, part: tuple[float, float]) -> Recording:
         BadInput: where the recording ends before the part begins.
     """
     begin, end = part
-    if begin >= recording.duration:
-        raise BadInput(
-            f"{recording.name}: lasts {recording.duration:.6g} s, and the part to use begins at {begin:.6g} s; "
-            "choose an earlier part"
-        )
+    _begins_within(recording.name, begin, recording.duration)
     first = max(0, math.ceil(begin * recording.fs - 1e-6))
     last = recording.n if math.isinf(end) else min(recording.n, math.ceil(end * recording.fs - 1e-6))
     used = recording.slice(first, last)
     if used.n == recording.n:
         return recording
-    sentence = f"{recording.name}: {begin:.6g} to {min(end, recording.duration):.6g} s are used, the rest is left out"
-    return replace(used, notes=(*recording.notes, sentence))
+    return replace(used, notes=(*recording.notes, _said(recording.name, part, recording.duration)))
+
+
+def rows_of(where: str, time: np.ndarray, part: tuple[float, float]) -> tuple[slice, tuple[str, ...]]:
+    """The rows of a part by their time stamps (n,), in s, and what is to be said of it.
+
+    Rows are chosen before the stamps are looked at any closer: a gap outside of the part is none of its own.
+
+    Raises:
+        BadInput: where the recording ends before the part begins.
+    """
+    begin, end = part
+    since = time - time[0]
+    steps = np.diff(since)
+    after = float(since[-1]) + float(np.median(steps)) if steps.size and np.all(np.isfinite(since)) else np.inf
+    _begins_within(where, begin, after)
+    hair = 1e-6 * abs(float(np.median(steps))) if steps.size else 0.0
+    inside = np.flatnonzero((since >= begin - hair) & (since < end - hair))
+    if inside.size in (0, since.size):
+        return slice(None), ()
+    return slice(int(inside[0]), int(inside[-1]) + 1), (_said(where, part, after),)
+
+
+def _begins_within(where: str, begin: float, duration: float) -> None:
+    if begin >= duration:
+        raise BadInput(
+            f"{where}: lasts {duration:.6g} s, and the part to use begins at {begin:.6g} s; choose an earlier part"
+        )
+
+
+def _said(where: str, part: tuple[float, float], duration: float) -> str:
+    return f"{where}: {part[0]:.6g} to {min(part[1], duration):.6g} s are used, the rest is left out"

@@ -18,7 +18,7 @@ from .content import MOST_MB, content_of
 from .fact import changed
 from .formats import read_tables
 from .objects import tables_of_object
-from .part import cut_out
+from .part import cut_out, rows_of
 from .recording import QUANTITIES, Recording
 from .sampling import uniform_sampling
 from .table import Table
@@ -88,8 +88,8 @@ def recording_of(
 
     `time`, `force`, `response` name a column, by a pattern such as "*shaker*" too, or give its number from 1 ("none"
     leaves time or force out); `quantity` is displacement, velocity or acceleration; `unit` and `force_unit` overrule
-    the header; `fs` in Hz stands in for a time column; `calibration` says by role (force, response), name or pattern of
-    a column what its numbers stand for, "22.4 N/V"; `part` keeps the stretch from and to so many seconds
+    the header; `fs` in Hz stands in for a time column; `calibration` says by role (force, response, time), name or
+    pattern of a column what its numbers stand for, "22.4 N/V"; `part` keeps the stretch from and to so many seconds
     after the first sample; `hold` says how the force runs between samples (zero, linear, smooth; None: not said). With
     `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`. `sha256` is kept.
 
@@ -99,10 +99,8 @@ def recording_of(
         raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
     choice = choose_columns(table, time, force, response, quantity)
     factors = {key: str(text) for key, text in (calibration or {}).items()}
-    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256)
+    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part)
     recording = replace(recording, hold=hold)
-    if part is not None:
-        recording = cut_out(recording, part)
     return _checked(recording, stated=unit is not None) if checked else recording
 
 
@@ -115,6 +113,7 @@ def _recording(
     fs: float | None,
     calibration: dict[str, str],
     sha256: str | None,
+    part: tuple[float, float] | None,
 ) -> Recording:
     notes = [*table.notes, *choice.notes]
     factor, unit = _scale(table, choice.response, "response", unit_text, "--unit", calibration)
@@ -142,11 +141,15 @@ def _recording(
     signals = numbers[:, : 1 if choice.force is None else 2]
     stamps = None
     if choice.time is not None:
-        stamps, said = _stamps(table, choice.time, numbers[:, -1], fs)
+        stamps, said = _stamps(table, choice.time, numbers[:, -1], fs, calibration)
+        notes += said
+    if part is not None and stamps is not None:
+        rows, said = rows_of(table.where, stamps, part)
+        stamps, signals = stamps[rows], signals[rows]
         notes += said
     sampling = uniform_sampling(table.where, stamps, table.fs if fs is None else fs, signals)
     columns = sampling.columns
-    return Recording(
+    recording = Recording(
         name=table.where,
         fs=sampling.fs,
         response=columns[:, 0] * (factor * unit.factor),
@@ -158,6 +161,7 @@ def _recording(
         sha256=sha256,
         notes=(*notes, *sampling.notes),
     )
+    return recording if part is None or stamps is not None else cut_out(recording, part)
 
 
 def _scale(
@@ -200,16 +204,19 @@ def _quantity(table: Table, index: int, unit: Unit | None, option: str | None) -
 
 
 def _stamps(
-    table: Table, index: int, stamps: np.ndarray, fs: float | None
+    table: Table, index: int, stamps: np.ndarray, fs: float | None, calibration: dict[str, str]
 ) -> tuple[np.ndarray | None, tuple[str, ...]]:
     """The time column in seconds, and what is to be said of it; None where it is none."""
-    column = parse_column(table.names[index], table.units[index])
     where, label = table.where, table.label(index)
-    if column.unit_text:
-        unit = parse_unit(column.unit_text, where=f"{where}, column {label}")
+    factor, unit = 1.0, _unit(table, index, None, "--time")
+    given = of_column(calibration, "time", table.names[index], table.units[index], where)
+    if given is not None:
+        factor, unit = applied(given, unit, f"{where}, column {label}")
+    if unit is not None:
         if unit.quantity != "time":
-            raise BadInput(f"{where}: the time column {label} has the unit '{column.unit_text}'; choose with --time")
-        return in_seconds(where, label, stamps * unit.factor, stated=True, fs=fs)
+            raise BadInput(f"{where}: the time column {label} has the unit '{unit.text}'; choose with --time")
+        return in_seconds(where, label, stamps * factor * unit.factor, stated=True, fs=fs)
+    stamps = stamps * factor
     named = table.names[index].strip().lower() in ("s", "sec", "seconds")
     return in_seconds(where, label, stamps, stated=named, fs=fs)
 

@@ -166,7 +166,7 @@ def _bridged(where: str, time: np.ndarray, cycle: float) -> str:
         more = "" if len(gaps) == 1 else f", {missing.sum()} samples in {len(gaps)} gaps altogether"
         raise BadInput(
             f"{where}: gap in time after {time[gaps[longest]]:g} s, {missing[longest]} sample(s) are missing{more}; "
-            "cut the record there and give the parts as separate files"
+            "choose what lies on one side of it (--part FROM:TO), or give the parts as separate files"
         )
     return (
         f"{missing.sum()} sample(s) are missing in {len(gaps)} gap(s) of time, "

@@ -48,12 +48,14 @@ def in_seconds(
             "its name (time_ms), or leave it out with --time none and give --fs"
         )
     steps = np.diff(stamps)
-    if np.all(stamps == np.round(stamps)) and np.all(steps == steps[0]) and steps[0] >= 1:
-        if steps[0] == 1 and fs is not None and abs(fs - 1.0) > 1e-3:
+    usual = float(np.median(steps))
+    if np.all(stamps == np.round(stamps)) and usual >= 1:
+        if np.all(steps == 1) and fs is not None and abs(fs - 1.0) > 1e-3:
             return None, (f"{where}: the time column {label} counts the samples; their time is that of --fs",)
         raise BadInput(
-            f"{where}: the time column {label} holds the whole numbers {first:g}, {stamps[1]:g}, ... without a unit; "
-            "write that into its name (time_s, time_ms), or give the sampling rate with --fs and --time none where it "
-            "counts the samples"
+            f"{where}: the time column {label} holds the whole numbers {first:.12g}, {stamps[1]:.12g}, ... without a "
+            f"unit; say it: --calibration time='1 ms' if {1e3 / usual:.4g} samples came in a second, time='1 us' if "
+            f"{1e6 / usual:.4g}, time='1 s' if {1 / usual:.4g}; or give the sampling rate with --fs and --time none "
+            "where it counts the samples"
         )
     return stamps, ()

@@ -88,7 +88,16 @@ def test_ticks_since_1970_are_known(tmp_path, header, scale, begin, start):
 @pytest.mark.parametrize(
     ("header", "stamps", "says"),
     [
-        ("time,x_m", np.arange(N), r"holds the whole numbers 0, 1, \.\.\. without a unit; write that into its name"),
+        (
+            "time,x_m",
+            np.arange(N),
+            r"holds the whole numbers 0, 1, \.\.\. without a unit; say it: --calibration time='1 ms' if 1000",
+        ),
+        (
+            "Time Stamp,x_m",
+            19_202_812 + np.cumsum(np.where(np.arange(N) % 2, 1868, 1876)),
+            r"holds the whole numbers .* time='1 us' if 53",
+        ),
         ("t,x_m", 2 * np.arange(N), r"holds the whole numbers 0, 2, \.\.\. without a unit"),
         ("time_s,x_m", 1_700_000_000_000 + np.arange(N), "thousands of years from now; check the unit"),
         (
@@ -175,6 +184,15 @@ def test_what_is_shown_as_a_file_and_lets_wait_is_not_waited_for(tmp_path, monke
     with pytest.raises(BadInput, match="a pipe or a device, which may never end"):
         read(tmp_path / "rec.csv")
     os.close(writing)
+
+
+def test_the_unit_of_the_time_column_can_be_said(tmp_path):
+    stamps = 19_202_812 + np.cumsum(np.where(np.arange(N) % 2, 1998, 2002))
+    path = csv(tmp_path / "rec.csv", stamps, "Time Stamp,x_m")
+    recording = read(path, calibration={"time": "1 us"})
+    assert recording.fs == pytest.approx(500, rel=1e-6)
+    with pytest.raises(BadInput, match="has the unit 'N'; choose with --time"):
+        read(path, calibration={"time": "1 N"})
 
 
 @pytest.mark.parametrize("power", [-300, 300])

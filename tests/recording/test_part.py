@@ -49,3 +49,19 @@ def test_reading_a_part_of_a_file(tmp_path):
     x = 1e-3 * np.exp(-t) * np.sin(80 * t)
     np.savetxt(tmp_path / "d.csv", np.column_stack([t, x]), delimiter=",", header="time_s,x_m", comments="")
     assert read(tmp_path / "d.csv", part=(1.0, 3.0)).n == 2000
+
+
+def test_a_gap_outside_of_the_part_is_none_of_its_own(tmp_path):
+    time = np.delete(np.arange(1000) / 100.0, range(700, 790))
+    x = 1e-3 * np.exp(-0.3 * time) * np.sin(2 * np.pi * 3 * time)
+    path = tmp_path / "rec.csv"
+    path.write_text("time_s,x_m\n" + "\n".join(f"{t:.2f},{v:.9g}" for t, v in zip(time, x, strict=True)))
+    with pytest.raises(BadInput, match=r"gap in time after 6\.99 s, 90 .*--part FROM:TO"):
+        read(path)
+    recording = read(path, part=(1.0, 6.5))
+    assert (recording.n, recording.start) == (550, pytest.approx(1.0))
+    assert recording.response == pytest.approx(x[100:650], abs=1e-11)
+    assert any(note.endswith("1 to 6.5 s are used, the rest is left out") for note in recording.notes)
+    assert read(path, part=(8.0, math.inf)).n == 200
+    with pytest.raises(BadInput, match="lasts 10 s, and the part to use begins at 10 s"):
+        read(path, part=(10.0, math.inf))
