@@ -19,6 +19,9 @@ from .signals import noise_levels
 
 #: Cumulated periodogram: white noise is farther from a straight line, in errors, once in a thousand (Bartlett 1955).
 _CUMULATED = 1.95
+#: Of so many of its slowest lines the mean is below this part of what is expected once in a thousand (chi-squared of
+#: twice as many degrees of freedom).
+_SLOWEST, _STRAYS = 16, 0.40
 #: Equal samples at the top of a swing that no noise makes; two are common (``recording.clipping``).
 _FLAT = 3
 
@@ -83,7 +86,8 @@ def walk(left: np.ndarray) -> float | None:
     over = periodogram[known] / (steps + noise)
     cumulated = np.cumsum(over) / np.sum(over) - np.arange(1, over.size + 1) / over.size
     white = float(np.max(np.abs(cumulated))) * np.sqrt(over.size) <= _CUMULATED
-    return float(np.sqrt(np.mean(steps))) if white else None
+    strays = float(np.mean(over[:_SLOWEST])) >= _STRAYS  # what forgets where it was after a while stays where it was
+    return float(np.sqrt(np.mean(steps))) if white and strays else None
 
 
 def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float) -> tuple[float, float] | None:

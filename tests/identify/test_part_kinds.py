@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from dashpot.identify.part_kinds import cut_off, lone, stands_still, walk
 from dashpot.identify.segments import Segment
+from scipy.signal import lfilter
 
 N = 2000
 
@@ -26,6 +27,13 @@ RINGING = np.exp(-np.arange(50) / 9.0) * np.sin(np.arange(50))
 @pytest.mark.parametrize("left", [LINE, np.convolve(noise(), RINGING)[:N]], ids=["line", "resonance"])
 def test_what_rings_walks_not(left):
     assert walk(left) is None
+
+
+@pytest.mark.parametrize(("memory", "walks"), [(8, False), (3000, True)])
+def test_what_forgets_where_it_was_walks_not(memory, walks):
+    """A tracker's jitter that lasts some frames has a walk's differences; only a walk's slowest lines are as large."""
+    slow = lfilter([1.0], [1.0, -np.exp(-1.0 / memory)], noise(1.0)[:1700])
+    assert (walk(slow + noise(1.0, 1)[:1700]) is not None) is walks
 
 
 def test_white_noise_has_all_but_no_steps():
