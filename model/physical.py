@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from . import units
@@ -49,6 +50,9 @@ def _per_mass(p: Mapping[str, Any]) -> list[Any]:
     return [p["omega0"] ** 2, p["cubic"], p["preload"], p["viscous"], p["dry"]]
 
 
+#: What a rig does amid the recorded amplitudes, where it is known best: the parameters of a spring that bends and of
+#: two kinds of damping are known apart far worse than what they come to there.
+AMID = ("frequency_amid", "damping_ratio_amid")
 #: What a drawing states and the FMU has no need of.
 _RATIO = "damping_ratio"
 _RATIO_WORDS = "viscous damping over critical: viscous / (2 omega0)"
@@ -87,15 +91,63 @@ def machine(oscillator: Oscillator) -> dict[str, Parameter]:
         error = _carried({key: slopes[key][name] for key in needs}, oscillator) if known else None
         told = templates[name] if templates[name] in ("Hz", "1") else units.compose(templates[name], unit, force)
         made[name] = Parameter(value, error, told)
-    return made
+    return made | _amid(oscillator)
+
+
+def _amid(oscillator: Oscillator) -> dict[str, Parameter]:
+    """Natural frequency and damping ratio at the middle of the recorded amplitudes; none where nobody knows these.
+
+    The mean natural frequency there and the equivalent viscous damping over it, as FREEVIB and FORCEVIB measure them,
+    with the errors of the parameters carried over to first order.
+    """
+    from ..errors import BadInput
+    from .describing import natural_motion
+
+    amplitude = amid(oscillator)
+    if amplitude is None:
+        return {}
+
+    def of(model: Oscillator) -> list[float]:
+        omega, h = (float(one[0]) for one in natural_motion(model, [amplitude]))
+        return [omega / (2 * math.pi), h / omega]
+
+    parameters = oscillator.parameters()
+    slopes: list[dict[str, float]] = [{}, {}]
+    try:
+        values = of(oscillator)
+        for name, p in parameters.items():
+            if not p.std or name == "mass":
+                continue
+            step = _FEELER * p.std
+            there, back = (
+                of(oscillator.with_parameters({name: replace(p, value=p.value + way * step)})) for way in (1, -1)
+            )
+            for slope, one, other in zip(slopes, there, back, strict=True):
+                slope[name] = (one - other) / (2 * step)
+    except BadInput:  # a law that no motion of that size is told of
+        return {}
+    if not all(math.isfinite(number) for number in (*values, *slopes[0].values(), *slopes[1].values())):
+        return {}
+    errors = [_carried(slope, oscillator) if slope else None for slope in slopes]
+    return {n: Parameter(v, e, u) for n, v, e, u in zip(AMID, values, errors, ("Hz", "1"), strict=True)}
+
+
+def amid(oscillator: Oscillator) -> float | None:
+    """The middle of the recorded amplitudes; None where nobody knows them."""
+    known = oscillator.amplitude
+    return 0.5 * (known.min + known.max) if known is not None and 0 < known.max < math.inf else None
 
 
 _STEP = 1e-30
+#: Standard errors of a parameter to either side, over which what follows from it is all but straight.
+_FEELER = 1e-2
 
 
-def machine_words() -> dict[str, str]:
+def machine_words(oscillator: Oscillator) -> dict[str, str]:
     """What each quantity of ``machine`` is."""
-    words = {name: text for name, _, text in QUANTITIES} | {_RATIO: _RATIO_WORDS}
+    at = f"at {amid(oscillator) or 0.0:.3g} {oscillator.response.displacement_unit}, amid the recorded amplitudes"
+    words = dict(zip(AMID, (f"natural frequency {at}", f"damping over critical {at}"), strict=True))
+    words |= {name: text for name, _, text in QUANTITIES} | {_RATIO: _RATIO_WORDS}
     return words | {"total_mass": "moving mass", "natural_frequency": "undamped natural frequency of the linear part"}
 
 

@@ -185,7 +185,7 @@ def parameter_cells(o: Oscillator) -> list[tuple[str, ...]]:
 
 def machine_table(o: Oscillator) -> list[tuple[str, ...]]:
     """As ``parameter_cells``, of what a drawing or a data sheet states: kg, N/m, N s/m, N, Hz, damping ratio."""
-    words = machine_words()
+    words = machine_words(o)
     return [
         (name, value, f"± {error}" if error else "", _percent_text(p), "" if p.unit == "1" else p.unit, words[name])
         for name, p in machine(o).items()

@@ -44,7 +44,7 @@ def parameter_table(model: Oscillator, truth: Mapping[str, float] | None = None)
 
 def machine_table(model: Oscillator) -> Table:
     """What a drawing or a data sheet states, with the errors carried over: kg, N/m, N s/m, N, Hz, damping ratio."""
-    words = machine_words()
+    words = machine_words(model)
     rows = []
     for name, p in machine(model).items():
         value, error = value_text(p)

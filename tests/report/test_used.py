@@ -10,7 +10,9 @@ import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
 from dashpot.model import Oscillator
-from dashpot.model.physical import machine
+from dashpot.model.describing import natural_motion
+from dashpot.model.oscillator import Range
+from dashpot.model.physical import AMID, machine
 from dashpot.model.show import as_json, describe
 from dashpot.recording import Recording
 from dashpot.report.page import identification_page
@@ -92,3 +94,29 @@ def test_without_a_mass_frequency_and_damping_ratio_are_told_alone():
     assert set(machine(free)) == {"natural_frequency", "damping_ratio"}
     assert set(as_json(free)["machine"]) == {"natural_frequency", "damping_ratio"}
     assert "As the machine has it\n  natural_frequency" in describe(free)
+
+
+def test_amid_the_recorded_amplitudes_frequency_and_damping_are_known_best():
+    """Of two parameters of which only a sum moves the rig there, each may be unknown and the sum is not."""
+    rig = Oscillator.from_values(TRUTH)
+    assert not set(AMID) & set(machine(rig))  # nobody says what was recorded
+    names = ("omega0", "cubic")
+    middle = 0.5 * (2e-3 + 6e-3)
+    slopes = np.array([2 * TRUTH["omega0"], 0.75 * middle**2])  # of the frequency's square, Eq. 6
+    along = 0.1 * np.array([1.0, -slopes[0] / slopes[1]])  # what leaves it as it is, rad/s and 1/(m2.s2)
+    spread = np.outer(along, along) + 1e-12 * np.outer(slopes, slopes)
+    stds = dict(zip(names, np.sqrt(np.diag(spread)), strict=True))
+    known = rig.parameters()
+    rig = replace(
+        rig.with_parameters({n: replace(known[n], std=float(std)) for n, std in stds.items()}),
+        amplitude=Range(2e-3, 6e-3, "m"),
+        identified=replace(rig.identified, parameters=names, covariance=tuple(map(tuple, spread.tolist()))),
+    )
+    values = machine(rig)
+    omega, h = (float(one[0]) for one in natural_motion(rig, [middle]))
+    assert values["frequency_amid"].value == pytest.approx(omega / 2 / np.pi, rel=1e-12)
+    assert values["damping_ratio_amid"].value == pytest.approx(h / omega, rel=1e-12)
+    error = 1e-6 * float(slopes @ slopes) / (2 * omega) / (2 * np.pi)
+    assert values["frequency_amid"].std == pytest.approx(error, rel=1e-2)
+    assert values["natural_frequency"].std > 500 * error
+    assert "natural frequency at 0.004 m, amid the recorded amplitudes" in describe(rig)
