@@ -59,9 +59,10 @@ def put_quotient(
     room = out if out.dtype == float else np.empty(out.size)
     for step in (ahead, -ahead):
         moved(step, room)
-        room -= response
-        room += residual
-        room /= step
+        with np.errstate(invalid="ignore", over="ignore"):  # where it does not simulate to its end
+            room -= response
+            room += residual
+            room /= step
         if np.all(np.isfinite(room)):
             break
     else:

@@ -159,6 +159,12 @@ def _softening(o: Oscillator) -> str:
     """Where a softening spring stops pulling back harder, and where it lets go: x² = omega0² / (3|c|) and / |c|."""
     unit = o.response.displacement_unit
     top = o.omega0.value / math.sqrt(3 * -o.cubic.value)
+    cubic = o.cubic
+    if cubic.std and cubic.value > -2 * cubic.std:
+        return (
+            "cubic is negative but within two standard errors of zero: these recordings do not tell it from none, and a "
+            f"simulation beyond {top * math.sqrt(3):.3g} {unit} does not come back; fix it (--fix cubic=0) to go there."
+        )
     reach = "" if o.amplitude is None else f"; the recordings reach {o.amplitude.max:.3g} {o.amplitude.unit}"
     return (
         f"cubic is negative: the spring's force falls beyond {top:.3g} {unit} and no longer pulls back beyond "

@@ -13,7 +13,7 @@ from .table import Table
 from .units import Unit, find_unit
 
 _NAMES = {
-    "time": ("t", "time", "timestamp", "zeit", "sec", "seconds"),
+    "time": ("t", "time", "timestamp", "zeit", "tempo", "temps", "tiempo", "sec", "seconds"),
     "force": ("f", "force", "load", "excitation", "kraft", "torque", "u", "input"),
     "displacement": (
         "x", "y", "z", "displacement", "disp", "displ", "position", "pos", "deflection", "response", "output", "lvdt",

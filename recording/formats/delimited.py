@@ -13,6 +13,7 @@ import numpy as np
 from ...errors import BadInput
 from ..content import MOST_MB, unpacked
 from ..table import Table
+from .clock import seconds_of
 from .numerals import Numerals, numerals_of
 from .preamble import below_preamble, is_unit_row
 
@@ -172,6 +173,12 @@ def _reject_unequal_rows(where: str, lines: list[tuple[int, str]], delimiter: st
             )
 
 
+def _clock(lines: list[tuple[int, str]], delimiter: str | None, index: int) -> np.ndarray | None:
+    """A column of times of day in seconds; None where it is none."""
+    first = _cells(lines[0][1], delimiter)[index]
+    return None if seconds_of([first]) is None else seconds_of([_cells(line, delimiter)[index] for _, line in lines])
+
+
 def _numbers(
     where: str,
     lines: list[tuple[int, str]],
@@ -185,6 +192,12 @@ def _numbers(
         return np.loadtxt(rows, delimiter=delimiter, usecols=list(indices), ndmin=2, comments=None, quotechar='"')
     except ValueError:
         pass  # numpy's message does not know our line numbers and names
+    clocks = {i: times for i in indices if (times := _clock(lines, delimiter, i)) is not None}
+    if clocks:
+        others = [i for i in indices if i not in clocks]
+        columns = _numbers(where, lines, delimiter, numerals, names, others) if others else None
+        made = clocks | ({} if columns is None else dict(zip(others, columns.T, strict=True)))
+        return np.column_stack([made[i] for i in indices])
     if numerals == Numerals() and delimiter is not None:  # digits in groups, in quotes where the delimiter is a comma
         cells = [[_cells(line, delimiter)[i] for i in indices] for _, line in lines]
         if all(_GROUPED.fullmatch(cell) for row in cells for cell in row):
@@ -198,10 +211,11 @@ def _numbers(
     if 0 < whole < len(rows):
         ended = np.full((len(rows) - whole, len(indices)), np.nan)
         return np.vstack([_numbers(where, lines[:whole], delimiter, numerals, names, indices), ended])
+    dated = [i for i in indices if seconds_of([_cells(lines[0][1], delimiter)[i]]) is not None]
     for (number, _), row in zip(lines, rows, strict=True):
         cells = _cells(row, delimiter)
         for i in indices:
-            if not _is_number(cells[i]):
+            if not _is_number(cells[i]) and (i not in dated or seconds_of([cells[i]]) is None):
                 label = f"column '{names[i]}'" if names[i] else f"column {i + 1}"
                 fault = f"holds '{cells[i][:40]}', which is not a number" if cells[i] else "is empty"
                 raise BadInput(f"{where}: line {number}, {label} {fault}; mend or remove that line")
