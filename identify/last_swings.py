@@ -21,6 +21,8 @@ from .without_part import is_noise
 
 #: A decay that was not caught ends at twice the envelope of its noise: over a cycle not beyond four of its errors.
 _DOWN = 4.0
+#: A swing of half the noise is told from it by the tens of samples that a cycle has.
+_STANDS_OUT = 0.5
 
 
 def with_last_swings(problem: OutputError, state: State, recordings: Sequence[Recording]) -> tuple[Segment, ...]:
@@ -64,7 +66,7 @@ def _longer(
     made = problem.over([whole if k == i else other for k, other in enumerate(problem.segments)]).simulate(i, state)
     if not np.all(np.isfinite(made)):
         return segment
-    stands_out = np.flatnonzero(np.abs(made - made[-1]) > noise)
+    stands_out = np.flatnonzero(np.abs(made - made[-1]) > _STANDS_OUT * noise)
     end = max(segment.n, int(stands_out[-1]) + 1 if stands_out.size else 0)
     if end == segment.n or not _is_noise((response - made)[segment.n : end], noise):
         return segment
