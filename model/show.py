@@ -162,8 +162,8 @@ def _softening(o: Oscillator) -> str:
     cubic = o.cubic
     if cubic.std and cubic.value > -2 * cubic.std:
         return (
-            "cubic is negative but within two standard errors of zero: these recordings do not tell it from none, and a "
-            f"simulation beyond {top * math.sqrt(3):.3g} {unit} does not come back; fix it (--fix cubic=0) to go there."
+            "cubic is negative but within two standard errors of zero: these recordings do not tell it from none, and "
+            f"a simulation beyond {top * math.sqrt(3):.3g} {unit} does not come back; fix it (--fix cubic=0) to go on."
         )
     reach = "" if o.amplitude is None else f"; the recordings reach {o.amplitude.max:.3g} {o.amplitude.unit}"
     return (
