@@ -2,7 +2,7 @@
 
 A decay ends where its envelope meets the noise, since nothing else is known before a model is. How far the mass swings
 on is what dry friction and damping are known by best: of a decay that ends at twice the noise, to a half more error
-than is possible. So once a model leaves no more than noise, its decays go on to where *its* motion meets that.
+than is possible. So once a model leaves no more than noise, its decays go on to where *its* motion is half of that.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def _longer(
         return segment
     response = response_of(recording).part(segment.start, stop).samples
     whole = replace(segment, stop=stop, response=response)
-    made = problem.over([whole if k == i else other for k, other in enumerate(problem.segments)]).simulate(i, state)
+    made = problem.over([whole]).simulate(0, replace(state, initial=state.initial[[i]]))
     if not np.all(np.isfinite(made)):
         return segment
     stands_out = np.flatnonzero(np.abs(made - made[-1]) > _STANDS_OUT * noise)

@@ -19,8 +19,8 @@ from .signals import noise_levels
 
 #: Cumulated periodogram: white noise is farther from a straight line, in errors, once in a thousand (Bartlett 1955).
 _CUMULATED = 1.95
-#: Of so many of its slowest lines the mean is below this part of what is expected once in a thousand (chi-squared of
-#: twice as many degrees of freedom).
+#: A walk's slowest lines: the mean of so many comes to less than this part of what is expected once in a thousand
+#: (chi-squared over its 32 degrees of freedom).
 _SLOWEST, _STRAYS = 16, 0.40
 #: Equal samples at the top of a swing that no noise makes; two are common (``recording.clipping``).
 _FLAT = 3

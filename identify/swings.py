@@ -202,5 +202,5 @@ def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
     scatter = max(swings.noise, float(np.sqrt(np.mean((size - nearest) ** 2))))
     fall = float(size[0] + size[1] - size[-1] - size[-2]) / 2
     first, second = size[0] - size[size.size // 2], size[size.size // 2] - size[-1]
-    even = first > _LOSS * second - scatter  # a larger swing loses no less; what is driven at first loses nothing
+    even = first > _LOSS * second  # a larger swing loses no less; what is driven at first loses nothing
     return bool(even and fall > _LEAST_FALL * size[0] and fall > 2 * _NOISE * scatter)
