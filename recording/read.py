@@ -143,6 +143,10 @@ def _recording(
     if choice.time is not None:
         stamps, said = _stamps(table, choice.time, numbers[:, -1], fs, calibration)
         notes += said
+        empty = np.any(np.isnan(signals), axis=1)
+        if np.any(empty) and not np.all(empty):  # like samples that a recorder lost: bridged where they are few
+            stamps, signals = stamps[~empty], signals[~empty]
+            notes.append(f"{table.where}: {np.sum(empty)} row(s) hold no number in a channel and were left out")
     if part is not None and stamps is not None:
         rows, said = rows_of(table.where, stamps, part)
         stamps, signals = stamps[rows], signals[rows]

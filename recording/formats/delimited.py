@@ -18,6 +18,8 @@ from .numerals import Numerals, numerals_of
 from .preamble import below_preamble, is_unit_row
 
 _COMMENT = ("#", "%")
+#: What programs write where there is no number, as pandas reads it too.
+_ABSENT = frozenset(("", "na", "n/a", "#na", "#n/a", "<na>", "null", "none", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"))
 _GROUPED = re.compile("[-+]?[0-9.,'\u2019\u00a0\u202f\u2009]+([eE][-+]?[0-9]+)?")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 
@@ -205,18 +207,23 @@ def _numbers(
             cells = [[grouped.plain(cell) for cell in row] for row in cells]
             if all(_is_number(cell) for row in cells for cell in row):
                 return np.array(cells, float)
-    whole = len(rows)
-    while whole and not all(_cells(rows[whole - 1], delimiter)[i] for i in indices):
-        whole -= 1  # a channel that ended before the others: what is not there is no number
-    if 0 < whole < len(rows):
-        ended = np.full((len(rows) - whole, len(indices)), np.nan)
-        return np.vstack([_numbers(where, lines[:whole], delimiter, numerals, names, indices), ended])
+    cells = [[_cells(row, delimiter)[i] for i in indices] for row in rows]
+    if any(cell.lower() in _ABSENT for row in cells for cell in row):
+        for place, i in enumerate(indices):
+            if all(row[place].lower() in _ABSENT for row in cells):
+                label = f"column '{names[i]}'" if names[i] else f"column {i + 1}"
+                raise BadInput(f"{where}: {label} is empty; choose another, or record that channel")
+        there = [["nan" if cell.lower() in _ABSENT else cell for cell in row] for row in cells]
+        written = [(number, "\t".join(row)) for (number, _), row in zip(lines, there, strict=True)]
+        return _numbers(where, written, "\t", Numerals(), [names[i] for i in indices], range(len(indices)))
     dated = [i for i in indices if seconds_of([_cells(lines[0][1], delimiter)[i]]) is not None]
     for (number, _), row in zip(lines, rows, strict=True):
         cells = _cells(row, delimiter)
         for i in indices:
             if not _is_number(cells[i]) and (i not in dated or seconds_of([cells[i]]) is None):
                 label = f"column '{names[i]}'" if names[i] else f"column {i + 1}"
-                fault = f"holds '{cells[i][:40]}', which is not a number" if cells[i] else "is empty"
-                raise BadInput(f"{where}: line {number}, {label} {fault}; mend or remove that line")
+                raise BadInput(
+                    f"{where}: line {number}, {label} holds '{cells[i][:40]}', which is not a number; mend or remove "
+                    "that line"
+                )
     raise BadInput(f"{where} cannot be read as columns of numbers; export it as plain CSV")

@@ -11,14 +11,14 @@ from dashpot.recording.formats import apart
 
 @pytest.mark.skipif(sys.platform == "win32", reason="of POSIX")
 @pytest.mark.parametrize(
-    ("program", "says"),
+    ("program", "limit", "says"),
     [
-        ("import os; os.abort()", "cannot be read as MAT, the library that reads it broke off"),
-        ("import time; time.sleep(60)", "was read as MAT for 0 s without an end"),
+        ("import os; os.abort()", 60.0, "cannot be read as MAT, the library that reads it broke off"),
+        ("import time; time.sleep(60)", 0.3, "was read as MAT for 0 s without an end"),
     ],
 )
-def test_how_the_process_may_end(monkeypatch, program, says):
+def test_how_the_process_may_end(monkeypatch, program, limit, says):
     monkeypatch.setattr(apart, "_PROGRAM", program)
-    monkeypatch.setattr(apart, "_SECONDS", 0.3)
+    monkeypatch.setattr(apart, "_SECONDS", limit)
     with pytest.raises(BadInput, match=says):
         apart.read_apart("mat", "MAT", "rec.mat", b"", 1.0)
