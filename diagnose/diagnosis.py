@@ -333,11 +333,9 @@ def _why_untried(law: Law, search: Search) -> str:
     if law.drive is not None and not any(segment.force is not None for segment in search.data.segments):
         return "it acts on a force, and none was recorded"
     if law.rugged:
-        return (
-            "it is asked for where all others fail, and another did not",
-            "the measured motion does not speak for it",
-            "neither the measured motion nor a simulation from any of its probes speaks for it",
-        )[search.asked_rugged]
+        if search.asked_rugged:
+            return "no prediction from any of its probes speaks for it"
+        return "it is asked for where all others fail, and another did not"
     if any(parameter.probes == "lines" for parameter in law.parameters):
         return "no line stands out of what is left"
     return "nothing spoke for it wherever it was asked for"

@@ -94,6 +94,9 @@ class Descent:
         problem = self.problem
         for _ in range(_SHORTENED):
             shared, own = self._solved(self._damping)
+            if not (np.all(np.isfinite(shared)) and np.all(np.isfinite(own))):
+                self._damping *= 8.0  # derivatives too large to be solved for, which nothing can be simulated with
+                continue
             gain = 0.5 * promise(self.blocks, shared, own)
             if gain < tolerance:
                 self.resting = True

@@ -41,7 +41,6 @@ _NEAR = 0.02
 _TRIES = 40
 #: ... of many laws so often for each of them, and on for those that then gain this part of what the best does.
 _FIRST, _HALF = 10, 0.5
-_VALLEYS = 3  # a law with side valleys is searched from so many of its probes
 #: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
 _BASE = 6
 _ABSURD = 1e100
@@ -193,11 +192,9 @@ class Regression:
         return None if (guess := self._begun(law)) is None else self._refined(law, guess, _TRIES - _FIRST)
 
     def _begun(self, law: Law) -> Guess | None:
-        """The best place of a law after a while; one with side valleys is searched from several of its probes."""
-        probed = self._probed(law)[: _VALLEYS if law.rugged else 1]
-        return min(
-            (self._refined(law, guess, _FIRST) for guess in probed), key=lambda guess: guess.misfit, default=None
-        )
+        """The best place of a law after a while, from the best of its probes."""
+        probed = self._probed(law)
+        return self._refined(law, probed[0], _FIRST) if probed else None
 
     def _probed(self, law: Law) -> list[Guess]:
         """Those of a law's probes that the regression can carry, the best first."""

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..recording.recording import Recording
+from ..recording.resolution import converter_step
 from .contradiction import Contradiction
 from .delivered import Fit
 from .noise_spectrum import two_sources
@@ -93,7 +94,8 @@ def walk(left: np.ndarray) -> float | None:
 def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float) -> tuple[float, float] | None:
     """Where the top of a swing in a part is cut off: the level that is shown and the time; None where none is.
 
-    Equal samples beyond which the motion goes on, by more than noise.
+    Equal samples beyond which the motion goes on, by more than noise. What has shown more on that side elsewhere was
+    not at its limit.
 
     Args:
         segment: that holds the part.
@@ -102,9 +104,10 @@ def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float
         noise: standard deviation of the sensor's.
     """
     shown = segment.response
-    for flat in _flats(shown, inside):
-        beyond = -left[flat] * np.sign(shown[flat.start])
-        if np.max(beyond) > BEYOND_ERRORS * noise:
+    for flat in _flats(shown, left, inside):
+        way = np.sign(shown[flat.start])
+        highest = np.max(way * (shown - shown[flat.start])) <= BEYOND_ERRORS * noise
+        if highest and np.max(-left[flat] * way) > BEYOND_ERRORS * noise:
             return float(shown[flat.start]), segment.time + 0.5 * (flat.start + flat.stop - 1) * segment.dt
     return None
 
@@ -114,15 +117,16 @@ def stands_still(
 ) -> tuple[float, float, float] | None:
     """Where a part stays at one value while the motion passes it: value and times; None where it does not.
 
-    A swing that is cut off is all beyond the value; this one is on its near side too, by more than noise.
+    A swing that is cut off is all beyond the value; this one is on its near side too, by more than noise. What stays
+    where it is to the end has come to rest.
 
     Args:
         segment, left, inside, noise: as of ``cut_off``.
     """
-    for flat in _flats(segment.response, inside):
+    for flat in _flats(segment.response, left, inside):
         way = np.sign(segment.response[flat.start])
         passed = left[flat] * way if way else np.abs(left[flat])
-        if np.max(passed) > BEYOND_ERRORS * noise:
+        if flat.stop < segment.n and np.max(passed) > BEYOND_ERRORS * noise:
             begin, end = (segment.time + place * segment.dt for place in (flat.start, flat.stop - 1))
             return float(segment.response[flat.start]), begin, end
     return None
@@ -141,8 +145,10 @@ def lone(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float) -
     return float(left[top]), segment.time + top * segment.dt
 
 
-def _flats(shown: np.ndarray, inside: np.ndarray) -> list[slice]:
-    """Runs of equal samples of a part that no noise makes."""
+def _flats(shown: np.ndarray, left: np.ndarray, inside: np.ndarray) -> list[slice]:
+    """Runs of equal samples of a part that no noise makes, nor a converter: the motion moves by more than its step."""
+    step = converter_step(shown)
     same = np.concatenate([[False], (np.diff(shown) == 0.0) & inside[1:] & inside[:-1]])
     edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
-    return [slice(int(begin) - 1, int(end)) for begin, end in edges.reshape(-1, 2) if end - begin + 1 >= _FLAT]
+    flats = [slice(int(begin) - 1, int(end)) for begin, end in edges.reshape(-1, 2) if end - begin + 1 >= _FLAT]
+    return [flat for flat in flats if np.ptp(left[flat]) > step]

@@ -230,8 +230,7 @@ class Law:
         proper: ``proper(values, base)``, with the values of Eq. 17 as ``base``, tells whether these values are what the
             name stands for, where another law has the same equation (a stop is stiffer than the spring, a clearance is
             not); None: always.
-        valleys: names of parameters, moved together, between whose values the likelihood has too many side valleys for
-            a start from a screen; empty where it has none.
+        rugged: whether its likelihood, simulated, has too many side valleys for a start from a screen.
         twin: name of a more general law that begins with the same parameters and, its further ones zero, has the same
             equation; where it has no further ones this law is not fitted by itself.
         cases: ``cases(values)`` gives laws of fewer parameters, by name, with the values at which they move the rig
@@ -253,7 +252,7 @@ class Law:
     drive: Path | None = None
     record: Path | None = None
     proper: Callable[[Mapping[str, float], Mapping[str, float]], bool] | None = None
-    valleys: tuple[str, ...] = ()
+    rugged: bool = False
     twin: str | None = None
     cases: Callable[[Mapping[str, float]], Sequence[tuple[str, Mapping[str, float]]]] | None = None
     learnt: bool = False
@@ -261,11 +260,6 @@ class Law:
     def in_words(self, shown: Callable[[str], str]) -> str:
         """The equation with ``shown(name)`` in place of each parameter, by its name within the law."""
         return _BRACES.sub(lambda match: shown(match.group(1)), self.equation)
-
-    @property
-    def rugged(self) -> bool:
-        """Whether its likelihood has side valleys."""
-        return bool(self.valleys)
 
     @property
     def effect(self) -> str:

@@ -73,7 +73,9 @@ def noise_of(signal: np.ndarray) -> float:
 
 
 def _resolution(signal: np.ndarray) -> float:
-    """Return the step of the digitiser: the small gaps between the values that occur (their 5th percentile)."""
+    """Return the step of the digitiser, or the small gaps between the values that occur (their 5th percentile)."""
+    if step := converter_step(signal):
+        return step
     values = np.unique(signal)
     gaps = np.diff(values)
     gaps = gaps[gaps > 1e-9 * (values[-1] - values[0])]  # the same level, printed or converted differently

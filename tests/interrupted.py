@@ -135,7 +135,7 @@ class Run:
             os.chdir(self.work)
             os.environ["DASHPOT_CACHE"], os.environ["TMPDIR"] = str(self.cache), str(self.temporary)
             tempfile.tempdir = None
-            signal.signal(signal.SIGINT, signal.default_int_handler)  # which a background job ignores
+            signal.signal(signal.SIGINT, signal.SIG_DFL)  # as at the start of the command; a background job ignores it
             disturb(kind, at, os.getpid())
             try:
                 cli.main(arguments)

@@ -8,7 +8,6 @@ are those of white noise, near it every frequency is weighed by the noise that t
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
@@ -32,8 +31,6 @@ _TOLERANCE = 0.5
 PATIENCE = 3
 #: Steps that one start may take: quadratic convergence needs ten, the bent valley of a contact with play some dozens.
 _MOST_STEPS = 100
-#: Of many places of one law so many are gone on from: the others lie in the same valleys or in worse ones.
-_VALLEYS = 3
 #: A step that keeps this part of its promise was in a straight valley.
 _KEPT = 0.25
 #: One that kept less is believed less, but not less than this: a valley may open after a bend.
@@ -238,23 +235,6 @@ def started(entry: Entry, data: Data, measure: Measure) -> Start | None:
     except (DashpotError, np.linalg.LinAlgError):
         return None
     return start if np.isfinite(start.value) else None
-
-
-def in_the_best_valleys(starts: Sequence[Start]) -> list[Start]:
-    """Of a law that was put in at many places, with side valleys between them, the best few.
-
-    Each takes a step before: until then the values that all places share hide how well each of them suits.
-    """
-    kept, count = [], Counter[tuple[str, ...]]()
-    places = Counter(start.laws for start in starts)
-    for start in starts:
-        if places[start.laws] > _VALLEYS:
-            _go_on(start.step, start)
-    for start in sorted(starts, key=lambda start: -start.value):
-        count[start.laws] += 1
-        if count[start.laws] <= _VALLEYS:
-            kept.append(start)
-    return kept
 
 
 def _go_on(onwards: Callable[[], None], start: Start) -> None:

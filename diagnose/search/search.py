@@ -29,7 +29,7 @@ from .judgement import accepted, first_of_several, leading, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
 from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
-from .race import PATIENCE, Entry, Start, in_the_best_valleys, race, started
+from .race import PATIENCE, Entry, Start, race, started
 from .side_valleys import by_probing
 from .starts import HALF, Proposal, by_motion, by_score, unseen_in_motion
 from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
@@ -40,7 +40,6 @@ _ALIKE, _MOST_ALIKE = 2, 4
 _CONVERGES = 10
 #: Physical limit: more laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
-_RUGGED = 2  # so often laws with side valleys are asked for: on the measured motion, then simulated
 
 
 @dataclass(eq=False)
@@ -53,7 +52,7 @@ class Search:
         laws: the library, with the user's laws; those that are learnt are asked for where all others have failed.
         progress: called with what is being done and which part of all is done.
         candidates: every structure that was entered, by the laws it adds.
-        asked_rugged: how often laws with side valleys were asked for.
+        asked_rugged: whether laws with side valleys were asked for.
     """
 
     data: Data
@@ -63,7 +62,7 @@ class Search:
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], str], Fitted] = field(default_factory=dict, init=False)
     _less: list[Proposal] = field(default_factory=list, init=False)
-    asked_rugged: int = field(default=0, init=False)
+    asked_rugged: bool = field(default=False, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
@@ -113,7 +112,7 @@ class Search:
             return []  # what it leaves may be a side valley's, and no sign of a second law
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
         # a law with side valleys is simulated slowly, from many places: asked for where each other has failed by itself
-        rugged = [self._rugged] * (_RUGGED - self.asked_rugged)
+        rugged = [] if self.asked_rugged else [self._rugged]
         assert leader.fit is not None
         ways += [] if keeps_step(self.data.segments, leader.fit.residuals) else [self._predicted]
         if not leader.laws:
@@ -121,7 +120,7 @@ class Search:
         # a second cause has to tell more than a smooth spring and damping do, which then may be exchanged for it
         smooth = any(find(law).learnt for law in leader.laws)
         first = [self._as_long_or_shorter, self._learnt] if smooth else [self._learnt]
-        return [*rugged[:-1], *first, *(way for way in ways if way not in first), *rugged[-1:]]
+        return [*rugged, *first, *(way for way in ways if way not in first)]
 
     def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
@@ -148,7 +147,7 @@ class Search:
         laws = [law for law in self._addable(leader) if not law.rugged]
         unseen = [law for law in laws if unseen_in_motion(law)]
         blind = self._added(leader, by_score(leader.fit, self.data, unseen)) if unseen else []
-        starts = self._from_motion(leader, [law for law in laws if law not in unseen], beside=blind)
+        starts = self._from_motion(leader, [law for law in laws if law not in unseen], blind)
         # what nothing else speaks for must come to the noise; else it waits until all laws are asked for their scores
         return [start for start in starts if start.near or start not in blind]
 
@@ -174,18 +173,12 @@ class Search:
         return self._raced(leader, by_prediction(leader.fit, self.data, self._addable(leader), self._cost(1)))
 
     def _rugged(self, _leader: Candidate) -> list[Start]:
-        """The given family with one law with side valleys, where the measured motion, which has none, speaks for it.
-
-        Asked again, those on which it was silent are put in at the best of their probes.
-        """
-        family, self.asked_rugged = self.candidates[()], self.asked_rugged + 1
+        """The given family with one law with side valleys, where a prediction speaks for it, raced."""
+        family, self.asked_rugged = self.candidates[()], True
         assert family.fit is not None
-        laws = self._addable(family)
-        rugged = [law for law in laws if law.rugged]
-        if self.asked_rugged < _RUGGED:
-            return self._from_motion(family, laws, rugged)
-        silent = [law for law in rugged if (law.name,) not in self.candidates]
-        return self._raced(family, by_probing(family.fit, self.data, silent) if silent else [])
+        self.progress("prediction over a cycle", 0.0)
+        rugged = [law for law in self._addable(family) if law.rugged]
+        return self._raced(family, by_probing(family.fit, self.data, rugged))
 
     def _learnt(self, leader: Candidate) -> list[Start]:
         """Laws that are learnt, each beside the leader; where none with a cause leads, all together too; raced."""
@@ -198,20 +191,13 @@ class Search:
         self._race(starts := self._started(entries), leader.fit)
         return starts
 
-    def _from_motion(
-        self,
-        leader: Candidate,
-        laws: Sequence[Law],
-        entered: Sequence[Law] | None = None,
-        beside: Sequence[Start] = (),
-    ) -> list[Start]:
+    def _from_motion(self, leader: Candidate, laws: Sequence[Law], beside: Sequence[Start]) -> list[Start]:
         """Of laws that the measured motion speaks for, those that gain half as much there as the best; with others."""
         assert leader.fit is not None
         self.progress("regression on the measured motion", 0.0)
         proposals = by_motion(leader.fit, self.data, laws)
         best = max((proposal.gain for proposal in proposals), default=0.0)
-        names = {law.name for law in (laws if entered is None else entered)}
-        return self._raced(leader, [p for p in proposals if p.gain > HALF * best and p.law in names], beside)
+        return self._raced(leader, [p for p in proposals if p.gain > HALF * best], beside)
 
     def _raced(self, leader: Candidate, proposals: Sequence[Proposal], beside: Sequence[Start] = ()) -> list[Start]:
         """The leader with one law more, where that was proposed, raced; with others."""
@@ -346,7 +332,7 @@ class Search:
                 continue
             patience = 0 if near else PATIENCE
             entries.append(Entry(laws, proposal.model, proposal.initial, fixed, hoped, patience, adds=True))
-        return in_the_best_valleys(self._started(entries))
+        return self._started(entries)
 
     def _exchanged(self, leader: Candidate) -> list[Start]:
         """The leader with one law exchanged for those that act most like it on the leader's own motion."""

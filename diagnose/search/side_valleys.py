@@ -1,37 +1,41 @@
-"""Where a law with side valleys is put in when the measured motion is silent on it: simulated from all its probes.
+"""Where a law with side valleys is put in: predicted over a cycle from all its probes, and led to a simulation.
 
-The regression on the measured motion has no side valleys, but needs a motion that shows the law above the noise for
-long: short bursts do not show the contacts of an actuator with play, which ring faster than the rig moves. A
-simulation tells the probes apart, once a few steps have bent the rest of the model to each of them.
+A contact of an actuator with play rings faster than the rig moves, and what one bounce does differently is carried into
+all that follow: simulated, its likelihood has a summit for every count of bounces, and a start some per cent off ends
+on a wrong one. A prediction over a cycle forgets each bounce before it is carried far, and has hardly any side valleys:
+on it the probes are told apart, and from it the best are led to simulation, as identification leads its own starts.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data
-from ...identify.measured_motion import Guess, Regression, probes
+from ...identify.further_laws import MEMORY
+from ...identify.likelihood import maximum_likelihood
+from ...identify.measured_motion import Regression, probes
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from .starts import Proposal
 
-#: So many are kept in the end.
-_KEPT = 3
-#: The loudest segments are simulated, as many as have this many samples together.
+#: So many places are led to a simulation, one on each core.
+_KEPT = 2
+#: The loudest segments are predicted, as many as have this many samples together.
 _SAMPLES = 30_000
 
 
 def by_probing(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
-    """The best places of each law that acts on a recorded force, all other values those that a few steps ask for.
+    """The best places of each law that acts on a recorded force.
 
-    All probes go one step, the better half of them another, and so on (successive halving: Jamieson and
-    Talwalkar 2016).
+    All probes, the other values those that the measured motion asks for beside them, go one step of the prediction, the
+    better half of them another, and so on (successive halving: Jamieson and Talwalkar 2016).
 
     Args:
         fitted: the model that the laws are put into.
@@ -41,42 +45,45 @@ def by_probing(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal
     regression = Regression(data, fitted.model)
     if not regression.forced:
         return []
-    loudest = _loudest(data)
-    plain = _step(fitted.model, None, loudest)
+    near = replace(_loudest(data), memory=MEMORY)
+    plain = _step(fitted.model, None, near)
     if plain is None:  # nothing to gain over
         return []
+
+    def led(fit: Fitted) -> Oscillator | None:
+        with suppress(DashpotError):  # nothing simulates from there
+            kept = shapes_of(fit.model)
+            return maximum_likelihood(fit.model, data.recordings, kept, data, doubted=False).oscillator
+        return None
+
     proposals = []
-    for law in laws:
-        guesses = [regression.at(law, probe) for probe in probes(law, data.scales)]
-        fits = _halved([(g, g.put_into(fitted.model)) for g in guesses if g is not None], loudest)
-        proposals += [
-            Proposal(law.name, fit.model, guess.begun(fitted.initial), fit.likelihood - plain.likelihood)
-            for guess, fit in fits
-            if fit.likelihood > plain.likelihood
-        ]
+    with ThreadPoolExecutor(max_workers=2) as pool:
+        for law in laws:
+            guesses = [regression.at(law, probe) for probe in probes(law, data.scales)]
+            fits = _halved([guess.put_into(fitted.model) for guess in guesses if guess is not None], near, pool)
+            better = [fit for fit in fits if fit.likelihood > plain.likelihood]
+            for fit, model in zip(better, pool.map(led, better), strict=True):
+                if model is not None:
+                    proposals.append(Proposal(law.name, model, None, fit.likelihood - plain.likelihood))
     return proposals
 
 
-def _halved(places: Sequence[tuple[Guess, Oscillator]], data: Data) -> list[tuple[Guess, Fitted]]:
+def _halved(places: Sequence[Oscillator], data: Data, pool: ThreadPoolExecutor) -> list[Fitted]:
     """Of many places the best, fitted the longer the better they are."""
 
-    def step(place: tuple[Guess, Oscillator | Fitted]) -> tuple[Guess, Fitted] | None:
-        guess, known = place
-        model, initial = (known, None) if isinstance(known, Oscillator) else (known.model, known.initial)
-        fit = _step(model, initial, data)
-        return None if fit is None else (guess, fit)
+    def step(place: Oscillator | Fitted) -> Fitted | None:
+        return _step(place, None, data) if isinstance(place, Oscillator) else _step(place.model, place.initial, data)
 
-    running: Sequence[tuple[Guess, Oscillator | Fitted]] = places
-    with ThreadPoolExecutor(max_workers=2) as pool:
-        while True:
-            fits = sorted((fit for fit in pool.map(step, running) if fit), key=lambda fit: -fit[1].likelihood)
-            if len(fits) <= _KEPT:
-                return fits
-            running = fits[: max(_KEPT, len(fits) // 2)]
+    running: Sequence[Oscillator | Fitted] = places
+    while True:
+        fits = sorted((fit for fit in pool.map(step, running) if fit), key=lambda fit: -fit.likelihood)
+        if len(fits) <= _KEPT:
+            return fits
+        running = fits[: max(_KEPT, len(fits) // 2)]
 
 
 def _step(model: Oscillator, initial: np.ndarray | None, data: Data) -> Fitted | None:
-    """A model one step nearer to the recordings; None where nothing simulates from there."""
+    """A model one step nearer to the recordings; None where nothing predicts from there."""
     try:
         fit = Structure(model, data, shapes_of(model)).fit(initial, most=1)
     except DashpotError:

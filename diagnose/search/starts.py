@@ -12,7 +12,7 @@ from ...errors import BadInput
 from ...identify.data import Data
 from ...identify.equivalent import along_of
 from ...identify.likelihood import maximum_likelihood
-from ...identify.measured_motion import Guess, Regression
+from ...identify.measured_motion import Regression
 from ...identify.structure import Fitted, renamed, without_states
 from ...model import Oscillator
 from ...model.law import Law
@@ -24,9 +24,6 @@ from .spectral_lines import residual_lines
 
 #: Of what the best law gains, on the measured motion or predicted, others must gain this part to be simulated.
 HALF = 0.5
-#: Of a law with side valleys the parameters between which they lie are put in at their guess times these: what happens
-#: faster than the rig's own motion, such as a contact's ringing, the measured motion tells to no more than that.
-_PACES = (1.0, 0.125, 0.25, 0.5, 2.0, 4.0, 8.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,10 +62,7 @@ def by_motion(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]
     for guess in regression.guesses(laws):
         gain = regression.gain(plain, guess)
         if gain > 0:
-            proposals += [
-                Proposal(guess.effect, moved.put_into(fitted.model), moved.begun(fitted.initial), gain)
-                for moved in _moved(guess, laws)
-            ]
+            proposals.append(Proposal(guess.effect, guess.put_into(fitted.model), guess.begun(fitted.initial), gain))
     return proposals
 
 
@@ -105,18 +99,3 @@ def generalised(fitted: Fitted, laws: Sequence[str]) -> Iterator[tuple[str, str,
         general = find(name).twin
         if general is not None and general not in laws and not only_a_name(find(name)):
             yield name, general, renamed(fitted, name, find(general))
-
-
-def _moved(guess: Guess, laws: Sequence[Law]) -> Iterator[Guess]:
-    """A guess, and where its law has side valleys, others around it."""
-    (law,) = [law for law in laws if law.name == guess.effect]
-    if not law.rugged:
-        yield guess
-        return
-    moved = [p for p in law.parameters if p.name in law.valleys]
-    for pace in _PACES:
-        values = dict(guess.values)
-        for p in moved:
-            place = f"{law.name}.{p.name}"
-            values[place] = float(np.clip(values[place] * pace, p.lower, p.upper))
-        yield replace(guess, values=values)

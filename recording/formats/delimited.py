@@ -19,7 +19,9 @@ from .preamble import below_preamble, is_unit_row
 
 _COMMENT = ("#", "%")
 #: What programs write where there is no number, as pandas reads it too.
-_ABSENT = frozenset(("", "na", "n/a", "#na", "#n/a", "<na>", "null", "none", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan"))
+_ABSENT = frozenset(
+    ("", "na", "n/a", "#na", "#n/a", "<na>", "null", "none", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan")
+)
 _GROUPED = re.compile("[-+]?[0-9.,'\u2019\u00a0\u202f\u2009]+([eE][-+]?[0-9]+)?")
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 

@@ -85,25 +85,6 @@ def test_only_where_a_law_gains_half_of_the_best_its_place_is_searched_to_the_en
     assert solved == {"quadratic-drag": 40, "stribeck": tries}
 
 
-@pytest.mark.parametrize(("law", "begun"), [("actuator-backlash", 3), ("quadratic-drag", 1)])
-def test_a_law_with_side_valleys_is_begun_at_its_three_best_probes(monkeypatch, law, begun):
-    """The best of them may turn out to lie in a side valley."""
-    refined = {4.0: 4.0, 3.0: 0.1, 2.0: 2.0, 1.0: 1.5, 5.0: 0.01}
-    asked = []
-
-    def further(self, law, guess, most):
-        asked.append((guess.misfit, most))
-        return Guess(guess.effect, {}, refined[guess.misfit])
-
-    monkeypatch.setattr(Regression, "__init__", lambda self: None)
-    monkeypatch.setattr(Regression, "_probed", lambda self, law: [Guess(law.name, {}, m) for m in sorted(refined)])
-    monkeypatch.setattr(Regression, "_refined", further)
-    guess = Regression()._begun(find(law))  # pyright: ignore[reportCallIssue]
-    assert guess is not None
-    assert asked == [(1.0, 10), (2.0, 10), (3.0, 10)][:begun]
-    assert guess.misfit == (0.1 if begun == 3 else 1.5)
-
-
 # --- motions by Runge and Kutta's rule, with a force along them that the test chooses
 
 #: Linear but for what a test adds.

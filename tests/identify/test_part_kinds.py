@@ -54,6 +54,16 @@ def test_the_top_of_a_swing_that_is_cut_off_is_seen_where_the_motion_goes_on(top
         assert found == pytest.approx((top, 2.05), abs=0.01)
 
 
+def test_what_has_shown_more_elsewhere_is_at_no_limit():
+    """A cart that comes to rest on the step of a coarse ranger, where the model swings on."""
+    dt, size = 1e-3, 1e-4
+    motion = np.sin(2 * np.pi * 5.0 * dt * np.arange(N))
+    shown = motion + noise(size)
+    shown[240:260] = 0.7  # near the top of the second swing
+    segment = Segment(0, 0, N, shown, None, dt, 0.0, 2 * np.pi * 5.0)
+    assert cut_off(segment, shown - motion, np.ones(N, bool), size) is None
+
+
 def test_equal_samples_at_which_the_motion_does_not_go_on_are_rounding():
     dt, step = 1e-3, 1e-2
     motion = np.sin(2 * np.pi * 5.0 * dt * np.arange(N))
@@ -76,6 +86,8 @@ def test_what_stands_still_while_the_motion_passes_is_told_from_a_swing_that_is_
     assert (found is not None) == stood
     if stood:
         assert found == pytest.approx((value, 2.3, 2.399), abs=1e-6)
+        at_rest = Segment(0, 0, 400, shown[:400], None, dt, 2.0, 2 * np.pi * 5.0)  # and does not move again
+        assert stands_still(at_rest, (shown - motion)[:400], np.arange(400) > 250, size) is None
 
 
 @pytest.mark.parametrize(("samples", "told"), [(1, True), (2, True), (5, False), (0, False)])

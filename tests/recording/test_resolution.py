@@ -31,3 +31,11 @@ def test_a_signal_that_switches_between_few_levels_has_none():
 def test_quantised_motion_of_few_steps_is_as_noisy_as_its_steps():
     slow = np.round(8 * np.sin(2 * np.pi * 0.5 * T))
     assert noise_level(slow, 500.0) == pytest.approx(1 / np.sqrt(12), rel=1e-6)
+
+
+@pytest.mark.parametrize(("across", "found"), [(4, True), (80, False)])
+def test_an_encoder_whose_zero_was_set_anew_still_has_its_step(across, found):
+    """Two lattices, one 7 hundredths of a step beside the other; where most steps lead across there is no lattice."""
+    swing = np.round(40 * np.sin(2 * np.pi * 0.25 * T))
+    half = (np.arange(T.size) * across // T.size) % 2
+    assert (converter_step(4e-4 * (swing + 0.072 * half)) == pytest.approx(4e-4, rel=1e-3)) is found

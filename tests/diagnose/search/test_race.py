@@ -8,9 +8,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.measure import NEAR, Measure
-from dashpot.diagnose.search.race import PATIENCE, Entry, in_the_best_valleys, race, started
+from dashpot.diagnose.search.race import PATIENCE, Entry, race, started
 from dashpot.diagnose.search.residual_test import times_the_noise
-from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import probes
@@ -278,28 +277,6 @@ def test_what_begins_anew_keeps_what_was_fixed(plain):
 
 def test_three_steps_of_patience_are_the_first_turn():
     assert PATIENCE == 3
-
-
-def test_of_one_law_the_three_best_places_go_on():
-    """After a step each: until then all of them hide behind values that they share."""
-
-    def place(law: str, value: float, after: float) -> SimpleNamespace:
-        start = SimpleNamespace(laws=(law,), value=value)
-        start.step = lambda: setattr(start, "value", after)
-        return start
-
-    places = [place("drag", before, after) for before, after in ((9.0, 1.0), (1.0, 5.0), (2.0, 3.0), (0.0, 4.0))]
-    other = place("stop", 0.0, 7.0)
-    assert [start.value for start in in_the_best_valleys([*places, other])] == [5.0, 4.0, 3.0, 0.0]
-
-
-def test_a_place_that_cannot_take_a_step_stays_where_it_is():
-    def lost() -> None:
-        raise BadInput("the model does not simulate")
-
-    places = [SimpleNamespace(laws=("drag",), value=float(value), step=lost, resting=False) for value in range(4)]
-    assert [start.value for start in in_the_best_valleys(places)] == [3.0, 2.0, 1.0]
-    assert all(start.resting for start in places)
 
 
 # --- the race itself, between starts that only count

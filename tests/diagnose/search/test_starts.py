@@ -91,41 +91,6 @@ def test_what_the_measured_motion_does_not_speak_for_is_not_proposed(delayed, mo
     assert proposal.model.values()["quadratic-drag.coefficient"] == 1.0
 
 
-def proposed(delayed, monkeypatch, law: str, **values: float) -> list[dict[str, float]]:
-    """The law's own values in all proposals that come of one guess."""
-    fitted, data = delayed
-    named = {f"{law}.{name}": value for name, value in values.items()}
-    monkeypatch.setattr(Regression, "plain", lambda self: 1.0)
-    monkeypatch.setattr(Regression, "guesses", lambda self, laws: [Guess(law, named, 0.5)])
-    models = [p.model.values() for p in by_motion(fitted, data, [find("clearance"), find(law)])]
-    return [{name: model[f"{law}.{name}"] for name in values} for model in models]
-
-
-BACKLASH = {"gap": 5e-5, "mass": 0.04, "stiffness": 1e4, "damping": 5.0}
-
-
-def test_of_a_law_of_many_valleys_one_place_lies_near_the_truth(delayed, monkeypatch):
-    """A contact's stiffness and damping together, from an eighth to eight times their guess: to the root of two."""
-    starts = proposed(delayed, monkeypatch, "actuator-backlash", **BACKLASH, guide=0.5)
-    paces = [start["stiffness"] / BACKLASH["stiffness"] for start in starts]
-    for truth in np.geomspace(1 / 8, 8, 31):
-        assert min(abs(np.log2(pace / truth)) for pace in paces) <= 0.5 + 1e-9
-    assert [start["damping"] / BACKLASH["damping"] for start in starts] == pytest.approx(paces)
-    # what the motion shows, and a shape, stay
-    assert {(start["gap"], start["mass"], start["guide"]) for start in starts} == {(5e-5, 0.04, 0.5)}
-    assert starts[0] == BACKLASH | {"guide": 0.5}  # the guess itself comes first
-
-
-def test_no_place_lies_beyond_a_laws_bounds(delayed, monkeypatch):
-    """A contact does not pull."""
-    starts = proposed(delayed, monkeypatch, "actuator-backlash", **BACKLASH | {"damping": -1.0}, guide=0.0)
-    assert {start["damping"] for start in starts} == {0.0}
-
-
-def test_any_other_law_has_one_place(delayed, monkeypatch):
-    assert proposed(delayed, monkeypatch, "quadratic-drag", coefficient=3.0) == [{"coefficient": 3.0}]
-
-
 # --- what it is blind for
 
 
