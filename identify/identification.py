@@ -24,9 +24,9 @@ from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from .blame import blame
-from .climb import POOR_NRMSE, QUIET
+from .climb import QUIET
 from .data import Data, data_of
-from .delivered import Fit
+from .delivered import Fit, SegmentFit
 from .excitation import kind_of
 from .further_laws import holding, with_laws
 from .hilbert_result import HilbertAnalysis, hilbert_analysis
@@ -35,6 +35,7 @@ from .likelihood import maximum_likelihood
 from .offset import FoundOffset
 from .prediction import FREE
 from .provenance import with_provenance
+from .settle import IN_STEP
 from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
@@ -81,9 +82,9 @@ class Identification:
     @property
     def useless(self) -> str | None:
         """A sentence on what the model is good for where its simulation does not follow the recordings; else None."""
-        loud = [s for s in self.fit.segments if not _is_quiet(s.segment.response, self.fit)]
-        worst = max(loud, key=lambda s: s.nrmse, default=None)
-        if worst is None or worst.nrmse <= POOR_NRMSE:
+        lost = [s for s in self.fit.segments if _has_lost(s, self.fit)]
+        worst = max(lost, key=lambda s: s.nrmse, default=None)
+        if worst is None:
             return None
         name = self.recordings[worst.segment.recording].name
         return (
@@ -307,13 +308,19 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):
             remarks.append(f"{name} is not distinguishable from zero in these recordings")
     for segment in fit.segments:
-        if segment.nrmse > POOR_NRMSE and not _is_quiet(segment.segment.response, fit):
+        if _has_lost(segment, fit):
             start = segment.segment.time
             remarks.append(
                 f"{recordings[segment.segment.recording].name}, from {start:.3g} s: the model leaves "
                 f"{100 * segment.nrmse:.0f} % of the motion unexplained"
             )
     return remarks
+
+
+def _has_lost(segment: SegmentFit, fit: Fit) -> bool:
+    """Whether the simulation does not follow the motion of a segment that carries some, noise aside."""
+    off = segment.nrmse > IN_STEP and segment.over_noise > LACKING
+    return off and not _is_quiet(segment.segment.response, fit)
 
 
 def _offset_told(offset: FoundOffset, recording: Recording) -> str:

@@ -27,6 +27,7 @@ _RESPONSES = ("displacement", "velocity", "acceleration")
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]$")
 _AMID = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]\s*(?P<rest>\S.*)$")  # Angle (rad) Run #3
 _SLASH = re.compile(r"^(?P<name>.+?)\s+(?:/|in)\s+(?P<unit>\S+)$")
+_QUOTIENT = re.compile(r"^(?P<name>\w+)\s?/\s?(?P<unit>\S+)$")  # Time/s: quantity over unit (ISO 80000-1, 7.1)
 
 
 @dataclass(frozen=True)
@@ -53,7 +54,7 @@ class Choice:
 def parse_column(name: str, unit_text: str = "") -> Column:
     """Take a header cell apart; `unit_text` is what a separate row of units says of it. Raises nothing."""
     name = name.strip()
-    match = _BRACKETS.match(name) or _SLASH.match(name)
+    match = _BRACKETS.match(name) or _SLASH.match(name) or _quotient(name)
     if unit_text:
         base = name
     elif match and match["unit"] != "t":  # x(t) is a function of time
@@ -129,6 +130,12 @@ def _by_number(count: int, rate: bool) -> str:
     if rate:
         return "e.g. --force 1 --response 2"
     return "e.g. --time 1 --response 2" if count == 2 else "e.g. --time 1 --force 2 --response 3"
+
+
+def _quotient(name: str) -> re.Match[str] | None:
+    """Time/s taken apart, where both sides of the stroke are known: rate/slope is a name."""
+    match = _QUOTIENT.match(name)
+    return match if match and _word(match["name"]) in _KIND and find_unit(match["unit"]) else None
 
 
 def _split_suffix(name: str) -> tuple[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
-from dashpot.identify.identification import belong_together
+from dashpot.identify.identification import _has_lost, belong_together
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording, read
@@ -231,3 +232,14 @@ def test_a_mass_stays_one_that_a_force_can_move():
     start = Oscillator.from_values(TRUTH | {"omega0": 0.3 * TRUTH["omega0"], "cubic": 1e11})
     fit = maximum_likelihood(start, [record("sweep"), record("decay", seconds=4.0)])
     assert 0.0 < fit.oscillator.mass.value <= 1e3 * TRUTH["mass"]
+
+
+@pytest.mark.parametrize(
+    ("left", "times", "quiet", "lost"),
+    [(0.31, 3.0, False, True), (0.29, 3.0, False, False), (0.31, 1.0, False, False), (0.31, 3.0, True, False)],
+)
+def test_a_simulation_has_lost_the_motion_where_it_leaves_three_tenths(monkeypatch, left, times, quiet, lost):
+    """Of a segment that carries motion, and more than its noise: a noisy record may be told as well as can be."""
+    monkeypatch.setattr("dashpot.identify.identification._is_quiet", lambda response, fit: quiet)
+    segment = SimpleNamespace(segment=SimpleNamespace(response=None), nrmse=left, over_noise=times)
+    assert _has_lost(segment, None) is lost
