@@ -35,7 +35,7 @@ from .in_one_run import told_best_in_one_run
 from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
 from .mend import exported, follows_any, no_finding, record_fits, unmended
-from .needless import without_needless
+from .needless import of_unknown_size, without_needless
 from .place.locate import locate
 from .place.missing_force import latent_forces
 from .plainer import with_plainer_laws
@@ -170,6 +170,9 @@ def diagnose(
             notes.append(f"the most probable structure ({' + '.join(selected.laws)}) {why}: no effect is named")
         elif artefact is not None and fmu is not None:
             shutil.move(artefact, fmu)
+    if after is not None:
+        known = {term.effect for term in model.terms}
+        notes += of_unknown_size(after, tuple(term.effect for term in after.terms if term.effect not in known))
     rugged = [law for law in selected.laws if find(law).rugged]
     if after is not None and rugged and remainder_sentence(left):
         notes.append(

@@ -22,6 +22,9 @@ from .search.measure import Measure
 from .search.race import PATIENCE, Entry, race, started
 from .search.search import Search
 
+#: Standard errors: within so many of them, 95 % of what is none comes out.
+_TOLD = 1.96
+
 
 def without_needless(selected: Candidate, search: Search, delivered: Callable[[Fitted], Oscillator]) -> Candidate:
     """The best structure less the laws that it can do without, one after another, the least certain first.
@@ -56,6 +59,16 @@ def certainty(model: Oscillator, laws: tuple[str, ...]) -> dict[str, float]:
             errors = [abs(p.value) / p.std if p.std else math.inf for p in strengths]
             sure[term.effect] = max(errors, default=math.inf)
     return sure
+
+
+def of_unknown_size(model: Oscillator, laws: tuple[str, ...]) -> list[str]:
+    """A sentence for each law that is named for what it takes away, and whose strength its own error leaves open."""
+    return [
+        f"{law}: by its own error its strength is not told from none: something acts like it, and how much of it there "
+        "is, and whether it is this, these recordings leave open"
+        for law, sure in certainty(model, laws).items()
+        if sure < _TOLD
+    ]
 
 
 def _smaller(selected: Candidate, weak: list[str], search: Search) -> Candidate | None:

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dashpot.diagnose import needless
-from dashpot.diagnose.needless import certainty, without_needless
+from dashpot.diagnose.needless import certainty, of_unknown_size, without_needless
 from dashpot.diagnose.search.candidate import Candidate
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
@@ -86,3 +86,9 @@ def test_where_none_simulates_finely_all_stay(selected):
 def test_one_law_alone_is_not_asked(selected):
     alone = replace(selected[0], laws=("quadratic-drag",))
     assert without_needless(alone, Search(), lambda fitted: model(np.inf, np.inf)) is alone
+
+
+@pytest.mark.parametrize(("error", "told"), [(0.1 / 1.9, True), (0.1 / 2.0, False)])
+def test_a_strength_that_its_own_error_leaves_open_is_said_to_be(error, told):
+    said = of_unknown_size(model(error, 0.01), BOTH)
+    assert [sentence.split(":")[0] for sentence in said] == (["constant-force"] if told else [])
