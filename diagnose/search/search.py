@@ -172,13 +172,14 @@ class Search:
         self.progress("prediction over a cycle", 0.0)
         return self._raced(leader, by_prediction(leader.fit, self.data, self._addable(leader), self._cost(1)))
 
-    def _rugged(self, _leader: Candidate) -> list[Start]:
-        """The given family with one law with side valleys, where a prediction speaks for it, raced."""
+    def _rugged(self, leader: Candidate) -> list[Start]:
+        """The given family with one law with side valleys, where it predicts better than the leader, raced."""
         family, self.asked_rugged = self.candidates[()], True
         assert family.fit is not None
+        assert leader.fit is not None
         self.progress("prediction over a cycle", 0.0)
         rugged = [law for law in self._addable(family) if law.rugged]
-        return self._raced(family, by_probing(family.fit, self.data, rugged))
+        return self._raced(family, by_probing(family.fit, leader.fit, self.data, rugged))
 
     def _learnt(self, leader: Candidate) -> list[Start]:
         """Laws that are learnt, each beside the leader; where none with a cause leads, all together too; raced."""

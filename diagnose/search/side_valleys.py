@@ -1,9 +1,10 @@
-"""Where a law with side valleys is put in: predicted over a cycle from all its probes, and led to a simulation.
+"""Where a law with side valleys is put in: predicted from all its probes, and led to a simulation.
 
 A contact of an actuator with play rings faster than the rig moves, and what one bounce does differently is carried into
 all that follow: simulated, its likelihood has a summit for every count of bounces, and a start some per cent off ends
-on a wrong one. A prediction over a cycle forgets each bounce before it is carried far, and has hardly any side valleys:
-on it the probes are told apart, and from it the best are led to simulation, as identification leads its own starts.
+on a wrong one. A prediction over an eighth of a cycle forgets each bounce before it is carried far, and has hardly any
+side valleys: on it the probes are told apart. From there the best are led over longer and longer memories towards
+simulation, which the race goes on with.
 """
 
 from __future__ import annotations
@@ -17,54 +18,59 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data
-from ...identify.further_laws import MEMORY
-from ...identify.likelihood import maximum_likelihood
+from ...identify.from_prediction import EARLY_STEPS, memories
 from ...identify.measured_motion import Regression, probes
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
 from .starts import Proposal
 
+#: Memory, in cycles, over which the probes are predicted: a rung below that from which any other start is led.
+_MEMORY = 1.0 / 8.0
 #: So many places are led to a simulation, one on each core.
 _KEPT = 2
 #: The loudest segments are predicted, as many as have this many samples together.
 _SAMPLES = 30_000
 
 
-def by_probing(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
-    """The best places of each law that acts on a recorded force.
+def by_probing(fitted: Fitted, standing: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
+    """The best places of each law that acts on a recorded force, where a prediction from there beats what stands.
 
     All probes, the other values those that the measured motion asks for beside them, go one step of the prediction, the
     better half of them another, and so on (successive halving: Jamieson and Talwalkar 2016).
 
     Args:
         fitted: the model that the laws are put into.
-        data: what it was fitted to.
+        standing: the best that was found without them.
+        data: what both were fitted to.
         laws: of the library; those that act on no recorded force have nothing to be simulated with.
     """
     regression = Regression(data, fitted.model)
     if not regression.forced:
         return []
-    near = replace(_loudest(data), memory=MEMORY)
-    plain = _step(fitted.model, None, near)
-    if plain is None:  # nothing to gain over
+    near = replace(_loudest(data), memory=_MEMORY)
+    known = [_step(one.model, None, near) for one in (fitted, standing)]
+    if not all(known):  # nothing to gain over
         return []
+    least = max(fit.likelihood for fit in known if fit)
 
-    def led(fit: Fitted) -> Oscillator | None:
-        with suppress(DashpotError):  # nothing simulates from there
-            kept = shapes_of(fit.model)
-            return maximum_likelihood(fit.model, data.recordings, kept, data, doubted=False).oscillator
-        return None
+    def led(fit: Fitted) -> Oscillator:
+        model = fit.model
+        for memory in memories(data.segments):
+            with suppress(DashpotError):  # nothing is predicted as long as that
+                model = Structure(model, replace(data, memory=memory), shapes_of(model)).fit(most=EARLY_STEPS).model
+        return model
 
     proposals = []
     with ThreadPoolExecutor(max_workers=2) as pool:
         for law in laws:
             guesses = [regression.at(law, probe) for probe in probes(law, data.scales)]
             fits = _halved([guess.put_into(fitted.model) for guess in guesses if guess is not None], near, pool)
-            better = [fit for fit in fits if fit.likelihood > plain.likelihood]
-            for fit, model in zip(better, pool.map(led, better), strict=True):
-                if model is not None:
-                    proposals.append(Proposal(law.name, model, None, fit.likelihood - plain.likelihood))
+            better = [fit for fit in fits if fit.likelihood > least]
+            proposals += [
+                Proposal(law.name, model, None, fit.likelihood - least)
+                for fit, model in zip(better, pool.map(led, better), strict=True)
+            ]
     return proposals
 
 

@@ -238,7 +238,8 @@ def test_laws_of_many_side_valleys_are_asked_for_where_all_others_fail(proposing
     search.candidates[()] = leading(times=times)[1]
     probed = []
 
-    def by_probing(fitted, data, asked):
+    def by_probing(fitted, standing, data, asked):
+        assert standing is leader.fit
         probed.append([law.name for law in asked])
         return [Proposal(RUGGED, fitted.model, None, 100.0)]
 

@@ -19,6 +19,7 @@ from dashpot.model.laws import find
 from dashpot.recording import read
 
 PLAY = find("actuator-backlash")
+STANDS = Oscillator.from_values(TRUTH, name="what stands")
 
 
 @pytest.fixture(scope="module")
@@ -36,12 +37,12 @@ def test_what_short_bursts_hide_from_the_regression_a_prediction_shows(bursts):
     regression = Regression(data, fitted.model)
     guess = regression.best(PLAY)
     assert guess is None or guess.values["actuator-backlash.gap"] < 0.1 * ACTUATOR["half_gap"]  # it sees none
-    proposals = by_probing(fitted, data, [PLAY])
+    proposals = by_probing(fitted, fitted, data, [PLAY])
     assert 1 <= len(proposals) <= side_valleys._KEPT
     assert all(p.law == PLAY.name and p.gain > 1000.0 and p.initial is None for p in proposals)
     found = max(proposals, key=lambda proposal: proposal.gain).model.values()
-    assert found["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.05)
-    assert found["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.05)
+    assert found["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.15)
+    assert found["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.02)
     assert found["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.01)
 
 
@@ -54,7 +55,7 @@ def test_free_motion_has_nothing_to_probe_with(bursts):
         sensor=tuple(data.sensor[i] for i in free),
         force=tuple(data.force[i] for i in free),
     )
-    assert by_probing(fitted, decays, [PLAY]) == []
+    assert by_probing(fitted, fitted, decays, [PLAY]) == []
 
 
 def test_the_loudest_segments_are_simulated(bursts, monkeypatch):
@@ -73,7 +74,16 @@ def test_beside_a_family_that_does_not_simulate_nothing_is_gained(bursts):
     fitted, data = bursts
     known = fitted.model.parameters()
     lost = replace(known["cubic"], value=-1e12)  # runs away
-    assert by_probing(replace(fitted, model=fitted.model.with_parameters({"cubic": lost})), data, [PLAY]) == []
+    runaway = replace(fitted, model=fitted.model.with_parameters({"cubic": lost}))
+    assert by_probing(runaway, fitted, data, [PLAY]) == by_probing(fitted, runaway, data, [PLAY]) == []
+
+
+def test_what_predicts_worse_than_what_stands_is_not_simulated(bursts, monkeypatch):
+    fitted, data = bursts
+    better = replace(fitted, likelihood=fitted.likelihood + 1.0)
+    monkeypatch.setattr(side_valleys, "_step", lambda model, initial, part: better if model is STANDS else fitted)
+    monkeypatch.setattr(side_valleys, "memories", None)  # is not called
+    assert by_probing(fitted, replace(fitted, model=STANDS), data, [PLAY]) == []
 
 
 def test_a_probe_that_does_not_simulate_is_passed_over(bursts, monkeypatch):
@@ -82,8 +92,8 @@ def test_a_probe_that_does_not_simulate_is_passed_over(bursts, monkeypatch):
 
     def steps(model, initial, part):
         taken.append(model)
-        return None if len(taken) > 1 else fitted
+        return None if len(taken) > 2 else fitted
 
     monkeypatch.setattr(side_valleys, "_step", steps)
-    assert by_probing(fitted, data, [PLAY]) == []
-    assert len(taken) == 1 + 54  # the family, and every probe once
+    assert by_probing(fitted, fitted, data, [PLAY]) == []
+    assert len(taken) == 2 + 54  # the family, what stands, and every probe once
