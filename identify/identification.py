@@ -17,7 +17,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..model import Oscillator, Response
-from ..model.fit_state import LACKING, left_over
+from ..model.fit_state import FOLLOWS, LACKING, left_over
 from ..model.oscillator import Band
 from ..recording.checks import reversed_force
 from ..recording.given import recordings_of
@@ -35,7 +35,6 @@ from .likelihood import maximum_likelihood
 from .offset import FoundOffset
 from .prediction import FREE
 from .provenance import with_provenance
-from .settle import IN_STEP
 from .signals import response_of
 from .start import HilbertEstimate, hilbert_start, plain_starts
 from .structure import shapes_of
@@ -319,7 +318,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
 
 def _has_lost(segment: SegmentFit, fit: Fit) -> bool:
     """Whether the simulation does not follow the motion of a segment that carries some, noise aside."""
-    off = segment.nrmse > IN_STEP and segment.over_noise > LACKING
+    off = segment.nrmse > FOLLOWS and segment.over_noise > LACKING
     return off and not _is_quiet(segment.segment.response, fit)
 
 

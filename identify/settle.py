@@ -7,14 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..model.fit_state import FOLLOWS
 from ..simulate.core import STEPS_PER_PERIOD
 from .output_error import OutputError, State
 from .reach import nearest_reach
 from .segments import Segment
 
-#: A simulation keeps step where it leaves less than this part of each motion: its phase is then off by less than as
-#: much in radians, where a sine is still a straight line ...
-IN_STEP = 0.3
+#: A simulation keeps step where it leaves less than this part of each motion ...
+IN_STEP = FOLLOWS
 #: ... but for so many times the noise.
 BEYOND_NOISE = 3.0
 #: The sizes of the motion, in those of the finite differences (a hundredth of it).

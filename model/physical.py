@@ -12,6 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from . import units
+from .fit_state import FOLLOWS, MostLeft, beyond
 from .parameter import Parameter
 
 if TYPE_CHECKING:
@@ -133,8 +134,10 @@ def _amid(oscillator: Oscillator) -> dict[str, Parameter]:
 
 
 def amid(oscillator: Oscillator) -> float | None:
-    """The middle of the recorded amplitudes; None where nobody knows them."""
+    """The middle of the recorded amplitudes; None where nobody knows them, or the model does not follow the motion."""
     known = oscillator.amplitude
+    if beyond(oscillator, MostLeft(part=FOLLOWS)):
+        return None
     return 0.5 * (known.min + known.max) if known is not None and 0 < known.max < math.inf else None
 
 

@@ -15,7 +15,7 @@ TRAIN = ("bursts", "sweep_low", "sweep_high")
 @pytest.mark.long
 @pytest.mark.parametrize("kinds", [TRAIN, TRAIN[:1]], ids=["bursts and sweeps", "bursts alone"])
 def test_the_backlash_that_the_paper_leaves_out_is_named_and_mended(tmp_path, capsys, kinds):
-    """Bursts alone say nothing of it in a regression on the measured motion: its probes are simulated."""
+    """Bursts alone say nothing of it in a regression on the measured motion: its probes are predicted."""
     files = {kind: str(path) for kind, path in recordings("paper-stand-backlash").items()}
     train = [files[kind] for kind in kinds]
     rig, folder = str(tmp_path / "rig.yaml"), tmp_path / "diagnosis"
@@ -28,13 +28,11 @@ def test_the_backlash_that_the_paper_leaves_out_is_named_and_mended(tmp_path, ca
     assert [effect["effect"] for effect in document["effects"]] == ["actuator-backlash"]
     assert document["effects"][0]["indistinguishable_from"] == []
     assert "play between actuator and mass (actuator-backlash)" in said
-    # the held-out multisine, run as an FMU: a contact that rings has many side valleys, and not the deepest is found
+    # the held-out multisine, run as an FMU
     (held,) = document["fit"]["holdout"]
     assert held["nrmse_before"] > 10 * held["noise_floor"]
-    assert held["nrmse_after"] < 0.3 * held["nrmse_before"]
+    assert held["nrmse_after"] < 1.05 * held["noise_floor"]
     assert (folder / "model.fmu").stat().st_size > 0
     found = document["effects"][0]["parameters"]
     for name, true in (("gap", ACTUATOR["half_gap"]), ("mass", ACTUATOR["moving_mass"])):
-        assert found[name]["value"] == pytest.approx(true, rel=0.3), name
-    # how far that is from its errors is said
-    assert any("side valleys" in note for note in document["notes"])
+        assert found[name]["value"] == pytest.approx(true, rel=0.02), name

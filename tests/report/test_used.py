@@ -120,3 +120,7 @@ def test_amid_the_recorded_amplitudes_frequency_and_damping_are_known_best():
     assert values["frequency_amid"].std == pytest.approx(error, rel=1e-2)
     assert values["natural_frequency"].std > 500 * error
     assert "natural frequency at 0.004 m, amid the recorded amplitudes" in describe(rig)
+    for left, told in ((0.29, True), (0.31, False)):  # by a model that has lost the motion nothing is said of it
+        recordings = ({"file": "decay.csv", "nrmse": left, "over_noise": 3.0},)
+        fitted = replace(rig, identified=replace(rig.identified, recordings=recordings))
+        assert ("frequency_amid" in machine(fitted)) is told
