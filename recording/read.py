@@ -144,7 +144,9 @@ def _recording(
         stamps, said = _stamps(table, choice.time, numbers[:, -1], fs, calibration)
         notes += said
         empty = np.any(np.isnan(signals), axis=1)
-        if np.any(empty) and not np.all(empty):  # like samples that a recorder lost: bridged where they are few
+        if (
+            stamps is not None and np.any(empty) and not np.all(empty)
+        ):  # like samples that a recorder lost: bridged where they are few
             stamps, signals = stamps[~empty], signals[~empty]
             notes.append(f"{table.where}: {np.sum(empty)} row(s) hold no number in a channel and were left out")
     if part is not None and stamps is not None:
