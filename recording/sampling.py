@@ -122,6 +122,11 @@ def _reject_disorder(where: str, time: np.ndarray) -> None:
     back = np.flatnonzero(step <= 0)
     if len(back):
         i = int(back[0])
+        if np.all(time[back + 1] <= time[0] + np.median(step)):
+            raise BadInput(
+                f"{where}: time starts anew {len(back)} time(s), first in row {i + 2} of the data: the file holds "
+                f"{len(back) + 1} runs; give each as a file of its own"
+            )
         raise BadInput(
             f"{where}: time does not increase at {len(back)} place(s), first after {time[i]:g} s (row {i + 1} of the "
             f"data, the next stamp is {time[i + 1]:g} s); sort the rows or remove the repeated ones"

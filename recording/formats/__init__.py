@@ -40,6 +40,7 @@ FORMATS = {
     ".txt": _TEXT,
     ".tsv": _TEXT,
     ".dat": _TEXT,
+    ".lvm": Format("LVM", "lvm", "lvm_read", "lvm"),
     ".mat": Format("MAT", "mat"),
     ".npz": Format("NPZ", "npz", apart=False),
     ".wav": Format("WAV", "wav", apart=False),

@@ -39,7 +39,7 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
     and between these is passed over. Raises BadInput for a file that
     is empty, binary, a broken gzip, without numbers, or whose rows differ in length.
     """
-    numbered = [(i, line) for i, line in enumerate(_text(where, content, most).splitlines(), start=1) if line.strip()]
+    numbered = [(i, line) for i, line in enumerate(text_of(where, content, most).splitlines(), start=1) if line.strip()]
     lines = [(i, line) for i, line in numbered if not line.lstrip().startswith(_COMMENT)]
     if not lines:
         raise BadInput(f"{where} has no rows of numbers; it needs a header line and one row for each sample")
@@ -84,7 +84,8 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
     return Table(where, names, units, numbers)
 
 
-def _text(where: str, content: bytes, most: float) -> str:
+def text_of(where: str, content: bytes, most: float) -> str:
+    """The text of a file, of at most so many MB; raises BadInput for one that is empty or binary."""
     if content and content[:2] != b"\x1f\x8b" and where.lower().endswith(".gz"):
         raise BadInput(f"{where} ends in .gz but is not a gzip file; rename it or compress it")
     content = unpacked(where, content, most)

@@ -100,6 +100,11 @@ def test_jitter_that_is_little_of_a_cycle_is_no_guess(part, taken):
         (GRID, 500.0, "--fs says 500 Hz but the time column says 250 Hz"),
         (GRID[::-1], None, "does not increase"),
         (np.where(np.arange(N) == 100, GRID[98], GRID), None, "does not increase at 1 place.*row 100 of"),
+        (
+            np.concatenate([GRID[: N // 2]] * 2),
+            None,
+            f"starts anew 1 time.s., first in row {N // 2 + 1} .* holds 2 runs",
+        ),
         (np.delete(GRID, [500, 501, 502]), None, r"gap in time after 4\.996 s, 3 sample"),
         (np.delete(GRID, [500, 900, 901, 902]), None, r"after 6\.596 s, 3 sample.*4 samples in 2 gaps"),
         (np.where(np.arange(N) == 7, np.nan, GRID), None, "time column has 1 value.*row 8"),

@@ -85,7 +85,25 @@ def parquet(path):
     writer.write_table(pyarrow.table({"time_s": T, "force_N": F, "x_mm": 1e3 * X}), path)
 
 
+def lvm_text(sign=".", times=True, blocks=1):
+    """What LabVIEW writes: headers, a column of times or an empty one, remarks behind the last channel."""
+    about = ["LabVIEW Measurement", "Writer_Version\t2", "Reader_Version\t2", "Separator\tTab"]
+    about += [f"Decimal_Separator\t{sign}", f"X_Columns\t{'One' if times else 'No'}", "***End_of_Header***"]
+    rows = [f"{t!r}\t{f!r}\t{x!r}" for t, f, x in zip(T.tolist(), F.tolist(), (1e3 * X).tolist(), strict=True)]
+    rows = rows if times else ["\t" + row.partition("\t")[2] for row in rows]
+    head = ["Channels\t2", f"Samples\t{N}\t{N}", "Y_Unit_Label\tN\tmm", f"Delta_X\t{1 / FS!r}\t{1 / FS!r}"]
+    names = "X_Value\tforce\tdisp\tComment"
+    block = ["", *head, "***End_of_Header***", names, *(row.replace(".", sign) for row in rows)]
+    return "\r\n".join([*about, *(blocks * block)]) + "\r\n"
+
+
+def lvm(path):
+    pytest.importorskip("lvm_read")
+    path.write_bytes(lvm_text().encode())
+
+
 WRITERS = {
+    "rec.lvm": lvm,
     "rec.mat": mat,
     "packed.mat": packed_mat,
     "rec.npz": npz,
@@ -131,6 +149,33 @@ def test_the_table_of_formats_is_what_is_tested():
     assert {FORMATS[suffix].module for suffix in tested} | {"delimited"} == {kind.module for kind in FORMATS.values()}
 
 
+@pytest.mark.parametrize(("sign", "times"), [(",", True), (".", False)])
+def test_a_labview_measurement_has_times_or_an_interval(tmp_path, sign, times):
+    pytest.importorskip("lvm_read")
+    (tmp_path / "rec.lvm").write_text(lvm_text(sign, times).replace("Delta_X", f"X0\t0{sign}0\nDelta_X"))
+    recording = read(tmp_path / "rec.lvm")
+    assert (recording.fs, recording.n, recording.unit) == (pytest.approx(FS, rel=1e-9), N, "m")
+    np.testing.assert_allclose(recording.response, X, rtol=0, atol=1e-12)
+
+
+def test_each_block_of_a_labview_measurement_is_a_record(tmp_path):
+    pytest.importorskip("lvm_read")
+    (tmp_path / "rec.lvm").write_text(lvm_text(blocks=2))
+    with pytest.raises(BadInput, match=r"block1.*block2"):
+        read(tmp_path / "rec.lvm")
+    np.testing.assert_allclose(read(f"{tmp_path / 'rec.lvm'}#block2").response, X, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("text", "words"), [("time_s,x_m\n0,1\n", "is no LabVIEW measurement"), (lvm_text()[:150], "cannot be read as LVM")]
+)
+def test_what_is_no_labview_measurement_is_refused(tmp_path, text, words):
+    pytest.importorskip("lvm_read")
+    (tmp_path / "rec.lvm").write_text(text)
+    with pytest.raises(BadInput, match=words):
+        read(tmp_path / "rec.lvm")
+
+
 def test_a_wav_file_is_in_counts_until_it_is_calibrated(tmp_path):
     counts = np.round(np.column_stack([1e4 * F, 4e6 * X])).astype(np.int16)
     wavfile.write(tmp_path / "rec.wav", int(FS), counts)
@@ -173,7 +218,16 @@ def test_a_missing_package_is_named_with_its_extra(monkeypatch, tmp_path):
         read(tmp_path / "rec.tdms")
 
 
-@pytest.mark.parametrize("name", WRITERS)
+def test_a_labview_measurement_that_was_cut_is_read_as_far_as_it_goes(tmp_path):
+    pytest.importorskip("lvm_read")
+    text = lvm_text()
+    (tmp_path / "rec.lvm").write_text(text[: text.index("\r\n", len(text) // 2)])
+    recording = read(tmp_path / "rec.lvm", checked=False)
+    assert recording.n < N
+    assert f"{recording.n} of the {N} samples are there that its header states" in " ".join(recording.notes)
+
+
+@pytest.mark.parametrize("name", [name for name in WRITERS if name != "rec.lvm"])
 def test_a_file_cut_short_is_one_sentence(written, name):
     content = written(name).read_bytes()
     with pytest.raises(BadInput, match=name) as caught:
