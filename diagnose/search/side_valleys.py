@@ -57,7 +57,7 @@ def by_probing(fitted: Fitted, standing: Fitted, data: Data, laws: Sequence[Law]
     def led(fit: Fitted) -> Oscillator:
         model = fit.model
         for memory in memories(data.segments):
-            with suppress(DashpotError):  # nothing is predicted as long as that
+            with suppress(DashpotError, np.linalg.LinAlgError):  # nothing is predicted as long as that
                 model = Structure(model, replace(data, memory=memory), shapes_of(model)).fit(most=EARLY_STEPS).model
         return model
 
@@ -92,7 +92,7 @@ def _step(model: Oscillator, initial: np.ndarray | None, data: Data) -> Fitted |
     """A model one step nearer to the recordings; None where nothing predicts from there."""
     try:
         fit = Structure(model, data, shapes_of(model)).fit(initial, most=1)
-    except DashpotError:
+    except (DashpotError, np.linalg.LinAlgError):
         return None
     return fit if np.isfinite(fit.likelihood) else None
 
