@@ -19,10 +19,12 @@ from ...identify.descent import Descent
 from ...identify.from_prediction import keeps_step
 from ...identify.odds import DECISIVE
 from ...identify.output_error import OutputError, State
+from ...identify.prediction import FREE
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.terms import with_values
+from .led import any_lost, led
 from .measure import Measure, measure_by
 
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
@@ -229,7 +231,19 @@ class Start:
 
 
 def started(entry: Entry, data: Data, measure: Measure) -> Start | None:
-    """A start; None where the model cannot be simulated from there."""
+    """A start; None where the model cannot be simulated from there.
+
+    One that has lost the motion of a segment, as a rig that friction holds where the recorded one moves, is led to it
+    over predictions; no step of a simulation would.
+    """
+    start = _put(entry, data, measure)
+    if start is None or data.memory != FREE or not any_lost(data.segments, start.descent.residuals):
+        return start
+    there = replace(entry, model=led(entry.model, data, entry.fixed), initial=None)
+    return max(start, _put(there, data, measure) or start, key=lambda one: one.value)
+
+
+def _put(entry: Entry, data: Data, measure: Measure) -> Start | None:
     try:
         start = Start(entry, data, measure)
     except (DashpotError, np.linalg.LinAlgError):

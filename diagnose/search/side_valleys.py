@@ -11,18 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
 
 from ...errors import DashpotError
 from ...identify.data import Data
-from ...identify.from_prediction import EARLY_STEPS, memories
 from ...identify.measured_motion import Regression, probes
 from ...identify.structure import Fitted, Structure, shapes_of
 from ...model import Oscillator
 from ...model.law import Law
+from .led import led
 from .starts import Proposal
 
 #: Memory, in cycles, over which the probes are predicted: a rung below that from which any other start is led.
@@ -54,13 +53,6 @@ def by_probing(fitted: Fitted, standing: Fitted, data: Data, laws: Sequence[Law]
         return []
     least = max(fit.likelihood for fit in known if fit)
 
-    def led(fit: Fitted) -> Oscillator:
-        model = fit.model
-        for memory in memories(data.segments):
-            with suppress(DashpotError, np.linalg.LinAlgError):  # nothing is predicted as long as that
-                model = Structure(model, replace(data, memory=memory), shapes_of(model)).fit(most=EARLY_STEPS).model
-        return model
-
     proposals = []
     with ThreadPoolExecutor(max_workers=2) as pool:
         for law in laws:
@@ -69,7 +61,9 @@ def by_probing(fitted: Fitted, standing: Fitted, data: Data, laws: Sequence[Law]
             better = [fit for fit in fits if fit.likelihood > least]
             proposals += [
                 Proposal(law.name, model, None, fit.likelihood - least)
-                for fit, model in zip(better, pool.map(led, better), strict=True)
+                for fit, model in zip(
+                    better, pool.map(lambda f: led(f.model, data, shapes_of(f.model)), better), strict=True
+                )
             ]
     return proposals
 

@@ -234,6 +234,7 @@ def test_a_law_becomes_the_more_general_one_where_that_is_not_there(proposing):
 )
 def test_laws_of_many_side_valleys_are_asked_for_where_all_others_fail(proposing, monkeypatch, laws, times, place):
     """They are slow: after all others, before a second law; beside the family; once."""
+    proposing({})
     search, leader = leading(*laws, times=times)
     search.candidates[()] = leading(times=times)[1]
     probed = []
