@@ -25,6 +25,8 @@ _CUMULATED = 1.95
 _SLOWEST, _STRAYS = 16, 0.40
 #: Equal samples at the top of a swing that no noise makes; two are common (``recording.clipping``).
 _FLAT = 3
+#: A sensor's limit is not passed by so many times as much elsewhere.
+_PASSED = 2.0
 
 
 def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]) -> str | None:
@@ -94,8 +96,8 @@ def walk(left: np.ndarray) -> float | None:
 def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float) -> tuple[float, float] | None:
     """Where the top of a swing in a part is cut off: the level that is shown and the time; None where none is.
 
-    Equal samples beyond which the motion goes on, by more than noise. What has shown more on that side elsewhere was
-    not at its limit.
+    Equal samples beyond which the motion goes on, by more than noise. What has shown twice as much on that side
+    elsewhere was not at its limit.
 
     Args:
         segment: that holds the part.
@@ -106,8 +108,8 @@ def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float
     shown = segment.response
     for flat in _flats(shown, left, inside):
         way = np.sign(shown[flat.start])
-        highest = np.max(way * (shown - shown[flat.start])) <= BEYOND_ERRORS * noise
-        if highest and np.max(-left[flat] * way) > BEYOND_ERRORS * noise:
+        limit = np.max(way * shown) <= _PASSED * way * shown[flat.start]
+        if limit and np.max(-left[flat] * way) > BEYOND_ERRORS * noise:
             return float(shown[flat.start]), segment.time + 0.5 * (flat.start + flat.stop - 1) * segment.dt
     return None
 

@@ -47,7 +47,9 @@ def _apart(values: np.ndarray, least: float) -> np.ndarray:
 
 
 def _spacing(gaps: np.ndarray) -> float:
-    """Of which all gaps are multiples; 0 where there is no such."""
+    """Of which all gaps are multiples; 0 where there is no such, or no gap."""
+    if not gaps.size:
+        return 0.0
     multiples = gaps / np.min(gaps)
     if np.max(np.abs(multiples - np.round(multiples))) > _OFF_LATTICE:
         return 0.0

@@ -201,7 +201,7 @@ def bad_files(folder, signals):
 
     gap = np.delete(good, slice(2000, 2100), axis=0)
     hole = good.copy()
-    hole[100, 2] = np.nan
+    hole[100:200, 2] = np.nan
     clipped = good.copy()
     clipped[:, 2] = np.clip(clipped[:, 2], -4e-3, 4e-3)
     jitter = good.copy()
@@ -225,7 +225,7 @@ def bad_files(folder, signals):
         folder / "ragged.csv": "line 3",
         folder / "other.xyz": ".xyz",
         table("gap.csv", gap): "gap",
-        table("hole.csv", hole): "not a number",
+        table("hole.csv", hole): "gap in time",
         table("clipped.csv", clipped): "clipped",
         table("jitter.csv", jitter): "jitter.csv",
         table("short.csv", good[:100]): "cycles",

@@ -54,14 +54,16 @@ def test_the_top_of_a_swing_that_is_cut_off_is_seen_where_the_motion_goes_on(top
         assert found == pytest.approx((top, 2.05), abs=0.01)
 
 
-def test_what_has_shown_more_elsewhere_is_at_no_limit():
+@pytest.mark.parametrize(("level", "cut"), [(0.52, True), (0.48, False)])
+def test_what_has_shown_twice_as_much_elsewhere_is_at_no_limit(level, cut):
     """A cart that comes to rest on the step of a coarse ranger, where the model swings on."""
     dt, size = 1e-3, 1e-4
     motion = np.sin(2 * np.pi * 5.0 * dt * np.arange(N))
     shown = motion + noise(size)
-    shown[240:260] = 0.7  # near the top of the second swing
+    shown /= np.max(shown)
+    shown[230:270] = level  # around the top of the second swing
     segment = Segment(0, 0, N, shown, None, dt, 0.0, 2 * np.pi * 5.0)
-    assert cut_off(segment, shown - motion, np.ones(N, bool), size) is None
+    assert (cut_off(segment, shown - motion, np.ones(N, bool), size) is not None) is cut
 
 
 def test_equal_samples_at_which_the_motion_does_not_go_on_are_rounding():

@@ -39,3 +39,11 @@ def test_an_encoder_whose_zero_was_set_anew_still_has_its_step(across, found):
     swing = np.round(40 * np.sin(2 * np.pi * 0.25 * T))
     half = (np.arange(T.size) * across // T.size) % 2
     assert (converter_step(4e-4 * (swing + 0.072 * half)) == pytest.approx(4e-4, rel=1e-3)) is found
+
+
+def test_steps_that_are_one_but_for_rounding_make_no_lattice():
+    """A ramp with a jump of half a step in it, whose steps differ by less than two values that are one level."""
+    steps = np.ones(300)
+    steps[150] = 1.5
+    steps[1::2] += 1e-9 * float(np.sum(steps[1:]))
+    assert converter_step(np.cumsum(steps)) == 0.0
