@@ -9,7 +9,7 @@ import numpy as np
 from ..errors import BadInput
 from .output_error import OutputError, State
 from .segments import Segment
-from .settle import BEYOND_NOISE, IN_STEP, LEAST, settled
+from .settle import IN_STEP, LEAST, follows, settled
 
 #: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
 _FIRST_MEMORY = 1.0
@@ -123,7 +123,7 @@ def keeps_step_throughout(segments: Sequence[Segment], residuals: Sequence[np.nd
         for measured, rest in zip(
             np.array_split(segment.response, count), np.array_split(residual, count), strict=True
         ):
-            if np.sqrt(np.mean(rest**2)) > IN_STEP * np.std(measured) + BEYOND_NOISE * segment.noise:
+            if not follows(float(np.sqrt(np.mean(rest**2))), measured, segment.noise):
                 return False
     return True
 

@@ -25,6 +25,11 @@ LEAST = 8
 _FIRST, _LONGER = 0.25, 2**0.5
 
 
+def follows(left: float, measured: np.ndarray, noise: float) -> bool:
+    """Whether what a simulation leaves, rms, of a motion (n,) is one of phase and size, noise of that size aside."""
+    return bool(left <= IN_STEP * float(np.std(measured)) + BEYOND_NOISE * noise)
+
+
 def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
     """Better initial states from the first few cycles of each segment, the parameters as they are.
 
@@ -74,7 +79,7 @@ class _Beginning:
         measured, noise = self.measured[:n], self.problem.segments[self.place].noise
         with np.errstate(over="ignore", invalid="ignore"):  # a motion that ran away
             left = float(np.std(measured - self._response(candidate, n)))
-        return left <= IN_STEP * float(np.std(measured)) + BEYOND_NOISE * noise
+        return follows(left, measured, noise)
 
     def settled(self, start: np.ndarray, n: int) -> np.ndarray:
         """(states,) as the first n samples ask for them next to a start."""

@@ -12,7 +12,7 @@ from ...errors import DashpotError
 from ...identify.data import Data
 from ...identify.from_prediction import EARLY_STEPS, memories
 from ...identify.segments import Segment
-from ...identify.settle import BEYOND_NOISE, IN_STEP
+from ...identify.settle import follows
 from ...identify.structure import Structure
 from ...model import Oscillator
 
@@ -38,6 +38,6 @@ def any_lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bo
     leads from there.
     """
     return any(
-        not np.sqrt(np.mean(residual**2)) <= IN_STEP * np.std(segment.response) + BEYOND_NOISE * segment.noise
+        not follows(float(np.sqrt(np.mean(residual**2))), segment.response, segment.noise)
         for segment, residual in zip(segments, residuals, strict=True)
     )
