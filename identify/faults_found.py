@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..errors import BadInput
+from ..model import Oscillator
 from ..recording.recording import Recording
 from .contradiction import Contradiction
 from .data import noise_of
@@ -31,6 +33,8 @@ from .weighed import ABOVE_NOISE, concentrated, over_noise
 
 #: Rounds of a search for sizes and place in turn, and steps in each.
 _ROUNDS, _STEPS = 6, 6
+#: Gain of log-likelihood that a further round must promise: a step of one standard error.
+_PASSED_OVER = 0.5
 
 
 @dataclass(frozen=True)
@@ -91,12 +95,10 @@ def faults_found(
         if not asked:
             break
         price = DECISIVE + math.log(count)
-        tried = []
-        tried += [_fitted(problem, point, [*found, fault]) for fault in asked if not fault.slow]
-        for fault in (fault for fault in asked if fault.slow):  # waves are many fits, and each finds the same one
-            if any(_noise_alone(other, where, fit, recordings) for other, where in tried):
-                break
-            tried.append(_fitted(problem, point, [*found, fault]))
+        tried = [_fitted(_begun(problem, point, [*found, fault]), start) for fault in asked if not fault.slow]
+        waves = [fault for fault in asked if fault.slow]
+        if waves and not any(_noise_alone(other, where, fit, recordings) for other, where in tried):
+            tried.append(_fitted(_likeliest(problem, point, found, waves, start), start))
         odds = [concentrated(other, where, start) for other, where in tried]
         top = int(np.argmax(odds))
         if not odds[top] > likelihood + price:
@@ -161,23 +163,42 @@ def _asked(
     return [fault for _, fault in asked], len(faults)
 
 
-def _fitted(problem: OutputError, state: State, faults: Sequence[Fault]) -> tuple[FaultyFit, State]:
-    """Sizes and places of the faults with the parameters: the maximum of the likelihood."""
+def _begun(problem: OutputError, state: State, faults: Sequence[Fault]) -> tuple[FaultyFit, State]:
+    """The fit with faults, and a point from which a simulation keeps step with the motion, as far as there is one."""
     faulty = FaultyFit(problem, faults)
     point = faulty.with_sizes(state)
     if not keeps_step(faulty.segments, faulty.residuals(point)):
-        try:
-            point = from_prediction(faulty, point)[0]
-        except BadInput:
-            return faulty, point
+        with suppress(BadInput):
+            return faulty, from_prediction(faulty, point)[0]
+    return faulty, point
+
+
+def _likeliest(
+    problem: OutputError, state: State, found: Sequence[Fault], waves: Sequence[Fault], start: Oscillator
+) -> tuple[FaultyFit, State]:
+    """Of waves that may lead to the same one that which one round makes the likeliest: where it began says little."""
+    begun = [_round(*_begun(problem, state, [*found, wave])) for wave in waves]
+    return max(begun, key=lambda pair: concentrated(*pair, start))
+
+
+def _round(faulty: FaultyFit, point: State) -> tuple[FaultyFit, State]:
+    """Sizes of the faults where they are, with the parameters, then the last one's place; nothing where none runs."""
+    if not simulates(faulty, point):
+        return faulty, point
+    return _placed(faulty, faulty.search(point, tolerance=0.5, most=_STEPS, informed=False).state)
+
+
+def _fitted(begun: tuple[FaultyFit, State], start: Oscillator) -> tuple[FaultyFit, State]:
+    """Sizes and places of the faults with the parameters, each in turn, until that says no more: the likeliest."""
+    faulty, point = begun
+    known = -math.inf
     for _ in range(_ROUNDS):
-        if not simulates(faulty, point):
-            break
         before = faulty.faults
-        point = faulty.search(point, tolerance=0.5, most=_STEPS, informed=False).state
-        faulty, point = _placed(faulty, point)
-        if faulty.faults == before:
+        faulty, point = _round(faulty, point)
+        likelihood = concentrated(faulty, point, start)
+        if faulty.faults == before or likelihood < known + _PASSED_OVER:
             break
+        known = likelihood
     return faulty, faulty.search(point, tolerance=0.1, most=_STEPS, informed=False).state
 
 
@@ -209,10 +230,16 @@ def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
         sizes[-2:] = -wave.imag, wave.real
         return replace(state, offsets=sizes)
 
+    sound = replace(state, offsets=np.append(state.offsets[: -fault.count], np.zeros(fault.count)))
+    made = [faulty.simulate(i, sound) for i in own]
+
     def left(place: float) -> float:
         moved, state = faulty.moved_to([*places, place]), at(place)
         with np.errstate(over="ignore"):  # a motion that runs away
-            total = sum(float(np.sum((moved.segments[i].response - moved.simulate(i, state)) ** 2)) for i in own)
+            total = sum(
+                float(np.sum((segment.response - moved.shown_beside(i, state, base)) ** 2))
+                for i, segment, base in zip(own, segments, made, strict=True)
+            )
         return total if math.isfinite(total) else math.inf
 
     place, least = fault.place, left(fault.place)

@@ -91,10 +91,10 @@ class FaultyFit(OutputError):
 
         A fault that moves no mass needs no simulation, unless something is predicted.
         """
-        fault, sizes = self.faults[-1], self.sizes(state.offsets)[-1]
-        if self.memory != FREE or fault.moves:
+        fault, sizes, segment = self.faults[-1], self.sizes(state.offsets)[-1], self.segments[index]
+        if self.memory != FREE or (fault.moves and fault.meant(segment, sizes) is not segment):
             return self.simulate(index, state)
-        return fault.shown(made, self.segments[index], sizes)
+        return fault.shown(made, segment, sizes)
 
     def _point(self, state: State) -> tuple[Hashable, ...]:
         """What a quotient depends on: the faults too, of which nothing is known again."""
