@@ -151,7 +151,8 @@ def identify(
 
         model = known or begun(base)
         progress("maximum likelihood, from prediction to simulation")
-        shapes = tuple(shape for shape in shapes_of(model) if shape not in fixed)
+        asked = [key for key, p in model.parameters().items() if p.std is not None]  # data asked for it before
+        shapes = tuple(shape for shape in shapes_of(model) if shape not in (*fixed, *asked))
         how = {"doubted": doubted and not shapes, "near": near or known is not None}
         fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, others=others, **how)
         return _with_shapes(fit, recordings, data, tuple(fixed), doubted=doubted) if shapes else fit

@@ -16,6 +16,7 @@ from dashpot.identify.identification import _has_lost, belong_together
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording, read
+from dashpot.simulate.core import core_of, internal_step
 
 #: Percent, from the project's promise.
 WITHIN = {"mass": 0.5, "omega0": 0.5, "viscous": 0.5, "cubic": 3.0, "preload": 5.0, "dry": 5.0}
@@ -223,6 +224,22 @@ def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
     parameters = identify(both).oscillator.parameters()
     for name in ("mass", "omega0", "viscous"):
         assert abs(parameters[name].value / TRUTH[name] - 1) < WITHIN[name] / 100, name
+
+
+@pytest.mark.parametrize("asked", [True, False])
+def test_a_shape_that_a_start_has_an_error_of_is_fitted_from_the_start_on(asked):
+    n = 3000
+    values = TRUTH | {"stribeck.excess": 0.4, "stribeck.speed": 0.05, "stribeck.exponent": 1.0}
+    rig = Oscillator.from_values(values, effects=("stribeck",))
+    step = internal_step(rig, rig.values(), 5e-3)
+    moved = core_of(rig).record(np.array(list(rig.values().values())), np.array([5e-3, 0.0]), None, n, 2e-3, step)
+    decay = Recording("decay", 500.0, moved + 1e-6 * np.random.default_rng(2).standard_normal(n))
+    known = rig.parameters()["stribeck.exponent"]
+    start = rig.with_parameters({"stribeck.exponent": replace(known, std=0.1 if asked else None)})
+    found = identify([decay], start=start).oscillator.parameters()
+    assert (found["stribeck.exponent"].std is not None) == asked
+    for name in ("stribeck.excess", "stribeck.speed", *(("stribeck.exponent",) if asked else ())):
+        assert abs(found[name].value - values[name]) < 4 * found[name].std, name
 
 
 @pytest.mark.long
