@@ -161,7 +161,7 @@ def ended(
         smooth, begun = smooth_stretches(problem, answer.outcome.state)
         jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
         if jumps:
-            problem, notes = problem.over(smooth), [*notes, *jumps]
+            problem, notes, rungs = problem.over(smooth), [*notes, *jumps], {}  # which are of other segments
             answer, steps = weighed(problem, begun, start, recordings, plain, most)
             iterations += steps
     doubt = np.zeros(answer.outcome.state.values.size)

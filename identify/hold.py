@@ -135,12 +135,8 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     }
     if not others:
         return HoldFound("smooth", log_odds, {})
-    smooth = _Trial("smooth", problem, problem.search(state, noise, tolerance=0.1, most=1), oscillator)
-    trials = [smooth]
-    for hold, other in others.items():
-        first = other.search(state, noise, tolerance=0.1, most=_STEPS)
-        again = other.search(first.state, _noise(other, first.residuals, oscillator), tolerance=0.1, most=_STEPS)
-        trials.append(_Trial(hold, other, again, oscillator))
+    smooth = _tried("smooth", problem, state, noise, oscillator)
+    trials = [smooth, *(_tried(hold, other, state, noise, oscillator) for hold, other in others.items())]
     moving = [trial for trial in trials[1:] if trial.moved(smooth) > _MATTERS]
     if not moving:
         return unknown
@@ -237,6 +233,15 @@ class _Trial:
         """Largest distance of a parameter from that of another fit, in standard errors."""
         known = self.errors > 0
         return float(np.max(np.abs(self.values - other.values)[known] / self.errors[known], initial=0.0))
+
+
+def _tried(
+    hold: str, problem: OutputError, state: State, noise: Sequence[NoiseSpectrum], oscillator: Oscillator
+) -> _Trial:
+    """The fit under a hold, weighed anew on the way: each hold's alike, for weights of its own make any likelier."""
+    first = problem.search(state, noise, tolerance=0.1, most=_STEPS)
+    again = problem.search(first.state, _noise(problem, first.residuals, oscillator), tolerance=0.1, most=_STEPS)
+    return _Trial(hold, problem, again, oscillator)
 
 
 def _log_odds(trial: _Trial, other: _Trial, oscillator: Oscillator, recordings: Sequence[Recording]) -> float:

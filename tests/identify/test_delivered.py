@@ -12,6 +12,7 @@ from dashpot.examples import rig
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
+from dashpot.identify import delivered as module
 from dashpot.identify import identify
 from dashpot.identify.data import data_of
 from dashpot.identify.delivered import delivered
@@ -95,6 +96,23 @@ def test_a_force_with_a_constant_part_that_acts_is_no_zero_of_its_cell():
     fit = delivered(MODEL, data)
     assert fit.offsets == ()
     assert max(segment.over_noise for segment in fit.segments) < 1.1
+
+
+def test_what_a_search_came_through_is_forgotten_with_its_segments(monkeypatch):
+    """Cut at the end of a fit, no prediction begins where a search over other segments came through its memory."""
+    problem, seen = Structure(MODEL, data_of(recordings(), MODEL, coarse=False)).problem, []
+
+    def otherwise(problem, answer, rungs, start, most):
+        seen.append((len(problem.segments), rungs))
+        return np.zeros(answer.outcome.state.values.size), 0
+
+    state = Structure(MODEL, data_of(recordings(), MODEL, coarse=False)).state(None)
+    one = replace(state, initial=state.initial[:1])
+    monkeypatch.setattr(module, "smooth_stretches", lambda *_: (problem.segments[:1], one))
+    monkeypatch.setattr(module, "over_noise", lambda *_: [9.0])
+    monkeypatch.setattr(module, "_said_otherwise", otherwise)
+    module.ended(problem, state, MODEL, recordings(), {1.0: state}, np.inf, [])
+    assert seen == [(1, {})]
 
 
 @pytest.mark.parametrize("seed", [7, 18, 22])

@@ -105,6 +105,21 @@ def test_where_the_hold_cannot_be_known_it_is_in_the_errors():
     assert np.sqrt(oscillator.identified.covariance[0][0]) == pytest.approx(oscillator.mass.std)
 
 
+def test_holds_are_compared_alike_from_wherever_the_search_begins():
+    """A fit that is not quite at its maximum, or is weighed by what it left before, is no reason for another hold."""
+    recordings = rig("smooth", 20, band=(11.5, 14.5), noise=2e-5)
+    fit = identify(held_as(recordings, "smooth"), doubted=False).fit
+    problem, state = module._point(fit, recordings)
+    values = state.values.copy()
+    values[list(fit.oscillator.parameters()).index("mass")] *= 1.02
+    odds = [
+        find_hold(problem, point, fit.oscillator, recordings).log_odds["linear"]
+        for point in (state, replace(state, values=values))
+    ]
+    assert odds[0] == pytest.approx(odds[1], abs=0.5)  # a step of one standard error
+    assert odds[1] < DECISIVE
+
+
 def test_a_hold_is_believed_up_to_a_tenth_of_it():
     gain = 100.0 * DECISIVE
     held = HoldFound("zero", {"smooth": 0.0, "zero": 4 * gain}, {}, further=0.0)
