@@ -33,7 +33,7 @@ from .weighed import ABOVE_NOISE, concentrated, over_noise
 
 #: Rounds of a search for sizes and place in turn, and steps in each.
 _ROUNDS, _STEPS = 6, 6
-#: Gain of log-likelihood that a further round must promise: a step of one standard error.
+#: Gain of log-likelihood by a round without which no further one follows: that of a step of one standard error.
 _PASSED_OVER = 0.5
 
 
