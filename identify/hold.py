@@ -46,8 +46,6 @@ _MATTERS = 1.0
 #: So much less likely than a smooth force by the linearised response, in log-likelihood, it is not fitted: three times
 #: what is decisive, which is a weight of one in a thousand million.
 _HOPELESS = 3.0 * DECISIVE
-#: Half of a 95 % interval in standard errors, the normal distribution's.
-_IN_AN_INTERVAL = 1.96
 #: Steps of the search from one hold to another; the difference is small, and each step squares what is left of it.
 _STEPS = 6
 
@@ -79,14 +77,14 @@ class HoldFound:
 
         What not knowing the hold adds to a covariance: the law of total variance over models that are equally
         probable beforehand (Hoeting et al. 1999, Eq. 3). That is right on the average over the holds; a rig has one. So
-        none that is not ruled out counts for less than brings it into the 95 % interval.
+        those that are not ruled out count at least alike, whichever is a little likelier in these records.
         """
         if hold not in self.values:
             return 0.0
         log_odds = np.array([self.log_odds[other] for other in self.values])
         likely = np.exp(log_odds - np.max(log_odds))
-        open_still = np.where(log_odds > np.max(log_odds) - DECISIVE, _IN_AN_INTERVAL**-2.0, 0.0)
-        weights = np.maximum(likely / likely.sum(), open_still)
+        open_still = log_odds > np.max(log_odds) - DECISIVE
+        weights = np.maximum(likely / likely.sum(), open_still / np.sum(open_still))
         distances = np.array([values - self.values[hold] for values in self.values.values()])
         distances[weights == 0.0] = 0.0
         return (distances.T * weights) @ distances

@@ -245,11 +245,15 @@ def test_what_is_not_known_is_spread_by_its_probability():
     values = {"smooth": np.array([1.0, 0.0]), "linear": np.array([1.2, 0.1])}
     even = HoldFound("smooth", {"smooth": 0.0, "linear": 0.0}, values)
     assert even.spread("smooth") == pytest.approx(np.array([[0.02, 0.01], [0.01, 0.005]]))
-    for odds, std in ((999.0, 0.2 / 1.96), (1001.0, 0.2 / np.sqrt(1002.0))):  # as long as it is not ruled out
+    for odds, std in ((999.0, 0.2 / np.sqrt(2.0)), (1001.0, 0.2 / np.sqrt(1002.0))):  # as long as it is not ruled out
         unlikely = HoldFound("smooth", {"smooth": 0.0, "linear": -np.log(odds)}, values).spread("smooth")
         assert np.sqrt(np.asarray(unlikely)[0, 0]) == pytest.approx(std)
     assert HoldFound("smooth", {"smooth": 0.0, "linear": -800.0}, values).spread("smooth") == pytest.approx(0.0)
     assert HoldFound("smooth", {}, {}).spread("smooth") == 0.0
+    three = HoldFound(
+        "smooth", {"smooth": 0.0, "linear": -5.0, "zero": -6.0}, {**values, "zero": np.array([0.9, 0.0])}
+    ).spread("smooth")
+    assert np.asarray(three)[0, 0] == pytest.approx((0.2**2 + 0.1**2) / 3)
 
 
 def test_only_recordings_that_say_nothing_are_given_a_hold():
