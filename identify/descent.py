@@ -101,16 +101,9 @@ class Descent:
             if gain < tolerance:
                 self.resting = True
                 return False
-            values = self.state.values.copy()
-            values[list(problem.free)] += shared[: len(problem.free)]
+            trial = self.state.stepped(problem.free, shared, own)
             if problem.bounds is not None:
-                values = np.clip(values, *problem.bounds)
-            trial = replace(
-                self.state,
-                values=values,
-                initial=self.state.initial + own,
-                offsets=self.state.offsets + shared[len(problem.free) :],
-            )
+                trial = replace(trial, values=np.clip(trial.values, *problem.bounds))
             residuals = problem.residuals(trial)
             cost = cost_of(residuals, self.noise)
             if cost < self.cost:

@@ -25,7 +25,7 @@ from ..simulate.force import force_between, smooth_force
 from .blows import ContactForce
 from .data import measured, noise_of
 from .delivered import Fit
-from .descent import in_lines
+from .descent import cost_of, in_lines
 from .given_back import give_back
 from .mismatch import gain_of_mismatch
 from .noise_spectrum import NoiseSpectrum, concentrated_likelihood
@@ -44,7 +44,8 @@ _NEAR = 0.1
 #: It matters where it moves a parameter by this many of its standard errors.
 _MATTERS = 1.0
 #: So much less likely than a smooth force by the linearised response, in log-likelihood, it is not fitted: three times
-#: what is decisive, which is a weight of one in a thousand million.
+#: what is decisive, which is a weight of one in a thousand million. A steep resonance that a wrong mass has moved is
+#: not put back by a linear step: it counts for as much as it leads where it says.
 _HOPELESS = 3.0 * DECISIVE
 #: Steps of the search from one hold to another; the difference is small, and each step squares what is left of it.
 _STEPS = 6
@@ -126,15 +127,20 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     problem.forget()
     give_back()
     in_lines(problem, lines, noise)
-    reached = _reached(problem, lines, here, noise)
-    log_odds = {"smooth": 0.0} | {h: reached - _reached(problem, lines, left, noise) for h, left in there.items()}
-    del lines, there
+    reached, _ = _reached(problem, lines, state, here, noise)
+    log_odds, at_most = {"smooth": 0.0}, {}
+    for hold in tuple(there):
+        ahead, stepped = _reached(problem, lines, state, there.pop(hold), noise)
+        found = cost_of(_under(problem, hold, recordings).residuals(stepped), noise) if stepped else -math.inf
+        log_odds[hold] = reached - ahead
+        at_most[hold] = log_odds[hold] + abs(found - ahead)  # as far above as the step itself shows it to be wrong
+    del lines
     # of a model that leaves more than noise the difference is not believed as it is
     within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
     others = {
         hold: _under(problem, hold, recordings)
-        for hold, odds in log_odds.items()
-        if hold != "smooth" and not (within and odds < -_HOPELESS)
+        for hold, odds in at_most.items()
+        if not (within and odds < -_HOPELESS)
     }
     if not others:
         return HoldFound("smooth", log_odds, {})
@@ -290,17 +296,23 @@ def _distance(there: Sequence[np.ndarray], here: Sequence[np.ndarray], noise: Se
 
 
 def _reached(
-    problem: OutputError, lines: Sequence[np.ndarray], residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
-) -> float:
-    """Negative log-likelihood that the linearised response reaches from some residuals, but for a constant.
+    problem: OutputError,
+    lines: Sequence[np.ndarray],
+    state: State,
+    residuals: Sequence[np.ndarray],
+    noise: Sequence[NoiseSpectrum],
+) -> tuple[float, State | None]:
+    """Negative log-likelihood that the linearised response reaches, but for a constant, and where.
 
     ``lines`` are the derivatives', which one hold or another changes by a part of a sample's turn.
     """
     if not all(np.all(np.isfinite(r)) for r in residuals):
-        return -math.inf  # nobody knows
+        return -math.inf, None  # nobody knows
     left = [spectrum.lines(r) for spectrum, r in zip(noise, residuals, strict=True)]
     blocks = [(products(rows, rows), products(rows, r)) for rows, r in zip(lines, left, strict=True)]
-    return 0.5 * (sum(_power(r) for r in left) - promise(blocks, *solve(blocks, 0.0, problem.shared)))
+    shared, own = solve(blocks, 0.0, problem.shared)
+    reached = 0.5 * (sum(_power(r) for r in left) - promise(blocks, shared, own))
+    return reached, state.stepped(problem.free, shared, own)
 
 
 def _power(lines: np.ndarray) -> float:

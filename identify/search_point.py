@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -20,6 +21,12 @@ class State:
     values: np.ndarray
     initial: np.ndarray
     offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
+
+    def stepped(self, free: Sequence[int], shared: np.ndarray, own: np.ndarray) -> State:
+        """The point after a step of the free parameters and the offsets, ``shared``, and of the initial states."""
+        values = self.values.copy()
+        values[list(free)] += shared[: len(free)]
+        return State(values, self.initial + own, self.offsets + shared[len(free) :])
 
 
 @dataclass(frozen=True, eq=False)
