@@ -14,9 +14,12 @@ from ..model import Oscillator, Provenance, Range
 from ..model.oscillator import Band
 from ..recording.recording import Recording
 from .blows import ContactForce
-from .delivered import Fit
+from .delivered import Fit, SegmentFit
 from .excitation import band_of
 from .start import Curve
+
+#: Standard deviations of the noise by which a motion is seen: noise alone is as large once in 370 samples.
+_STANDS_OUT = 3.0
 
 
 def with_provenance(
@@ -40,20 +43,15 @@ def with_provenance(
     """
     model = fit.oscillator
     unit = model.response.displacement_unit
-    amplitudes = [curve.amplitude for curve in curves if curve.amplitude.size]
-    floor = min((float(a.min()) for a in amplitudes), default=0.0)
-    # by the pace of the motion, which omega0 is not where a law is the spring; less what the sensor shows at zero
-    shown = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
-    peak = max(
-        float(np.max(np.abs(s.simulated - shown.get(s.segment.recording, 0.0)))) / s.segment.pace**s.segment.order
-        for s in fit.segments
-    )
+    known = _seen(curves, fit, recordings)
+    floor = min((float(curve.amplitude.min()) for curve in known), default=0.0)
+    peak = max(float(np.max(np.abs(_moved(s, fit)))) for s in fit.segments)
     # a hammer's force reaches far beyond what it sets going
     struck = {s.segment.recording for s in fit.segments if isinstance(s.segment.force, ContactForce)}
     bands = [band_of(r) for i, r in enumerate(recordings) if i not in struck]
     frequencies = [f for band in bands if band for f in band]
     if not frequencies:
-        frequencies = [float(f) / (2 * np.pi) for c in curves for f in (c.omega0.min(), c.omega0.max())]
+        frequencies = [float(f) / (2 * np.pi) for c in known for f in (c.omega0.min(), c.omega0.max())]
     if not frequencies:
         frequencies = [model.omega0.value / (2 * np.pi)]
     files: list[dict[str, Any]] = [{"file": r.name, "sha256": r.sha256} for r in recordings]
@@ -77,6 +75,34 @@ def with_provenance(
             band=band,
         ),
     )
+
+
+def _moved(part: SegmentFit, fit: Fit) -> np.ndarray:
+    """Displacement along a segment, by the pace of its motion, which omega0 is not where a law is the spring.
+
+    Less what the sensor shows at zero. Of an acceleration what the force itself gives the mass is no motion yet: during
+    a blow that is most of it, and the rest is what spring and damping do.
+    """
+    segment, mass = part.segment, fit.oscillator.mass
+    moved = part.simulated - sum(
+        offset.value
+        for offset in fit.offsets
+        if offset.channel == "response" and offset.recording == segment.recording
+    )
+    if segment.quantity == "acceleration" and segment.force is not None and mass is not None:
+        pushed = segment.force.pieces[:: segment.force.fine, 0] / mass.value
+        moved = moved[: pushed.size] - pushed[: moved.size]
+    return moved / segment.pace**segment.order
+
+
+def _seen(curves: Sequence[Curve], fit: Fit, recordings: Sequence[Recording]) -> list[Curve]:
+    """Those parts of curves whose motion stands out of the sensor's noise."""
+    levels: dict[str, float] = {}
+    for s in fit.segments if curves else ():
+        name, level = recordings[s.segment.recording].name, s.segment.noise / s.segment.pace**s.segment.order
+        levels[name] = min(level, levels.get(name, level))
+    seen = [(curve, curve.amplitude > _STANDS_OUT * levels.get(curve.recording, 0.0)) for curve in curves]
+    return [replace(c, amplitude=c.amplitude[out], omega0=c.omega0[out]) for c, out in seen if np.any(out)]
 
 
 def _left(fit: Fit, index: int) -> dict[str, float]:

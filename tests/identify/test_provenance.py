@@ -9,6 +9,7 @@ import pytest
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
+from dashpot.identify import identify
 from dashpot.identify.likelihood import maximum_likelihood
 from dashpot.identify.provenance import _left, with_provenance
 from dashpot.model import Oscillator
@@ -65,3 +66,48 @@ def test_the_range_is_that_of_motion_and_force(fit, recording):
     assert model.amplitude.min == 0.0
     assert 4.5 < model.frequency.min < 7.0
     assert 17.0 < model.frequency.max < 20.5
+
+
+def accelerated(force, fs, noise, seed=0):
+    """A recording by an accelerometer of a linear rig under a force (n, terms), and its displacement (n,)."""
+    rig = {name: TRUTH[name] if name in ("mass", "omega0", "viscous") else 0.0 for name in TRUTH}
+    x, v = integrate_pieces(rig, force[:-1], 1 / fs, 0.0)[:2]
+    a = force[:, 0] / rig["mass"] - rig["viscous"] * v - rig["omega0"] ** 2 * x
+    seen = a + noise * np.random.default_rng(seed).standard_normal(a.size)
+    return Recording("accelerometer", fs, seen, force=force[:, 0], unit="m/s2", quantity="acceleration"), x
+
+
+def test_what_a_blow_gives_the_mass_is_no_motion_yet():
+    """Its acceleration during the contact is some times that of the ringing, whose range is what was covered."""
+    fs, n = 2000.0, 16000
+    force = np.zeros((n, 4))
+    for at in (400, 6000):
+        k = np.arange(13)
+        pulse = 40.0 * np.sin(np.pi * k / 12.0)
+        force[at : at + 12] = linear(pulse, 4)
+    recording, x = accelerated(force, fs, 0.02)
+    model = identify([replace(recording, hold="linear")], doubted=False).oscillator
+    peak = float(np.max(np.abs(x)))
+    assert np.max(np.abs(recording.response)) / TRUTH["omega0"] ** 2 > 3.0 * peak
+    assert model.amplitude.max == pytest.approx(peak, rel=0.1)
+    # above three times the noise the frequency is that of the rig
+    assert model.amplitude.min > 3.0 * 0.02 / TRUTH["omega0"] ** 2 * 0.9
+    assert model.frequency.min == pytest.approx(TRUTH["omega0"] / (2 * np.pi), rel=0.03)
+    assert model.frequency.max == pytest.approx(TRUTH["omega0"] / (2 * np.pi), rel=0.03)
+
+
+def linear(samples, terms):
+    """Straight lines between samples as polynomials (n - 1, terms)."""
+    pieces = np.zeros((samples.size - 1, terms))
+    pieces[:, 0], pieces[:, 1] = samples[:-1], np.diff(samples)
+    return pieces
+
+
+def test_what_a_slow_force_holds_is_motion():
+    """Far below the resonance an accelerometer shows next to nothing of how far the spring is bent."""
+    fs, n = 400.0, 16000
+    t = np.arange(n) / fs
+    force = chirp(20.0, 0.8, 2.2 / t[-1], t, 1 / fs) + 0.05 * chirp(20.0, 8.0, 12.0 / t[-1], t, 1 / fs)
+    recording, x = accelerated(force, fs, 0.01)
+    model = identify([replace(recording, hold="smooth")], doubted=False).oscillator
+    assert model.amplitude.max == pytest.approx(np.max(np.abs(x)), rel=0.2)  # the pace is that of all its motion
