@@ -138,9 +138,7 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     # of a model that leaves more than noise the difference is not believed as it is
     within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
     others = {
-        hold: _under(problem, hold, recordings)
-        for hold, odds in at_most.items()
-        if not (within and odds < -_HOPELESS)
+        hold: _under(problem, hold, recordings) for hold, odds in at_most.items() if not (within and odds < -_HOPELESS)
     }
     if not others:
         return HoldFound("smooth", log_odds, {})

@@ -85,9 +85,7 @@ def _moved(part: SegmentFit, fit: Fit) -> np.ndarray:
     """
     segment, mass = part.segment, fit.oscillator.mass
     moved = part.simulated - sum(
-        offset.value
-        for offset in fit.offsets
-        if offset.channel == "response" and offset.recording == segment.recording
+        offset.value for offset in fit.offsets if offset.channel == "response" and offset.recording == segment.recording
     )
     if segment.quantity == "acceleration" and segment.force is not None and mass is not None:
         pushed = segment.force.pieces[:: segment.force.fine, 0] / mass.value
