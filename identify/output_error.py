@@ -29,7 +29,7 @@ from .noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
-from .search_point import Outcome, State
+from .search_point import SHOWN, Outcome, State
 from .segments import Segment
 
 Item = TypeVar("Item")
@@ -198,9 +198,13 @@ class OutputError:
         return segment.coarse_force if self.coarse else segment.force
 
     def own(self, segment: Segment) -> tuple[int, ...]:
-        """Which of its initial states a segment has to itself: none but phases where it starts at rest."""
+        """Which of its initial states a segment has to itself: none but phases where all starts at rest.
+
+        After a motion the mass alone may rest: an attached one rings on while friction holds it.
+        """
         free = self.core.equations.free
-        return tuple(i for i in range(self.core.states) if free[i] or not segment.rests)
+        unseen = SHOWN if segment.stirred else self.core.states
+        return tuple(i for i in range(self.core.states) if free[i] or not segment.rests or i >= unseen)
 
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""

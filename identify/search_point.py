@@ -7,6 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+#: So many of the states are the mass's own, displacement and velocity, which its sensor shows; the others are inner.
+SHOWN = 2
+
 
 @dataclass(frozen=True, eq=False)
 class State:

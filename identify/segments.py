@@ -52,6 +52,8 @@ class Segment:
         rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
             state has no derivative to find it by).
         quantity: what the response shows of the motion.
+        stirred: whether the recording moved before it: what no sensor shows (an attached mass, a spring that creeps)
+            may move still when the mass rests.
     """
 
     recording: int
@@ -65,6 +67,7 @@ class Segment:
     rests: bool = False
     slide: bool = False
     quantity: str = "displacement"
+    stirred: bool = False
 
     @property
     def order(self) -> int:
@@ -167,6 +170,7 @@ def _cut(
                 rests=forced and starts_at_rest(response, recording.dt, pace, noise),
                 slide=slide,
                 quantity=recording.quantity,
+                stirred=bool(segments) and segments[-1].recording == index,
             )
             segments += _pieces(whole) if slide else [whole]
     return tuple(segments)

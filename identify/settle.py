@@ -11,6 +11,7 @@ from ..model.fit_state import FOLLOWS
 from ..simulate.core import STEPS_PER_PERIOD
 from .output_error import OutputError, State
 from .reach import nearest_reach
+from .search_point import SHOWN
 from .segments import Segment
 
 #: A simulation keeps step where it leaves less than this part of each motion ...
@@ -34,10 +35,12 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
     """Better initial states from the first few cycles of each segment, the parameters as they are.
 
     Where these are lost, as where a pendulum is begun a little too fast and goes over the top, the first quarter of a
-    cycle is asked first, and ever longer beginnings from there.
+    cycle is asked first, and ever longer beginnings from there. States that no sensor shows, as those of an attached
+    mass, are those with which the stretch before it ended, where there is one and these do better.
     """
     cycle = problem.max_step * STEPS_PER_PERIOD
     initial = state.initial.copy()
+    before = _before(problem.segments) if problem.core.states > SHOWN else {}
     for i, segment in enumerate(problem.segments):
         own = problem.own(segment)
         if not own:
@@ -45,6 +48,10 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
         begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
         whole = _samples(segment, cycles * cycle)
         found = begun.settled(initial[i], whole)
+        if i in before:
+            handed = begun.a_sample_on(problem.states(before[i], replace(state, initial=initial))[-1])
+            candidates = [found, handed, begun.settled(handed, whole)]
+            found = min(candidates, key=lambda candidate: begun.misfit(candidate, whole))
         if not begun.in_step(found, whole):
             grown, part = initial[i], _FIRST
             while part < cycles:
@@ -53,6 +60,13 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
             found = grown if begun.in_step(grown, whole) else found
         initial[i] = found
     return replace(state, initial=initial)
+
+
+def _before(segments: Sequence[Segment]) -> dict[int, int]:
+    """The segment that ends where each begins, by their places; none where nothing does."""
+    ends = {(segment.recording, segment.stop): i for i, segment in enumerate(segments)}
+    begins = {i: ends.get((segment.recording, segment.start)) for i, segment in enumerate(segments)}
+    return {i: place for i, place in begins.items() if place is not None}
 
 
 def _samples(segment: Segment, time: float) -> int:
@@ -81,15 +95,23 @@ class _Beginning:
             left = float(np.std(measured - self._response(candidate, n)))
         return follows(left, measured, noise)
 
+    def a_sample_on(self, states: np.ndarray) -> np.ndarray:
+        """The initial state that follows a sample after (states,) of the stretch before."""
+        moved, core = self.state.initial.copy(), self.problem.core
+        moved[self.place] = core.initial(states)
+        return core.initial(self.problem.states(self.place, replace(self.state, initial=moved))[1])
+
+    def misfit(self, candidate: np.ndarray, n: int) -> float:
+        """Sum of squares that (states,) leaves of the first n samples; inf where that does not simulate."""
+        with np.errstate(over="ignore", invalid="ignore"):  # a motion that ran away
+            left = float(np.sum((self.measured[:n] - self._response(candidate, n)) ** 2))
+        return left if np.isfinite(left) else np.inf
+
     def settled(self, start: np.ndarray, n: int) -> np.ndarray:
         """(states,) as the first n samples ask for them next to a start."""
         own, scale = self.own, self.problem.state_scale[self.own]
         reaches = self.problem.core.reaches(self.state.values)
-
-        def misfit(candidate: np.ndarray) -> float:
-            return float(np.sum((self.measured[:n] - self._response(candidate, n)) ** 2))
-
-        initial = nearest_reach(start, reaches, own, misfit)
+        initial = nearest_reach(start, reaches, own, lambda candidate: self.misfit(candidate, n))
         for _ in range(4):
             base = self._response(initial, n)
             rows = []

@@ -109,13 +109,25 @@ class Start:
             return state
         begun = np.array(initial)
         begun[lost, :2] = self.structure.state(None).initial[lost, :2]
-        anew = settled(problem, self.structure.state(begun))
-        pairs = zip(problem.residuals(state), problem.residuals(anew), strict=True)
-        with np.errstate(over="ignore"):  # a motion that ran away
-            better = [
-                not np.sum(before**2) <= np.sum(after**2) and np.all(np.isfinite(after)) for before, after in pairs
-            ]
-        return replace(state, initial=np.where(np.array(better)[:, None], anew.initial, state.initial))
+        return _nearer(problem, state, settled(problem, self.structure.state(begun)))
+
+    def _settled_anew(self) -> bool:
+        """Whether initial states found anew at these parameters lead on, where the old ones had lost a stretch.
+
+        Beyond a hair, as where friction holds once more or once less, no step of a search leads; what the stretch
+        before it ends with does.
+        """
+        problem = self.descent.problem
+        if self.near or self.data.memory != FREE:
+            return False
+        state = _nearer(problem, self.descent.state, settled(problem, self.descent.state))
+        value = self.measure.value(problem.residuals(state))
+        if not value - self.value > DECISIVE:
+            return False
+        self.descent, self.value, self._promised = Descent(problem, state), value, None
+        if not self._white:
+            self._to_coloured()
+        return True
 
     def measured_by(self, measure: Measure) -> None:
         """Go on in another measure."""
@@ -210,6 +222,8 @@ class Start:
             self.credit = max(gained / promised, _LEAST_CREDIT) if gained < _KEPT * promised else 1.0
             self.resting = self.steps >= _MOST_STEPS
         self._weigh()
+        if not moved and self._settled_anew():
+            return
         if not self._white:
             self.resting = self.resting or not moved
             self._to_coloured()
@@ -230,14 +244,23 @@ class Start:
             self.descent.weigh_by(self.measure.spectra(self.descent.residuals))
 
 
-def started(entry: Entry, data: Data, measure: Measure) -> Start | None:
+def _nearer(problem: OutputError, state: State, other: State) -> State:
+    """Of two points with the same parameters the initial state of each segment that leaves less of it."""
+    pairs = zip(problem.residuals(state), problem.residuals(other), strict=True)
+    with np.errstate(over="ignore"):  # a motion that ran away
+        better = [not np.sum(before**2) <= np.sum(after**2) and np.all(np.isfinite(after)) for before, after in pairs]
+    return replace(state, initial=np.where(np.array(better)[:, None], other.initial, state.initial))
+
+
+def started(entry: Entry, data: Data, measure: Measure, *, beside_noise: bool = False) -> Start | None:
     """A start; None where the model cannot be simulated from there.
 
     One that has lost the motion of a segment, as a rig that friction holds where the recorded one moves, is led to it
-    over predictions; no step of a simulation would.
+    over predictions; no step of a simulation would. Beside one that leaves nothing but noise it is not
+    (``beside_noise``): what loses the motion where that begins does not act like it.
     """
     start = _put(entry, data, measure)
-    if start is None or data.memory != FREE or not any_lost(data.segments, start.descent.residuals):
+    if start is None or beside_noise or data.memory != FREE or not any_lost(data.segments, start.descent.residuals):
         return start
     there = replace(entry, model=led(entry.model, data, entry.fixed), initial=None)
     return max(start, _put(there, data, measure) or start, key=lambda one: one.value)

@@ -136,8 +136,10 @@ class Search:
         """The leader less one of its laws, and with one exchanged, raced."""
         assert leader.fit is not None
         self.progress("what the best could do without", 0.0)
-        afresh = len(leader.laws) > 1 and self._at_noise(leader, ())
-        starts = [*self._started(dropped(leader, self.data, afresh=afresh)), *self._exchanged(leader)]
+        at_noise = self._at_noise(leader, ())
+        afresh = len(leader.laws) > 1 and at_noise
+        entries = [*dropped(leader, self.data, afresh=afresh), *self._exchanged(leader)]
+        starts = self._started(entries, beside_noise=at_noise)
         self._race(starts, leader.fit)
         return starts
 
@@ -300,9 +302,10 @@ class Search:
         foreseen = foretold(fitted, told, self.data, held_out, self.holdout, self._measures[1])
         return Candidate(laws, fitted, held_out, value, foreseen, foreseen, "judged")
 
-    def _started(self, entries: Iterable[Entry]) -> list[Start]:
+    def _started(self, entries: Iterable[Entry], *, beside_noise: bool = False) -> list[Start]:
         """Those that can be simulated."""
-        starts = [started(entry, self.data, self._measures[0]) for entry in entries]
+        measure = self._measures[0]
+        starts = [started(entry, self.data, measure, beside_noise=beside_noise) for entry in entries]
         return [start for start in starts if start is not None]
 
     def _addable(self, leader: Candidate, *, learnt: bool = False) -> list[Law]:
@@ -335,7 +338,7 @@ class Search:
             entries.append(Entry(laws, proposal.model, proposal.initial, fixed, hoped, patience, adds=True))
         return self._started(entries)
 
-    def _exchanged(self, leader: Candidate) -> list[Start]:
+    def _exchanged(self, leader: Candidate) -> list[Entry]:
         """The leader with one law exchanged for those that act most like it on the leader's own motion."""
         assert leader.fit is not None
         entries = more_general(leader)
@@ -355,7 +358,7 @@ class Search:
                     continue
                 fixed = kept(leader.fit, proposal.model)
                 entries.append(Entry(laws, proposal.model, proposal.initial, fixed, patience=patience))
-        return self._started(entries)
+        return entries
 
     def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
         """Starts with the shape of their laws free too, of those that came far."""

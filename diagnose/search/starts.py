@@ -13,7 +13,8 @@ from ...identify.data import Data
 from ...identify.equivalent import along_of
 from ...identify.likelihood import maximum_likelihood
 from ...identify.measured_motion import Regression
-from ...identify.structure import Fitted, renamed, without_states
+from ...identify.search_point import SHOWN, State
+from ...identify.structure import Fitted, Structure, renamed, without_states
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import find
@@ -74,7 +75,7 @@ def unseen_in_motion(law: Law) -> bool:
 def without(
     fitted: Fitted, data: Data, law: str, *, afresh: bool = False
 ) -> list[tuple[Oscillator, np.ndarray | None]]:
-    """A fitted model with one law less: as it is, and with what the measured motion then asks of the other values.
+    """A fitted model with one law less: the family doing what it can of it, and what the measured motion then asks for.
 
     Where the path hangs by a hair the likelihood has many summits, and a law may seem to be needed because the model
     without it rests on a lower one. ``afresh``: also as a fit finds it that knows nothing, from prediction to
@@ -83,7 +84,7 @@ def without(
     smaller, initial = without_term(fitted.model, law), without_states(fitted, law)
     guess = Regression(data, smaller).family()
     guessed = smaller if guess is None else guess.put_into(smaller)
-    starts: list[tuple[Oscillator, np.ndarray | None]] = [(smaller, initial)]
+    starts: list[tuple[Oscillator, np.ndarray | None]] = [(_handed_down(fitted, data, law, smaller), initial)]
     if guess is not None:
         starts.append((guessed, initial))
     if afresh:
@@ -91,6 +92,40 @@ def without(
         with suppress(BadInput):  # nothing simulates from there
             starts.append((maximum_likelihood(guessed, data.recordings, fixed, data, doubted=False).oscillator, None))
     return starts
+
+
+def _handed_down(fitted: Fitted, data: Data, law: str, smaller: Oscillator) -> Oscillator:
+    """The smaller model with what Eq. 17 can do of the law, by least squares on the motion that the fitted one makes.
+
+    A law that is learnt may have taken most of the spring over, and a spring without it be none.
+    """
+    dropped, own = next((t.law, t.parameters) for t in fitted.model.terms if t.effect == law)
+    if dropped.force is None or along_of(dropped).phases:
+        return smaller
+    problem = Structure(fitted.model, data).problem
+    state = State(np.array(list(fitted.model.values().values())), fitted.initial, fitted.offsets)
+    values = {name: parameter.value for name, parameter in own.items()}
+    strengths = [values[p.name] for p in dropped.parameters if p.strength]
+    columns, forces = [], []
+    for i, segment in enumerate(problem.segments):
+        x, v = problem.states(i, state)[:, :SHOWN].T
+        motion = np.column_stack([x, v, segment.time + segment.dt * np.arange(x.size), np.zeros(x.size)])
+        made = along_of(dropped)(values, motion, segment.dt)
+        forces.append(np.array(strengths) @ made if strengths else made[0])
+        columns.append(np.column_stack([x, x**3, np.sign(x), v, np.sign(v)]))
+    basis, force = np.concatenate(columns), np.concatenate(forces)
+    if not (np.all(np.isfinite(basis)) and np.all(np.isfinite(force))):
+        return smaller
+    names, known = ("omega0", "cubic", "preload", "viscous", "dry"), smaller.parameters()
+    free = [k for k, name in enumerate(names) if name in fitted.free]
+    size = np.sqrt(np.mean(basis[:, free] ** 2, axis=0))
+    size[size == 0.0] = 1.0
+    more = dict(zip([names[k] for k in free], np.linalg.lstsq(basis[:, free] / size, force)[0] / size, strict=True))
+    squared = known["omega0"].value ** 2 + more.pop("omega0", 0.0)
+    moved = {name: replace(known[name], value=known[name].value + add) for name, add in more.items()}
+    if squared <= 0.0:
+        return smaller
+    return smaller.with_parameters(moved | {"omega0": replace(known["omega0"], value=float(np.sqrt(squared)))})
 
 
 def generalised(fitted: Fitted, laws: Sequence[str]) -> Iterator[tuple[str, str, Fitted]]:

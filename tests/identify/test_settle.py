@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from dashpot.identify.structure import Structure
 from dashpot.model import Oscillator, Response
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
+from dashpot.simulate.core import Core
 
 FS, NOISE = 1000.0, 1e-6
 UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
@@ -114,3 +116,38 @@ def test_where_nothing_simulates_the_state_stays():
     start = falling.state(None)
     assert not np.all(np.isfinite(falling.problem.residuals(start)[0]))
     assert np.all(np.isfinite(settled(falling.problem, start).initial))
+
+
+@cache
+def rung():
+    """A light mass rings on one that friction and preload soon hold, in two stretches; an accelerometer shows it."""
+    values = {"mass": 2.123, "omega0": 113.9, "cubic": 0.0, "preload": 0.815, "viscous": 7.78, "dry": 0.263}
+    hung = {"mass-ratio": 0.0474, "frequency": 163.7, "damping": 1.71}
+    model = Oscillator.from_values(values, response=Response("acceleration", "m/s2"))
+    model = with_term(model, "attached-resonator", hung)
+    fs, n, middle = 3600.0, 2500, 800
+    core = Core(model)
+    how = np.array(list(model.values().values())), np.array([0.0, 0.15, 0.0, 0.0]), None, n, 1 / fs, 1e-3
+    y = core.record(*how) + 0.08 * np.random.default_rng(1).standard_normal(n)
+    recording = Recording("ringing", fs, y, None, "acceleration", "m/s2", free=True)
+    data = data_of([recording], model, coarse=False)
+    whole = replace(data.segments[0], start=0, stop=n, response=y, time=0.0)
+    parts = (whole.part(0, middle), whole.part(middle, n))
+    cut = replace(data, segments=parts, sensor=data.sensor[:1] * 2, force=data.force[:1] * 2)
+    return Structure(model, cut), core.record(*how, states=True)[middle]
+
+
+def test_what_no_sensor_shows_goes_on_from_the_stretch_before():
+    """From an attached mass at rest another swing of it would be found: what friction does then hangs by a hair."""
+    exact, states = rung()
+    begun = settled(exact.problem, exact.state(None))
+    assert exact.problem.core.begin(begun.initial[1]) == pytest.approx(states, rel=0.1)
+    assert np.std(exact.problem.residuals(begun)[1]) < 0.12
+
+
+@pytest.mark.parametrize(("stirred", "own"), [(False, ()), (True, (2, 3))])
+def test_where_the_mass_rests_after_a_motion_what_hangs_on_it_may_ring(stirred, own):
+    exact, _ = rung()
+    at_rest = replace(exact.problem.segments[1], rests=True, stirred=stirred)
+    assert exact.problem.own(at_rest) == own
+    assert exact.problem.own(replace(at_rest, rests=False)) == (0, 1, 2, 3)

@@ -13,6 +13,7 @@ from dashpot.diagnose.search.race import PATIENCE, Entry, Start, race, started
 from dashpot.diagnose.search.residual_test import times_the_noise
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import data_of
+from dashpot.identify.descent import Descent
 from dashpot.identify.measured_motion import probes
 from dashpot.identify.odds import DECISIVE
 from dashpot.identify.structure import shapes_of
@@ -123,6 +124,27 @@ def test_a_start_that_has_lost_the_motion_is_led_to_it(plain):
     near = started(Entry((), bent(model, viscous=1.001)), data, Measure())
     assert near is not None
     assert near.model.viscous.value == 1.001 * model.viscous.value
+    beside = started(entry, data, Measure(), beside_noise=True)  # what loses it there acts like nothing that is known
+    assert beside is not None
+    assert beside.model.omega0.value == 1.05 * model.omega0.value
+
+
+def test_a_stretch_that_was_lost_is_begun_anew_before_a_start_rests(plain):
+    """At the right parameters no step leads from another swing than the recorded one; the motion itself does."""
+    data, model = plain
+    start = Start(Entry((), model), data, Measure())
+    good = start.value
+    assert not start._settled_anew()
+    lost = start.descent.state.initial.copy()
+    lost[1] = -0.3 * lost[1]
+    start.descent = Descent(start.descent.problem, replace(start.descent.state, initial=lost))
+    start._white = True
+    start._measure()
+    assert start.value < good - DECISIVE
+    assert not start.near
+    assert start._settled_anew()
+    assert start.value == pytest.approx(good, abs=1.0)
+    assert not start.resting
 
 
 @pytest.mark.parametrize(("left", "noise", "lost"), [(0.29, 0.0, False), (0.31, 0.0, True), (0.31, 0.1, False)])
@@ -187,6 +209,7 @@ def scripted(plain, *steps: float, promise: float = 100.0, **entry):
 
     class Scripted:
         state, residuals, left = place, np.zeros(1), list(steps)
+        problem = start.descent.problem
 
         @property
         def expected(self):
@@ -201,7 +224,7 @@ def scripted(plain, *steps: float, promise: float = 100.0, **entry):
         def weigh_by(self, _spectra):
             pass
 
-    start.descent = Scripted()
+    start.descent, start._settled_anew = Scripted(), lambda: False
     start.measure = SimpleNamespace(noise=None, value=lambda r: float(r[0]), near=lambda *_: False, spectra=lambda r: r)
     start.value, start.near, start.resting, start._white = 0.0, False, False, True
     return start

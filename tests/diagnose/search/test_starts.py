@@ -181,3 +181,21 @@ def test_where_the_motion_is_too_short_to_say_anything_it_asks_for_nothing(delay
     fitted = Fitted(model, np.zeros((1, 2)), (np.zeros(40),), 0.0, ())
     ((smaller, _),) = without(fitted, short, "time-delay")
     assert smaller.values() == MODEL.values()
+
+
+def test_what_does_without_a_law_that_took_the_spring_over_has_the_spring_again(loaded):
+    """A learnt spring that sets in far beyond the motion is a cubic one; dropped, Eq. 17 has its stiffness."""
+    _, data = loaded
+    reach, far = 20e-3, -0.3 * TRUTH["cubic"] * 6.25 * 20e-3**2
+    law = {"near": 0.0, "middle": 0.0, "far": far, "side-near": 0.0, "side-far": 0.0, "reach": reach}
+    bent = with_term(Oscillator.from_values(TRUTH | {"cubic": 1.3 * TRUTH["cubic"]}), "free/spring", law)
+    whole = Structure(bent, data, [n for n in bent.parameters() if n.startswith("free/spring")]).fit(most=1)
+    whole = replace(whole, model=bent)
+    model, initial = without(whole, data, "free/spring")[0]
+    assert model.terms == ()
+    assert model.cubic.value == pytest.approx(TRUTH["cubic"], rel=0.02)
+    assert model.omega0.value == pytest.approx(TRUTH["omega0"], rel=1e-4)
+    assert model.dry.value == pytest.approx(TRUTH["dry"], rel=0.01)
+    assert initial is not None
+    kept = replace(whole, free=tuple(n for n in whole.free if n != "cubic"))
+    assert without(kept, data, "free/spring")[0][0].cubic.value == bent.cubic.value
