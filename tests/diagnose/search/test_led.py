@@ -10,36 +10,11 @@ import pytest
 from dashpot.diagnose.search.led import any_lost
 from dashpot.diagnose.search.measure import Measure
 from dashpot.diagnose.search.race import Entry, Start, started
-from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
 from dashpot.identify.descent import Descent
 from dashpot.identify.odds import DECISIVE
-from dashpot.model import Oscillator
-from dashpot.recording import Recording
-
-RIG = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0, "viscous": 1.0}
 
 
-@pytest.fixture(scope="module")
-def plain():
-    """Data of a linear rig in closed form, let go at two places, and its model."""
-    time = np.arange(2000) / 500.0
-    pace = np.sqrt(RIG["omega0"] ** 2 - 0.25 * RIG["viscous"] ** 2)
-    wave = np.exp(-0.5 * RIG["viscous"] * time) * np.cos(pace * time)
-    noise = 1e-5 * np.random.default_rng(0).standard_normal((2, time.size))
-    decays = [Recording(f"decay {i}", 500.0, size * wave + noise[i]) for i, size in enumerate((8e-3, 5e-3))]
-    model = Oscillator.from_values(RIG)
-    return data_of(decays, model), model
-
-
-def bent(model, **factors: float):
-    known = model.parameters()
-    return model.with_parameters(
-        {name: replace(known[name], value=known[name].value * factor) for name, factor in factors.items()}
-    )
-
-
-def test_a_start_that_has_lost_the_motion_is_led_to_it(plain):
+def test_a_start_that_has_lost_the_motion_is_led_to_it(plain, bent):
     """And keeps what it is to keep; one that follows begins where it was put."""
     data, model = plain
     entry = Entry((), bent(model, omega0=1.05, viscous=2.0), fixed=("viscous",))

@@ -10,36 +10,11 @@ import pytest
 from dashpot.diagnose.search.measure import NEAR, Measure
 from dashpot.diagnose.search.race import PATIENCE, Entry, Start, race, started
 from dashpot.diagnose.search.residual_test import times_the_noise
-from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
 from dashpot.identify.measured_motion import probes
 from dashpot.identify.odds import DECISIVE
 from dashpot.identify.structure import shapes_of
-from dashpot.model import Oscillator
 from dashpot.model.laws import find
 from dashpot.model.terms import with_term
-from dashpot.recording import Recording
-
-RIG = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0, "viscous": 1.0}
-
-
-@pytest.fixture(scope="module")
-def plain():
-    """Data of a linear rig with nothing missing, let go at two places, and its model."""
-    time = np.arange(2000) / 500.0
-    pace = np.sqrt(RIG["omega0"] ** 2 - 0.25 * RIG["viscous"] ** 2)
-    wave = np.exp(-0.5 * RIG["viscous"] * time) * np.cos(pace * time)
-    noise = 1e-5 * np.random.default_rng(0).standard_normal((2, time.size))
-    decays = [Recording(f"decay {i}", 500.0, size * wave + noise[i]) for i, size in enumerate((8e-3, 5e-3))]
-    model = Oscillator.from_values(RIG)
-    return data_of(decays, model), model
-
-
-def bent(model, **factors: float):
-    known = model.parameters()
-    return model.with_parameters(
-        {name: replace(known[name], value=known[name].value * factor) for name, factor in factors.items()}
-    )
 
 
 def times(start):
@@ -56,7 +31,7 @@ def there(plain):
     return start.fitted, measure
 
 
-def test_a_start_that_is_off_arrives_at_the_noise(plain):
+def test_a_start_that_is_off_arrives_at_the_noise(plain, bent):
     data, model = plain
     start = started(Entry((), bent(model, viscous=1.3, omega0=1.003)), data, Measure())
     assert start is not None
@@ -69,7 +44,7 @@ def test_a_start_that_is_off_arrives_at_the_noise(plain):
     assert start.model.values()["viscous"] == pytest.approx(model.viscous.value, rel=0.05)
 
 
-def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there):
+def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there, bent):
     (data, model), (fitted, measure) = plain, there
     best = measure.value(fitted.residuals)
     off = bent(model, viscous=1.2)
@@ -83,7 +58,7 @@ def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there):
     assert hopeful.looked
 
 
-def test_a_promise_is_looked_for_before_a_start_leaves(plain, there):
+def test_a_promise_is_looked_for_before_a_start_leaves(plain, there, bent):
     """One that is told better than was hoped of it has no bound yet."""
     (data, model), (fitted, measure) = plain, there
     start = started(Entry((), bent(model, viscous=1.0001), hoped=-1e12, fixed=("viscous",)), data, measure)
@@ -101,7 +76,7 @@ def doubled(fitted, factor):
 
 
 @pytest.mark.parametrize("patience", [0, PATIENCE])
-def test_far_from_the_truth_a_start_is_given_its_steps(plain, there, patience):
+def test_far_from_the_truth_a_start_is_given_its_steps(plain, there, patience, bent):
     data, model = plain
     start = Start(Entry((), bent(model, viscous=2.0, omega0=1.02), patience=patience), data, Measure())
     assert times(start) > NEAR
@@ -109,7 +84,7 @@ def test_far_from_the_truth_a_start_is_given_its_steps(plain, there, patience):
     assert start.steps == patience
 
 
-def test_the_first_that_comes_to_the_noise_gives_the_measure_of_all(plain):
+def test_the_first_that_comes_to_the_noise_gives_the_measure_of_all(plain, bent):
     data, model = plain
     good = started(Entry((), bent(model, viscous=1.001)), data, Measure())
     bad = started(Entry((), bent(model, omega0=1.2), fixed=("omega0",)), data, Measure())
@@ -122,7 +97,7 @@ def test_the_first_that_comes_to_the_noise_gives_the_measure_of_all(plain):
     assert not bad.near
 
 
-def test_what_a_linear_rig_promises_it_keeps(plain):
+def test_what_a_linear_rig_promises_it_keeps(plain, bent):
     """Near the maximum the response is linear in the unknowns: one step comes to what it promised."""
     data, model = plain
     start = started(Entry((), bent(model, viscous=1.01)), data, Measure())
@@ -134,7 +109,7 @@ def test_what_a_linear_rig_promises_it_keeps(plain):
     assert start.value - before == pytest.approx(promised, rel=0.1)
 
 
-def test_shapes_are_freed_before_a_law_leaves_far_from_the_noise(plain, there):
+def test_shapes_are_freed_before_a_law_leaves_far_from_the_noise(plain, there, bent):
     data, model = plain
     grown = with_term(bent(model, omega0=1.05), "hysteresis", hysteresis_values(data))
     start = Start(Entry(("hysteresis",), grown, fixed=shapes_of(grown), patience=1), data, Measure())
