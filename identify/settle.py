@@ -10,6 +10,7 @@ import numpy as np
 from ..model.fit_state import FOLLOWS
 from ..simulate.core import STEPS_PER_PERIOD
 from .output_error import OutputError, State
+from .prediction import FREE
 from .reach import nearest_reach
 from .search_point import SHOWN
 from .segments import Segment
@@ -36,11 +37,13 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
 
     Where these are lost, as where a pendulum is begun a little too fast and goes over the top, the first quarter of a
     cycle is asked first, and ever longer beginnings from there. States that no sensor shows, as those of an attached
-    mass, are those with which the stretch before it ended, where there is one and these do better.
+    mass, are those with which the stretch before it ended, where there is one and these do better; a prediction
+    forgets what came before.
     """
     cycle = problem.max_step * STEPS_PER_PERIOD
     initial = state.initial.copy()
-    before = _before(problem.segments) if problem.core.states > SHOWN else {}
+    carried = problem.core.states > SHOWN and problem.memory == FREE
+    before = _before(problem.segments) if carried else {}
     for i, segment in enumerate(problem.segments):
         own = problem.own(segment)
         if not own:
