@@ -50,13 +50,13 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
             continue
         begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
         whole = _samples(segment, cycles * cycle)
-        found = begun.settled(initial[i], whole)
+        start = initial[i]
         if i in before:
             handed = begun.a_sample_on(problem.states(before[i], replace(state, initial=initial))[-1])
-            candidates = [found, handed, begun.settled(handed, whole)]
-            found = min(candidates, key=lambda candidate: begun.misfit(candidate, whole))
+            start = min(start, handed, key=lambda candidate: begun.misfit(candidate, whole))
+        found = begun.settled(start, whole)
         if not begun.in_step(found, whole):
-            grown, part = initial[i], _FIRST
+            grown, part = start, _FIRST
             while part < cycles:
                 grown, part = begun.settled(grown, _samples(segment, part * cycle)), part * _LONGER
             grown = begun.settled(grown, whole)
