@@ -66,8 +66,11 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
 
 
 def _before(segments: Sequence[Segment]) -> dict[int, int]:
-    """The segment that ends where each begins, by their places; none where nothing does."""
-    ends = {(segment.recording, segment.stop): i for i, segment in enumerate(segments)}
+    """The segment that ends where each begins, by their places; none where nothing does.
+
+    A slide is cut into cycles so that what its model lacks does not add up: nothing is carried from one to the next.
+    """
+    ends = {(segment.recording, segment.stop): i for i, segment in enumerate(segments) if not segment.slide}
     begins = {i: ends.get((segment.recording, segment.start)) for i, segment in enumerate(segments)}
     return {i: place for i, place in begins.items() if place is not None}
 

@@ -145,6 +145,20 @@ def test_what_no_sensor_shows_goes_on_from_the_stretch_before():
     assert np.std(exact.problem.residuals(begun)[1]) < 0.12
 
 
+@pytest.mark.parametrize(("slide", "memory"), [(True, np.inf), (False, 1.0)])
+def test_nothing_goes_on_where_each_stretch_is_to_forget_the_others(slide, memory):
+    """Pieces of a slide are cut so that nothing adds up; a prediction forgets."""
+    exact, _ = rung()
+    problem = exact.problem.over([replace(s, slide=slide) for s in exact.problem.segments]).predicting(memory)
+    together, alone = settled(problem, exact.state(None)), settled(problem.over(problem.segments[1:]), _second(exact))
+    assert together.initial[1] == pytest.approx(alone.initial[0])
+
+
+def _second(exact):
+    state = exact.state(None)
+    return replace(state, initial=state.initial[1:])
+
+
 @pytest.mark.parametrize(("stirred", "own"), [(False, ()), (True, (2, 3))])
 def test_where_the_mass_rests_after_a_motion_what_hangs_on_it_may_ring(stirred, own):
     exact, _ = rung()
