@@ -50,9 +50,7 @@ def equivalent(values: Mapping[str, float], amplitude: float, pace: float, time:
         law = find(effect)
         if law.force is None or along_of(law).phases:  # a force that does not ask for the motion
             continue
-        force = along_of(law)(own, motion, float(angle[1]) / pace)
-        strengths = [own[p.name] for p in law.parameters if p.strength]
-        force = np.array(strengths) @ force if strengths else force[0]
+        force = along_of(law).force(own, motion, float(angle[1]) / pace)
         if not np.all(np.isfinite(force)):
             continue
         stiffness += 2.0 * float(np.mean(force[last] * displacement[last])) / amplitude**2

@@ -52,7 +52,9 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
         whole = _samples(segment, cycles * cycle)
         start = initial[i]
         if i in before:
-            handed = begun.a_sample_on(problem.states(before[i], replace(state, initial=initial))[-1])
+            handed = start.copy()  # but for what is known
+            ended = problem.states(before[i], replace(state, initial=initial))[-1]
+            handed[list(own)] = begun.a_sample_on(ended)[list(own)]
             start = min(start, handed, key=lambda candidate: begun.misfit(candidate, whole))
         found = begun.settled(start, whole)
         if not begun.in_step(found, whole):

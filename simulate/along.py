@@ -109,6 +109,12 @@ class Along:
         )
         return out.T
 
+    def force(self, parameters: Mapping[str, float], motion: np.ndarray, dt: float) -> np.ndarray:
+        """(n,) force per unit mass of a force law along a motion; arguments as above."""
+        made = self(parameters, motion, dt)
+        strengths = [parameters[p.name] for p in self.law.parameters if p.strength]
+        return np.array(strengths) @ made if strengths else made[0]
+
     def _parts(self, begin: np.ndarray, motion: np.ndarray, p: np.ndarray, dt: float) -> int:
         """Steps from point to point: Heun's method must follow the fastest inner state on either side of a switch."""
         if not self.follows:

@@ -13,7 +13,7 @@ from ...identify.data import Data
 from ...identify.equivalent import along_of
 from ...identify.likelihood import maximum_likelihood
 from ...identify.measured_motion import Regression
-from ...identify.search_point import SHOWN, State
+from ...identify.search_point import SHOWN
 from ...identify.structure import Fitted, Structure, renamed, without_states
 from ...model import Oscillator
 from ...model.law import Law
@@ -102,16 +102,14 @@ def _handed_down(fitted: Fitted, data: Data, law: str, smaller: Oscillator) -> O
     dropped, own = next((t.law, t.parameters) for t in fitted.model.terms if t.effect == law)
     if dropped.force is None or along_of(dropped).phases:
         return smaller
-    problem = Structure(fitted.model, data).problem
-    state = State(np.array(list(fitted.model.values().values())), fitted.initial, fitted.offsets)
+    structure = Structure(fitted.model, data)
+    state = structure.state(fitted.initial, fitted.offsets)
     values = {name: parameter.value for name, parameter in own.items()}
-    strengths = [values[p.name] for p in dropped.parameters if p.strength]
     columns, forces = [], []
-    for i, segment in enumerate(problem.segments):
-        x, v = problem.states(i, state)[:, :SHOWN].T
+    for i, segment in enumerate(structure.problem.segments):
+        x, v = structure.problem.states(i, state)[:, :SHOWN].T
         motion = np.column_stack([x, v, segment.time + segment.dt * np.arange(x.size), np.zeros(x.size)])
-        made = along_of(dropped)(values, motion, segment.dt)
-        forces.append(np.array(strengths) @ made if strengths else made[0])
+        forces.append(along_of(dropped).force(values, motion, segment.dt))
         columns.append(np.column_stack([x, x**3, np.sign(x), v, np.sign(v)]))
     basis, force = np.concatenate(columns), np.concatenate(forces)
     if not (np.all(np.isfinite(basis)) and np.all(np.isfinite(force))):

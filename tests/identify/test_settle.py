@@ -165,3 +165,7 @@ def test_where_the_mass_rests_after_a_motion_what_hangs_on_it_may_ring(stirred, 
     at_rest = replace(exact.problem.segments[1], rests=True, stirred=stirred)
     assert exact.problem.own(at_rest) == own
     assert exact.problem.own(replace(at_rest, rests=False)) == (0, 1, 2, 3)
+    problem = exact.problem.over([exact.problem.segments[0], at_rest])
+    moving = np.array([[0.0, 0.15, 0.0, 0.0], np.zeros(4)])
+    begun = settled(problem, replace(exact.state(None), initial=moving)).initial[1]
+    assert set(np.flatnonzero(begun)) <= set(own)  # what is known to rest does
