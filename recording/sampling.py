@@ -62,7 +62,10 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
     notes: list[str] = []
     if deviation.max() > NEGLIGIBLE and not _only_rounded(time, rounding):
         _reject_disorder(where, time)
-        grid = _grid(time)
+        size = _grid_size(time)
+        if size > len(time) / BRIDGED:  # fewer than that a cycle are no motion, and the grid may not fit in memory
+            _bridged(where, time, 0.0)
+        grid = np.linspace(time[0], time[-1], size)
         cycle = _shortest_cycle(time, grid, columns)
         missing = _bridged(where, time, cycle)
         columns = _resampled(where, time, grid, columns, cycle, missing, notes)
@@ -133,11 +136,11 @@ def _reject_disorder(where: str, time: np.ndarray) -> None:
         )
 
 
-def _grid(time: np.ndarray) -> np.ndarray:
-    """Uniform times from the first stamp to the last, with those in it at which a sample is missing."""
+def _grid_size(time: np.ndarray) -> int:
+    """How many uniform times lead from the first stamp to the last, those at which a sample is missing among them."""
     step = np.diff(time)
     usual = float(np.mean(step[step <= GAP * np.median(step)])) if _gaps(step).size else float(np.mean(step))
-    return np.linspace(time[0], time[-1], max(2, round((time[-1] - time[0]) / usual) + 1))
+    return max(2, round((time[-1] - time[0]) / usual) + 1)
 
 
 def _gaps(step: np.ndarray) -> np.ndarray:

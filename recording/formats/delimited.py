@@ -142,7 +142,8 @@ def _named(lines: list[tuple[int, str]], delimiter: str) -> int:
 def _cells(line: str, delimiter: str | None) -> list[str]:
     if delimiter is None:
         return [word.strip('"') for word in re.sub(r"\s+(?=[\[(])", "", line).split()]  # "x [mm]" is one name
-    return [cell.strip() for cell in next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))]
+    cells = next(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    return [cell.strip() for cell in cells] or [""]  # csv takes no text for no cell
 
 
 def _is_number(text: str) -> bool:
@@ -169,9 +170,11 @@ def _commented_header(above: list[str], delimiter: str | None, width: int) -> li
 
 
 def _reject_unequal_rows(where: str, lines: list[tuple[int, str]], delimiter: str | None, width: int) -> None:
+    joining = '"' if delimiter else '"[('  # what may make one cell of several pieces
     for number, line in lines:
         count = line.count(delimiter) + 1 if delimiter else len(line.split())
-        if count != width and (count := len(_cells(line, delimiter))) != width:
+        joined = count != width or any(mark in line for mark in joining)
+        if joined and (count := len(_cells(line, delimiter))) != width:
             raise BadInput(
                 f"{where}: line {number} has {count} column(s) where the lines before have {width}; "
                 "mend or remove that line"
@@ -210,7 +213,7 @@ def _numbers(
             cells = [[grouped.plain(cell) for cell in row] for row in cells]
             if all(_is_number(cell) for row in cells for cell in row):
                 return np.array(cells, float)
-    cells = [[_cells(row, delimiter)[i] for i in indices] for row in rows]
+    cells = [[numerals.plain(_cells(line, delimiter)[i]) for i in indices] for _, line in lines]
     if any(cell.lower() in _ABSENT for row in cells for cell in row):
         for place, i in enumerate(indices):
             if all(row[place].lower() in _ABSENT for row in cells):
@@ -220,13 +223,12 @@ def _numbers(
         written = [(number, "\t".join(row)) for (number, _), row in zip(lines, there, strict=True)]
         return _numbers(where, written, "\t", Numerals(), [names[i] for i in indices], range(len(indices)))
     dated = [i for i in indices if seconds_of([_cells(lines[0][1], delimiter)[i]]) is not None]
-    for (number, _), row in zip(lines, rows, strict=True):
-        cells = _cells(row, delimiter)
-        for i in indices:
-            if not _is_number(cells[i]) and (i not in dated or seconds_of([cells[i]]) is None):
+    for (number, _), row in zip(lines, cells, strict=True):
+        for i, cell in zip(indices, row, strict=True):
+            if not _is_number(cell) and (i not in dated or seconds_of([cell]) is None):
                 label = f"column '{names[i]}'" if names[i] else f"column {i + 1}"
                 raise BadInput(
-                    f"{where}: line {number}, {label} holds '{cells[i][:40]}', which is not a number; mend or remove "
+                    f"{where}: line {number}, {label} holds '{cell[:40]}', which is not a number; mend or remove "
                     "that line"
                 )
     raise BadInput(f"{where} cannot be read as columns of numbers; export it as plain CSV")

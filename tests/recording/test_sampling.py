@@ -76,6 +76,22 @@ def test_a_gap_of_a_twelfth_of_a_cycle_is_the_longest(samples, bridged):
             sample(time, frequency=250 / samples)
 
 
+@pytest.mark.parametrize(("every", "taken"), [(34, True), (38, False)])
+def test_a_twelfth_of_the_samples_is_the_fewest(every, taken):
+    """Bursts of three samples, of a motion so slow that each gap is short beside a cycle."""
+    time = GRID[np.arange(N) % every < 3]
+    if taken:
+        assert sample(time, frequency=0.5).columns.shape[1] == 1
+    else:
+        with pytest.raises(BadInput, match="gap in time"):
+            sample(time, frequency=0.5)
+
+
+def test_a_gap_of_ages_takes_no_memory():
+    with pytest.raises(BadInput, match="gap in time after"):
+        sample(np.append(GRID, 1e16))
+
+
 @pytest.mark.parametrize(("part", "taken"), [(0.0095, True), (0.0105, False)])
 def test_jitter_that_is_little_of_a_cycle_is_no_guess(part, taken):
     """A logger of 250 Hz that wavers by more than a quarter of a step, beside a cycle that is slow enough."""

@@ -82,6 +82,8 @@ GOOD = gzip.compress(b"t,x\n" + b"0.123,4.567\n" * 1000, mtime=0)
         ("rig.csv", b"t,x\n0,1\n0.1,2,3\n", "line 3 has 3 column.*have 2"),
         ("rig.csv", b"t,x\n# pause\n0,1\n0.1\n", "line 4 has 1 column"),
         ("rig.csv", b"t x\n0 1\n0.1 2 3\n", "line 3 has 3 column"),
+        ("rig.csv", b't,x\n0,1\n"0.1,2"\n', "line 3 has 1 column"),
+        ("rig.csv", b"t x\n0 1\n0.1 [2\n", "line 3 has 1 column"),
         ("rig.csv", b"t,F,x\n0,1\n0.1,2\n", "header names 3 columns but line 2 has 2"),
         ("rig.csv", b"t,x\n0,1\n0.1,OVERLOAD\n", "line 3, column 'x' holds 'OVERLOAD'"),
         ("rig.csv", b"t,x\n0,\n0.1,NA\n0.2,\n", "column 'x' is empty"),
@@ -93,6 +95,11 @@ def test_what_is_no_table_is_refused(name, content, words):
         read_delimited(name, content).numbers([0, 1])
     assert "\n" not in str(caught.value)
     assert str(caught.value).startswith(name)
+
+
+def test_a_row_of_nothing_is_a_cell_of_nothing():
+    with pytest.raises(BadInput, match="line 2, column 'a: 1' holds '1 2'"):
+        read_delimited("rig.csv", b"a: 1\n1 2\n,").numbers([0])
 
 
 @pytest.mark.parametrize("header", ["t_s,x_mm,,", "t_s,x_mm,", "t_s,x_mm", "% t_s,x_mm,,", ",mass A,\nt_s,x_mm,,"])
