@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -37,25 +38,26 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
 
     Where these are lost, as where a pendulum is begun a little too fast and goes over the top, the first quarter of a
     cycle is asked first, and ever longer beginnings from there. States that no sensor shows, as those of an attached
-    mass, are those with which the stretch before it ended, where there is one and these do better; a prediction
-    forgets what came before.
+    mass or where friction holds the mass, are those with which the stretch before it ended, where there is one and
+    these do better; a prediction forgets what came before.
     """
     cycle = problem.max_step * STEPS_PER_PERIOD
     initial = state.initial.copy()
-    carried = problem.core.states > SHOWN and problem.memory == FREE
-    before = _before(problem.segments) if carried else {}
+    before = _before(problem.segments)
     for i, segment in enumerate(problem.segments):
-        own = problem.own(segment)
-        if not own:
-            continue
+        own, handed_on = problem.own(segment), problem.handed_on(segment)
         begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
         whole = _samples(segment, cycles * cycle)
         start = initial[i]
-        if i in before:
+        if i in before and handed_on and (problem.core.states > SHOWN or not own):
             handed = start.copy()  # but for what is known
             ended = problem.states(before[i], replace(state, initial=initial))[-1]
-            handed[list(own)] = begun.a_sample_on(ended)[list(own)]
+            between = segment.start - problem.segments[before[i]].stop + 1
+            handed[list(handed_on)] = begun.later(ended, between)[list(handed_on)]
             start = min(start, handed, key=lambda candidate: begun.misfit(candidate, whole))
+        if not own:
+            initial[i] = start
+            continue
         found = begun.settled(start, whole)
         if not begun.in_step(found, whole):
             grown, part = start, _FIRST
@@ -68,13 +70,16 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
 
 
 def _before(segments: Sequence[Segment]) -> dict[int, int]:
-    """The segment that ends where each begins, by their places; none where nothing does.
+    """The segment before each, by their places: one that ends where it begins or, where that rests, before it rested.
 
     A slide is cut into cycles so that what its model lacks does not add up: nothing is carried from one to the next.
     """
-    ends = {(segment.recording, segment.stop): i for i, segment in enumerate(segments) if not segment.slide}
-    begins = {i: ends.get((segment.recording, segment.start)) for i, segment in enumerate(segments)}
-    return {i: place for i, place in begins.items() if place is not None}
+    found = {}
+    for i, (last, segment) in enumerate(pairwise(segments), start=1):
+        same = last.recording == segment.recording and not last.slide
+        if same and (last.stop == segment.start or (segment.rests and last.stop < segment.start)):
+            found[i] = i - 1
+    return found
 
 
 def _samples(segment: Segment, time: float) -> int:
@@ -103,11 +108,12 @@ class _Beginning:
             left = float(np.std(measured - self._response(candidate, n)))
         return follows(left, measured, noise)
 
-    def a_sample_on(self, states: np.ndarray) -> np.ndarray:
-        """The initial state that follows a sample after (states,) of the stretch before."""
-        moved, core = self.state.initial.copy(), self.problem.core
-        moved[self.place] = core.initial(states)
-        return core.initial(self.problem.states(self.place, replace(self.state, initial=moved))[1])
+    def later(self, states: np.ndarray, samples: int) -> np.ndarray:
+        """The initial state that follows so many samples after (states,), with nothing that drives it in between."""
+        problem, dt = self.problem, self.problem.segments[self.place].dt
+        begun = problem.core.initial(states)
+        made = problem.core.record(self.state.values, begun, None, samples + 1, dt, problem.max_step, states=True)
+        return problem.core.initial(made[-1])
 
     def misfit(self, candidate: np.ndarray, n: int) -> float:
         """Sum of squares that (states,) leaves of the first n samples; inf where that does not simulate."""

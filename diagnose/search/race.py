@@ -115,10 +115,11 @@ class Start:
         """Whether initial states found anew at these parameters lead on, where the old ones had lost a stretch.
 
         Beyond a hair, as where friction holds once more or once less, no step of a search leads; what the stretch
-        before it ends with does.
+        before it ends with does. What is handed on from one stretch to the next follows the parameters only so.
         """
         problem = self.descent.problem
-        if self.near or self.data.memory != FREE:
+        handed_on = any(set(problem.handed_on(segment)) - set(problem.own(segment)) for segment in problem.segments)
+        if (self.near and not handed_on) or self.data.memory != FREE:
             return False
         state = _nearer(problem, self.descent.state, settled(problem, self.descent.state))
         value = self.measure.value(problem.residuals(state))
