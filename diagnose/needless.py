@@ -15,12 +15,12 @@ from ..errors import BadInput
 from ..identify.odds import BEYOND_ERRORS
 from ..identify.structure import Fitted, without_states
 from ..model import Oscillator
-from ..model.terms import without_term
 from .search.candidate import Candidate, key
 from .search.judgement import leaves_mismatch
 from .search.measure import Measure
 from .search.race import PATIENCE, Entry, race, started
 from .search.search import Search
+from .search.starts import handed_down
 
 #: Standard errors: within so many of them, 95 % of what is none comes out.
 _TOLD = 1.96
@@ -89,7 +89,8 @@ def _without(selected: Candidate, name: str, search: Search) -> Fitted | None:
     assert fitted is not None
     laws = key([law for law in selected.laws if law != name])
     fixed = [other for other in fitted.model.parameters() if other not in fitted.free]
-    entry = Entry(laws, without_term(fitted.model, name), without_states(fitted, name), fixed, patience=PATIENCE)
+    smaller = handed_down(fitted, search.data, name)
+    entry = Entry(laws, smaller, without_states(fitted, name), fixed, patience=PATIENCE)
     start = started(entry, search.data, Measure())
     if start is None:
         return None

@@ -61,9 +61,10 @@ def find_free_motion(recording: Recording) -> FreeMotion:
                 d for d in decays if envelope.size[d.stop - 1] < 1.1 * envelope.floor or d.stop - d.start > 0.8 * x.size
             ]
     else:
-        beats, shortest = False, SHORTEST_CYCLES
         force = np.asarray(force, float)
         blows = tuple(Blow(*struck) for struck in recording.struck) or blows_of(force, period)
+        # a blow says how the motion began, which a decay must show by itself
+        beats, shortest = False, LEAST_CYCLES if blows else SHORTEST_CYCLES
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period)[0], envelope)
     decays = tuple(sorted((d for d in decays if d.stop - d.start >= shortest * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)

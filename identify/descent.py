@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .handed_on import handed_over
 from .noise_spectrum import NoiseSpectrum, white
 from .normal_equations import Block, held_at, products, promise, solve
 
@@ -104,6 +105,7 @@ class Descent:
             trial = self.state.stepped(problem.free, shared, own)
             if problem.bounds is not None:
                 trial = replace(trial, values=np.clip(trial.values, *problem.bounds))
+            trial = handed_over(problem, trial)
             residuals = problem.residuals(trial)
             cost = cost_of(residuals, self.noise)
             if cost < self.cost:

@@ -198,22 +198,9 @@ class OutputError:
         return segment.coarse_force if self.coarse else segment.force
 
     def own(self, segment: Segment) -> tuple[int, ...]:
-        """Which of its initial states a segment has to itself: none but phases where it starts at rest.
-
-        What an accelerometer does not show of one that rests after a motion is ``handed_on``, and not found by itself:
-        an attached mass as light as nothing could be thrown so far in every stretch that it makes up for anything.
-        """
+        """Which of its initial states a segment has to itself: none but phases where it starts at rest."""
         free = self.core.equations.free
         return tuple(i for i in range(self.core.states) if free[i] or not segment.rests)
-
-    def handed_on(self, segment: Segment) -> tuple[int, ...]:
-        """Which states a segment goes on with from where the one before it ended, where there is one and it simulates.
-
-        After a motion friction may hold the mass beside its middle position, while an attached one rings on.
-        """
-        if self.memory != FREE:  # a prediction forgets
-            return ()
-        return tuple(range(self.core.states)) if segment.stirred and segment.rests else self.own(segment)
 
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""

@@ -146,8 +146,9 @@ def _cut(
         highest = force_band * pace / (2 * np.pi)
         for start, stop, forced in sorted(ends):
             # what a force drives all through a recording says more than it costs once it has gone through a cycle; so
-            # does a free recording that was let in for its fall
-            if stop - start < (shortest if (start, stop) != (0, recording.n) else least):
+            # does a free recording that was let in for its fall, and a blow upon a mass at rest costs nothing
+            costs = (start, stop) != (0, recording.n) and not (forced and motion.blows)
+            if stop - start < (shortest if costs else least):
                 continue
             driven = None
             if forced and force is not None and np.any(force[start:stop]):

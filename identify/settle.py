@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
 from ..model.fit_state import FOLLOWS
 from ..simulate.core import STEPS_PER_PERIOD
+from .handed_on import before, ended, followed, goes_on
 from .output_error import OutputError, State
 from .prediction import FREE
 from .reach import nearest_reach
@@ -38,26 +38,24 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
 
     Where these are lost, as where a pendulum is begun a little too fast and goes over the top, the first quarter of a
     cycle is asked first, and ever longer beginnings from there. States that no sensor shows, as those of an attached
-    mass or where friction holds the mass, are those with which the stretch before it ended, where there is one and
-    these do better; a prediction forgets what came before.
+    mass, are those with which the stretch before it ended, where there is one and these do better; at rest they follow
+    from it (``handed_on``). A prediction forgets what came before.
     """
     cycle = problem.max_step * STEPS_PER_PERIOD
     initial = state.initial.copy()
-    before = _before(problem.segments)
+    last = before(problem.segments) if problem.memory == FREE else {}
     for i, segment in enumerate(problem.segments):
-        own, handed_on = problem.own(segment), problem.handed_on(segment)
+        own = problem.own(segment)
+        if i in last and goes_on(segment):
+            initial[i] = followed(problem, replace(state, initial=initial), last[i], i)
+        if not own:
+            continue
         begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
         whole = _samples(segment, cycles * cycle)
         start = initial[i]
-        if i in before and handed_on and (problem.core.states > SHOWN or not own):
-            handed = start.copy()  # but for what is known
-            ended = problem.states(before[i], replace(state, initial=initial))[-1]
-            between = segment.start - problem.segments[before[i]].stop + 1
-            handed[list(handed_on)] = begun.later(ended, between)[list(handed_on)]
+        if i in last and not segment.rests and problem.core.states > SHOWN:
+            handed = ended(problem, replace(state, initial=initial), last[i], i)
             start = min(start, handed, key=lambda candidate: begun.misfit(candidate, whole))
-        if not own:
-            initial[i] = start
-            continue
         found = begun.settled(start, whole)
         if not begun.in_step(found, whole):
             grown, part = start, _FIRST
@@ -67,19 +65,6 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
             found = grown if begun.in_step(grown, whole) else found
         initial[i] = found
     return replace(state, initial=initial)
-
-
-def _before(segments: Sequence[Segment]) -> dict[int, int]:
-    """The segment before each, by their places: one that ends where it begins or, where that rests, before it rested.
-
-    A slide is cut into cycles so that what its model lacks does not add up: nothing is carried from one to the next.
-    """
-    found = {}
-    for i, (last, segment) in enumerate(pairwise(segments), start=1):
-        same = last.recording == segment.recording and not last.slide
-        if same and (last.stop == segment.start or (segment.rests and last.stop < segment.start)):
-            found[i] = i - 1
-    return found
 
 
 def _samples(segment: Segment, time: float) -> int:
@@ -107,13 +92,6 @@ class _Beginning:
         with np.errstate(over="ignore", invalid="ignore"):  # a motion that ran away
             left = float(np.std(measured - self._response(candidate, n)))
         return follows(left, measured, noise)
-
-    def later(self, states: np.ndarray, samples: int) -> np.ndarray:
-        """The initial state that follows so many samples after (states,), with nothing that drives it in between."""
-        problem, dt = self.problem, self.problem.segments[self.place].dt
-        begun = problem.core.initial(states)
-        made = problem.core.record(self.state.values, begun, None, samples + 1, dt, problem.max_step, states=True)
-        return problem.core.initial(made[-1])
 
     def misfit(self, candidate: np.ndarray, n: int) -> float:
         """Sum of squares that (states,) leaves of the first n samples; inf where that does not simulate."""

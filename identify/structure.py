@@ -18,6 +18,7 @@ from ..model.law import Law, Scales
 from ..model.terms import with_term, with_values, without_term
 from ..simulate.core import Core, core_of, internal_step
 from .data import Data, likelihood
+from .handed_on import goes_on
 from .initial_motion import initial_states
 from .noise_spectrum import NoiseSpectrum
 from .offset import Offset
@@ -202,9 +203,8 @@ class Structure:
             initial = initial_states(self.segments, shifts)
         own[:, : initial.shape[1]] = initial[:, :states]
         for segment, begin in zip(self.segments, own, strict=True):
-            if segment.rests:
-                known = set(range(states)) - {*self.problem.own(segment), *self.problem.handed_on(segment)}
-                begin[list(known)] = 0.0
+            if segment.rests and not goes_on(segment):
+                begin[[i for i in range(states) if i not in self.problem.own(segment)]] = 0.0
         if offsets is None or offsets.size != len(self.problem.offsets):
             offsets = np.array([offset.guess for offset in self.problem.offsets])
         return State(self.values, own, offsets)

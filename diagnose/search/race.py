@@ -115,11 +115,10 @@ class Start:
         """Whether initial states found anew at these parameters lead on, where the old ones had lost a stretch.
 
         Beyond a hair, as where friction holds once more or once less, no step of a search leads; what the stretch
-        before it ends with does. What is handed on from one stretch to the next follows the parameters only so.
+        before it ends with does.
         """
         problem = self.descent.problem
-        handed_on = any(set(problem.handed_on(segment)) - set(problem.own(segment)) for segment in problem.segments)
-        if (self.near and not handed_on) or self.data.memory != FREE:
+        if self.near or self.data.memory != FREE:
             return False
         state = _nearer(problem, self.descent.state, settled(problem, self.descent.state))
         value = self.measure.value(problem.residuals(state))

@@ -350,11 +350,14 @@ class Search:
                 continue
             self._asked[place] = leader.fit
             proposals = alike(leader.fit, self.data, name, [law for law in self._beside(leader) if moves_along(law)])
-            for rank, proposal in enumerate(proposals[:_MOST_ALIKE]):
-                if rank >= _ALIKE and proposal.gain < HALF * proposals[0].gain:
-                    break
+            for rank, proposal in enumerate(proposals):
                 laws = key([law for law in leader.laws if law != name] + [proposal.law])
-                if laws in self.candidates and self.candidates[laws].stage == "judged":
+                known = self.candidates.get(laws)
+                if known is not None and known.stage == "judged":
+                    # it may rest on a side summit, beside the one that the leader shows the way to
+                    if known.value > leader.value - DECISIVE:
+                        continue
+                elif rank >= _MOST_ALIKE or (rank >= _ALIKE and proposal.gain < HALF * proposals[0].gain):
                     continue
                 fixed = kept(leader.fit, proposal.model)
                 entries.append(Entry(laws, proposal.model, proposal.initial, fixed, patience=patience))

@@ -84,7 +84,7 @@ def without(
     smaller, initial = without_term(fitted.model, law), without_states(fitted, law)
     guess = Regression(data, smaller).family()
     guessed = smaller if guess is None else guess.put_into(smaller)
-    starts: list[tuple[Oscillator, np.ndarray | None]] = [(_handed_down(fitted, data, law, smaller), initial)]
+    starts: list[tuple[Oscillator, np.ndarray | None]] = [(handed_down(fitted, data, law), initial)]
     if guess is not None:
         starts.append((guessed, initial))
     if afresh:
@@ -94,11 +94,12 @@ def without(
     return starts
 
 
-def _handed_down(fitted: Fitted, data: Data, law: str, smaller: Oscillator) -> Oscillator:
-    """The smaller model with what Eq. 17 can do of the law, by least squares on the motion that the fitted one makes.
+def handed_down(fitted: Fitted, data: Data, law: str) -> Oscillator:
+    """The model less a law, with what Eq. 17 can do of that, by least squares on the motion that the fitted one makes.
 
     A law that is learnt may have taken most of the spring over, and a spring without it be none.
     """
+    smaller = without_term(fitted.model, law)
     dropped, own = next((t.law, t.parameters) for t in fitted.model.terms if t.effect == law)
     if dropped.force is None or along_of(dropped).phases:
         return smaller

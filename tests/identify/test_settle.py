@@ -157,15 +157,3 @@ def test_nothing_goes_on_where_each_stretch_is_to_forget_the_others(slide, memor
 def _second(exact):
     state = exact.state(None)
     return replace(state, initial=state.initial[1:])
-
-
-@pytest.mark.parametrize(("stirred", "own"), [(False, ()), (True, (2, 3))])
-def test_where_the_mass_rests_after_a_motion_what_hangs_on_it_may_ring(stirred, own):
-    exact, _ = rung()
-    at_rest = replace(exact.problem.segments[1], rests=True, stirred=stirred)
-    assert exact.problem.own(at_rest) == own
-    assert exact.problem.own(replace(at_rest, rests=False)) == (0, 1, 2, 3)
-    problem = exact.problem.over([exact.problem.segments[0], at_rest])
-    moving = np.array([[0.0, 0.15, 0.0, 0.0], np.zeros(4)])
-    begun = settled(problem, replace(exact.state(None), initial=moving)).initial[1]
-    assert set(np.flatnonzero(begun)) <= set(own)  # what is known to rest does

@@ -1,0 +1,84 @@
+"""What a stretch that begins at rest goes on with from the one before it: where friction holds the mass, what rings on.
+
+An accelerometer shows neither. Both follow from the parameters, and are no unknowns of their own: as such an attached
+mass as light as nothing could be thrown so far at the beginning of every stretch that it makes up for anything.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from .prediction import FREE
+from .search_point import State
+from .segments import Segment
+
+if TYPE_CHECKING:
+    from .output_error import OutputError
+
+#: Which of the states is the velocity.
+SPEED = 1
+
+
+def goes_on(segment: Segment) -> bool:
+    """Whether all of its beginning follows from the stretch before it: the mass rests, after it had moved."""
+    return segment.rests and segment.stirred
+
+
+def before(segments: Sequence[Segment]) -> dict[int, int]:
+    """The segment before each, by their places: one that ends where it begins or, where that rests, before it rested.
+
+    A slide is cut into cycles so that what its model lacks does not add up: nothing is carried from one to the next.
+    """
+    found = {}
+    for i, (last, segment) in enumerate(pairwise(segments), start=1):
+        same = last.recording == segment.recording and not last.slide
+        if same and (last.stop == segment.start or (goes_on(segment) and last.stop < segment.start)):
+            found[i] = i - 1
+    return found
+
+
+def ended(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
+    """(states,) with which one segment begins where another had gone on to it, with nothing that drives it between."""
+    core, segment = problem.core, problem.segments[place]
+    between = segment.start - problem.segments[last].stop + 1
+    begun = core.initial(problem.states(last, state)[-1])
+    made = core.record(state.values, begun, None, between + 1, segment.dt, problem.max_step, states=True)
+    return core.initial(made[-1])
+
+
+def followed(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
+    """(states,) with which a segment that goes on begins, but for what it has to itself.
+
+    The mass is known to rest: a model that moves there still by more than a hundredth of the motion, or ran away, says
+    nothing of where, and begins in the middle.
+    """
+    begun = ended(problem, state, last, place)
+    own = list(problem.own(problem.segments[place]))
+    made = begun if abs(begun[SPEED]) <= problem.state_scale[SPEED] else np.zeros_like(begun)
+    made[own] = state.initial[place][own]
+    return made
+
+
+def handed_over(problem: OutputError, state: State) -> State:
+    """A point with those beginnings that follow from it."""
+    if problem.memory != FREE:  # a prediction forgets
+        return state
+    chains: dict[int, list[tuple[int, int]]] = {}
+    for place, last in before(problem.segments).items():
+        if goes_on(problem.segments[place]):
+            chains.setdefault(problem.segments[place].recording, []).append((last, place))
+    if not chains:
+        return state
+    initial = state.initial.copy()
+
+    def follow(chain: list[tuple[int, int]]) -> None:
+        for last, place in chain:
+            initial[place] = followed(problem, replace(state, initial=initial), last, place)
+
+    problem.map(follow, list(chains.values()))
+    return replace(state, initial=initial)
