@@ -13,6 +13,7 @@ from dashpot.diagnose.search.search import Search
 from dashpot.diagnose.search.starts import Proposal
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import Data
+from dashpot.identify.odds import DECISIVE
 from dashpot.identify.segments import Segment
 from dashpot.identify.structure import Fitted
 from dashpot.model import Oscillator
@@ -142,12 +143,16 @@ def test_three_laws_are_the_most(proposing):
     assert search._scored(leader) == []
 
 
-def test_what_was_judged_where_it_is_exchanged_is_not_entered_again(proposing):
+@pytest.mark.parametrize(("behind", "entered"), [(0.99, []), (1.01, ["cubic-damping"])])
+def test_what_was_judged_is_entered_again_where_the_leader_is_decisively_better(proposing, behind, entered):
+    """From where that stands, however little it acts like what it is exchanged for: it may rest on a side summit."""
     search, leader = leading("quadratic-drag")
-    search.candidates[("cubic-damping",)] = Candidate(("cubic-damping",), leader.fit, stage="judged")
+    leader = replace(leader, evidence=1e4, predictive=0.0)
+    judged = replace(leader, laws=("cubic-damping",), evidence=leader.value - behind * DECISIVE)
+    search.candidates[("cubic-damping",)] = judged
     search.candidates[("quintic-stiffness",)] = Candidate(("quintic-stiffness",), leader.fit, stage="left")
-    proposing({"cubic-damping": 100.0, "quintic-stiffness": 90.0})
-    assert added(search._exchanged(leader)) == ["quintic-stiffness"]
+    proposing({"quintic-stiffness": 90.0, "asymmetric-friction": 80.0, "cubic-damping": 1.0})
+    assert added(search._exchanged(leader)) == ["quintic-stiffness", "asymmetric-friction", *entered]
 
 
 # --- what is asked of a leader
