@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -26,20 +25,19 @@ SPEED = 1
 
 def goes_on(segment: Segment) -> bool:
     """Whether all of its beginning follows from the stretch before it: the mass rests, after it had moved."""
-    return segment.rests and segment.stirred
+    return segment.rests and segment.after is not None
 
 
 def before(segments: Sequence[Segment]) -> dict[int, int]:
     """The segment before each, by their places: one that ends where it begins or, where that rests, before it rested.
 
-    A slide is cut into cycles so that what its model lacks does not add up: nothing is carried from one to the next.
+    None where that was left out, as where a part is asked for that the rest contradicts: the beginning is then as it
+    was. A slide is cut into cycles so that what its model lacks does not add up: nothing is carried on there.
     """
-    found = {}
-    for i, (last, segment) in enumerate(pairwise(segments), start=1):
-        same = last.recording == segment.recording and not last.slide
-        if same and (last.stop == segment.start or (goes_on(segment) and last.stop < segment.start)):
-            found[i] = i - 1
-    return found
+    ends = {(segment.recording, segment.stop): i for i, segment in enumerate(segments) if not segment.slide}
+    begins = {i: segment for i, segment in enumerate(segments) if goes_on(segment) or segment.after == segment.start}
+    found = {i: ends.get((segment.recording, segment.after)) for i, segment in begins.items()}
+    return {i: place for i, place in found.items() if place is not None}
 
 
 def ended(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:

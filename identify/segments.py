@@ -52,8 +52,8 @@ class Segment:
         rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
             state has no derivative to find it by).
         quantity: what the response shows of the motion.
-        stirred: whether the recording moved before it: what no sensor shows (an attached mass, a spring that creeps)
-            may move still when the mass rests.
+        after: sample of the recording at which the stretch before it ended; None where it is the first. What no sensor
+            shows (an attached mass, a spring that creeps) may move still when the mass rests.
     """
 
     recording: int
@@ -67,7 +67,7 @@ class Segment:
     rests: bool = False
     slide: bool = False
     quantity: str = "displacement"
-    stirred: bool = False
+    after: int | None = None
 
     @property
     def order(self) -> int:
@@ -102,6 +102,7 @@ class Segment:
             force=force,
             time=self.time + begin * self.dt,
             rests=self.rests and begin == 0,
+            after=self.start + begin if begin else self.after,
         )
 
 
@@ -171,7 +172,7 @@ def _cut(
                 rests=forced and starts_at_rest(response, recording.dt, pace, noise),
                 slide=slide,
                 quantity=recording.quantity,
-                stirred=bool(segments) and segments[-1].recording == index,
+                after=segments[-1].stop if segments and segments[-1].recording == index else None,
             )
             segments += _pieces(whole) if slide else [whole]
     return tuple(segments)

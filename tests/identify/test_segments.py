@@ -216,7 +216,7 @@ def test_a_hammers_blow_goes_with_what_it_set_going():
     assert struck.stop - at == pytest.approx(4 * CYCLE, abs=7)
     assert (ring.start, ring.force) == (struck.stop, None)
     assert not ring.rests
-    assert (struck.stirred, ring.stirred) == (False, True)
+    assert (struck.after, ring.after) == (None, struck.stop)
 
 
 def test_a_slide_is_cut_into_cycles_of_what_drives_it():
