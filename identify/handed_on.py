@@ -35,8 +35,10 @@ def before(segments: Sequence[Segment]) -> dict[int, int]:
     was. A slide is cut into cycles so that what its model lacks does not add up: nothing is carried on there.
     """
     ends = {(segment.recording, segment.stop): i for i, segment in enumerate(segments) if not segment.slide}
-    begins = {i: segment for i, segment in enumerate(segments) if goes_on(segment) or segment.after == segment.start}
-    found = {i: ends.get((segment.recording, segment.after)) for i, segment in begins.items()}
+    found = {}
+    for i, segment in enumerate(segments):
+        if segment.after is not None and (goes_on(segment) or segment.after == segment.start):
+            found[i] = ends.get((segment.recording, segment.after))
     return {i: place for i, place in found.items() if place is not None}
 
 
