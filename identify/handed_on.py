@@ -1,7 +1,8 @@
 """What a stretch that begins at rest goes on with from the one before it: where friction holds the mass, what rings on.
 
-An accelerometer shows neither. Both follow from the parameters, and are no unknowns of their own: as such an attached
-mass as light as nothing could be thrown so far at the beginning of every stretch that it makes up for anything.
+An accelerometer shows neither, a displacement sensor the first. Both follow from the parameters, and are no unknowns of
+their own: as such an attached mass as light as nothing could be thrown so far at the beginning of every stretch that it
+makes up for anything.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .prediction import FREE
-from .search_point import State
+from .search_point import SHOWN, State
 from .segments import Segment
 
 if TYPE_CHECKING:
@@ -26,6 +27,11 @@ SPEED = 1
 def goes_on(segment: Segment) -> bool:
     """Whether all of its beginning follows from the stretch before it: the mass rests, after it had moved."""
     return segment.rests and segment.after is not None
+
+
+def shows_where(segment: Segment) -> bool:
+    """Whether its sensor shows where the mass rests: a displacement that stands out of its noise is no rest."""
+    return segment.quantity == "displacement"
 
 
 def before(segments: Sequence[Segment]) -> dict[int, int]:
@@ -57,9 +63,14 @@ def followed(problem: OutputError, state: State, last: int, place: int) -> np.nd
     The mass is known to rest: a model that moves there still by more than a hundredth of the motion, or ran away, says
     nothing of where, and begins in the middle.
     """
-    begun = ended(problem, state, last, place)
-    own = list(problem.own(problem.segments[place]))
-    made = begun if abs(begun[SPEED]) <= problem.state_scale[SPEED] else np.zeros_like(begun)
+    segment = problem.segments[place]
+    own = list(problem.own(segment))
+    made = np.zeros(problem.core.states)
+    if problem.core.states > SHOWN or not shows_where(segment):
+        begun = ended(problem, state, last, place)
+        made = begun if abs(begun[SPEED]) <= problem.state_scale[SPEED] else made
+    if shows_where(segment):
+        made[:SHOWN] = 0.0
     made[own] = state.initial[place][own]
     return made
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from dashpot.identify.descent import Descent, cost_of
 from dashpot.identify.noise_spectrum import white
+from dashpot.identify.prediction import FREE
 
 
 class Line:
@@ -16,6 +17,7 @@ class Line:
         self.rows = random.standard_normal((2, 50))
         self.measured = np.array([1.0, -2.0]) @ self.rows + 0.01 * random.standard_normal(50)
         self.free, self.shared, self.bounds = (0, 1), 2, bounds
+        self.segments, self.memory = (), FREE
 
     def residuals(self, state):
         return (self.measured - state.values @ self.rows,)

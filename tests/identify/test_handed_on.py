@@ -116,6 +116,15 @@ def test_a_prediction_forgets():
     assert not np.any(settled(problem, start).initial[resting(problem)])
 
 
+@pytest.mark.parametrize(("quantity", "shown"), [("displacement", True), ("velocity", False)])
+def test_a_sensor_of_displacement_shows_where_the_mass_rests(quantity, shown):
+    exact, _ = structure(True)
+    less = exact.problem.over([replace(s, quantity=quantity) for s in exact.problem.segments])
+    begun = settled(less, settled(exact.problem, exact.state(None)))
+    assert np.all(np.any(begun.initial[resting(less), 2:], axis=1))
+    assert np.any(begun.initial[resting(less), :2]) != shown
+
+
 def test_a_gap_is_bridged_only_where_the_mass_rests_and_never_in_a_slide():
     segments = structure()[0].problem.segments
     i = resting(structure()[0].problem)[0]
