@@ -48,7 +48,7 @@ def before(segments: Sequence[Segment]) -> dict[int, int]:
     return {i: place for i, place in found.items() if place is not None}
 
 
-def ended(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
+def run_on(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
     """(states,) with which one segment begins where another had gone on to it, with nothing that drives it between."""
     core, segment = problem.core, problem.segments[place]
     between = segment.start - problem.segments[last].stop + 1
@@ -57,7 +57,7 @@ def ended(problem: OutputError, state: State, last: int, place: int) -> np.ndarr
     return core.initial(made[-1])
 
 
-def followed(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
+def beginning(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
     """(states,) with which a segment that goes on begins, but for what it has to itself.
 
     The mass is known to rest: a model that moves there still by more than a hundredth of the motion, or ran away, says
@@ -67,7 +67,7 @@ def followed(problem: OutputError, state: State, last: int, place: int) -> np.nd
     own = list(problem.own(segment))
     made = np.zeros(problem.core.states)
     if problem.core.states > SHOWN or not shows_where(segment):
-        begun = ended(problem, state, last, place)
+        begun = run_on(problem, state, last, place)
         made = begun if abs(begun[SPEED]) <= problem.state_scale[SPEED] else made
     if shows_where(segment):
         made[:SHOWN] = 0.0
@@ -89,7 +89,7 @@ def handed_over(problem: OutputError, state: State) -> State:
 
     def follow(chain: list[tuple[int, int]]) -> None:
         for last, place in chain:
-            initial[place] = followed(problem, replace(state, initial=initial), last, place)
+            initial[place] = beginning(problem, replace(state, initial=initial), last, place)
 
     problem.map(follow, list(chains.values()))
     return replace(state, initial=initial)

@@ -52,8 +52,8 @@ class Segment:
         rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
             state has no derivative to find it by).
         quantity: what the response shows of the motion.
-        after: sample of the recording at which the stretch before it ended; None where it is the first. What no sensor
-            shows (an attached mass, a spring that creeps) may move still when the mass rests.
+        after: sample of the recording at which the stretch before it ended; None where it is the first. From there goes
+            on what no sensor shows (``handed_on``).
     """
 
     recording: int

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..model.fit_state import FOLLOWS
 from ..simulate.core import STEPS_PER_PERIOD
-from .handed_on import before, ended, followed, goes_on
+from .handed_on import before, beginning, goes_on, run_on
 from .output_error import OutputError, State
 from .prediction import FREE
 from .reach import nearest_reach
@@ -47,14 +47,14 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
     for i, segment in enumerate(problem.segments):
         own = problem.own(segment)
         if i in last and goes_on(segment):
-            initial[i] = followed(problem, replace(state, initial=initial), last[i], i)
+            initial[i] = beginning(problem, replace(state, initial=initial), last[i], i)
         if not own:
             continue
         begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
         whole = _samples(segment, cycles * cycle)
         start = initial[i]
         if i in last and not segment.rests and problem.core.states > SHOWN:
-            handed = ended(problem, replace(state, initial=initial), last[i], i)
+            handed = run_on(problem, replace(state, initial=initial), last[i], i)
             start = min(start, handed, key=lambda candidate: begun.misfit(candidate, whole))
         found = begun.settled(start, whole)
         if not begun.in_step(found, whole):

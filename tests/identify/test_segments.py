@@ -202,14 +202,20 @@ def test_what_is_driven_from_rest_begins_so():
     assert [s.rests for s in cut([let_go], PACE)] == [False]
 
 
-def test_a_hammers_blow_goes_with_what_it_set_going():
+def hammered(damping):
+    """A recording of one blow upon a mass at rest, and where that is; damping in 1/s."""
     n, at = 30 * CYCLE, 6 * CYCLE
     force = 1e-4 * np.random.default_rng(1).standard_normal(n) + 0.3
     force[at : at + 5] += 50.0 * np.sin(np.pi * (np.arange(5) + 0.5) / 5)
     t = (np.arange(n) - at) / FS
-    x = np.where(t > 0, 1e-3 * np.exp(-1.0 * t) * np.sin(PACE * t), 0.0)
+    x = np.where(t > 0, 1e-3 * np.exp(-damping * t) * np.sin(PACE * t), 0.0)
     x = x + 1e-6 * np.random.default_rng(2).standard_normal(n)
-    struck, ring = cut([Recording("hammer", FS, x, force)], PACE)
+    return Recording("hammer", FS, x, force), at
+
+
+def test_a_hammers_blow_goes_with_what_it_set_going():
+    recording, at = hammered(1.0)
+    struck, ring = cut([recording], PACE)
     assert isinstance(struck.force, ContactForce)
     assert struck.rests
     assert at - CYCLE // 4 - 2 <= struck.start < at
@@ -217,6 +223,15 @@ def test_a_hammers_blow_goes_with_what_it_set_going():
     assert (ring.start, ring.force) == (struck.stop, None)
     assert not ring.rests
     assert (struck.after, ring.after) == (None, struck.stop)
+
+
+@pytest.mark.parametrize(("damping", "used"), [(18.0, True), (20.0, False)])
+def test_a_blow_that_sets_one_and_a_half_cycles_going_is_used(damping, used):
+    """They ring for 1.6 and 1.49 cycles until the noise; from rest, they cost no initial values."""
+    recording, at = hammered(damping)
+    found = cut([recording], PACE)
+    assert len(found) == used
+    assert all(s.rests and s.start < at < s.stop and s.force is not None for s in found)
 
 
 def test_a_slide_is_cut_into_cycles_of_what_drives_it():
