@@ -86,6 +86,7 @@ class Start:
         self.hoped, self.patience = entry.hoped, entry.patience
         self.data = data
         self.structure = Structure(entry.model, data, entry.fixed)
+        self.measure = measure
         problem = self.structure.problem
         self.descent = Descent(problem, self._begun(problem, entry.initial))
         self.steps = 0
@@ -94,18 +95,23 @@ class Start:
         self._promised: float | None = None
         self._rested: tuple[np.ndarray, ...] | None = None
         self.resting = False
-        self.measure = measure
         self._measure()
         self.resting = not np.isfinite(self.value)
 
     def _begun(self, problem: OutputError, initial: np.ndarray | None) -> State:
-        """Where it begins: as proposed but, where whoever proposed it had lost the motion, as the motion itself shows.
+        """Where it begins: as proposed or, where these are better, with initial states that the first cycles show.
 
-        The initial state of a segment that a leader does not follow says nothing of another law's.
+        Of a fit that is at rest the whole stretch has said what its initial state is, and the first cycles would take
+        that back. Where whoever proposed it had lost the motion, the motion itself shows how it begins: the initial
+        state of a segment that a leader does not follow says nothing of another law's.
         """
-        state = settled(problem, self.structure.state(initial))
+        proposed = self.structure.state(initial)
+        state = settled(problem, proposed)
+        if initial is None:
+            return state
+        state = max(proposed, state, key=lambda one: self.measure.value(problem.residuals(one)))
         lost = [not keeps_step([s], [r]) for s, r in zip(problem.segments, problem.residuals(state), strict=True)]
-        if initial is None or not any(lost):
+        if not any(lost):
             return state
         begun = np.array(initial)
         begun[lost, :2] = self.structure.state(None).initial[lost, :2]

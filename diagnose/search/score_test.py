@@ -1,6 +1,6 @@
 """The whole library held against what a model leaves over: a score (Lagrange-multiplier) test with finite steps.
 
-Each law is put in with a small strength, or at a probe where it has an onset, and simulated once. What of that change
+Each law is asked for its derivative at no strength, or put in at a probe where it has an onset. What of that change
 the model's own parameters and the initial states cannot imitate is compared with the residual: the gain of
 log-likelihood that it promises (Rao 1948). A promise is then kept or broken by one simulation of the whole step.
 """
@@ -21,12 +21,10 @@ from ...identify.normal_equations import pseudo_inverse
 from ...identify.settle import settled
 from ...identify.structure import Fitted, Structure, parameter_bounds
 from ...model import Oscillator
-from ...model.law import Law
+from ...model.law import Law, LawParameter
 from ...model.laws import LIBRARY
 from ...model.terms import with_term, with_values
 
-#: Strength at which the derivative of a law is taken, in natural sizes: small beside the least friction that matters.
-_FEELER = 1e-5
 #: Of each law this many probes are simulated, those that promise most.
 _TRIED = 2
 #: A step shorter than this part, or longer by as much, is not to be believed.
@@ -88,7 +86,7 @@ class Screen:
         self.noise = noise_spectra(fitted.residuals, fitted.model, data)
         structure = Structure(fitted.model, data, fixed=[n for n in fitted.model.parameters() if n not in fitted.free])
         self.places = structure.problem.free
-        state = structure.state(fitted.initial)
+        state = structure.state(fitted.initial, fitted.offsets)
         derivatives = structure.problem.derivatives(state, fitted.residuals)
         k = len(self.places)
         weighed = _Weighed([], [], [], np.zeros((k, k)))
@@ -133,26 +131,35 @@ class Screen:
 
     def _promised(self, law: Law, probe: dict[str, float]) -> _Step | None:
         """The step that the linearised model expects most of, and what it expects."""
-        scales = self.data.scales
         strengths = [p for p in law.parameters if p.strength]
         try:
             if any(state.free for state in _inner(self.fitted.model, law, probe)):
                 return self._phases(law, probe)
-            directions = []
-            for p in strengths:
-                size = p.natural(scales) * _FEELER
-                directions.append([d / size for d in self._change(law, probe | {p.name: size})])
-            if not strengths:
-                directions.append(self._change(law, probe))
+            directions = self._slopes(law, probe, strengths) if strengths else [self._change(law, probe)]
             return self._step(law, probe, [p.name for p in strengths], directions)
         except (DashpotError, FloatingPointError, np.linalg.LinAlgError):
             return None
 
-    def _change(self, law: Law, values: dict[str, float], initial: np.ndarray | None = None) -> list[np.ndarray]:
+    def _slopes(
+        self, law: Law, values: dict[str, float], strengths: Sequence[LawParameter], initial: np.ndarray | None = None
+    ) -> list[list[np.ndarray]]:
+        """Derivatives of each segment's response by a law's strengths, taken as those by the base parameters are.
+
+        Where a hair decides whether friction holds, a plain difference of two simulations is none: what base
+        parameters can do exactly then looks like news.
+        """
+        model = with_term(self.fitted.model, law.name, values)
+        wanted = [f"{law.name}.{p.name}" for p in strengths]
+        structure = Structure(model, self.data, [name for name in model.parameters() if name not in wanted])
+        state = structure.state(self.fitted.initial if initial is None else initial, self.fitted.offsets)
+        rows = structure.problem.derivatives(state, self.fitted.residuals)
+        return [[own[k] for own in rows] for k in range(len(wanted))]
+
+    def _change(self, law: Law, values: dict[str, float]) -> list[np.ndarray]:
         """Change of each segment's response when the law is put in."""
         model = with_term(self.fitted.model, law.name, values)
         structure = Structure(model, self.data)
-        state = structure.state(self.fitted.initial if initial is None else initial)
+        state = structure.state(self.fitted.initial, self.fitted.offsets)
         residuals = structure.problem.residuals(state)
         return [old - new for old, new in zip(self.fitted.residuals, residuals, strict=True)]
 
@@ -229,7 +236,7 @@ class Screen:
     ) -> Start | None:
         model = with_term(with_values(self.fitted.model, moved), law.name, numbers)
         structure = Structure(model, self.data)
-        state = structure.state(self.fitted.initial if initial is None else initial)
+        state = structure.state(self.fitted.initial if initial is None else initial, self.fitted.offsets)
         state = settled(structure.problem, state)
         residuals = structure.problem.residuals(state)
         value = likelihood(residuals, model, self.data)
@@ -240,13 +247,13 @@ class Screen:
     def _phases(self, law: Law, values: dict[str, float]) -> _Step | None:
         """A periodic force with a phase of its own in each segment: sine and cosine in each, by themselves."""
         (strength,) = [p for p in law.parameters if p.strength]
-        size = strength.natural(self.data.scales) * _FEELER
-        values = values | {strength.name: size}
+        values = values | {strength.name: 0.0}
         states = len(self.fitted.initial[0])
         changes = []
         for phase in (0.0, -0.5 * np.pi):
             initial = np.hstack([self.fitted.initial, np.full((len(self.data.segments), 1), phase)])
-            changes.append(self._weigh([d / size for d in self._change(law, values, initial)]))
+            (slopes,) = self._slopes(law, values, [strength], initial)
+            changes.append(self._weigh(slopes))
         promise, parts, left = 0.0, [], []
         for i, residual in enumerate(self.weighed.residuals):
             columns = np.stack([changes[0][i], changes[1][i]])

@@ -102,6 +102,16 @@ def test_displacement_is_told_by_what_was_recorded(quantity):
     assert displacement_amplitude([near, far]) == pytest.approx(2e-3, rel=0.01)
 
 
+@pytest.mark.parametrize("quantity", UNITS)
+def test_the_peak_of_a_blow_is_no_displacement(quantity):
+    order = list(UNITS).index(quantity)
+    shown = 30.0**order * 1e-3 * np.sin(0.1 * np.arange(N))
+    shown[500:503] += 8 * 30.0**order * 1e-3
+    swung = displacement_amplitude([segment(shown, quantity=quantity)])
+    # a sensor of displacement shows what it shows
+    assert (swung > 7e-3) if order == 0 else (1e-3 < swung < 3.5e-3)
+
+
 def test_the_size_of_the_response_is_that_of_its_own_quantity():
     velocity = Oscillator.from_values(LINEAR, response=Response("velocity", "m/s"))
     made = wave(0.06, 1e-6)

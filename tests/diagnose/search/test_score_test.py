@@ -13,11 +13,12 @@ from dashpot.identify.data import data_of, likelihood, noise_spectra
 from dashpot.identify.measured_motion import Regression, probes
 from dashpot.identify.noise_spectrum import NoiseSpectrum
 from dashpot.identify.structure import Structure
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Response
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY, find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
+from dashpot.simulate.core import Core
 
 
 @pytest.mark.long
@@ -189,11 +190,12 @@ def test_a_tone_is_found_with_its_phase(monkeypatch, phase):
     made = screen(3.0 * np.cos(angle + phase))
     made.places = ()
 
-    def change(law, values, initial):
+    def slopes(law, values, strengths, initial):
         assert initial.shape == (1, 3)
-        return [values["amplitude"] * np.cos(angle + initial[0, 2])]
+        assert [p.name for p in strengths] == ["amplitude"]
+        return [[np.cos(angle + initial[0, 2])]]
 
-    monkeypatch.setattr(made, "_change", change)
+    monkeypatch.setattr(made, "_slopes", slopes)
     step = made._phases(find("tonal-disturbance"), {"frequency": 60.0})
     assert step is not None
     assert step.values == {"frequency": 60.0, "amplitude": pytest.approx(3.0)}
@@ -201,7 +203,7 @@ def test_a_tone_is_found_with_its_phase(monkeypatch, phase):
     assert step.promise == pytest.approx(0.5 * 3.0**2 * 50)
     assert step.left[0] == pytest.approx(np.zeros(100), abs=1e-9)
     # one that the recordings do not show has no step
-    monkeypatch.setattr(made, "_change", lambda *_: [np.zeros(100)])
+    monkeypatch.setattr(made, "_slopes", lambda *_: [[np.zeros(100)]])
     assert made._phases(find("tonal-disturbance"), {"frequency": 60.0}) is None
 
 
@@ -312,8 +314,25 @@ def test_what_cannot_be_simulated_promises_nothing_and_gains_nothing(monkeypatch
     def fails(*_):
         raise np.linalg.LinAlgError
 
-    monkeypatch.setattr(made, "_change", fails)
+    monkeypatch.setattr(made, "_slopes", fails)
     assert made._promised(law, {"coefficient": 0.0}) is None
+
+
+def test_what_the_base_can_do_is_no_news_where_friction_jumps():
+    """A spring that gives way only far beyond the motion is a spring: an accelerometer shows it as such."""
+    rig = Oscillator.from_values(TRUTH | {"dry": 2.0}, response=Response("acceleration", "m/s2"))
+    core, t = Core(rig), np.arange(1500) / FS
+    how = np.array(list(rig.values().values())), np.array([8e-3, 0.0]), None, t.size, 1 / FS, 1e-3
+    shown = core.record(*how, quantity="acceleration") + 0.05 * np.random.default_rng(3).standard_normal(t.size)
+    massless = replace(rig, mass=None)
+    data = data_of([Recording("decay", FS, shown, None, "acceleration", "m/s2", free=True)], massless)
+    made = Screen(Structure(massless, data).fit(settle=True), data)
+    law = find("softening-stiffness")
+    (slope,) = made._slopes(law, {"stiffness": 0.0, "width": 1.0}, law.parameters[:1])
+    told = made._weigh(slope)
+    by_base = sum(j @ c for j, c in zip(made.weighed.jacobians, told, strict=True))
+    own = sum(float(c @ c) for c in told)
+    assert own - by_base @ made.inverse @ by_base < 1e-4 * own
 
 
 def test_what_the_states_of_a_segment_imitate_is_projected_out():
