@@ -1,4 +1,4 @@
-"""Difference quotients of long segments at the last point of a search, which what comes after it asks for again.
+"""What is known at the last point of a search, which comes to be asked for again: difference quotients above all.
 
 Where a search has come to rest its offsets are judged there and its jumps are looked for, and a search by other noise
 begins: the same runs of the model each time. They are kept in single precision: of responses that are good to 1e-12, a
@@ -8,21 +8,23 @@ quotient over a step of 1e-5 is good to 1e-7, and so is a number of that precisi
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Sequence
+from typing import Generic, TypeVar
 
 import numpy as np
 
 #: One segment's quotient by one unknown: (n,) in single precision, and its size.
 Kept = tuple[np.ndarray, float]
+What = TypeVar("What")
 
 
-class KnownQuotients:
-    """Those of one point; shared by all problems that are the same but for what is asked of them."""
+class KnownAtPoint(Generic[What]):
+    """What is known of one point; shared by all problems that are the same but for what is asked of them."""
 
     def __init__(self) -> None:
         self._point: tuple[Hashable, ...] = ()
-        self._kept: dict[Hashable, Kept] = {}
+        self._kept: dict[Hashable, What] = {}
 
-    def at(self, point: tuple[Hashable, ...]) -> dict[Hashable, Kept]:
+    def at(self, point: tuple[Hashable, ...]) -> dict[Hashable, What]:
         """What is known at a point; what was known at another one is forgotten."""
         if point != self._point:
             self._point, self._kept = point, {}

@@ -24,7 +24,7 @@ from .descent import Descent, blocks_of
 from .given_back import give_back
 from .hilbert import LONG
 from .jump_sides import nearer_sides
-from .known_quotients import KnownQuotients, kept, put_quotient, restore, without_impossible
+from .known_quotients import Kept, KnownAtPoint, kept, put_quotient, restore, without_impossible
 from .noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
@@ -95,7 +95,9 @@ class OutputError:
         #: Free parameters and offsets: what segments share.
         self.shared = len(self.free) + len(self.offsets)
         self._pool = _pool()
-        self._known = KnownQuotients()
+        self._known: KnownAtPoint[Kept] = KnownAtPoint()
+        #: Of each segment that jumps the signs that its response had.
+        self._sides: KnownAtPoint[np.ndarray] = KnownAtPoint()
 
     def predicting(self, memory: float) -> OutputError:
         """The same with another memory."""
@@ -206,7 +208,15 @@ class OutputError:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
 
         room = [np.empty(segment.n) for segment in self.segments]
-        made = self.map(lambda i: self._beside_jumps(i, state, room[i])[0], range(len(self.segments)))
+        sides = self._sides_at(state)
+
+        def shown_by(i: int) -> np.ndarray:
+            response, signs = self._beside_jumps(i, state, room[i])
+            if self._jumps(i):
+                sides[i] = signs
+            return response
+
+        made = self.map(shown_by, range(len(self.segments)))
         return tuple(np.subtract(s.response, shown, out=shown) for s, shown in zip(self.segments, made, strict=True))
 
     def states(self, index: int, state: State) -> np.ndarray:
@@ -250,9 +260,9 @@ class OutputError:
 
         To the other side where the model does not simulate beyond; else zero. Under the same signs as ``derivatives``.
         """
-        jumping = [i for i in range(len(self.segments)) if self._jumps(i)]
-        signs = dict(zip(jumping, self.map(lambda i: self._beside_jumps(i, state)[1], jumping), strict=True))
-
+        sides = self._sides_at(state)
+        asked = [i for i in range(len(self.segments)) if self._jumps(i) and i not in sides]
+        sides.update(zip(asked, self.map(lambda i: self._beside_jumps(i, state)[1], asked), strict=True))
         known = {} if backward else self._known.at(self._point(state))
 
         def quotient(i: int, k: int, out: np.ndarray) -> None:
@@ -263,7 +273,7 @@ class OutputError:
             ahead = (-self.step if backward else self.step) * self._size(i, k, state)
 
             def moved(step: float, room: np.ndarray) -> None:
-                self.simulate(i, self._moved(i, k, state, step), signs=signs.get(i), out=room)
+                self.simulate(i, self._moved(i, k, state, step), signs=sides.get(i), out=room)
 
             put_quotient(moved, ahead, self.segments[i].response, residuals[i], out)
             if not backward and out.size >= LONG and not len(self.free) <= k < self.shared:
@@ -272,14 +282,19 @@ class OutputError:
         return quotient
 
     def forget(self) -> None:
-        """Make room of the quotients that are known at the last point, where nobody will ask for them again."""
+        """Make room of what is known at the last point, where nobody will ask for it again."""
         self._known.at(())
+        self._sides.at(())
 
     def _point(self, state: State) -> tuple[Hashable, ...]:
         """What a quotient depends on."""
         felt = [self.memory != FREE or offset.channel == "force" for offset in self.offsets]
         how = self.segments, self.memory, self.coarse, self.step
         return (*how, state.values.tobytes(), state.initial.tobytes(), state.offsets[felt].tobytes())
+
+    def _sides_at(self, state: State) -> dict[Hashable, np.ndarray]:
+        """Signs of the segments that jump, as far as they were simulated there: a sensor's zero decides them too."""
+        return self._sides.at((*self._point(state), state.offsets.tobytes()))
 
     def _moving(self, segment: Segment) -> list[int]:
         """Unknowns by which a segment's response changes at all."""

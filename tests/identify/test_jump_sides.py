@@ -12,6 +12,7 @@ from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify.data import data_of
 from dashpot.identify.jump_sides import nearer_sides
 from dashpot.identify.odds import DECISIVE
+from dashpot.identify.offset import Offset
 from dashpot.identify.plainest import plain_cost
 from dashpot.identify.settle import settled
 from dashpot.identify.structure import Structure
@@ -97,3 +98,38 @@ def test_the_likelihood_of_an_accelerometer_decay_has_no_large_steps(noise):
     # as simulated it is off by 190 of log-likelihood
     assert costs == pytest.approx(np.polyval(np.polyfit(moves, costs, 2), moves), abs=2 * DECISIVE)
     assert abs(int(np.argmin(costs)) - 20) <= 2
+
+
+def accelerometer():
+    recording = recording_of(begin=(8e-3, 0.0), quantity="acceleration", noise=1e-6, seconds=4.0)
+    model = Oscillator.from_values(
+        {n: v for n, v in TRUTH.items() if n != "mass"}, response=Response("acceleration", "m/s2")
+    )
+    structure = Structure(model, data_of([recording], model, coarse=False))
+    return structure.problem, settled(structure.problem, structure.state(None))
+
+
+def test_derivatives_are_taken_under_the_signs_that_the_residuals_had(monkeypatch):
+    problem, state = accelerometer()
+    afresh = problem.derivatives(state, problem.residuals(state))
+    problem.forget()
+    residuals, asked, beside = problem.residuals(state), [], problem._beside_jumps
+    monkeypatch.setattr(problem, "_beside_jumps", lambda *given: asked.append(given) or beside(*given))
+    assert np.array_equal(problem.derivatives(state, residuals)[0], afresh[0])
+    assert not asked
+    elsewhere = replace(state, values=state.values * 1.001)
+    problem.derivatives(elsewhere, residuals)  # another point has other signs
+    assert len(asked) == 1
+
+
+def test_another_zero_of_the_sensor_asks_for_the_signs_again(monkeypatch):
+    problem, state = accelerometer()
+    problem = problem.with_offsets((Offset(0, "response", 0.1),))
+    asked, beside = [], problem._beside_jumps
+    monkeypatch.setattr(problem, "_beside_jumps", lambda *given: asked.append(given) or beside(*given))
+    here = replace(state, offsets=np.zeros(1))
+    residuals = problem.residuals(here)
+    problem.derivatives(here, residuals)
+    assert len(asked) == 1
+    problem.derivatives(replace(state, offsets=np.full(1, 0.1)), residuals)
+    assert len(asked) == 2
