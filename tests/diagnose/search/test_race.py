@@ -44,6 +44,17 @@ def test_a_start_that_is_off_arrives_at_the_noise(plain, bent):
     assert start.model.values()["viscous"] == pytest.approx(model.viscous.value, rel=0.05)
 
 
+def test_a_start_takes_nothing_back_of_what_its_proposer_found(plain, there, bent):
+    """The first cycles say less of an initial state than the whole stretch; of one that is off they say more."""
+    (data, model), (fitted, measure) = plain, there
+    best = measure.value(fitted.residuals)
+    assert Start(Entry((), fitted.model), data, measure).value < best - 0.1
+    assert Start(Entry((), fitted.model, fitted.initial), data, measure).value == pytest.approx(best, abs=1e-6)
+    off = Start(Entry((), fitted.model, 1.1 * fitted.initial), data, measure)
+    assert off.value == pytest.approx(best, abs=20.0)
+    assert measure.value(off.structure.problem.residuals(off.structure.state(1.1 * fitted.initial))) < best - 1e3
+
+
 def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there, bent):
     (data, model), (fitted, measure) = plain, there
     best = measure.value(fitted.residuals)
