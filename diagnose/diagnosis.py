@@ -40,7 +40,7 @@ from .place.locate import locate
 from .place.missing_force import latent_forces
 from .plainer import with_plainer_laws
 from .recordings import carries, same_quantity, split, why_unused
-from .result import Considered, Diagnosis, Effect
+from .result import SURE, Considered, Diagnosis, Effect
 from .search.candidate import STAGES, Candidate, key
 from .search.judgement import leaves_mismatch, names_of, only_a_name, standing, why_not
 from .search.residual_test import leftovers, nearer
@@ -292,8 +292,8 @@ def _named(fitted: Fitted, laws: Sequence[str]) -> Fitted:
 
 
 def _effects(selected: Candidate, search: Search, model: Oscillator) -> tuple[Effect, ...]:
-    """What is named, the most probable first."""
-    effects = []
+    """What is named, the most probable first; of those that are sure the one without which most is lost."""
+    effects, lost = [], {}
     assert selected.fit is not None
     for name in selected.laws:
         (fitted,) = [term for term in selected.fit.model.terms if term.effect == name]
@@ -304,7 +304,8 @@ def _effects(selected: Candidate, search: Search, model: Oscillator) -> tuple[Ef
         rivals = dict.fromkeys(find(other).effect for other in (*names[1:], *stands.rivals))
         rivals.pop(law.effect, None)
         effects.append(Effect(law.effect, law.name, law.path, dict(term.parameters), tuple(rivals), odds=stands.odds))
-    return tuple(sorted(effects, key=lambda effect: -effect.odds))
+        lost[law.effect] = search.lost_without(selected, name)
+    return tuple(sorted(effects, key=lambda effect: (-min(effect.odds, SURE), -lost[effect.effect])))
 
 
 def _considered(selected: Candidate, search: Search) -> list[Considered]:

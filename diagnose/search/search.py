@@ -279,6 +279,13 @@ class Search:
     def _paid_by(self, fitted: Fitted) -> float:
         return self._measures[0].value(fitted.residuals) - self._cost(len(fitted.free))
 
+    def lost_without(self, candidate: Candidate, law: str) -> float:
+        """Log-likelihood that a structure has over itself less one law, as far as that came; inf where it never ran."""
+        less = self.candidates.get(key([name for name in candidate.laws if name != law]))
+        if candidate.fit is None or less is None or less.fit is None:
+            return math.inf
+        return self._measures[0].value(candidate.fit.residuals) - self._measures[0].value(less.fit.residuals)
+
     def _left(self, laws: tuple[str, ...], front: Start, best: float) -> None:
         """Keep what is known of a structure that did not arrive."""
         if laws in self.candidates:

@@ -46,7 +46,7 @@ def test_a_start_that_is_off_arrives_at_the_noise(plain, bent):
 
 def test_a_start_takes_nothing_back_of_what_its_proposer_found(plain, there, bent):
     """The first cycles say less of an initial state than the whole stretch; of one that is off they say more."""
-    (data, model), (fitted, measure) = plain, there
+    data, (fitted, measure) = plain[0], there
     best = measure.value(fitted.residuals)
     assert Start(Entry((), fitted.model), data, measure).value < best - 0.1
     assert Start(Entry((), fitted.model, fitted.initial), data, measure).value == pytest.approx(best, abs=1e-6)

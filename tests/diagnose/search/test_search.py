@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dashpot.diagnose.diagnosis import _effects
 from dashpot.diagnose.search.candidate import Candidate, key
 from dashpot.diagnose.search.race import PATIENCE
 from dashpot.diagnose.search.search import Search
@@ -354,3 +355,20 @@ def test_a_leader_that_keeps_step_is_simulated_from_there_on(weighing, monkeypat
     # what was told in prediction no longer counts, but that it was tried
     assert set(search.candidates) == {(), leader.laws, ("left",)}
     assert search.candidates[()].fit is anew
+
+
+def test_of_laws_that_are_sure_the_one_without_which_most_is_lost_comes_first():
+    search, best = leading("quadratic-drag", "stribeck", times=1.0)
+    assert best.fit is not None
+    model = best.fit.model
+    for law, times in (("quadratic-drag", 1.5), ("stribeck", 3.0)):
+        search.candidates[(law,)] = replace(leading(law, times=times)[1], stage="left")
+    assert search.lost_without(best, "quadratic-drag") == pytest.approx(SAMPLES * np.log(3.0))
+    assert search.lost_without(best, "stribeck") == pytest.approx(SAMPLES * np.log(1.5))
+    search.candidates[("stribeck",)] = Candidate(("stribeck",))
+    assert search.lost_without(best, "quadratic-drag") == np.inf
+    effects = _effects(best, search, model)
+    assert [effect.effect for effect in effects] == ["quadratic-drag", "stribeck"]
+    search.candidates[("stribeck",)] = replace(leading("stribeck", times=1.2)[1], stage="left")
+    effects = _effects(best, search, model)
+    assert [effect.effect for effect in effects] == ["stribeck", "quadratic-drag"]
