@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..errors import BadInput
 from ..recording.recording import Recording
 from .contradiction import Contradiction, contradiction, covering
 from .delivered import Fit
@@ -78,7 +79,7 @@ def _from_the_others(
     do not say which of them is right.
     """
     known = fit.oscillator.parameters()
-    for odd in range(len(recordings) if len(recordings) >= FEWEST else 0):
+    for odd in _may_be_odd(fit, recordings, alone) if len(recordings) >= FEWEST else ():
         theirs = of_one_rig([recording for place, recording in enumerate(recordings) if place != odd], alone)
         if theirs is None or theirs.oscillator.mass is None:
             continue
@@ -88,6 +89,30 @@ def _from_the_others(
             moved = np.array([values[key].value - known[key].value for key in fit.names])
             return replace(found, shifts=tuple(shift + moved for shift in found.shifts))
     return None
+
+
+def _may_be_odd(
+    fit: Fit, recordings: Sequence[Recording], alone: Callable[[Sequence[Recording]], Fit]
+) -> Sequence[int]:
+    """Places of the recordings whose others may agree: one that leaves more than noise by itself is among none such.
+
+    Where physics is missing two that say so are enough, and those that show it most are asked first.
+    """
+    worst = dict.fromkeys(range(len(recordings)), 0.0)
+    for stretch in fit.segments:
+        place = stretch.segment.recording
+        worst[place] = max(worst[place], stretch.over_noise)
+    failing: list[int] = []
+    for place in sorted(worst, key=lambda place: -worst[place]):
+        try:
+            own = alone([recordings[place]])
+        except BadInput:
+            continue  # too little to say anything by itself
+        if max(stretch.over_noise for stretch in own.segments) > ABOVE_NOISE:
+            failing.append(place)
+        if len(failing) == 2:
+            return ()
+    return failing or range(len(recordings))
 
 
 def _told(

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS, Lie, of_another_rig, told
 from dashpot.examples.measuring_chain import clipped_peak, force_gain, response_gain, walk, wavering
 from dashpot.identify import identify
-from dashpot.identify.blame import in_words
+from dashpot.identify.blame import _may_be_odd, in_words
 from dashpot.identify.contradiction import Contradiction
 from dashpot.identify.output_error import State
 from dashpot.identify.part import Part, Span
@@ -51,6 +53,34 @@ def test_what_no_kind_explains_is_told_with_its_place():
     assert sentence.startswith("weak.csv: from ")
     assert "does not agree" in sentence
     assert "no lack of physics does that" in sentence
+
+
+def left(*ratios: float) -> SimpleNamespace:
+    """A fit of as many recordings, with what each leaves in times of the noise."""
+    segments = [SimpleNamespace(over_noise=r, segment=SimpleNamespace(recording=i)) for i, r in enumerate(ratios)]
+    return SimpleNamespace(segments=segments)
+
+
+@pytest.mark.parametrize(
+    ("by_themselves", "odd", "asked"),
+    [
+        ((1.0, 1.0, 1.0), [0, 1, 2], [2, 1, 0]),
+        ((1.0, 1.0, 2.0), [2], [2, 1, 0]),
+        ((1.0, 2.0, 2.0), [], [2, 1]),  # physics is missing: nobody else is asked
+        ((1.0, 2.0, None), [1], [2, 1, 0]),  # too short to be fitted by itself
+    ],
+)
+def test_what_leaves_more_than_noise_by_itself_is_not_among_others_that_agree(by_themselves, odd, asked):
+    recordings, order = [0, 1, 2], []
+
+    def alone(some):
+        order.append(some[0])
+        if (ratio := by_themselves[some[0]]) is None:
+            raise BadInput("too short")
+        return left(ratio)
+
+    assert list(_may_be_odd(left(3.0, 4.0, 5.0), recordings, alone)) == odd
+    assert order == asked
 
 
 def contradicted(part: Part, other: Part | None, *, reached: bool) -> str:
