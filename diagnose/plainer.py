@@ -1,6 +1,7 @@
 """Laws that are a plainer one on the recordings at hand: of two stops one is touched, and the other may be anywhere.
 
-Both then move the rig alike, so that no odds tell them apart; what no recording carries is not named.
+Both then move the rig alike, so that no odds tell them apart; what no recording carries is not named. Neither is a
+contact's damping where none is as likely as what comes out: then the plainer law is the likelier one.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ _ALIKE = 0.01
 
 
 def with_plainer_laws(selected: Candidate, search: Search) -> Candidate:
-    """The best structure with each law as the plainer one that it is along all recordings, fitted afresh.
+    """The best structure with each law as the plainer one that it is along all recordings, or that is likelier.
 
     Args:
         selected: the best of the search.
@@ -38,9 +39,10 @@ def with_plainer_laws(selected: Candidate, search: Search) -> Candidate:
         for plainer, own in law.cases(values):
             laws = key([plainer if other == name else other for other in selected.laws])
             case = with_term(without_term(fitted.model, name), plainer, dict(own))
-            if len(set(laws)) == len(selected.laws) and _alike(case, fitted, search):
+            if len(set(laws)) == len(selected.laws):
                 candidate = _weighed(laws, case, fitted, search)
-                if candidate is not None and candidate.value > selected.value - DECISIVE:
+                most = selected.value - (DECISIVE if _alike(case, fitted, search) else 0.0)
+                if candidate is not None and candidate.value > most:
                     why = f"it moves the rig as {plainer} does, which has fewer parameters"
                     search.candidates[selected.laws] = replace(selected, why=why)
                     search.candidates[laws] = selected = candidate

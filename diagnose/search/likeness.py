@@ -16,8 +16,10 @@ from ...identify.data import Data
 from ...identify.equivalent import along_of
 from ...identify.initial_motion import initial_states
 from ...identify.offset import zeros_along
-from ...identify.structure import Fitted, without_states
+from ...identify.prediction import FREE
+from ...identify.structure import Fitted, Structure, without_states
 from ...model.law import Law
+from ...model.laws import find
 from ...model.terms import without_term
 from ...recording.fact import changed
 from .starts import Proposal, by_motion
@@ -37,13 +39,30 @@ def alike(fitted: Fitted, data: Data, law: str, others: Sequence[Law]) -> list[P
         shown = [float(np.mean(zeros_along(data.offsets, fitted.offsets, s)[0])) for s in data.segments]
         initial[:, :2] = initial_states(data.segments, shown)
     smaller = replace(fitted, model=without_term(fitted.model, law), initial=initial)
-    proposals = by_motion(smaller, _as_simulated(fitted, data), others)
+    seen = find(law).record is None and any(segment.order for segment in data.segments) and data.memory == FREE
+    proposals = by_motion(smaller, (_as_moved if seen else _as_simulated)(fitted, data), others)
     return sorted(proposals, key=lambda proposal: -proposal.gain)
 
 
 def moves_along(law: Law) -> bool:
     """Whether a law may act like another: not what has a phase of its own, nor what must be sought from many places."""
     return not law.rugged and not along_of(law).phases
+
+
+def _as_moved(fitted: Fitted, data: Data) -> Data:
+    """The recordings as displacements of the model: what integrating an acceleration loses is known here.
+
+    Blows and the jumps of friction are most of what an accelerometer shows, and little of the motion.
+    """
+    structure = Structure(fitted.model, data)
+    state = structure.state(fitted.initial, fitted.offsets)
+    moved = [np.zeros(recording.n) for recording in data.recordings]
+    for i, segment in enumerate(data.segments):
+        moved[segment.recording][segment.start : segment.stop] = structure.problem.states(i, state)[:, 0]
+    shown = {"quantity": "displacement", "unit": fitted.model.response.displacement_unit}
+    recordings = [changed(r, response=x, **shown) for r, x in zip(data.recordings, moved, strict=True)]
+    noise = tuple(sigma / s.pace**s.order for sigma, s in zip(data.sensor, data.segments, strict=True))
+    return replace(data, recordings=tuple(recordings), sensor=noise)
 
 
 def _as_simulated(fitted: Fitted, data: Data) -> Data:

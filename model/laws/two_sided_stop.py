@@ -27,14 +27,15 @@ def _stored(motion, p) -> Expression:
 
 
 def _cases(p) -> list[tuple[str, dict[str, float]]]:
-    """The stop on either side alone, for where the other is never touched."""
+    """The stop on either side alone, for where the other is never touched; both about the middle, undamped."""
     positions = [p["offset"] + side * p["position"] for side in (1, -1)]
     contact = {name: p[name] for name in ("stiffness", "damping")}
-    return [
+    single = [
         ("one-sided-stop", contact | {"position": position})
         for side, position in zip((1, -1), positions, strict=True)
         if side * position > 0  # a stop's side is the sign of its position
     ]
+    return [*single, ("clearance", {"stiffness": p["stiffness"], "gap": p["position"]})]
 
 
 LAW = Law(

@@ -76,4 +76,15 @@ def test_each_case_has_the_stop_on_its_own_side(position, offset, cases):
     made = find(PAIR[0]).cases
     assert made is not None
     given = {"stiffness": 7.0, "damping": 3.0, "position": position, "offset": offset}
-    assert made(given) == [("one-sided-stop", {"stiffness": 7.0, "damping": 3.0, "position": place}) for place in cases]
+    single = [("one-sided-stop", {"stiffness": 7.0, "damping": 3.0, "position": place}) for place in cases]
+    assert made(given) == [*single, ("clearance", {"stiffness": 7.0, "gap": position})]
+
+
+@pytest.mark.parametrize(("damping", "laws"), [(2e-4, ("clearance",)), (2.0, PAIR)])
+def test_stops_about_the_middle_that_damp_nothing_are_a_gap(damping, laws):
+    selected, search = searched(*stopped(stiffness=0.3 * STIFFNESS, damping=damping, position=1.2e-3, offset=0.0))
+    plainer = with_plainer_laws(selected, search)
+    assert plainer.laws == laws
+    if laws != PAIR:
+        assert plainer.fit is not None
+        assert plainer.fit.model.values()["clearance.gap"] == pytest.approx(1.2e-3, rel=0.01)

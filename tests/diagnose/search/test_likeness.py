@@ -12,15 +12,19 @@ from dashpot.examples.oscillator import integrate, integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import Data, data_of
 from dashpot.identify.offset import Offset
+from dashpot.identify.settle import settled
 from dashpot.identify.structure import Fitted, Structure
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Response
 from dashpot.model.laws import find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
+from dashpot.simulate.core import Core
+from dashpot.simulate.force import force_between
 
 FS, SECONDS, NOISE = 500.0, 3.0, 1e-6
 DELAY, LIMIT = 2e-3, 0.8
 BEGIN = (4e-3, 0.0)
+QUINTIC = 4e10
 
 
 def driven(begin: tuple[float, float] = (0.0, 0.0)) -> tuple[np.ndarray, np.ndarray]:
@@ -165,3 +169,33 @@ def test_a_delay_takes_the_place_of_a_lag_and_the_motion_begins_as_it_did(rig):
     amplitude = float(np.max(np.abs(data.segments[-1].response)))
     assert delay.initial[-1, :2] == pytest.approx(fit.initial[-1, :2], abs=0.05 * amplitude * truth["omega"])
     assert delay.initial[-1, 0] == pytest.approx(fit.initial[-1, 0], abs=0.02 * amplitude)
+
+
+def struck(**values: float) -> tuple[Fitted, Data]:
+    """An accelerometer on a rig with a spring of the fifth power that is struck, and the truth fitted to it."""
+    rig = Oscillator.from_values(TRUTH | {"dry": 1.0} | values, response=Response("acceleration", "m/s2"))
+    rig = with_term(rig, "quintic-stiffness", {"coefficient": QUINTIC})
+    t, core = np.arange(round(6 * FS)) / FS, Core(rig)
+    force = np.zeros(t.size)
+    for at, peak in ((0.3, 130.0), (3.1, 190.0)):
+        inside = (t >= at) & (t < at + 5e-3)
+        force[inside] += peak * np.sin(np.pi * (t[inside] - at) / 5e-3)
+    how = np.array(list(rig.values().values())), np.zeros(2), force_between(force, 1 / FS, "linear", 5000.0)
+    shown = core.record(*how, t.size, 1 / FS, 1e-3, quantity="acceleration")
+    shown = shown + 0.05 * np.random.default_rng(2).standard_normal(t.size)
+    data = data_of([Recording("hits", FS, shown, force, "acceleration", "m/s2", hold="linear")], rig)
+    return Structure(rig, data).fit(most=5, settle=True), data
+
+
+def test_an_accelerometer_says_what_acts_alike_along_the_models_own_displacement():
+    """Blows and the jumps of friction are most of what it shows."""
+    fit, data = struck()
+    others = [find(name) for name in ("softening-stiffness", "hysteresis", "viscoelastic", "quadratic-drag")]
+    first, *rest = alike(fit, data, "quintic-stiffness", others)
+    assert first.law == "softening-stiffness"
+    assert first.gain > 3 * max(proposal.gain for proposal in rest)
+    # there it follows, from the first step on
+    structure = Structure(first.model, data)
+    left = structure.problem.residuals(settled(structure.problem, structure.state(first.initial)))
+    motion = [np.std(segment.response) for segment in data.segments]
+    assert max(np.std(r) / size for r, size in zip(left, motion, strict=True)) < 0.1
