@@ -7,7 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..model.oscillator import QUANTITIES
-from .segments import Segment, first_motion
+from .first_motion import first_motion
+from .segments import Segment
 
 
 def initial_states(segments: Sequence[Segment], offsets: Sequence[float] | None = None) -> np.ndarray:

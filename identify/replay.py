@@ -13,10 +13,11 @@ from ..model.oscillator import QUANTITIES
 from ..recording.recording import Recording
 from ..simulate.core import core_of, step_for
 from ..simulate.force import Force, force_between
+from .first_motion import first_motion, starts_at_rest
 from .initial_motion import from_first_cycle
 from .offsets import centre, drift_of, zero_of_load_cell
 from .reach import nearest_reach
-from .segments import FORCE_BAND, first_motion, starts_at_rest
+from .segments import FORCE_BAND
 from .signals import response_of
 
 _ROUNDS = 4

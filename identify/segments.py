@@ -14,7 +14,9 @@ from ..recording.short_decay import LEAST_CYCLES
 from ..simulate.force import Force, force_between
 from .blows import ContactForce, contact_force, through
 from .decays import find_free_motion, force_is_silent
+from .first_motion import starts_at_rest
 from .hilbert import noise_level
+from .quiet import quiet_noise
 from .signals import response_of
 
 #: A recording of so many natural periods is one of a rig that swings ...
@@ -27,8 +29,6 @@ _SHORTEST_CYCLES = 3.0
 _SHORTEST_SLIDE = 1.0
 #: A stretch that moves less than this many times its noise says at most that friction held the mass.
 _MOVES = 1.5
-#: Initial values within this many standard errors of zero are those of a mass at rest.
-_AT_REST = 4.0
 #: Force above this multiple of the natural frequency hardly moves the mass (1/9 of its static effect).
 FORCE_BAND = 3.0
 #: A search that only compares laws, or leads to where a fit begins, interpolates the force more coarsely: to 1e-5 up to
@@ -145,6 +145,7 @@ def _cut(
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         highest = force_band * pace / (2 * np.pi)
+        quiet, slow = quiet_noise(response_of(recording).samples, motion.blows, recording.dt, pace)
         for start, stop, forced in sorted(ends):
             # what a force drives all through a recording says more than it costs once it has gone through a cycle; so
             # does a free recording that was let in for its fall, and a blow upon a mass at rest costs nothing
@@ -158,7 +159,7 @@ def _cut(
                 driven = ContactForce(driven.pieces, driven.fine, driven.hold) if motion.blows else driven
             signal = response_of(recording).part(start, stop)
             response, noise = signal.samples, signal.noise
-            if not np.std(response) > _MOVES * noise:
+            if not np.std(response) > _MOVES * max(noise, quiet):
                 continue
             whole = Segment(
                 recording=index,
@@ -169,7 +170,7 @@ def _cut(
                 dt=recording.dt,
                 time=recording.start + start * recording.dt,
                 pace=pace,
-                rests=forced and starts_at_rest(response, recording.dt, pace, noise),
+                rests=forced and starts_at_rest(response, recording.dt, pace, max(noise, slow)),
                 slide=slide,
                 quantity=recording.quantity,
                 after=segments[-1].stop if segments and segments[-1].recording == index else None,
@@ -212,20 +213,3 @@ def pace_of(recordings: Sequence[Recording], omega0: float) -> float:
         return omega0
     pace = max(2 * np.pi * response_of(recording).frequency for recording in driven)
     return pace if pace > _DRIVEN * omega0 else omega0
-
-
-def first_motion(segment_response: np.ndarray, dt: float, pace: float) -> tuple[np.ndarray, np.ndarray]:
-    """Displacement and velocity (2,) at the first sample, by a parabola through the first seventh of a cycle.
-
-    The second array holds their standard deviations for a noise of one.
-    """
-    count = int(np.clip(0.15 * 2 * np.pi / pace / dt, 4, segment_response.size))
-    columns = np.vander(np.arange(count) * dt, 3, increasing=True)
-    inverse = np.linalg.pinv(columns)
-    return (inverse @ segment_response[:count])[:2], np.sqrt(np.sum(inverse[:2] ** 2, axis=1))
-
-
-def starts_at_rest(response: np.ndarray, dt: float, pace: float, noise: float) -> bool:
-    """Whether neither displacement nor velocity at the first sample stands out of the noise."""
-    motion, spread = first_motion(response, dt, pace)
-    return bool(np.all(np.abs(motion) < _AT_REST * noise * spread))

@@ -122,8 +122,7 @@ class _Beginning:
             stacked = np.vstack([jacobian * size, ridge]), np.append(residual, np.zeros(len(own)))
             trial = initial.copy()
             trial[own] += np.linalg.lstsq(*stacked)[0] * size
-            after = self.measured[:n] - self._response(trial, n)
-            if not np.sum(after**2) < np.sum(residual**2):
+            if not self.misfit(trial, n) < np.sum(residual**2):
                 break
             initial = trial
         return initial

@@ -18,12 +18,13 @@ from ..model.law import Law, Scales
 from ..model.terms import with_term, with_values, without_term
 from ..simulate.core import Core, core_of, internal_step
 from .data import Data, likelihood
+from .first_motion import starts_at_rest
 from .handed_on import goes_on
 from .initial_motion import initial_states
 from .noise_spectrum import NoiseSpectrum
 from .offset import Offset
 from .output_error import OutputError, State
-from .segments import Segment, starts_at_rest
+from .segments import Segment
 from .settle import settled
 
 #: Finite differences and first steps of a law's parameter, as a part of its natural size.

@@ -1,0 +1,63 @@
+"""The noise of a struck rig where it rests between blows: what white noise of the highest frequencies does not tell.
+
+Noise of a colour is larger at the frequency of the motion than at the highest ones, from which noise is measured where
+a rig always moves. Between blows nothing drives it, and what does not swing at one frequency is noise as it is there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from .decay import Blow
+from .first_motion import first_motion, motion_length
+
+#: Cycles over which a rest is looked for: a swing is told from noise there.
+_CYCLES = 3
+#: A stretch of which more than this part lies about one frequency swings ...
+_SWINGS = 0.5
+#: ... so many lines wide: its own and one on either side.
+_LINE = 3
+#: Rests are as loud as the quietest, but for what so many cycles of noise scatter.
+_AS_QUIET = 1.2
+
+
+def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: float) -> tuple[float, float]:
+    """Noise where a struck rig rests: its standard deviation, and that of white noise which would hide as much.
+
+    The second counts for what is measured over the first part of a cycle (``first_motion``): noise that changes slowly
+    does not average out there. Both are zero where the rig rests nowhere for three cycles, and where all that
+    is seen of a rest is a constant: what rounding hides is known.
+
+    Args:
+        response: (n,) of one recording.
+        blows: of it.
+        dt: sample interval, s.
+        pace: angular frequency at which the rig swings, rad/s.
+    """
+    period = round(2 * np.pi / pace / dt)
+    window = _CYCLES * period
+    edges = [0, *(edge for blow in blows for edge in (blow.start, blow.stop)), response.size]
+    rests = []
+    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+        for start in range(begin, end - window + 1, period):
+            part = response[start : start + window]
+            if np.ptp(part) == 0:
+                return 0.0, 0.0
+            if _swing(part) <= _SWINGS:
+                rests.append(part)
+    if not rests:
+        return 0.0, 0.0
+    quietest = min(float(np.std(part)) for part in rests)
+    quiet = [part - np.mean(part) for part in rests if np.std(part) <= _AS_QUIET * quietest]
+    step = motion_length(window, dt, pace)
+    begun = [first_motion(part[k:], dt, pace) for part in quiet for k in range(0, window - step + 1, step)]
+    slow = [motion / spread for motion, spread in begun]
+    return float(np.std(quiet)), float(np.sqrt(np.mean(np.square(slow))))
+
+
+def _swing(part: np.ndarray) -> float:
+    """Largest share of a stretch, about its mean, that lies about one frequency: a preload makes small swings fast."""
+    power = np.abs(np.fft.rfft(part - np.mean(part))[1:]) ** 2
+    return float(np.max(np.convolve(power, np.ones(_LINE), "same")) / np.sum(power))
