@@ -172,8 +172,7 @@ class Regression:
         w = view.omega
         gap = (model.omega0.value**2 - w**2) ** 2 + (model.viscous.value * w) ** 2 + (2 * w * view.width) ** 2
         mass = model.mass.value if model.mass is not None else 1.0
-        # what integrating did to the noise of a sensor of velocity or acceleration
-        scale = np.maximum(noise / w**order, 1e-4 * float(np.std(x)))
+        scale = np.maximum(noise / w**order, 1e-4 * float(np.std(x)))  # integrated as often as the motion
         quiet = scale**2 * gap + (force_noise / mass) ** 2
         std = np.sqrt(quiet * view.energy / fs)
         return _Rows(

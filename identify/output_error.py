@@ -8,12 +8,9 @@ endless one the response is simulated freely, and this is output error.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Hashable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from copy import copy
 from dataclasses import replace
-from functools import cache
 from typing import Self, TypeVar
 
 import numpy as np
@@ -31,6 +28,7 @@ from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .search_point import Outcome, State
 from .segments import Segment
+from .simulating import pool
 
 Item = TypeVar("Item")
 T = TypeVar("T")
@@ -40,12 +38,6 @@ _STEP = 1e-5
 MOST_STEPS = 40
 #: Harmonics and a motion beside its pace may add this much to what a parameter can do.
 _MOST_TURN = 2.0
-
-
-@cache
-def _pool() -> ThreadPoolExecutor:
-    """The threads that simulate; one set for all searches of the process."""
-    return ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
 
 
 class OutputError:
@@ -94,7 +86,6 @@ class OutputError:
         self.memory = memory
         #: Free parameters and offsets: what segments share.
         self.shared = len(self.free) + len(self.offsets)
-        self._pool = _pool()
         self._known: KnownAtPoint[Kept] = KnownAtPoint()
         #: Of each segment that jumps the signs that its response had.
         self._sides: KnownAtPoint[np.ndarray] = KnownAtPoint()
@@ -133,7 +124,7 @@ class OutputError:
 
     def map(self, function: Callable[[Item], T], items: Sequence[Item]) -> list[T]:
         """Results of a function that is mostly simulation or linear algebra, item by item."""
-        return list(self._pool.map(function, items))  # the core releases the interpreter lock
+        return list(pool().map(function, items))
 
     def keeping(self, state: State) -> OutputError:
         """The same with all parameters and offsets as they are: only initial states are to be found."""
@@ -206,7 +197,6 @@ class OutputError:
 
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
-
         room = [np.empty(segment.n) for segment in self.segments]
         sides = self._sides_at(state)
 
