@@ -27,8 +27,8 @@ def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: fl
     """Noise where a struck rig rests: its standard deviation, and that of white noise which would hide as much.
 
     The second counts for what is measured over the first part of a cycle (``first_motion``): noise that changes slowly
-    does not average out there. Both are zero where the rig rests nowhere for three cycles, and where all that
-    is seen of a rest is a constant: what rounding hides is known.
+    does not average out there. Both are zero without blows, where the rig rests nowhere for three cycles, and where
+    all that is seen of a rest is a constant: what rounding hides is known.
 
     Args:
         response: (n,) of one recording.
@@ -38,6 +38,8 @@ def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: fl
     """
     period = round(2 * np.pi / pace / dt)
     window = _CYCLES * period
+    if not blows or not period:
+        return 0.0, 0.0
     edges = [0, *(edge for blow in blows for edge in (blow.start, blow.stop)), response.size]
     rests = []
     for begin, end in zip(edges[::2], edges[1::2], strict=True):

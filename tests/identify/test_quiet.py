@@ -60,3 +60,9 @@ def test_rest_that_shows_a_constant_has_the_noise_of_rounding():
 def test_blows_that_follow_each_other_at_once_leave_no_rest():
     dense = tuple(Blow(k, k + 5) for k in range(100, N, 250))
     assert quiet_noise(noise(0.0), dense, 1 / FS, PACE) == (0.0, 0.0)
+
+
+def test_what_nobody_struck_is_not_asked():
+    """Something else may drive it there. Nor is a pace that no sample follows, as a useless model has it."""
+    assert quiet_noise(noise(0.0), (), 1 / FS, PACE) == (0.0, 0.0)
+    assert quiet_noise(noise(0.0), BLOWS, 1 / FS, 1e9) == (0.0, 0.0)
