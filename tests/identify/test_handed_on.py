@@ -99,7 +99,7 @@ def test_a_beginning_follows_the_parameters():
         assert moved.initial[i] == pytest.approx(anew.initial[i], rel=1e-6, abs=1e-12)
 
 
-@pytest.mark.parametrize(("viscous", "moves"), [(24.0, False), (16.0, True)])
+@pytest.mark.parametrize(("viscous", "moves"), [(20.0, False), (14.0, True)])
 def test_a_model_that_moves_still_says_nothing_of_where_the_mass_rests(viscous, moves):
     """Without friction, which left exp(-viscous t / 2) of the motion, a hundredth being where it counts as rest."""
     free, _ = structure(dry=0.0, preload=0.0, viscous=viscous)
