@@ -240,7 +240,7 @@ class OutputError:
 
         self.map(fill, [(i, k) for i, segment in enumerate(self.segments) for k in self._moving(segment)])
         for i, rows in enumerate(made):
-            self._bound(i, rows, state, residuals[i])
+            self.bound(i, rows, state, residuals[i])
         return made
 
     def quotients(
@@ -303,7 +303,7 @@ class OutputError:
         """() or (n,) what a sensor shows along a segment for each unit of its offset."""
         return zeros_along([self.offsets[k - len(self.free)]], np.ones(1), self.segments[i])[0]
 
-    def _bound(self, i: int, rows: np.ndarray, state: State, residual: np.ndarray) -> None:
+    def bound(self, i: int, rows: np.ndarray, state: State, residual: np.ndarray) -> None:
         """Leave out of a segment's derivatives, in their place, the samples at which they cannot be any.
 
         A frequency that changes by all of itself turns the phase by 2 pi a cycle, as far back as the model remembers;

@@ -152,7 +152,13 @@ class Screen:
         wanted = [f"{law.name}.{p.name}" for p in strengths]
         structure = Structure(model, self.data, [name for name in model.parameters() if name not in wanted])
         state = structure.state(self.fitted.initial if initial is None else initial, self.fitted.offsets)
-        rows = structure.problem.derivatives(state, self.fitted.residuals)
+        problem, residuals = structure.problem, self.fitted.residuals
+        quotient = problem.quotients(state, residuals)
+        rows = [np.empty((len(wanted), residual.size)) for residual in residuals]
+        for i, own in enumerate(rows):
+            for k in range(len(wanted)):
+                quotient(i, k, own[k])
+            problem.bound(i, own, state, residuals[i])
         return [[own[k] for own in rows] for k in range(len(wanted))]
 
     def _change(self, law: Law, values: dict[str, float]) -> list[np.ndarray]:
