@@ -134,8 +134,8 @@ def measured(
 def displacement_amplitude(segments: Sequence[Segment]) -> float:
     """Largest displacement in the segments, as far as the recorded quantities tell.
 
-    An acceleration's peak is that of a blow or of a contact, not of the motion: of velocities and accelerations the
-    largest root mean square over a period tells how far the mass swings.
+    An acceleration's peak is that of a blow or of a contact, not of the motion: its largest root mean square over a
+    period tells how far the mass swings.
     """
     return max(_swing(segment) / segment.pace**segment.order for segment in segments)
 
@@ -144,7 +144,7 @@ def _swing(segment: Segment) -> float:
     """Amplitude of what a segment shows, about its median."""
     response = segment.response - np.median(segment.response)
     peak = float(np.max(np.abs(response)))
-    if not segment.order:
+    if segment.quantity != "acceleration":
         return peak
     period = int(np.clip(2 * np.pi / segment.pace / segment.dt, 1, segment.n))
     squares = np.concatenate([[0.0], np.cumsum(response**2)])

@@ -19,7 +19,6 @@ from ..model import Oscillator
 from ..model.law import Law, Scales
 from ..model.laws import LIBRARY, find
 from ..model.terms import with_term
-from ..recording.recording import QUANTITIES
 from .blows import ContactForce
 from .data import Data
 from .displacement import displacement
@@ -118,8 +117,7 @@ class Regression:
             recording = data.recordings[segment.recording]
             x = displacement(recording).samples[segment.start : last.stop]
             force = None if segment.force is None else np.asarray(recording.force, float)[segment.start : last.stop]
-            order = QUANTITIES.index(recording.quantity)
-            rows = self._prepare(i, x, force, recording.fs, segment.time, data.sensor[i], order, data.force[i])
+            rows = self._prepare(i, x, force, recording.fs, segment.time, data.sensor[i], data.force[i])
             if rows is not None:
                 self.rows.append(rows)
 
@@ -131,7 +129,6 @@ class Regression:
         fs: float,
         start: float,
         noise: float,
-        order: int,
         force_noise: float,
     ) -> _Rows | None:
         model = self.model
@@ -172,7 +169,7 @@ class Regression:
         w = view.omega
         gap = (model.omega0.value**2 - w**2) ** 2 + (model.viscous.value * w) ** 2 + (2 * w * view.width) ** 2
         mass = model.mass.value if model.mass is not None else 1.0
-        scale = np.maximum(noise / w**order, 1e-4 * float(np.std(x)))  # integrated as often as the motion
+        scale = max(noise, 1e-4 * float(np.std(x)))
         quiet = scale**2 * gap + (force_noise / mass) ** 2
         std = np.sqrt(quiet * view.energy / fs)
         return _Rows(

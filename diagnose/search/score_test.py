@@ -25,6 +25,8 @@ from ...model.law import Law, LawParameter
 from ...model.laws import LIBRARY
 from ...model.terms import with_term, with_values
 
+#: Strength at which a plain difference is taken, in natural sizes: small beside the least friction that matters.
+_FEELER = 1e-5
 #: Of each law this many probes are simulated, those that promise most.
 _TRIED = 2
 #: A step shorter than this part, or longer by as much, is not to be believed.
@@ -135,7 +137,9 @@ class Screen:
         try:
             if any(state.free for state in _inner(self.fitted.model, law, probe)):
                 return self._phases(law, probe)
-            directions = self._slopes(law, probe, strengths) if strengths else [self._change(law, probe)]
+            directions = (
+                self._slopes(law, probe, strengths) if strengths else [self._change(law, probe, self.fitted.initial)]
+            )
             return self._step(law, probe, [p.name for p in strengths], directions)
         except (DashpotError, FloatingPointError, np.linalg.LinAlgError):
             return None
@@ -143,15 +147,20 @@ class Screen:
     def _slopes(
         self, law: Law, values: dict[str, float], strengths: Sequence[LawParameter], initial: np.ndarray | None = None
     ) -> list[list[np.ndarray]]:
-        """Derivatives of each segment's response by a law's strengths, taken as those by the base parameters are.
+        """Derivatives of each segment's response by a law's strengths.
 
-        Where a hair decides whether friction holds, a plain difference of two simulations is none: what base
-        parameters can do exactly then looks like news.
+        Where the response jumps they are taken as those by the base parameters are, under the same signs: between two
+        plain simulations a jump moves by a sample, and what base parameters can do exactly would look like news.
         """
+        begun = self.fitted.initial if initial is None else initial
+        if not any(segment.quantity == "acceleration" for segment in self.data.segments):
+            sizes = {p.name: p.natural(self.data.scales) * _FEELER for p in strengths}
+            changes = [(self._change(law, values | {name: size}, begun), size) for name, size in sizes.items()]
+            return [[d / size for d in change] for change, size in changes]
         model = with_term(self.fitted.model, law.name, values)
         wanted = [f"{law.name}.{p.name}" for p in strengths]
         structure = Structure(model, self.data, [name for name in model.parameters() if name not in wanted])
-        state = structure.state(self.fitted.initial if initial is None else initial, self.fitted.offsets)
+        state = structure.state(begun, self.fitted.offsets)
         problem, residuals = structure.problem, self.fitted.residuals
         quotient = problem.quotients(state, residuals)
         rows = [np.empty((len(wanted), residual.size)) for residual in residuals]
@@ -161,11 +170,11 @@ class Screen:
             problem.bound(i, own, state, residuals[i])
         return [[own[k] for own in rows] for k in range(len(wanted))]
 
-    def _change(self, law: Law, values: dict[str, float]) -> list[np.ndarray]:
+    def _change(self, law: Law, values: dict[str, float], initial: np.ndarray) -> list[np.ndarray]:
         """Change of each segment's response when the law is put in."""
         model = with_term(self.fitted.model, law.name, values)
         structure = Structure(model, self.data)
-        state = structure.state(self.fitted.initial, self.fitted.offsets)
+        state = structure.state(initial, self.fitted.offsets)
         residuals = structure.problem.residuals(state)
         return [old - new for old, new in zip(self.fitted.residuals, residuals, strict=True)]
 

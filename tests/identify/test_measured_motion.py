@@ -215,7 +215,7 @@ def test_a_slide_has_no_stiffness_and_windows_of_half_a_cycle():
     regression.data = replace(regression.data, recordings=(other,))
     for slack in (False, True):
         regression.slack = slack
-        rows = regression._prepare(0, other.response, other.force, FS, 0.0, 2e-7, 0, 0.0)
+        rows = regression._prepare(0, other.response, other.force, FS, 0.0, 2e-7, 0.0)
         assert rows is not None
         regression.rows = [rows]
         guess = regression.family()
@@ -225,7 +225,7 @@ def test_a_slide_has_no_stiffness_and_windows_of_half_a_cycle():
             assert guess.values["mass"] == pytest.approx(LINEAR["mass"], rel=0.02)
     for cycles in (1.9, 2.1):
         x = other.response[: round(cycles * 2 * np.pi / regression.data.scales.omega * FS)]
-        assert (regression._prepare(0, x, None, FS, 0.0, 2e-7, 0, 0.0) is not None) is (cycles > 2)
+        assert (regression._prepare(0, x, None, FS, 0.0, 2e-7, 0.0) is not None) is (cycles > 2)
 
 
 @pytest.mark.parametrize("source", ["sensor", "force"])
@@ -235,7 +235,7 @@ def test_each_row_is_weighed_by_what_noise_makes_of_it(source):
     regression, n = of(run("nothing", 8e-3)), 40000
     sensor, force = (1e-5, 0.0) if source == "sensor" else (0.0, 0.3)
     x = 1e-5 * random.standard_normal(n)
-    rows = regression._prepare(0, x, None, FS, 0.0, sensor, 0, force)
+    rows = regression._prepare(0, x, None, FS, 0.0, sensor, force)
     assert rows is not None
     if source == "sensor":
         left = rows.target - rows.columns[:, 2] * LINEAR["omega0"] ** 2 - rows.columns[:, 1] * LINEAR["viscous"]
@@ -307,13 +307,13 @@ def test_the_shortest_window_is_of_one_and_a_half_cycles_and_half_the_segment(cy
     regression = of(run("nothing", 8e-3))
     n = round(cycles * 2 * np.pi / regression.data.scales.omega * FS)
     x = run("nothing", 8e-3).response[:n]
-    assert (regression._prepare(0, x, None, FS, 0.0, 2e-7, 0, 0.0) is not None) is windowed
+    assert (regression._prepare(0, x, None, FS, 0.0, 2e-7, 0.0) is not None) is windowed
 
 
 @pytest.mark.parametrize(("rate", "factor"), [(31.0, 1), (10.1, 3), (4.0, 4)])
 def test_a_cycle_has_thirty_points_or_four_times_those_recorded(rate, factor):
     regression, x = of(run("nothing", 8e-3)), run("nothing", 8e-3).response
-    rows = regression._prepare(0, x, None, rate * regression.data.scales.omega / (2 * np.pi), 0.0, 2e-7, 0, 0.0)
+    rows = regression._prepare(0, x, None, rate * regression.data.scales.omega / (2 * np.pi), 0.0, 2e-7, 0.0)
     assert rows is not None
     assert len(rows.motion) == factor * x.size
 
