@@ -88,7 +88,7 @@ class Screen:
         self.noise = noise_spectra(fitted.residuals, fitted.model, data)
         structure = Structure(fitted.model, data, fixed=[n for n in fitted.model.parameters() if n not in fitted.free])
         self.places = structure.problem.free
-        state = structure.state(fitted.initial, fitted.offsets)
+        state = structure.state(fitted.initial)
         derivatives = structure.problem.derivatives(state, fitted.residuals)
         k = len(self.places)
         weighed = _Weighed([], [], [], np.zeros((k, k)))
@@ -160,7 +160,7 @@ class Screen:
         model = with_term(self.fitted.model, law.name, values)
         wanted = [f"{law.name}.{p.name}" for p in strengths]
         structure = Structure(model, self.data, [name for name in model.parameters() if name not in wanted])
-        state = structure.state(begun, self.fitted.offsets)
+        state = structure.state(begun)
         problem, residuals = structure.problem, self.fitted.residuals
         quotient = problem.quotients(state, residuals)
         rows = [np.empty((len(wanted), residual.size)) for residual in residuals]
@@ -174,7 +174,7 @@ class Screen:
         """Change of each segment's response when the law is put in."""
         model = with_term(self.fitted.model, law.name, values)
         structure = Structure(model, self.data)
-        state = structure.state(initial, self.fitted.offsets)
+        state = structure.state(initial)
         residuals = structure.problem.residuals(state)
         return [old - new for old, new in zip(self.fitted.residuals, residuals, strict=True)]
 
@@ -251,7 +251,7 @@ class Screen:
     ) -> Start | None:
         model = with_term(with_values(self.fitted.model, moved), law.name, numbers)
         structure = Structure(model, self.data)
-        state = structure.state(self.fitted.initial if initial is None else initial, self.fitted.offsets)
+        state = structure.state(self.fitted.initial if initial is None else initial)
         state = settled(structure.problem, state)
         residuals = structure.problem.residuals(state)
         value = likelihood(residuals, model, self.data)
