@@ -15,6 +15,8 @@ from .first_motion import first_motion, motion_length
 
 #: Cycles over which a rest is looked for: a swing is told from noise there.
 _CYCLES = 3
+#: Samples that a cycle has at least, as for a Hilbert transform: a model without use may ask for fewer.
+_SAMPLES = 5
 #: A stretch of which more than this part lies about one frequency swings ...
 _SWINGS = 0.5
 #: ... so many lines wide: its own and one on either side.
@@ -38,7 +40,7 @@ def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: fl
     """
     period = round(2 * np.pi / pace / dt)
     window = _CYCLES * period
-    if not blows or not period:
+    if not blows or period < _SAMPLES:
         return 0.0, 0.0
     edges = [0, *(edge for blow in blows for edge in (blow.start, blow.stop)), response.size]
     rests = []
