@@ -76,9 +76,9 @@ def leading(leader: Candidate, arrived: Sequence[Candidate], parts: Sequence[Dat
     shorter = [c for c in fewer if log_odds(leader, c, parts) < DECISIVE]  # by the odds that the longer needs to be led
     if shorter:
         return max(shorter, key=lambda c: c.value)
-    # one as long has nothing to prove beyond being more probable, and must not tell decisively worse what was held out
-    # or, where nothing was, foretell it any worse
-    as_long = [c for c in arrived if len(c.laws) == len(leader.laws) and log_odds(c, leader, parts) > 0]
+    # one as long, or shorter, has nothing to prove beyond being more probable, and must not tell decisively worse what
+    # was held out or, where nothing was, foretell it any worse
+    as_long = [c for c in arrived if len(c.laws) <= len(leader.laws) and log_odds(c, leader, parts) > 0]
     as_long = [c for c in as_long if c.foretold >= leader.foretold - (0.0 if c.held_out is None else DECISIVE)]
     further = [c for c in arrived if accepted(c, leader, parts)]
     return max([leader, *as_long, *further], key=lambda c: c.value)

@@ -1,13 +1,14 @@
-"""Which laws act like one that was found: the others, put on the very motion that this one makes.
+"""Which laws act like those that were found: the others, put on the very motion that these make.
 
-On the motion of a fitted model there is neither noise nor mismatch. With one of its laws taken out, what another law
-makes of the rest there says how nearly it could stand in its place, and with which values of everything: the best start
-for that other structure, from which a few steps lead to its own maximum.
+On the motion of a fitted model there is neither noise nor mismatch. With one of its laws taken out, or several at once,
+what another law makes of the rest there says how nearly it could stand in their place, and with which values of
+everything: the best start for that other structure, from which a few steps lead to its own maximum. Two laws that
+together stand for a third are found out here: neither of them alone acts like it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -25,21 +26,23 @@ from ...recording.fact import changed
 from .starts import Proposal, by_motion
 
 
-def alike(fitted: Fitted, data: Data, law: str, others: Sequence[Law]) -> list[Proposal]:
-    """Laws in the place of one that a fitted model has, the one that acts most like it first.
+def alike(fitted: Fitted, data: Data, laws: Collection[str], others: Sequence[Law]) -> list[Proposal]:
+    """Laws in the place of those that a fitted model has, the one that acts most like them first.
 
     Args:
         fitted: to ``data``.
         data: training recordings.
-        law: which of the model's is exchanged.
-        others: what may stand in its place.
+        laws: which of the model's are exchanged, all for one.
+        others: what may stand in their place.
     """
-    initial = without_states(fitted, law)
-    if initial.shape != fitted.initial.shape:  # its own states made part of the motion's beginning
+    smaller = fitted
+    for law in laws:
+        smaller = replace(smaller, model=without_term(smaller.model, law), initial=without_states(smaller, law))
+    if smaller.initial.shape != fitted.initial.shape:  # their own states made part of the motion's beginning
         shown = [float(np.mean(zeros_along(data.offsets, fitted.offsets, s)[0])) for s in data.segments]
-        initial[:, :2] = initial_states(data.segments, shown)
-    smaller = replace(fitted, model=without_term(fitted.model, law), initial=initial)
-    seen = find(law).record is None and any(segment.order for segment in data.segments) and data.memory == FREE
+        smaller.initial[:, :2] = initial_states(data.segments, shown)
+    sensors = any(find(law).record is not None for law in laws)
+    seen = not sensors and any(segment.order for segment in data.segments) and data.memory == FREE
     proposals = by_motion(smaller, (_as_moved if seen else _as_simulated)(fitted, data), others)
     return sorted(proposals, key=lambda proposal: -proposal.gain)
 

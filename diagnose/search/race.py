@@ -90,7 +90,7 @@ class Start:
         problem = self.structure.problem
         self.descent = Descent(problem, self._begun(problem, entry.initial))
         self.steps = 0
-        self.credit = 1.0
+        self.credit, self._gained = 1.0, 0.0
         self._white = True
         self._promised: float | None = None
         self._rested: tuple[np.ndarray, ...] | None = None
@@ -142,7 +142,7 @@ class Start:
             self._measure()
 
     def _measure(self) -> None:
-        self.value = self.measure.value(self.descent.residuals)
+        self.value, self._gained = self.measure.value(self.descent.residuals), 0.0
         if self._promised is not None:
             self._promised = self.measure.value(self.descent.expected)
         if not self._white:
@@ -157,13 +157,17 @@ class Start:
 
     @property
     def ceiling(self) -> float:
-        """What it promises: its proposer's hope until its own derivatives are known."""
+        """What it promises: its proposer's hope until its own derivatives are known.
+
+        Far from its maximum the linearised response sees to the next bend and no farther: a step may then bring what
+        the one before it brought.
+        """
         if self.resting:
             return self.value
         promised = self.hoped if self._promised is None else self._promised
         if self.steps == 0 and self._promised is None and self.value >= promised:
             return np.inf  # better than was hoped: nobody knows how far it goes
-        return self.value + self.credit * max(promised - self.value, 0.0)
+        return self.value + max(self.credit * max(promised - self.value, 0.0), self._gained)
 
     @property
     def fitted(self) -> Fitted:
@@ -215,7 +219,7 @@ class Start:
         self.look()
         promised = max((self._promised or self.value) - self.value, 0.0)
         self.steps += 1
-        before, state, residuals = self.value, self.descent.state, self.descent.residuals
+        before, state, residuals, self._gained = self.value, self.descent.state, self.descent.residuals, 0.0
         moved = self.descent.step(_TOLERANCE)
         if moved:
             model = with_values(self.structure.model, self.descent.state.values)
@@ -223,9 +227,10 @@ class Start:
             if value < before and not self._white:  # the levels moved against each other
                 self.descent.state, self.descent.residuals, self.resting = state, residuals, True
                 return
-            gained = max(value - before, 0.0)
+            self._gained = max(value - before, 0.0)
             self.model, self.value, self._promised = model, value, None
-            self.credit = max(gained / promised, _LEAST_CREDIT) if gained < _KEPT * promised else 1.0
+            kept = self._gained / promised if self._gained < _KEPT * promised else 1.0
+            self.credit = max(kept, _LEAST_CREDIT)
             self.resting = self.steps >= _MOST_STEPS
         self._weigh()
         if not moved and self._settled_anew():

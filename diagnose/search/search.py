@@ -1,9 +1,9 @@
 """The search for what is missing: structures of laws, raced against each other and weighed by their evidence.
 
-From the best structure so far every law of the library is added, every law that was added is dropped again, and each is
-exchanged for those that act most like it. What arrives is weighed; where one of them is decisively more probable it
-leads, and the search goes on from there. A structure leads again only where it came to a decisively better place, so
-that there is an end, and at the end no neighbour of the leader promises to reach it.
+From the best structure so far every law of the library is added, every law that was added is dropped again, and each,
+or several at once, exchanged for one that acts most like it. What arrives is weighed; where one of them is decisively
+more probable it leads, and the search goes on from there. A structure leads again only where it came to a decisively
+better place, so that there is an end, and at the end no neighbour of the leader promises to reach it.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import combinations
 
 import numpy as np
 
@@ -60,7 +61,7 @@ class Search:
     laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
-    _asked: dict[tuple[tuple[str, ...], str], Fitted] = field(default_factory=dict, init=False)
+    _asked: dict[tuple[tuple[str, ...], tuple[str, ...]], Fitted] = field(default_factory=dict, init=False)
     _less: list[Proposal] = field(default_factory=list, init=False)
     asked_rugged: bool = field(default=False, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
@@ -231,8 +232,7 @@ class Search:
                 continue
             self.progress("weighing what arrived", 0.95)
             candidate = self.weigh(laws, first.fitted)
-            known = self.candidates.get(laws)
-            if known is None or candidate.value > known.value:
+            if (known := self.candidates.get(laws)) is None or candidate.value > known.value:
                 self.candidates[laws] = candidate
                 arrived.append(candidate)
         return arrived
@@ -346,19 +346,19 @@ class Search:
         return self._started(entries)
 
     def _exchanged(self, leader: Candidate) -> list[Entry]:
-        """The leader with one law exchanged for those that act most like it on the leader's own motion."""
+        """The leader with one law, or several at once, exchanged for one that acts most like it on its own motion."""
         assert leader.fit is not None
         entries = more_general(leader)
         # on the motion of a leader that is right, what acts like one of its laws begins near its own maximum
         patience = PATIENCE if self._at_noise(leader, ()) else _CONVERGES
-        for name in leader.laws:
-            place = leader.laws, name
+        for names in (some for size in range(len(leader.laws)) for some in combinations(leader.laws, size + 1)):
+            place = leader.laws, names
             if place in self._asked and self._asked[place] is leader.fit:
                 continue
             self._asked[place] = leader.fit
-            proposals = alike(leader.fit, self.data, name, [law for law in self._beside(leader) if moves_along(law)])
+            proposals = alike(leader.fit, self.data, names, [law for law in self._beside(leader) if moves_along(law)])
             for rank, proposal in enumerate(proposals):
-                laws = key([law for law in leader.laws if law != name] + [proposal.law])
+                laws = key([law for law in leader.laws if law not in names] + [proposal.law])
                 known = self.candidates.get(laws)
                 if known is not None and known.stage == "judged":
                     # it may rest on a side summit, beside the one that the leader shows the way to

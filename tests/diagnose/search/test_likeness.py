@@ -61,7 +61,7 @@ def like_a_delay(left: float = 0.0, zero: float = 0.0, *others: str):
     """What acts like the delay of a fitted model that leaves a part of its own motion beside a sensor's zero."""
     x, force = driven()
     fit, data = shown(x, force, left * x, zero, "time-delay", time_delay__delay=DELAY)
-    return alike(fit, data, "time-delay", [find(name) for name in others or ("actuator-lag",)]), fit
+    return alike(fit, data, ["time-delay"], [find(name) for name in others or ("actuator-lag",)]), fit
 
 
 @pytest.mark.parametrize(("left", "zero"), [(0.5, 0.0), (0.0, 3e-3), (-0.3, -3e-3)])
@@ -94,7 +94,7 @@ def test_a_motion_that_had_no_states_of_the_laws_own_begins_as_it_did():
     x, _ = integrate(TRUTH, np.clip(force, -LIMIT, LIMIT), 1 / FS)
     fit, data = shown(x, force, 0.0 * x, 0.0, "actuator-saturation", actuator_saturation__limit=LIMIT)
     begun = replace(fit, initial=np.array([[1e-3, 2e-3]]))
-    (soft,) = alike(begun, data, "actuator-saturation", [find("actuator-saturation/soft")])
+    (soft,) = alike(begun, data, ["actuator-saturation"], [find("actuator-saturation/soft")])
     assert "actuator-saturation/soft.limit" in soft.model.values()
     assert np.array_equal(soft.initial, begun.initial)
 
@@ -106,7 +106,7 @@ def test_where_a_laws_own_states_go_the_motion_begins_as_it_was_recorded(zero):
     laws = ("actuator-lag", "sensor-lag")
     fit, data = shown(x, force, np.zeros_like(x), zero, *laws, actuator_lag__time=DELAY, sensor_lag__time=1e-4)
     assert fit.initial.shape == (1, 4)
-    (delay,) = alike(replace(fit, initial=fit.initial + 0.7), data, "actuator-lag", [find("time-delay")])
+    (delay,) = alike(replace(fit, initial=fit.initial + 0.7), data, ["actuator-lag"], [find("time-delay")])
     assert delay.initial.shape == (1, 3)
     assert delay.initial[0] == pytest.approx([*BEGIN, 0.7], abs=0.05)
     assert delay.initial[0, 0] == pytest.approx(BEGIN[0], abs=1e-4)
@@ -150,7 +150,7 @@ def test_the_other_stop_takes_the_place_of_one_and_begins_where_it_is(rig):
     contact = {"stiffness": truth[f"{side}_stiffness"], "position": sign * truth[f"{side}_at"]}
     fit, data = fitted(case, "one-sided-stop", contact | {"damping": truth[f"{side}_damping"]})
     others = ["two-sided-stop", "quintic-stiffness", "actuator-lag", "attached-resonator"]
-    first, *rest = alike(fit, data, "one-sided-stop", [find(name) for name in others])
+    first, *rest = alike(fit, data, ["one-sided-stop"], [find(name) for name in others])
     assert first.law == "two-sided-stop"
     assert all(other.gain < first.gain for other in rest)
     values = first.model.values()
@@ -164,7 +164,7 @@ def test_a_delay_takes_the_place_of_a_lag_and_the_motion_begins_as_it_did(rig):
     case = rig("single", "actuator-lag")
     truth = case.truth["parameters"]
     fit, data = fitted(case, "actuator-lag", {"time": truth["actuator_lag"]})
-    (delay,) = alike(fit, data, "actuator-lag", [find("time-delay")])
+    (delay,) = alike(fit, data, ["actuator-lag"], [find("time-delay")])
     assert delay.model.values()["time-delay.delay"] == pytest.approx(truth["actuator_lag"], rel=0.05)
     amplitude = float(np.max(np.abs(data.segments[-1].response)))
     assert delay.initial[-1, :2] == pytest.approx(fit.initial[-1, :2], abs=0.05 * amplitude * truth["omega"])
@@ -191,7 +191,7 @@ def test_an_accelerometer_says_what_acts_alike_along_the_models_own_displacement
     """Blows and the jumps of friction are most of what it shows."""
     fit, data = struck(viscous=2.0)
     others = [find(name) for name in ("softening-stiffness", "hysteresis", "viscoelastic", "quadratic-drag")]
-    first, *rest = alike(fit, data, "quintic-stiffness", others)
+    first, *rest = alike(fit, data, ["quintic-stiffness"], others)
     assert first.law == "softening-stiffness"
     assert first.gain > 5 * max(proposal.gain for proposal in rest)
     # there it follows, from the first step on
