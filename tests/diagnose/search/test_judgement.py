@@ -122,6 +122,13 @@ def test_one_as_long_leads_where_it_is_more_probable_at_all(gain, leads):
     assert leading(leader, [other], parts(1.0)).laws == (leads,)
 
 
+@pytest.mark.parametrize(("gain", "leads"), [(0.1, ("hysteresis",)), (-0.1, ("quadratic-drag", "stribeck"))])
+def test_one_that_stands_for_two_leads_where_it_is_more_probable_at_all(gain, leads):
+    leader = candidate("quadratic-drag", "stribeck", evidence=100.0, left=0.9)
+    one = candidate("hysteresis", evidence=100.0 + gain, left=0.9)
+    assert leading(leader, [one], parts(1.0)).laws == leads
+
+
 @pytest.mark.parametrize(("worse", "leads"), [(DECISIVE - 0.1, "stribeck"), (DECISIVE + 0.1, "quadratic-drag")])
 def test_one_as_long_must_not_tell_decisively_worse_what_was_held_out(worse, leads):
     """However much better it suits the recordings that it was fitted to."""

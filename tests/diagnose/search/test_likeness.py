@@ -113,6 +113,18 @@ def test_where_a_laws_own_states_go_the_motion_begins_as_it_was_recorded(zero):
     assert delay.model.values()["time-delay.delay"] == pytest.approx(DELAY, rel=0.1)
 
 
+def test_one_law_takes_the_place_of_two_that_act_like_it_together():
+    """Two lags of half its time each make a delay; each of them by itself makes half of one."""
+    x, force = driven(BEGIN)
+    laws = ("actuator-lag", "sensor-lag")
+    fit, data = shown(x, force, np.zeros_like(x), 0.0, *laws, actuator_lag__time=DELAY / 2, sensor_lag__time=DELAY / 2)
+    (delay,) = alike(fit, data, laws, [find("time-delay")])
+    assert set(delay.model.values()) == set(TRUTH) | {"time-delay.delay"}
+    assert delay.model.values()["time-delay.delay"] == pytest.approx(DELAY, rel=0.1)
+    assert delay.initial.shape == (1, 2)
+    assert delay.initial[0, 0] == pytest.approx(BEGIN[0], abs=1e-4)
+
+
 @pytest.mark.parametrize(
     ("law", "like_another"),
     [

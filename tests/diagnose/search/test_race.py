@@ -189,6 +189,24 @@ def test_a_promise_is_believed_as_far_as_the_last_one_was_kept(plain, gained, be
     assert start.ceiling == pytest.approx(gained + 100.0 * believed)
 
 
+def test_a_step_may_bring_what_the_one_before_it_brought(plain):
+    """Behind a bend the linearised response sees little of the valley; at its end no step brings anything."""
+    start = scripted(plain, 500.0, 560.0, promise=10.0)
+    start.step()
+    start.look()
+    assert start.ceiling == 500.0 + 500.0
+    start.step()
+    start.look()
+    assert start.ceiling == 560.0 + 60.0
+    start.measured_by(SimpleNamespace(**vars(start.measure)))
+    start.look()
+    assert start.ceiling == 560.0 + 10.0  # in another measure it brought something else
+    start = scripted(plain, 500.0, promise=10.0)
+    start.step()
+    start.step()
+    assert start.ceiling == start.value == 500.0
+
+
 def test_what_promises_less_than_it_has_stays_where_it_is(plain):
     """No promise is below what is there already, and none is kept badly that promised nothing."""
     start = scripted(plain, 3.0, promise=-7.0)

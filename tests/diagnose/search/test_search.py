@@ -83,6 +83,14 @@ def test_a_law_is_exchanged_for_the_two_to_four_that_act_most_like_it(proposing,
     assert added(search._exchanged(leader)) == list(OTHERS[:entered])
 
 
+def test_several_laws_are_exchanged_for_one_too(proposing):
+    """Each by itself, and both: what acts like them together may act like neither."""
+    search, leader = leading("quadratic-drag", "stribeck")
+    proposing({"cubic-damping": 100.0})
+    entered = {start.laws for start in search._exchanged(leader)}
+    assert entered == {("cubic-damping", "quadratic-drag"), ("cubic-damping", "stribeck"), ("cubic-damping",)}
+
+
 def test_a_law_is_exchanged_once_from_one_place(proposing):
     search, leader = leading("quadratic-drag")
     proposing({"cubic-damping": 100.0})
@@ -206,6 +214,7 @@ def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
         ("quadratic-drag",),
         ("cubic-damping", "stribeck"),
         ("cubic-damping", "quadratic-drag"),
+        ("cubic-damping",),
     ]
 
 
