@@ -82,10 +82,12 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     nearer = [part for part in parts_to_blame(problem, first[1], levels) if not part.apart_from(first[0])]
     part, without = first_confirmed(problem, first[1], levels, nearer) or first
     apart = [other for other in parts if other.apart_from(part)]
+    left = problem.residuals(without)
+    if not _stands_out(problem.segments, left, part, levels):
+        return None
     second = first_confirmed(problem, state, levels, part.other_side) or first_confirmed(problem, state, levels, apart)
     places = list(problem.free)
     points = [without] if second is None else [without, second[1]]
-    left = problem.residuals(without)
     return Contradiction(
         part,
         None if second is None else second[0],
@@ -95,6 +97,23 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
         left,
         tuple(level.size for level in levels),
     )
+
+
+def _stands_out(
+    segments: Sequence[Segment], residuals: Sequence[np.ndarray], part: Part, levels: Sequence[Level]
+) -> bool:
+    """Whether more is left in a part than in any other segment: noise of a colour is more than its highest frequencies
+    tell, and is so in other segments as well.
+    """
+    inside, rest = [], [1.0]
+    for segment, residual, level in zip(segments, residuals, levels, strict=True):
+        squares, held = (residual / level.size) ** 2, part.holds(segment)
+        if np.any(held):
+            inside.append((float(np.mean(squares[held])), level.worth * int(np.sum(held))))
+        else:
+            rest.append(float(np.mean(squares)))
+    told, worth = np.array(inside).T
+    return not is_noise(told / max(rest), worth)
 
 
 def _level(segment: Segment, values: Mapping[str, float], recordings: Sequence[Recording]) -> Level:

@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS, Lie, told
 from dashpot.examples.measuring_chain import force_gain, response_gain
-from dashpot.identify.contradiction import contradiction, covering
+from dashpot.identify.contradiction import _stands_out, contradiction, covering
 from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.without_part import is_noise
+from dashpot.identify.part import Part, spans_of
+from dashpot.identify.without_part import Level, is_noise
 from dashpot.model import Oscillator
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
@@ -81,3 +82,20 @@ def test_few_independent_values_of_noise_may_be_large_by_chance():
     # of a thousand records of noise less than one is beyond, at the level that is known to a tenth
     draws = np.mean(np.random.default_rng(0).standard_normal((1000, 20)) ** 2, axis=1)
     assert sum(not is_noise(np.array([draw]), np.array([20.0])) for draw in draws) <= 1
+
+
+@pytest.mark.parametrize(
+    ("inside", "outside", "stands"), [(1.3, 1.0, True), (1.3, 1.25, False), (1.05, 1.0, False), (1.6, 1.25, True)]
+)
+def test_a_part_stands_out_where_more_is_left_in_it_than_in_any_other_segment(inside, outside, stands):
+    """Noise of a colour is more than its highest frequencies tell, everywhere."""
+    fit, _recordings = fitted(None)
+    segments = [stretch.segment for stretch in fit.segments]
+    span = spans_of(segments)[-1]
+    part = Part(span, span.pieces // 2, span.pieces)
+    random = np.random.default_rng(0)
+    left = []
+    for segment in segments:
+        times = np.where(part.holds(segment), inside, outside)
+        left.append(0.7 * times * random.standard_normal(segment.n))
+    assert _stands_out(segments, left, part, [Level(0.7, 1.0)] * len(segments)) is stands
