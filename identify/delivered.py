@@ -192,7 +192,8 @@ def _most_likely(
 ) -> tuple[OutputError, Answer, np.ndarray, int]:
     """Where no simulation keeps step: the answer of the most likely memory with its problem, the doubt, the steps.
 
-    The simulation's stays where that one's free run is no better than a linear rig's, whose cost is ``plain``.
+    The simulation's stays where that one's free run is no better than a linear rig's, whose cost is ``plain``, and
+    where the model runs away within every memory, as beyond the reach of a spring that gives way.
     """
     answers, steps = [], 0
     for memory in memories(problem.segments):
@@ -202,6 +203,8 @@ def _most_likely(
         steps += taken
     answers.sort(key=lambda pair: -pair[1].likelihood)
     memory, likeliest = answers[0]
+    if not np.isfinite(likeliest.likelihood):
+        return problem, free, np.zeros(free.outcome.state.values.size), steps
     if plain_cost(_simulated(problem, likeliest.outcome.state)) > plain:
         return problem, free, _apart(likeliest, free), steps
     return problem.predicting(memory), likeliest, _apart(answers[min(1, len(answers) - 1)][1], likeliest), steps

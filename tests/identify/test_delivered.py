@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -83,6 +84,22 @@ def test_a_place_that_does_not_simulate_is_refused():
     bad = MODEL.with_parameters({"viscous": replace(MODEL.viscous, value=-1e6)})
     with pytest.raises(BadInput, match="no model of this structure simulates"):
         delivered(bad, data_of(recordings(), MODEL, coarse=False))
+
+
+@pytest.mark.parametrize(("likelihood", "stays"), [(-np.inf, True), (5.0, False)])
+def test_a_simulation_stays_where_the_model_runs_away_within_every_memory(monkeypatch, likelihood, stays):
+    """That a prediction runs away is no reason to refuse what a simulation tells."""
+    problem = Structure(MODEL, data_of(recordings(), MODEL, coarse=False)).problem
+    state = SimpleNamespace(values=np.arange(6.0))
+    free, predicted = (SimpleNamespace(likelihood=x, outcome=SimpleNamespace(state=state)) for x in (-9.0, likelihood))
+    monkeypatch.setattr(module, "_nearest", lambda *_: None)
+    monkeypatch.setattr(module, "whitened", lambda *_, **__: (predicted, 3))
+    monkeypatch.setattr(module, "_simulated", lambda *_: (np.zeros(5),))
+    told, answer, doubt, steps = module._most_likely(problem, free, {}, MODEL, np.inf, 5)
+    assert answer is (free if stays else predicted)
+    assert (told.memory == FREE) is stays
+    assert not np.any(doubt)
+    assert steps >= 3
 
 
 def test_a_force_with_a_constant_part_that_acts_is_no_zero_of_its_cell():
