@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import BadInput
 from ..model import Oscillator, Response
 from ..recording import Recording, recordings_of
+from ..recording.fact import changed
 
 if TYPE_CHECKING:
     from .model import Model
@@ -140,6 +141,7 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
 
     Raises BadInput where there is another number of them, or it is of other units than the model.
     """
+    from ..identify.decays import find_decays, force_is_silent
     from ..identify.hold import held_as
     from ..identify.identification import of_one_motion
     from ..identify.modes import in_the_same_band
@@ -155,6 +157,13 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
             f"{oscillator.response.quantity} in {oscillator.response.unit}; "
             "say what the column is with --quantity and --unit"
         )
+    if oscillator.mass is None and measured.force is not None and np.any(measured.force):
+        if not (force_is_silent(measured) and find_decays(measured)):
+            raise BadInput(
+                f"{measured.name}: driven, and {oscillator.name} has no mass to tell what a force does: identify it "
+                "from a recording with a force, or give it with --mass; or leave the force out with --force none"
+            )
+        measured = changed(measured, force=None)
     response = replay(oscillator, measured)
     shown = Response(measured.quantity, measured.unit)
     return Simulation(measured.name, measured.time, response, measured.force, shown, measured)

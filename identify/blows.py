@@ -124,12 +124,13 @@ def through(blows: Sequence[Blow], decays: Sequence[Decay], period: int) -> list
     """Stretches (start, stop, forced) of a struck recording: each blow with cycles that it set going.
 
     The mass is in how far a blow moves it; a contact alone is over before it has moved, so some cycles go with it. The
-    rest of the ringing is a free decay, to which the force's noise does nothing. Where a blow was clipped all of it is.
+    rest of the ringing is a free decay, to which the force's noise does nothing. All of it is where a blow was clipped
+    or its response goes against it.
     Each begins a quarter of a cycle before its blow, still at rest where it was.
     """
     parts: list[tuple[int, int, bool]] = []
     for decay in decays:
-        blow = next((blow for blow in blows if blow.stop == decay.start and not blow.clipped), None)
+        blow = next((blow for blow in blows if blow.stop == decay.start and blow.is_known), None)
         start = decay.start if blow is None else max(0, blow.start - period // 4)
         if parts and parts[-1][1] > start:
             parts[-1] = (parts[-1][0], start, parts[-1][2])

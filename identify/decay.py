@@ -15,12 +15,26 @@ class Decay:
 
 @dataclass(frozen=True)
 class Blow:
-    """A blow of a hammer: the samples start to stop of its contact, whether its force was cut off, how often it hit."""
+    """A blow of a hammer.
+
+    Attributes:
+        start: first sample of its contact.
+        stop: the one after its last.
+        clipped: whether its force was cut off.
+        contacts: how often it hit.
+        answered: whether the response goes where it was struck.
+    """
 
     start: int
     stop: int
     clipped: bool = False
     contacts: int = 1
+    answered: bool = True
+
+    @property
+    def is_known(self) -> bool:
+        """Whether a simulation may be driven by it."""
+        return self.answered and not self.clipped
 
 
 @dataclass(frozen=True)

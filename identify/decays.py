@@ -10,6 +10,7 @@ import numpy as np
 from ..recording.fact import fact
 from ..recording.short_decay import LEAST_CYCLES, is_short_decay
 from .beating import without_beats
+from .blow_answer import answers_against
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
 from .envelope import SHORTEST_CYCLES, envelope_of
@@ -29,7 +30,7 @@ def find_decays(recording: Recording) -> tuple[Decay, ...]:
     return find_free_motion(recording).decays
 
 
-@fact("name", "response", "force", "fs", "start", "free")
+@fact("name", "response", "force", "fs", "start", "free", "quantity")
 def find_free_motion(recording: Recording) -> FreeMotion:
     """Find the free decays of a recording and say what was left out.
 
@@ -63,6 +64,8 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     else:
         force = np.asarray(force, float)
         blows = tuple(Blow(*struck) for struck in recording.struck) or blows_of(force, period)
+        if answers_against(blows, force, x, period, recording.quantity):
+            blows = tuple(replace(blow, answered=False) for blow in blows)
         # a blow says how the motion began, which a decay must show by itself
         beats, shortest = False, LEAST_CYCLES if blows else SHORTEST_CYCLES
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period)[0], envelope)

@@ -12,6 +12,11 @@ from .envelope import Envelope
 if TYPE_CHECKING:
     from ..recording.recording import Recording
 
+AGAINST = (
+    "the response goes against the blows that set it going: the force or the sensor is turned round, or both stand "
+    "where this mode moves opposite ways; what rings is used, the blows are not; --calibration response=-1 turns it"
+)
+
 
 def left_out(recording: Recording, envelope: Envelope, motion: FreeMotion, beats: bool = False) -> tuple[str, ...]:
     """Sentences for the user; none where the whole motion is used.
@@ -47,6 +52,8 @@ def _of_blows(recording: Recording, motion: FreeMotion) -> list[str]:
             f"{recording.name}: the force of the blow at {', '.join(clipped)} s is clipped; the ringing after it is "
             "used, the blow is not"
         )
+    if not all(blow.answered for blow in motion.blows):
+        sentences.append(f"{recording.name}: {AGAINST}")
     return sentences
 
 

@@ -106,7 +106,8 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
             notes.append(f"{r.name}: {problem}")
             continue
         drive = drive_of(r)
-        if drive is not None and (np.ptp(drive.samples) == 0 or (free_decays and drive.is_silent)):
+        unknown = motion.blows and not any(blow.is_known for blow in motion.blows)
+        if drive is not None and (np.ptp(drive.samples) == 0 or (free_decays and drive.is_silent) or unknown):
             drive = None
         motions.append(Segment(x, drive))
         if drive is None and not free_decays:

@@ -306,7 +306,7 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
             recording,
             "the force takes work out of the motion instead of putting any in: its sign or that of the response is "
             f"wrong, or it is recorded about half a cycle late, or the response is no {recording.quantity}; turn the "
-            "sign in the file, or state --quantity",
+            "response with --calibration response=-1, or state --quantity",
         )
     ]
 

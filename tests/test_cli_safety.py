@@ -155,6 +155,25 @@ def test_a_recording_of_another_unit_is_not_compared(capsys, here):
     assert "gives x in m" in line
 
 
+def test_a_force_moves_no_model_without_a_mass(capsys, here):
+    """It would be taken for one per unit mass."""
+    values = {name: value for name, value in TRUTH.items() if name != "mass"}
+    save(Oscillator.from_values(values, name="light"), here / "light.yaml")
+    export_fmu(load(here / "light.yaml"), here / "light.fmu")
+    assert "has no mass to tell" in refused(capsys, here, "simulate", "light.yaml", "sweep.csv", "-o", "a.csv")
+    line = refused(capsys, here, "verify", "light.fmu", "sweep.csv")
+    assert "is in N" in line
+    assert "in m/s2: the mass was not identified" in line
+    t = np.arange(N) / FS
+    decay = integrate_pieces(TRUTH, np.zeros((N, 2)), 1 / FS, 8e-3, 0.0)[0][:N]
+    random = np.random.default_rng(5)
+    columns = np.column_stack([t, 1e-3 * random.standard_normal(N), decay + 1e-6 * random.standard_normal(N)])
+    np.savetxt("decay.csv", columns, "%.9g", ",", header="time_s,force_N,displacement_m", comments="")
+    cli.main(["simulate", "light.yaml", "decay.csv", "-o", "free.csv"])
+    shown = np.loadtxt("free.csv", delimiter=",", skiprows=1)
+    assert np.std(shown[:, -1] - decay) < 1e-2 * np.std(decay)
+
+
 def test_a_force_of_the_wrong_sign_is_refused(capsys, here):
     t, force, x = np.loadtxt("sweep.csv", delimiter=",", skiprows=1).T
     np.savetxt("turned.csv", np.column_stack([t, -force, x]), "%.9g", ",", header="time_s,force_N,x_m", comments="")

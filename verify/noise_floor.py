@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ..identify.decays import Decay, find_decays, force_is_silent
+from ..identify.decays import Decay, find_free_motion, force_is_silent
 from ..identify.offsets import zero_of_load_cell
 from ..identify.replay import force_of, natural_frequency, replay
 from ..identify.signals import noise_levels
@@ -44,18 +45,40 @@ def pieces(recording: Recording) -> list[Piece]:
     """What can be simulated of a recording: all of it where a force drives it, else its free decays.
 
     A column that holds nothing but noise drives nothing, and no force drives a free decay: what the channel shows there
-    is taken for what it shows at zero.
+    is taken for what it shows at zero. Where the force of a hammer's blow is not known, each blow stands for itself:
+    with what it set going, or that alone.
     """
-    decays, (sensor, level) = find_decays(recording), noise_levels(recording)  # which more samples tell better
+    motion, (sensor, level) = find_free_motion(recording), noise_levels(recording)  # which more samples tell better
+    decays, blows = motion.decays, motion.blows
     if recording.force is None or not np.any(recording.force) or (decays and force_is_silent(recording)):
-        free = [changed(recording.slice(decay.start, decay.stop), force=None) for decay in decays]
-        return [Piece(part, (Decay(0, part.n),), sensor, np.zeros(part.n)) for part in free]
-    force = np.array(recording.force, float)
-    noise = np.full(force.size, level)
-    zero = zero_of_load_cell(force, recording.fs, natural_frequency(recording)) if decays else 0.0
-    for decay in decays:
+        return [_free(recording, decay, sensor) for decay in decays]
+    if all(blow.is_known for blow in blows):
+        return [_driven(recording, 0, recording.n, decays, sensor, level)]
+    known = {blow.stop: blow for blow in blows if blow.is_known}
+    before = round(np.pi / 2 / natural_frequency(recording) * recording.fs)
+    return [
+        _driven(recording, max(0, known[decay.start].start - before), decay.stop, decays, sensor, level)
+        if decay.start in known
+        else _free(recording, decay, sensor)
+        for decay in decays
+    ]
+
+
+def _free(recording: Recording, decay: Decay, sensor: float) -> Piece:
+    part = changed(recording.slice(decay.start, decay.stop), force=None)
+    return Piece(part, (Decay(0, part.n),), sensor, np.zeros(part.n))
+
+
+def _driven(recording: Recording, start: int, stop: int, decays: Sequence[Decay], sensor: float, level: float) -> Piece:
+    """Samples start to stop, the force's channel at its zero in the free decays among them."""
+    whole = (start, stop) == (0, recording.n)
+    part = recording if whole else recording.slice(start, stop)
+    inside = tuple(Decay(d.start - start, d.stop - start) for d in decays if start <= d.start and d.stop <= stop)
+    force, noise = np.array(part.force, float), np.full(part.n, level)
+    zero = zero_of_load_cell(force, recording.fs, natural_frequency(recording)) if inside else 0.0
+    for decay in inside:
         force[decay.start : decay.stop], noise[decay.start : decay.stop] = zero, 0.0
-    return [Piece(changed(recording, force=force) if decays else recording, decays, sensor, noise)]
+    return Piece(changed(part, force=force) if inside else part, inside, sensor, noise)
 
 
 def floor_of_model(model: Oscillator, piece: Piece) -> float:

@@ -25,6 +25,7 @@ from ..identify.signals import noise_levels
 from ..model import Response
 from ..recording.given import recordings_of
 from ..recording.recording import Recording
+from ..recording.units import find_unit
 from .backbones import Backbone, Compared, compared
 from .chance import Run, by_chance, powers
 from .fmu_process import TIME_LIMIT
@@ -268,11 +269,25 @@ def _pieces(recording: Recording) -> list[Piece]:
     return parts
 
 
+def _is_input(run: FmuRun, recording: Recording) -> None:
+    """Raises BadInput where the recorded force is no input of the FMU, by their units."""
+    stated = run.variables["F"].unit
+    wanted, given = find_unit(stated or ""), find_unit(recording.force_unit)
+    if wanted is None or given is None or wanted.si == given.si:
+        return
+    if run.model is not None and run.model.mass is None:
+        advice = "the mass was not identified; identify it from a recording with a force, or give it with --mass"
+    else:
+        advice = "say what the column is with --force and --force-unit"
+    raise BadInput(f"{recording.name}: its force is in {given.text}, {run.path} needs one in {wanted.text}: {advice}")
+
+
 def _run(run: FmuRun, piece: Piece) -> Run:
     """The FMU along a piece, and what answers in its place to other forces and parameters."""
     recording = piece.recording
     force, output = force_of(recording), run.output_for(recording)
-
+    if force is not None:
+        _is_input(run, recording)
     stopped: FmuStopped | None = None
 
     def simulate(state: np.ndarray, n: int, load: float) -> np.ndarray:

@@ -215,6 +215,22 @@ def test_a_clipped_blow_is_left_out_and_its_ringing_used():
     assert [segment.force is not None for segment in cut([recording], W)] == [True, False, True, False, False]
 
 
+def test_where_the_response_goes_against_its_blows_the_ringing_alone_is_used():
+    """A sensor turned round: all but the mass is known as if it were not."""
+    right = struck()
+    turned = replace(right, response=-np.asarray(right.response))
+    motion = find_free_motion(turned)
+    assert [blow.answered for blow in motion.blows] == [False] * 3
+    assert all(blow.answered for blow in find_free_motion(right).blows)
+    assert "--calibration response=-1" in motion.notes[0]
+    assert all(segment.force is None for segment in cut([turned], W))
+    found = identify([turned])
+    assert found.oscillator.mass is None
+    assert "goes against" in " ".join(found.notes)
+    assert found.oscillator.omega0.value == pytest.approx(W * np.hypot(1.0, 0.05), rel=1e-4)
+    assert found.oscillator.viscous.value == pytest.approx(0.1 * W, rel=1e-2)
+
+
 def test_a_drive_in_pulses_is_no_hammer():
     t = np.arange(10000) / 1000.0
     force = np.where(np.mod(t, 0.21) < 0.02, 10.0, 0.0)

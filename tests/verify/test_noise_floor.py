@@ -68,3 +68,45 @@ def test_a_sweep_is_one_piece_with_noise_on_all_of_its_force(recorded):
     again = piece.disturbed(np.random.default_rng(0))
     samples = again.pieces[:: again.fine, 0]
     assert np.std(samples - sweep.force[: samples.size]) == pytest.approx(LEVEL, rel=0.15)
+
+
+PERIOD, HITS = 0.2, (0.5, 4.5)
+
+
+def hammered(turned=False, rail=np.inf):
+    """Two blows, the second the harder one; the sensor may be turned round, the force cut off at a rail."""
+    t = np.arange(9000) / FS
+    force = np.zeros(t.size)
+    for at, peak in zip(HITS, (40.0, 80.0), strict=True):
+        on = (t >= at) & (t < at + 0.02)
+        force[on] = peak * np.sin(np.pi * (t[on] - at) / 0.02) ** 2
+    ringing = np.exp(-1.5 * t) * np.sin(2 * np.pi / PERIOD * t)
+    x = np.convolve(force, ringing)[: t.size] / FS * (-1e-2 if turned else 1e-2)
+    random = np.random.default_rng(1)
+    shown = np.minimum(force, rail) + LEVEL * random.standard_normal(t.size) * (force < rail)
+    return Recording("hits.csv", FS, x + 1e-6 * random.standard_normal(t.size), shown)
+
+
+def test_blows_that_are_known_are_run_in_one_go():
+    (piece,) = pieces(hammered())
+    assert piece.recording.n == hammered().n
+    assert len(piece.decays) == 2
+
+
+def test_blows_that_nothing_answers_leave_their_ringing():
+    free = pieces(hammered(turned=True))
+    assert [piece.recording.force for piece in free] == [None, None]
+    assert [piece.recording.start for piece in free] == pytest.approx([at + 0.02 for at in HITS], abs=0.004)
+
+
+def test_a_clipped_blow_leaves_its_ringing_and_the_other_one_as_it_is():
+    first, second = pieces(hammered(rail=70.0))
+    assert second.recording.force is None
+    assert second.recording.start == pytest.approx(HITS[1] + 0.02, abs=0.004)
+    (decay,) = first.decays
+    struck = first.recording
+    assert struck.start == pytest.approx(HITS[0] - PERIOD / 4, abs=0.006)
+    assert struck.start + struck.n / FS < HITS[1]
+    assert not np.any(struck.force[decay.start :])
+    assert not np.any(first.force[decay.start :])
+    assert np.max(struck.force[: decay.start]) == pytest.approx(40.0, rel=0.01)
