@@ -36,6 +36,7 @@ from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
 from .mend import exported, follows_any, no_finding, record_fits, unmended
 from .needless import of_unknown_size, without_needless
+from .on_all import FITTED_TO_ALL, fitted_to_all
 from .place.locate import locate
 from .place.missing_force import latent_forces
 from .plainer import with_plainer_laws
@@ -148,13 +149,15 @@ def diagnose(
         notes.append(other_rig)
     progress("standard errors", 0.86)
     before, after = _delivered(family, model, recordings, memory, []), None
+    named = _named(fitted, selected.laws)
     if selected.laws and not other_rig:
         # beside what still lacks something the hold would be asked for in vain once more
         free = all(recording.hold is None for recording in given) and not remainder_sentence(left)
-        named = _named(fitted, selected.laws)
         after = _delivered(named, model, recordings, search.data.memory, notes, named=True, hold_is_free=free)
         if after.hold != before.hold:  # which was found beside what the family lacks
-            recordings, holdout = ([changed(r, hold=after.hold) for r in group] for group in (recordings, holdout))
+            recordings, holdout, uncut = (
+                [changed(r, hold=after.hold) for r in group] for group in (recordings, holdout, uncut)
+            )
             chain = [fact for fact in chain if fact.what != "hold"] + [hold_of(after.hold, found=True)]
         # the search may have ended where a stretch is lost that the delivered fit follows
         told = [leftovers(judged_by(after, part), part) for part in (data, held) if part is not None]
@@ -168,8 +171,15 @@ def diagnose(
             # however much more probable than the others
             after, records = None, [unmended(record) for record in records]
             notes.append(f"the most probable structure ({' + '.join(selected.laws)}) {why}: no effect is named")
-        elif artefact is not None and fmu is not None:
-            shutil.move(artefact, fmu)
+        elif after is not None:
+            if pieces and holdout:
+                progress("the mended model, fitted to what was held out too", 0.93)
+                fixed = [name for name in after.parameters() if name not in named.free]
+                if whole := fitted_to_all(after, uncut, fixed):
+                    after, artefact = whole, exported(whole, Path(folder) / "all.fmu")
+                    notes.insert(0, FITTED_TO_ALL)
+            if artefact is not None and fmu is not None:
+                shutil.move(artefact, fmu)
     if after is not None:
         known = {term.effect for term in model.terms}
         notes += of_unknown_size(after, tuple(term.effect for term in after.terms if term.effect not in known))

@@ -10,12 +10,14 @@ import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
 from dashpot.diagnose.diagnosis import _why_untried
+from dashpot.diagnose.on_all import FITTED_TO_ALL
 from dashpot.errors import BadInput
 from dashpot.identify.identification import identify
 from dashpot.model import Response
 from dashpot.model.file import dumps, loads
 from dashpot.model.laws import find
 from dashpot.recording import Recording
+from dashpot.verify.fmu_run import FmuRun
 
 
 def long(value: str):
@@ -94,17 +96,25 @@ def test_what_cannot_be_split_is_fitted_whole(rig):
 
 
 @pytest.mark.parametrize("kind", [("none",), pytest.param(("single", "quadratic-drag"), marks=pytest.mark.long)])
-def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind):
-    case = rig(*kind)
-    diagnosis = diagnose(case.model, case.training)
+def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind, tmp_path):
+    case, fmu = rig(*kind), tmp_path / "mended.fmu"
+    diagnosis = diagnose(case.model, case.training, fmu=fmu)
     assert any("no recording was held out" in note for note in diagnosis.notes)
     assert any(record.holdout for record in diagnosis.records)
+    assert fmu.exists() == (kind != ("none",)) == (FITTED_TO_ALL in diagnosis.notes)
     if kind == ("none",):  # the model is then that of the whole recordings, and no longer of the stretches
         assert diagnosis.effects == ()
         used = diagnosis.model.identified.recordings
         assert [entry["file"] for entry in used] == [recording.name for recording in case.training]
         sizes = {name: parameter.std for name, parameter in diagnosis.before.parameters().items()}
         assert all(parameter.std < sizes[name] for name, parameter in diagnosis.model.parameters().items())
+    else:  # so are the mended one, its effects and its FMU
+        used = diagnosis.model.identified.recordings
+        assert [entry["file"] for entry in used] == [recording.name for recording in case.training]
+        (effect,) = diagnosis.effects
+        assert effect.parameters == dict(diagnosis.model.terms[0].parameters)
+        with FmuRun(fmu) as run:
+            assert run.model.values() == diagnosis.model.values()
 
 
 def test_a_model_of_these_very_recordings_stays_as_it_is(rig):
