@@ -18,9 +18,9 @@ _AGAINST = -0.5
 def answers_against(blows: Sequence[Blow], force: np.ndarray, response: np.ndarray, period: int, quantity: str) -> bool:
     """Whether the motion that blows set going runs against them.
 
-    A mass goes where it is pushed, whatever holds it: over the first cycle its response is nearly that of an undamped
-    linear rig of its own frequency. Blows count by what they set going; what still rings from before one belongs to
-    none and has any sign.
+    A mass goes where it is pushed, whatever holds it: over a cycle from where the force was largest its response is
+    nearly that of an undamped linear rig of its own frequency. Blows count by what they set going; what still rings
+    from before one belongs to none and has any sign.
 
     Args:
         blows: of the recording.
@@ -33,7 +33,8 @@ def answers_against(blows: Sequence[Blow], force: np.ndarray, response: np.ndarr
     both = own = plain = 0.0
     for blow in blows:
         before = response[max(0, blow.start - period // 4) : blow.start]
-        first = slice(blow.start, blow.stop + period)
+        peak = blow.start + int(np.argmax(np.abs(struck[blow.start : blow.stop])))  # a band draws a contact out
+        first = slice(blow.start, peak + period)
         moved = response[first] - (np.mean(before) if before.size else 0.0)
         expected = _linear_response(struck[first], 2 * np.pi / period, quantity)
         both, own, plain = both + moved @ expected, own + moved @ moved, plain + expected @ expected

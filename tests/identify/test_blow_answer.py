@@ -59,13 +59,22 @@ def test_the_first_of_a_recording_may_begin_it():
 def test_what_is_nearly_a_right_angle_away_decides_nothing(correlation, against):
     force = force_at(500)
     x = response_to(force, "displacement", damping=0.0)
-    first = slice(500, 500 + LENGTH + PERIOD)
+    first = slice(500, 500 + (LENGTH - 1) // 2 + PERIOD)
     other = np.where((T >= 500) & (first.stop > T), np.cos(7 * OMEGA * T), 0.0)
     other -= x * (other[first] @ x[first]) / (x[first] @ x[first])
     other[:500] = 0.0
     other *= np.linalg.norm(x[first]) / np.linalg.norm(other[first])
     mixed = correlation * x + np.sqrt(1 - correlation**2) * other
     assert answers_against(blows(500), force, mixed, PERIOD, "displacement") is against
+
+
+def test_a_contact_that_a_band_has_drawn_out():
+    """Of a hardening spring the phase is half a turn off before the drawn out contact is over."""
+    force = np.exp(-(((T - 800) / 40.0) ** 2)) * np.cos(OMEGA * (T - 800))
+    x = response_to(force, "velocity", 1.06 * OMEGA)
+    drawn = [Blow(200, 200 + 8 * PERIOD)]
+    assert not answers_against(drawn, force, x, PERIOD, "velocity")
+    assert answers_against(drawn, force, -x, PERIOD, "velocity")
 
 
 def test_a_weak_blow_upon_what_still_rings_does_not_decide():
