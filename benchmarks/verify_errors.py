@@ -48,6 +48,7 @@ class CoreRun:
     model: Oscillator
     inner: tuple[InnerState, ...] = ()
     hold: str = "smooth"
+    force_unit: str = "N"
 
     def output_for(self, recording: Recording) -> str:
         """The output's name: what the recording shows of the motion."""

@@ -115,6 +115,8 @@ class FmuRun:
         self.starts = _starts(variables)
         #: What the start values of the inner states are.
         self.inner = tuple(_inner(self.variables, name) for name in self.starts[2:])
+        #: Unit of the input ``F``; None where the FMU states none.
+        self.force_unit = self.variables["F"].unit
         #: Units of the outputs in their order, by name; None where the FMU states none.
         self.outputs = {v.name: v.unit for v in variables if v.causality == "output"}
         #: How the force ran between the samples that the model inside was identified from; None where it holds none.

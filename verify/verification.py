@@ -271,8 +271,7 @@ def _pieces(recording: Recording) -> list[Piece]:
 
 def _is_input(run: FmuRun, recording: Recording) -> None:
     """Raises BadInput where the recorded force is no input of the FMU, by their units."""
-    stated = run.variables["F"].unit
-    wanted, given = find_unit(stated or ""), find_unit(recording.force_unit)
+    wanted, given = find_unit(run.force_unit or ""), find_unit(recording.force_unit)
     if wanted is None or given is None or wanted.si == given.si:
         return
     if run.model is not None and run.model.mass is None:
