@@ -183,7 +183,7 @@ def _table(parameters: Mapping[str, Parameter | None]) -> list[str]:
         f"{name:<{width[0]}} {{value: {value:<{width[1]}} std: {std:<{width[2]}} unit: {unit}}}"
         for name, value, std, unit in cells
     )
-    null = "null   # only free decays were recorded"
+    null = "null   # only free decays were fitted"
     return [f"{name + ':':<{width[0]}} {null}" if p is None else next(lines) for name, p in parameters.items()]
 
 

@@ -36,7 +36,7 @@ class Scales:
         force: largest force, in its unit; 0 without one.
         response: largest recorded signal, in its unit.
         duration: of the longest recording, s.
-        mass: None where only free decays were recorded.
+        mass: None where only free decays were fitted.
         lines: frequencies in rad/s that stand out of what the model leaves over, the strongest first.
     """
 

@@ -135,7 +135,7 @@ class Oscillator:
 
     ``mass (x'' + viscous x' + dry sgn x' + omega0² x + cubic x³ + preload sgn x + terms) = F``
 
-    All forces are per unit mass. ``mass`` is None where only free decays were recorded; the input is then
+    All forces are per unit mass. ``mass`` is None where only free decays were fitted; the input is then
     a force per unit mass. ``hold`` says for which course of the force between its samples the numbers were identified,
     one of HOLDS; the equation is the same. Source: Feldman, Bucher, Rotberg, Eq. 17, in SI units (cubic in 1/(m² s²)).
     """

@@ -135,7 +135,7 @@ def warnings(oscillator: Oscillator) -> list[str]:
     if o.cubic.value < 0 and not o.terms:
         noted.append(_softening(o))
     if o.mass is None:
-        noted.append("The mass is not known (no force was recorded): the input is a force per unit mass.")
+        noted.append("The mass is not known (only free decays were fitted): the input is a force per unit mass.")
     if all(p.std is None for p in parameters.values()):
         noted.append("No parameter has a standard error: the numbers were given, not measured.")
     return noted
@@ -185,7 +185,7 @@ def parameter_cells(o: Oscillator) -> list[tuple[str, ...]]:
         for value, error in [value_and_error(p)]
     ]
     if o.mass is None:
-        cells.insert(0, ("mass", "unknown", "", "", "", "only free decays were recorded"))
+        cells.insert(0, ("mass", "unknown", "", "", "", "only free decays were fitted"))
     return cells
 
 
