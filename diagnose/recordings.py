@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -71,67 +72,76 @@ def split(recordings: Sequence[Recording], model: Oscillator) -> tuple[list[Reco
     """Of each recording stretches to learn from, and between them others to be judged on.
 
     A quiet end tells nothing of what depends on the amplitude. So of several decays, bursts or blows every third is
-    held out; one decay and one driven record are cut into blocks of time, of which the middle one of each three is, so
-    that large, middle and small motion are on both sides. A recording too short for that is learnt from whole.
+    held out; one decay, the ringing after one blow or two, and one driven record are cut into blocks of time, of which
+    the middle one of each three is, so that large, middle and small motion are on both sides. A recording too short for
+    that is learnt from whole.
     """
     training, held = [], []
     for recording in recordings:
-        edges, free = _blocks(recording, model)
-        out = [k for k in range(1, len(edges), 3) if carries(_block(recording, *edges[k], free), model)]
-        if not (out and all(carries(_block(recording, a, b, free), model) for a, b in _joined(edges, out))):
+        blocks = _blocks(recording, model)
+        out = [block for block in blocks[1::3] if carries(block.of(recording), model)]
+        kept = [block.of(recording) for block in _joined([block for block in blocks if block not in out])]
+        if not (out and all(carries(block, model) for block in kept)):
             training.append(recording)
             continue
-        held += [_block(recording, *edges[k], free) for k in out]
-        training += [_block(recording, a, b, free) for a, b in _joined(edges, out)]
+        held += [block.of(recording) for block in out]
+        training += kept
     return training, held
 
 
-def _blocks(recording: Recording, model: Oscillator) -> tuple[list[tuple[int, int]], bool]:
-    """Stretches that may be held out or not, in order of time, and whether they are free decays; few are none."""
+class _Block(NamedTuple):
+    """Samples start to stop of a recording; those of a free decay are known to be free, whatever the force shows."""
+
+    start: int
+    stop: int
+    free: bool = False
+
+    def of(self, recording: Recording) -> Recording:
+        """The stretch as a recording of its own."""
+        block = recording.slice(self.start, self.stop)
+        first, last = (recording.start + i / recording.fs for i in (self.start, self.stop))
+        name = f"{recording.name}, {first:.4g} to {last:.4g} s"
+        return replace(block, name=name, free=self.free, force=None if self.free else block.force)
+
+
+def _blocks(recording: Recording, model: Oscillator) -> list[_Block]:
+    """Stretches that may be held out or not, in order of time; few are none."""
     motion = find_free_motion(recording)
     natural = natural_frequency([recording], model)
     cycle = 2 * math.pi / pace_of([recording], natural) * recording.fs
+    ringing = [block for d in motion.decays for block in _even(d.start, d.stop, SHORTEST_CYCLES * cycle, free=True)]
     if recording.force is None or not np.any(recording.force) or (motion.decays and force_is_silent(recording)):
-        spans = [(decay.start, decay.stop) for decay in motion.decays]
-        if len(spans) < _THIRDS:
-            spans = [block for span in spans for block in _even(*span, SHORTEST_CYCLES * cycle)]
-        return spans, True
+        return [_Block(d.start, d.stop, free=True) for d in motion.decays] if len(motion.decays) >= _THIRDS else ringing
     if len(motion.blows) >= _THIRDS:
-        starts = [0, *(max(0, round(blow.start - cycle / 2)) for blow in motion.blows[1:]), recording.n]
-        return list(pairwise(starts)), False
+        return _between(0, *(max(0, round(blow.start - cycle / 2)) for blow in motion.blows[1:]), recording.n)
+    if motion.blows and ringing:
+        begins = {blow.stop: max(0, round(blow.start - cycle / 2)) for blow in motion.blows}
+        return [_Block(begins[b.start], b.stop) if b.start in begins else b for b in ringing]
     if len(motion.decays) >= _THIRDS:
-        ends = [0, *(decay.stop for decay in motion.decays[:-1]), recording.n]
-        return list(pairwise(ends)), False
+        return _between(0, *(decay.stop for decay in motion.decays[:-1]), recording.n)
     rate = max(0.5 * model.viscous.value, _LEAST_DAMPING * natural)
-    blocks = _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs))
-    at = recording.n * 2 // _THIRDS
-    if recording.n - at < _SHORTEST_END * cycle:
-        return blocks or [(0, recording.n)], False
-    return blocks or [(0, at), (at, recording.n)], False  # the end of what is driven is as loud as its beginning
+    if blocks := _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs)):
+        return blocks
+    at = recording.n * 2 // _THIRDS  # the end of what is driven is as loud as its beginning
+    return _between(0, recording.n) if recording.n - at < _SHORTEST_END * cycle else _between(0, at, recording.n)
 
 
-def _even(start: int, stop: int, shortest: float) -> list[tuple[int, int]]:
+def _between(*edges: int, free: bool = False) -> list[_Block]:
+    return [_Block(start, stop, free) for start, stop in pairwise(edges)]
+
+
+def _even(start: int, stop: int, shortest: float, *, free: bool = False) -> list[_Block]:
     """Blocks of equal length, three or six or nine of them, each of `shortest` samples or more; none where none fit."""
     count = _THIRDS * min(int((stop - start) / (_THIRDS * shortest)), _MOST_HELD)
-    return list(pairwise(np.linspace(start, stop, count + 1).round().astype(int).tolist())) if count else []
+    return _between(*np.linspace(start, stop, count + 1).round().astype(int).tolist(), free=free) if count else []
 
 
-def _joined(edges: Sequence[tuple[int, int]], out: Sequence[int]) -> list[tuple[int, int]]:
-    """What is not held out, blocks that follow one another as one."""
-    joined: list[tuple[int, int]] = []
-    for k, (a, b) in enumerate(edges):
-        if k in out:
-            continue
-        if joined and joined[-1][1] == a:
-            joined[-1] = (joined[-1][0], b)
+def _joined(blocks: Sequence[_Block]) -> list[_Block]:
+    """Blocks that follow one another as one; a blow begins one of its own after the ringing of another."""
+    joined: list[_Block] = []
+    for block in blocks:
+        if joined and joined[-1].stop == block.start and joined[-1].free <= block.free:
+            joined[-1] = joined[-1]._replace(stop=block.stop)
         else:
-            joined.append((a, b))
+            joined.append(block)
     return joined
-
-
-def _block(recording: Recording, start: int, stop: int, free: bool) -> Recording:
-    """A stretch as a recording of its own; one of a free decay is known to be free, whatever its force shows."""
-    block = recording.slice(start, stop)
-    first, last = (recording.start + i / recording.fs for i in (start, stop))
-    name = f"{recording.name}, {first:.4g} to {last:.4g} s"
-    return replace(block, name=name, free=free, force=None if free else block.force)

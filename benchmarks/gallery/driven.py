@@ -26,24 +26,21 @@ def _silverbox(name: str, first: int, last: int, judged: tuple[int, int | None] 
     return Piece("silverbox_snls80mv.csv.gz", rows=(first, last), name=f"{name}.csv", judged=judged)
 
 
-def _beam(number: int) -> Piece:
-    return Piece(f"beam_mec_{number}.csv.gz", motion=(0.0, 4.0))
-
-
 def _hammered(number: int) -> Entry:
     return Entry(
         f"beam_mec_{number}",
-        f"Clamped-clamped beam, hammer with force, laser velocity; blow {number}, the other one held out",
+        f"Clamped-clamped beam, hammer with force, laser velocity; blow {number}",
         "forced",
-        (_beam(number),),
+        (Piece(f"beam_mec_{number}.csv.gz", motion=(0.0, 4.0)),),
         _BEAM,
         "hardening, cubic and quintic; modes at about 29.5, 165 and 276 Hz",
-        holdout=(_beam(3 - number),),
         documented=("quintic-stiffness", "attached-resonator"),
         # the laser looks from the other side: dashpot says so, and what to do
         options=("--calibration", "response=-1"),
         published=_BEAM_FIGURES,
-        note="The figures beside are of the first mode alone. The velocity goes against the blows.",
+        note="The figures beside are of the first mode alone. The velocity goes against the blows. Small "
+        "motion after the two is at 139.7 and at 135.9 Hz: two rigs, as dashpot says where one of them is to judge the "
+        "other.",
     )
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
 from dashpot.diagnose.recordings import carries, split, why_unused
 from dashpot.errors import BadInput
+from dashpot.identify.decays import find_free_motion
 from dashpot.identify.hilbert import noise_level
 from dashpot.model import Oscillator, Response
 from dashpot.model.terms import with_term
@@ -87,3 +89,37 @@ def test_a_pendulum_whose_gravity_is_a_law_of_its_own_is_split_as_one_whose_is_n
     assert names == [[r.name for r in group] for group in split([decay], whole)]
     assert len(names[1]) >= 2
     assert carries(decay, sine)
+
+
+def struck(*hits: float, seconds: float = 8.0) -> Recording:
+    """A linear rig of 8 Hz and 0.8 kg, hit at rest and while it rings, its motion in closed form."""
+    fs, w, width = 1000.0, 50.0, 0.02
+    t = np.arange(round(seconds * fs)) / fs
+    force = sum(60 * np.sin(np.pi * (t - at) / width) ** 2 * ((t >= at) & (t < at + width)) for at in hits)
+    x = np.convolve(force, np.exp(-0.5 * t) * np.sin(w * t) / (0.8 * w))[: t.size] / fs
+    random = np.random.default_rng(1)
+    noises = random.standard_normal((2, t.size))
+    return Recording("hit", fs, x + 1e-6 * noises[0], force + 0.02 * noises[1])
+
+
+@pytest.mark.parametrize("hits", [(0.5,), (0.5, 4.0)])
+def test_the_ringing_after_few_blows_is_cut_and_each_blow_is_learnt_from(hits):
+    recording = struck(*hits)
+    values = {"mass": 0.8, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}
+    training, held = split([recording], Oscillator.from_values(values))
+    assert len(held) == 3
+    assert all(piece.free and piece.force is None for piece in held)
+    forced = [piece for piece in training if not piece.free]
+    assert [len(find_free_motion(piece).blows) for piece in forced] == [1] * len(hits)
+    assert [piece.start <= at for piece, at in zip(forced, hits, strict=True)] == [True] * len(hits)
+    covered = sorted((piece.start, piece.start + piece.n / piece.fs) for piece in (*training, *held))
+    assert all(a[1] <= b[0] + 1.5 / recording.fs + 0.5 * 2 * np.pi / 50 for a, b in pairwise(covered))
+    loudest = [max(float(np.max(np.abs(piece.response))) for piece in group) for group in (training, held)]
+    assert loudest[0] > loudest[1] > 0.5 * loudest[0]
+
+
+def test_three_blows_are_held_out_whole():
+    recording = struck(0.5, 3.0, 5.5)
+    values = {"mass": 0.8, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}
+    training, held = split([recording], Oscillator.from_values(values))
+    assert [len(find_free_motion(piece).blows) for piece in (*training, *held)] == [1, 1, 1]
