@@ -95,7 +95,9 @@ def struck(*hits: float, seconds: float = 8.0) -> Recording:
     """A linear rig of 8 Hz and 0.8 kg, hit at rest and while it rings, its motion in closed form."""
     fs, w, width = 1000.0, 50.0, 0.02
     t = np.arange(round(seconds * fs)) / fs
-    force = sum(60 * np.sin(np.pi * (t - at) / width) ** 2 * ((t >= at) & (t < at + width)) for at in hits)
+    force = np.zeros(t.size)
+    for at in hits:
+        force += 60 * np.sin(np.pi * (t - at) / width) ** 2 * ((t >= at) & (t < at + width))
     x = np.convolve(force, np.exp(-0.5 * t) * np.sin(w * t) / (0.8 * w))[: t.size] / fs
     random = np.random.default_rng(1)
     noises = random.standard_normal((2, t.size))
