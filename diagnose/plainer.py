@@ -1,7 +1,9 @@
 """Laws that are a plainer one on the recordings at hand: of two stops one is touched, and the other may be anywhere.
 
 Both then move the rig alike, so that no odds tell them apart; what no recording carries is not named. Neither is a
-contact's damping where none is as likely as what comes out: then the plainer law is the likelier one.
+contact's damping where none is as likely as what comes out: then the plainer law is the likelier one. And the sine of a
+pendulum's own angle needs no width: fitted, it and the straight spring beside it replace one another along a valley in
+which no search comes to rest, and neither is what it is called.
 """
 
 from __future__ import annotations
@@ -10,18 +12,22 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..errors import BadInput
 from ..identify.odds import DECISIVE
 from ..identify.structure import Fitted, Structure
 from ..model import Oscillator
 from ..model.laws import find
 from ..model.terms import with_term, without_term
 from .search.candidate import Candidate, key
+from .search.led import led
 from .search.measure import Measure
 from .search.race import PATIENCE, Entry, race, started
 from .search.search import Search
 
 #: Physical limit: motions that differ by less than this part of the noise are alike.
 _ALIKE = 0.01
+#: Gain in log-likelihood below which nothing is left to be found: a fourteenth of a standard error.
+_AT_REST = 0.0025
 
 
 def with_plainer_laws(selected: Candidate, search: Search) -> Candidate:
@@ -47,6 +53,33 @@ def with_plainer_laws(selected: Candidate, search: Search) -> Candidate:
                     search.candidates[selected.laws] = replace(selected, why=why)
                     search.candidates[laws] = selected = candidate
                     break
+    return _of_the_angle(selected, search)
+
+
+def _of_the_angle(selected: Candidate, search: Search) -> Candidate:
+    """The same with what the angle itself tells (``LawParameter.in_radians``), where that is likelier than fitted."""
+    fitted = selected.fit
+    if fitted is None or fitted.model.response.displacement_unit != "rad":
+        return selected
+    told = {
+        name: p.in_radians
+        for term in fitted.model.terms
+        for p in term.law.parameters
+        if p.in_radians is not None and (name := f"{term.effect}.{p.name}") in fitted.free
+    }
+    if not told:
+        return selected
+    parameters = fitted.model.parameters()
+    there = fitted.model.with_parameters({name: replace(parameters[name], value=value) for name, value in told.items()})
+    fixed = [name for name in parameters if name not in fitted.free or name in told]
+    # the others have made up for what was fitted, and simulated with it they lose the motion
+    try:
+        held = Structure(led(there, search.data, fixed), search.data, fixed).fit(tolerance=_AT_REST)
+    except BadInput:
+        return selected
+    candidate = search.weigh(selected.laws, held)
+    if candidate.value > selected.value:
+        search.candidates[selected.laws] = selected = candidate
     return selected
 
 

@@ -102,7 +102,7 @@ class Descent:
             if gain < tolerance:
                 self.resting = True
                 return False
-            trial = self.state.stepped(problem.free, shared, own)
+            trial = self.state.stepped(problem.free, shared, own, problem.core.natural_frequency)
             if problem.bounds is not None:
                 trial = replace(trial, values=np.clip(trial.values, *problem.bounds))
             trial = handed_over(problem, trial)

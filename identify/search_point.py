@@ -25,10 +25,19 @@ class State:
     initial: np.ndarray
     offsets: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
-    def stepped(self, free: Sequence[int], shared: np.ndarray, own: np.ndarray) -> State:
-        """The point after a step of the free parameters and the offsets, ``shared``, and of the initial states."""
+    def stepped(self, free: Sequence[int], shared: np.ndarray, own: np.ndarray, squared: int | None = None) -> State:
+        """The point after a step of the free parameters and the offsets, ``shared``, and of the initial states.
+
+        The parameter ``squared``, the natural frequency, stands in the equation as its square, a stiffness, in which
+        the response is the straighter: it goes as far in that as the step does at first. Where another law takes over
+        the spring the stiffness would else be off by the square of the step, and the motion lose its phase.
+        """
         values = self.values.copy()
         values[list(free)] += shared[: len(free)]
+        if squared is not None:
+            before, after = self.values[squared], values[squared]
+            square = before * (2.0 * after - before)
+            values[squared] = np.sqrt(square) if square > 0 else after
         return State(values, self.initial + own, self.offsets + shared[len(free) :])
 
 

@@ -76,6 +76,8 @@ class LawParameter:
         shape: whether it is kept at its first probe until the data ask for it.
         scale: whether it is a size that others are measured by, which no data ask for: never fitted.
         size: natural size where that of the unit is not it.
+        in_radians: what it is where the displacement is the angle itself, in radians, whose sine gravity makes; fitted
+            elsewhere, and there where the recordings ask for another value.
     """
 
     name: str
@@ -88,6 +90,7 @@ class LawParameter:
     shape: bool = False
     scale: bool = False
     size: Callable[[Scales], float] | None = None
+    in_radians: float | None = None
 
     def natural(self, scales: Scales) -> float:
         """Natural size of the parameter for a motion of these scales."""

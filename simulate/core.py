@@ -84,6 +84,12 @@ class Core:
 
         return ca.Function("reaches", [self.equations.p], [self.equations.reaches])
 
+    @cached_property
+    def natural_frequency(self) -> int | None:
+        """Where it is among the parameters; None where there is none."""
+        names = self.equations.parameter_names
+        return names.index("omega0") if "omega0" in names else None
+
     def initial(self, z: np.ndarray) -> np.ndarray:
         """What ``begin`` makes the states ``z`` of."""
         states = np.array(z, float)

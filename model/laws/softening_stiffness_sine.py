@@ -21,7 +21,7 @@ LAW = Law(
     path="restoring",
     parameters=(
         LawParameter("stiffness", "1/s2", "stiffness of that part at rest per unit mass", strength=True, lower=0.0),
-        LawParameter("width", "X", "displacement of one radian", lower=1e-12, probes=(0.3, 0.5, 0.8)),
+        LawParameter("width", "X", "displacement of one radian", lower=1e-12, probes=(0.3, 0.5, 0.8), in_radians=1.0),
     ),
     force=_bending,
     stored=_stored,

@@ -12,14 +12,14 @@ from dashpot.examples.force import chirp
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.data import Data, data_of
 from dashpot.identify.structure import Fitted, Structure
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, Response
 from dashpot.model.laws import LIBRARY, find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 
 FS, SECONDS, NOISE = 500.0, 4.0, 2e-6
 STIFFNESS, DAMPING = 4.0 * TRUTH["omega0"] ** 2, 20.0
-PAIR = ("two-sided-stop",)
+PAIR, SINE = ("two-sided-stop",), ("softening-stiffness/sine",)
 
 
 def stopped(**stops: float) -> tuple[Fitted, Data]:
@@ -88,3 +88,37 @@ def test_stops_about_the_middle_that_damp_nothing_are_a_gap(damping, laws):
     if laws != PAIR:
         assert plainer.fit is not None
         assert plainer.fit.model.values()["clearance.gap"] == pytest.approx(1.2e-3, rel=0.01)
+
+
+def swinging(width: float, unit: str = "rad") -> tuple[Candidate, Search]:
+    """A pendulum's decay, or that of a detent's other sine, fitted with a width of its own from a tenth beside it."""
+    response = Response("displacement", unit)
+    values = {"omega0": 0.3, "cubic": 0.0, "preload": 0.0, "viscous": 0.02, "dry": 0.05}
+    truth = with_term(Oscillator.from_values(values, response=response), SINE[0], {"stiffness": 32.0, "width": width})
+    decay = dashpot.simulate(truth, initial=(2.0 * width, 0.0), seconds=20.0, fs=60.0).response
+    decay = decay + 1e-3 * np.random.default_rng(3).standard_normal(decay.size)
+    data = data_of([Recording("decay", 60.0, decay, unit=unit, free=True)], truth)
+    near = with_term(
+        Oscillator.from_values(values | {"omega0": 1.6, "cubic": -0.2 / width**2}, response=response),
+        SINE[0],
+        {"stiffness": 29.5, "width": 0.98 * width},
+    )
+    search = Search(data, None)
+    selected = search.candidates[SINE] = search.weigh(SINE, Structure(near, data).fit(most=8))
+    return selected, search
+
+
+@pytest.mark.parametrize(("width", "unit", "told"), [(1.0, "rad", True), (0.5, "rad", False), (1.0, "m", False)])
+def test_the_sine_of_a_pendulums_own_angle_has_no_width_to_be_fitted(width, unit, told):
+    selected, search = swinging(width, unit)
+    assert selected.fit is not None
+    assert f"{SINE[0]}.width" in selected.fit.free
+    plainer = with_plainer_laws(selected, search)
+    assert plainer.fit is not None
+    assert (f"{SINE[0]}.width" not in plainer.fit.free) is told
+    if told:
+        found = plainer.fit.model.values()
+        assert found[f"{SINE[0]}.width"] == 1.0
+        assert found[f"{SINE[0]}.stiffness"] + found["omega0"] ** 2 == pytest.approx(32.09, rel=5e-3)
+        assert found[f"{SINE[0]}.stiffness"] == pytest.approx(32.0, rel=0.02)
+        assert search.candidates[SINE] is plainer

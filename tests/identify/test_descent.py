@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from dashpot.identify.descent import Descent, cost_of
@@ -18,6 +20,7 @@ class Line:
         self.measured = np.array([1.0, -2.0]) @ self.rows + 0.01 * random.standard_normal(50)
         self.free, self.shared, self.bounds = (0, 1), 2, bounds
         self.segments, self.memory = (), FREE
+        self.core = SimpleNamespace(natural_frequency=None)
 
     def residuals(self, state):
         return (self.measured - state.values @ self.rows,)
@@ -114,3 +117,24 @@ def test_every_segment_finds_its_own_initial_state():
         descent.step(1e-6)
     assert descent.state.initial[0, 0] == pytest.approx(0.5, abs=0.02)
     assert descent.taken < 6
+
+
+@pytest.mark.parametrize(("natural_frequency", "exact"), [(0, True), (None, False)])
+def test_a_step_of_the_natural_frequency_is_one_of_the_stiffness(natural_frequency, exact):
+    """A spring hands its stiffness to another law: straight in both, and bent in the natural frequency."""
+    from dashpot.identify.output_error import State
+
+    class Springs(Line):
+        def residuals(self, state):
+            stiffnesses = np.array([state.values[0] ** 2, state.values[1]])
+            return (np.array([0.25, 6.75]) @ self.rows - stiffnesses @ self.rows,)
+
+        def derivatives(self, state, residuals, *, single=False):
+            return [self.rows * np.array([[2.0 * state.values[0]], [1.0]])]
+
+    problem = Springs()
+    problem.core.natural_frequency = natural_frequency
+    descent = Descent(problem, State(np.array([2.0, 3.0]), np.zeros((1, 0))), [white(np.ones(50))])  # type: ignore[arg-type]
+    descent.step(1e-6)
+    descent.step(1e-6)
+    assert (descent.state.values == pytest.approx([0.5, 6.75], rel=1e-3)) is exact
