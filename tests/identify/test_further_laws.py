@@ -211,4 +211,4 @@ def test_what_is_known_stays_while_a_law_is_put(fixed, good):
     )
     put = with_laws(model, [SINE], data_of([gyro()], model), fixed).parameters()
     assert all(put[name].value == value for name, value in fixed.items())
-    assert (abs(put[f"{SINE}.width"].value - 1.0) < 0.3) is good
+    assert (abs(put[f"{SINE}.width"].value - 1.0) < 0.1) is good
