@@ -161,9 +161,11 @@ def ended(
         smooth, begun = smooth_stretches(problem, answer.outcome.state)
         jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
         if jumps:
-            problem, notes, rungs = problem.over(smooth), [*notes, *jumps], {}  # which are of other segments
-            answer, steps = weighed(problem, begun, start, recordings, plain, most)
+            shorter = problem.over(smooth)
+            without, steps = weighed(shorter, begun, start, recordings, plain, most)
             iterations += steps
+            if np.isfinite(without.likelihood):  # at the reach of a spring that gives way it may run away from there
+                problem, answer, notes, rungs = shorter, without, [*notes, *jumps], {}  # those are of other segments
     doubt = np.zeros(answer.outcome.state.values.size)
     in_step = keeps_step(problem.segments, answer.outcome.residuals)
     above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE

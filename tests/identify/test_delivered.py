@@ -132,6 +132,18 @@ def test_what_a_search_came_through_is_forgotten_with_its_segments(monkeypatch):
     assert seen == [(1, {})]
 
 
+@pytest.mark.parametrize(("reach", "kept"), [(1.0, 1), (1e200, 2)])
+def test_a_cut_after_which_the_rest_runs_away_is_not_made(monkeypatch, reach, kept):
+    """Begun in the middle, at the reach of a spring that gives way: a recording was refused for it."""
+    structure = Structure(MODEL, data_of(recordings(), MODEL, coarse=False))
+    problem, state = structure.problem, structure.state(None)
+    one = replace(state, initial=reach * np.ones_like(state.initial[:1]) * 1e-3)
+    monkeypatch.setattr(module, "smooth_stretches", lambda *_: (problem.segments[:1], one))
+    fit = module.ended(problem, state, MODEL, recordings(), {}, np.inf, [])
+    assert len(fit.segments) == kept
+    assert any("were left out" in note for note in fit.notes) is (kept == 1)
+
+
 @pytest.mark.parametrize("seed", [7, 18, 22])
 def test_a_hair_that_only_the_end_of_the_search_meets_tells_nothing(seed):
     """Bursts of the built-in rig at ten times its noise: for some noises the mass takes off or not by a hair just at
