@@ -34,6 +34,10 @@ class Core:
         self.quantity = oscillator.response.quantity
         self.parameter_names = self.equations.parameter_names
         self.states = len(self.equations.state_names)
+        #: Where among the parameters the natural frequency is, where another law may take over the spring; else None.
+        self.natural_frequency = (
+            self.parameter_names.index("omega0") if any(t.law.path == "restoring" for t in oscillator.terms) else None
+        )
         sources = {
             "law.c": law_source(self.equations),
             **engine.engine_texts(),
@@ -83,12 +87,6 @@ class Core:
         import casadi as ca
 
         return ca.Function("reaches", [self.equations.p], [self.equations.reaches])
-
-    @cached_property
-    def natural_frequency(self) -> int | None:
-        """Where it is among the parameters; None where there is none."""
-        names = self.equations.parameter_names
-        return names.index("omega0") if "omega0" in names else None
 
     def initial(self, z: np.ndarray) -> np.ndarray:
         """What ``begin`` makes the states ``z`` of."""

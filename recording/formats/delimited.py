@@ -219,7 +219,9 @@ def _numbers(
             if all(row[place].lower() in _ABSENT for row in cells):
                 label = f"column '{names[i]}'" if names[i] else f"column {i + 1}"
                 raise BadInput(f"{where}: {label} is empty; choose another, or record that channel")
-        there = [["nan" if cell.lower() in _ABSENT else cell for cell in row] for row in cells]
+        # what is no number must not be read as more cells or fewer once more: it is told by its line
+        bare = str.maketrans({'"': "'", "\t": " "})
+        there = [["nan" if cell.lower() in _ABSENT else cell.translate(bare) for cell in row] for row in cells]
         written = [(number, "\t".join(row)) for (number, _), row in zip(lines, there, strict=True)]
         return _numbers(where, written, "\t", Numerals(), [names[i] for i in indices], range(len(indices)))
     dated = [i for i in indices if seconds_of([_cells(lines[0][1], delimiter)[i]]) is not None]

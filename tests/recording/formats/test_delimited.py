@@ -102,6 +102,14 @@ def test_a_row_of_nothing_is_a_cell_of_nothing():
         read_delimited("rig.csv", b"a: 1\n1 2\n,").numbers([0])
 
 
+@pytest.mark.parametrize("cell", ['"""a"', '"""a', '"""'])
+def test_a_quote_within_a_cell_is_no_number_beside_cells_that_are_empty(cell):
+    """Read once more with the empty cells as what they are, it was taken for the beginning of a longer cell."""
+    content = f"t,y,x\n0,2,1\n0.1,3,NA\n0.2,{cell},4\n0.3,5,2\n"
+    with pytest.raises(BadInput, match=r"rig\.csv: .*line 4"):
+        read_delimited("rig.csv", content.encode()).numbers([0, 1, 2])
+
+
 @pytest.mark.parametrize("header", ["t_s,x_mm,,", "t_s,x_mm,", "t_s,x_mm", "% t_s,x_mm,,", ",mass A,\nt_s,x_mm,,"])
 @pytest.mark.parametrize("spare", ["", ",", ",,"])
 def test_what_stands_behind_the_last_column_is_no_column(header, spare):
