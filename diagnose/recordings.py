@@ -109,12 +109,13 @@ def _blocks(recording: Recording, model: Oscillator) -> list[_Block]:
     motion = find_free_motion(recording)
     natural = natural_frequency([recording], model)
     cycle = 2 * math.pi / pace_of([recording], natural) * recording.fs
-    ringing = [block for d in motion.decays for block in _even(d.start, d.stop, SHORTEST_CYCLES * cycle, free=True)]
+    of_each = [_even(decay.start, decay.stop, SHORTEST_CYCLES * cycle, free=True) for decay in motion.decays]
+    ringing = [block for blocks in of_each for block in blocks]
     if recording.force is None or not np.any(recording.force) or (motion.decays and force_is_silent(recording)):
         return [_Block(d.start, d.stop, free=True) for d in motion.decays] if len(motion.decays) >= _THIRDS else ringing
     if len(motion.blows) >= _THIRDS:
         return _between(0, *(max(0, round(blow.start - cycle / 2)) for blow in motion.blows[1:]), recording.n)
-    if motion.blows and ringing:
+    if motion.blows and len(motion.decays) == len(motion.blows) and all(of_each):  # else a blow would be left out
         begins = {blow.stop: max(0, round(blow.start - cycle / 2)) for blow in motion.blows}
         return [_Block(begins[b.start], b.stop) if b.start in begins else b for b in ringing]
     if len(motion.decays) >= _THIRDS:

@@ -54,6 +54,9 @@ class Descent:
         self.cost = cost_of(self.residuals, noise)
         self.taken, self.resting = 0, False
         self._damping = 1e-4
+        core = problem.core
+        # what another spring may take over: see ``State.stepped``
+        self._squared = core.parameter_names.index("omega0") if "restoring" in core.paths else None
         self._blocks: list[Block] | None = None
         self._expected: tuple[np.ndarray, ...] | None = None
 
@@ -102,7 +105,7 @@ class Descent:
             if gain < tolerance:
                 self.resting = True
                 return False
-            trial = self.state.stepped(problem.free, shared, own, problem.core.natural_frequency)
+            trial = self.state.stepped(problem.free, shared, own, self._squared)
             if problem.bounds is not None:
                 trial = replace(trial, values=np.clip(trial.values, *problem.bounds))
             trial = handed_over(problem, trial)

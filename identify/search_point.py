@@ -28,13 +28,17 @@ class State:
     def stepped(self, free: Sequence[int], shared: np.ndarray, own: np.ndarray, squared: int | None = None) -> State:
         """The point after a step of the free parameters and the offsets, ``shared``, and of the initial states.
 
-        The parameter ``squared``, the natural frequency, stands in the equation as its square, a stiffness, in which
-        the response is the straighter: it goes as far in that as the step does at first. Where another law takes over
-        the spring the stiffness would else be off by the square of the step, and the motion lose its phase.
+        Args:
+            free: places of the parameters that are free.
+            shared, own: the step.
+            squared: place of the natural frequency, where another law may take over its spring. It stands in the
+                equation as its square, a stiffness, in which the response is the straighter: it goes as far in that as
+                the step does at first. Else the stiffness is off by the square of the step, and the motion loses its
+                phase.
         """
         values = self.values.copy()
         values[list(free)] += shared[: len(free)]
-        if squared is not None:
+        if squared in free:
             before, after = self.values[squared], values[squared]
             square = before * (2.0 * after - before)
             values[squared] = np.sqrt(square) if square > 0 else after

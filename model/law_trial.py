@@ -64,6 +64,8 @@ def wrong_types(law: Law) -> Iterator[str]:
                 yield f"parameter {p.name!r:.60}: {field} is {value!r:.60}; give a number"
         if p.probes != "lines" and not (isinstance(p.probes, (tuple, list)) and all(map(_number, p.probes))):
             yield f"parameter {p.name!r:.60}: probes is {p.probes!r:.60}; give a tuple of numbers, or 'lines'"
+        if p.in_radians is not None and not _number(p.in_radians):
+            yield f"parameter {p.name!r:.60}: in_radians is {p.in_radians!r:.60}; give a number, or leave it out"
         if p.size is not None and not callable(p.size):
             yield f"parameter {p.name!r:.60}: size is {p.size!r:.60}; give a function of the scales, or leave it out"
 

@@ -34,10 +34,8 @@ class Core:
         self.quantity = oscillator.response.quantity
         self.parameter_names = self.equations.parameter_names
         self.states = len(self.equations.state_names)
-        #: Where among the parameters the natural frequency is, where another law may take over the spring; else None.
-        self.natural_frequency = (
-            self.parameter_names.index("omega0") if any(t.law.path == "restoring" for t in oscillator.terms) else None
-        )
+        #: Where the laws beside Eq. 17 act.
+        self.paths = frozenset(term.law.path for term in oscillator.terms)
         sources = {
             "law.c": law_source(self.equations),
             **engine.engine_texts(),

@@ -91,7 +91,7 @@ def test_stops_about_the_middle_that_damp_nothing_are_a_gap(damping, laws):
 
 
 def swinging(width: float, unit: str = "rad") -> tuple[Candidate, Search]:
-    """A pendulum's decay, or that of a detent's other sine, fitted with a width of its own from a tenth beside it."""
+    """A pendulum's decay, or that of a detent's other sine, fitted with a width of its own from 2 % beside it."""
     response = Response("displacement", unit)
     values = {"omega0": 0.3, "cubic": 0.0, "preload": 0.0, "viscous": 0.02, "dry": 0.05}
     truth = with_term(Oscillator.from_values(values, response=response), SINE[0], {"stiffness": 32.0, "width": width})

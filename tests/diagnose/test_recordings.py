@@ -120,6 +120,13 @@ def test_the_ringing_after_few_blows_is_cut_and_each_blow_is_learnt_from(hits):
     assert loudest[0] > loudest[1] > 0.5 * loudest[0]
 
 
+def test_no_blow_is_left_out_whose_ringing_is_too_short_to_be_cut():
+    recording = struck(0.5, 7.0)
+    values = {"mass": 0.8, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}
+    training, held = split([recording], Oscillator.from_values(values))
+    assert sum(len(find_free_motion(piece).blows) for piece in (*training, *held)) == 2
+
+
 def test_three_blows_are_held_out_whole():
     recording = struck(0.5, 3.0, 5.5)
     values = {"mass": 0.8, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}

@@ -20,7 +20,7 @@ class Line:
         self.measured = np.array([1.0, -2.0]) @ self.rows + 0.01 * random.standard_normal(50)
         self.free, self.shared, self.bounds = (0, 1), 2, bounds
         self.segments, self.memory = (), FREE
-        self.core = SimpleNamespace(natural_frequency=None)
+        self.core = SimpleNamespace(parameter_names=("omega0", "stiffness"), paths=frozenset())
 
     def residuals(self, state):
         return (self.measured - state.values @ self.rows,)
@@ -119,8 +119,8 @@ def test_every_segment_finds_its_own_initial_state():
     assert descent.taken < 6
 
 
-@pytest.mark.parametrize(("natural_frequency", "exact"), [(0, True), (None, False)])
-def test_a_step_of_the_natural_frequency_is_one_of_the_stiffness(natural_frequency, exact):
+@pytest.mark.parametrize(("path", "exact"), [("restoring", True), ("dissipation", False)])
+def test_beside_another_spring_a_step_of_the_natural_frequency_is_one_of_the_stiffness(path, exact):
     """A spring hands its stiffness to another law: straight in both, and bent in the natural frequency."""
     from dashpot.identify.output_error import State
 
@@ -133,7 +133,7 @@ def test_a_step_of_the_natural_frequency_is_one_of_the_stiffness(natural_frequen
             return [self.rows * np.array([[2.0 * state.values[0]], [1.0]])]
 
     problem = Springs()
-    problem.core.natural_frequency = natural_frequency
+    problem.core.paths = frozenset([path])
     descent = Descent(problem, State(np.array([2.0, 3.0]), np.zeros((1, 0))), [white(np.ones(50))])  # type: ignore[arg-type]
     descent.step(1e-6)
     descent.step(1e-6)

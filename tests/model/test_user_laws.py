@@ -154,6 +154,11 @@ def test_without_its_file_the_model_is_refused(write, tmp_path, capsys):
         ("lower=1e-9,", "lower='0',", "parameter 'reach': lower is '0'; give a number"),
         ("probes=(0.1, 0.3, 1.0)", "probes=0.1", "parameter 'reach': probes is 0.1; give a tuple of numbers"),
         ("probes=(0.1, 0.3, 1.0)", "probes=(0.1,), size=3", "parameter 'reach': size is 3; give a function"),
+        (
+            "probes=(0.1, 0.3, 1.0)",
+            "probes=(0.1,), in_radians='one'",
+            "parameter 'reach': in_radians is 'one'; give a number",
+        ),
         ("probes=(0.1, 0.3, 1.0)", "probes=(0.1,), size=len", "its size cannot be computed (TypeError"),
         ('"X/s2"', "7", "parameter 'strength': unit is 7; give a text"),
         ("import casadi as ca\n", "import casadi as ca\n  x\n", "line 8: not Python (unindent"),
