@@ -42,17 +42,19 @@ def with_plainer_laws(selected: Candidate, search: Search) -> Candidate:
         if law.cases is None or fitted is None:
             continue
         values = {n: p.value for term in fitted.model.terms if term.effect == name for n, p in term.parameters.items()}
+        taken = {term.effect for term in fitted.model.terms}
         for plainer, own in law.cases(values):
+            if plainer in taken:  # a model has no law twice
+                continue
             laws = key([plainer if other == name else other for other in selected.laws])
             case = with_term(without_term(fitted.model, name), plainer, dict(own))
-            if len(set(laws)) == len(selected.laws):
-                candidate = _weighed(laws, case, fitted, search)
-                most = selected.value - (DECISIVE if _alike(case, fitted, search) else 0.0)
-                if candidate is not None and candidate.value > most:
-                    why = f"it moves the rig as {plainer} does, which has fewer parameters"
-                    search.candidates[selected.laws] = replace(selected, why=why)
-                    search.candidates[laws] = selected = candidate
-                    break
+            candidate = _weighed(laws, case, fitted, search)
+            most = selected.value - (DECISIVE if _alike(case, fitted, search) else 0.0)
+            if candidate is not None and candidate.value > most:
+                why = f"it moves the rig as {plainer} does, which has fewer parameters"
+                search.candidates[selected.laws] = replace(selected, why=why)
+                search.candidates[laws] = selected = candidate
+                break
     return _of_the_angle(selected, search)
 
 

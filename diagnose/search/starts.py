@@ -129,7 +129,8 @@ def handed_down(fitted: Fitted, data: Data, law: str) -> Oscillator:
 
 def generalised(fitted: Fitted, laws: Sequence[str]) -> Iterator[tuple[str, str, Fitted]]:
     """Laws of a fit that are cases of a more general one, with that and the same fit under its name."""
+    taken = {term.effect for term in fitted.model.terms}  # those of the given family too
     for name in laws:
         general = find(name).twin
-        if general is not None and general not in laws and not only_a_name(find(name)):
+        if general is not None and general not in taken and not only_a_name(find(name)):
             yield name, general, renamed(fitted, name, find(general))

@@ -22,10 +22,12 @@ STIFFNESS, DAMPING = 4.0 * TRUTH["omega0"] ** 2, 20.0
 PAIR, SINE = ("two-sided-stop",), ("softening-stiffness/sine",)
 
 
-def stopped(**stops: float) -> tuple[Fitted, Data]:
-    """A sweep between stops, and the pair fitted to it from where they are."""
+def stopped(beside: dict[str, dict[str, float]] | None = None, /, **stops: float) -> tuple[Fitted, Data]:
+    """A sweep between stops, and the pair fitted to it from where they are, beside other laws."""
     model = Oscillator.from_values({name: value for name, value in TRUTH.items() if name != "cubic"} | {"cubic": 0.0})
     pair = with_term(model, PAIR[0], {"stiffness": STIFFNESS, "damping": DAMPING} | stops)
+    for name, values in (beside or {}).items():
+        pair = with_term(pair, name, values)
     force = chirp(1.0, 8.0, 18.0, np.arange(round(FS * SECONDS)) / FS, 1 / FS)[:, 0]
     response = dashpot.simulate(pair, force=force, fs=FS, hold="linear").response
     response = response + NOISE * np.random.default_rng(0).standard_normal(force.size)
@@ -33,9 +35,9 @@ def stopped(**stops: float) -> tuple[Fitted, Data]:
     return Structure(pair, data).fit(most=3), data
 
 
-def searched(fitted: Fitted, data: Data) -> tuple[Candidate, Search]:
+def searched(fitted: Fitted, data: Data, laws: tuple[str, ...] = PAIR) -> tuple[Candidate, Search]:
     search = Search(data, None)
-    selected = search.candidates[PAIR] = search.weigh(PAIR, fitted)
+    selected = search.candidates[laws] = search.weigh(laws, fitted)
     return selected, search
 
 
@@ -59,6 +61,14 @@ def test_stops_that_are_both_touched_stay_a_pair(offset):
     selected, search = searched(*stopped(position=1.2e-3, offset=offset))
     assert with_plainer_laws(selected, search) is selected
     assert list(search.candidates) == [PAIR]
+
+
+@pytest.mark.parametrize("laws", [("one-sided-stop", *PAIR), PAIR])
+def test_of_two_stops_beside_a_third_neither_takes_its_name(laws):
+    """Whether that was found with them or is the given family's: a model has no law twice."""
+    third = {"one-sided-stop": {"stiffness": STIFFNESS, "damping": DAMPING, "position": 1.8e-3}}
+    selected, search = searched(*stopped(third, position=4e-3, offset=-2.8e-3), laws)
+    assert with_plainer_laws(selected, search).laws == laws
 
 
 def test_a_law_without_cases_stays():

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 from dashpot.diagnose.search.candidate import Candidate
-from dashpot.diagnose.search.neighbours import kept, with_learnt, with_shapes
+from dashpot.diagnose.search.neighbours import kept, more_general, with_learnt, with_shapes
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.structure import Fitted
 from dashpot.model import Oscillator
@@ -56,3 +56,12 @@ def test_shapes_are_freed_where_there_are_some():
     assert list(entry.fixed) == ["dry"]
     start.structure.free = tuple(fit.model.parameters())
     assert with_shapes(start) is None
+
+
+def test_a_law_is_exchanged_for_the_one_of_which_it_is_a_case_unless_the_model_has_that_already():
+    (wider,) = more_general(Candidate(("clearance",), fitted("clearance")))
+    assert wider.laws == ("two-sided-stop",)
+    assert [term.effect for term in wider.model.terms] == ["two-sided-stop"]
+    # found beside it, or with a given model whose stops they are
+    for laws in [("clearance", "two-sided-stop"), ("clearance",)]:
+        assert more_general(Candidate(laws, fitted("two-sided-stop", "clearance"))) == []
