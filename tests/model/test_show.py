@@ -90,10 +90,21 @@ def test_what_is_not_known_is_said(rig, measured):
     assert "the input is a force per unit mass" in text
     assert "No parameter has a standard error" in text
     assert as_json(o)["mass_known"] is False
-    loose = measured.with_parameters({"cubic": Parameter(1.0, 3.0, "1/(m2.s2)")})
-    assert warnings(loose) == [
-        "cubic is known to 300 % only: these recordings do not carry it; record where it matters, or fix it."
-    ]
+
+
+@pytest.mark.parametrize(
+    ("value", "known"),
+    [
+        (7.0, None),
+        (5.0, "known to 60 % only"),
+        (1.0, "no larger than its error, 3 1/(m2.s2)"),
+        (1e-15, "no larger than its error, 3 1/(m2.s2)"),
+    ],
+)
+def test_what_is_hardly_known_is_said_with_its_share_or_its_size(measured, value, known):
+    loose = measured.with_parameters({"cubic": Parameter(value, 3.0, "1/(m2.s2)")})
+    rest = "these recordings do not carry it; record where it matters, or fix it."
+    assert warnings(loose) == ([] if known is None else [f"cubic is {known}: {rest}"])
 
 
 @pytest.mark.parametrize(
