@@ -28,6 +28,9 @@ _GLIDES = 1.25
 _LOBE = 4.0
 #: Side lobes of that window lie 92 dB below its peak; a decay within the window lifts them to this part of the power.
 _LEAK = 1e-6
+#: Noise of a colour is judged by its median over so many lines to each side: wider than a few peaks, so that these do
+#: not move it.
+_ABOUT = 8 * int(_LOBE)
 #: Beyond this part of half the sampling rate there is noise, and what harmonics leave.
 _TOP = 0.75
 #: From this order on a harmonic so many times as strong as each before it belongs to no series.
@@ -114,7 +117,8 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
         [np.abs(np.fft.rfft((x[a : a + size] - np.mean(x[a : a + size])) * window)) ** 2 for a in starts]
     )
     white = noise**2 * float(np.sum(window**2))
-    least = white * (np.log(spectra.size) + DECISIVE)
+    chance = np.log(spectra.size) + DECISIVE
+    least = white * chance
     main = _followed(spectra, strongest * size / fs)
     heights = spectra[np.arange(main.size), main]
     main, spectra = main[heights > least], spectra[heights > least]
@@ -124,7 +128,7 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
     exact = np.array([_between_lines(row, k) for row, k in zip(spectra, main, strict=True)])
     tracks = [_Track(exact * line, np.array([_power(row, k) for row, k in zip(spectra, main, strict=True)]))]
     peaks = [
-        [k for k in _peaks(row, least) if not _is_harmonic(row, k, place, moved)]
+        [k for k in _peaks(row, least) if row[k] > chance * _level(row, k) and not _is_harmonic(row, k, place, moved)]
         for row, place, moved in zip(spectra, exact, _moves(exact), strict=True)
     ]
     open_tracks: list[list[tuple[int, float]]] = []
@@ -179,6 +183,11 @@ def _peaks(row: np.ndarray, least: float) -> list[int]:
     crest[: 2 * int(_LOBE)] = False  # an offset and a drift
     crest[int(_TOP * row.size) :] = False
     return [int(k) for k in np.flatnonzero(crest & (row > high))]
+
+
+def _level(row: np.ndarray, k: int) -> float:
+    """Mean power of the noise about a line, whatever its colour: of such powers the median is log 2 of the mean."""
+    return float(np.median(row[max(0, k - _ABOUT) : k + _ABOUT + 1])) / float(np.log(2.0))
 
 
 def _moves(exact: np.ndarray) -> np.ndarray:
