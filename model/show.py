@@ -129,9 +129,12 @@ def warnings(oscillator: Oscillator) -> list[str]:
     noted += [sentence for name, p in parameters.items() if (sentence := _negative(o, name, p))]
     for name, p in parameters.items():
         if p.std and p.value > 0 and p.std > 0.5 * p.value:
-            larger = p.std > p.value  # then a share of the value says nothing, least where that is all but zero
-            known = f"no larger than its error, {p.std:.2g} {p.unit}" if larger else f"known to {percent(p):.0f} % only"
-            known = known if math.isfinite(p.std) else "not known at all"
+            if not math.isfinite(p.std):
+                known = "not known at all"
+            elif p.std > p.value:  # then a share of the value says nothing, least where that is all but zero
+                known = f"no larger than its error, {p.std:.2g} {p.unit}"
+            else:
+                known = f"known to {percent(p):.0f} % only"
             noted.append(f"{name} is {known}: these recordings do not carry it; record where it matters, or fix it.")
     if o.cubic.value < 0 and not o.terms:
         noted.append(_softening(o))
