@@ -59,7 +59,7 @@ def sentence_of(
 
 def _consistent(records: Sequence[RecordFit]) -> str:
     """That nothing is missing; with the recording that leaves most where that is more than its noise."""
-    worst = max(records, key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300), default=None)
+    worst = max(records, key=_times_the_noise, default=None)
     if worst is None or worst.nrmse_before <= ABOVE_NOISE * worst.noise_floor:
         return "Nothing is missing: the model reproduces every recording to within its noise."
     ratio = worst.nrmse_before / max(worst.noise_floor, 1e-300)
@@ -94,15 +94,17 @@ def explained_share(before: Sequence[Leftover], after: Sequence[Leftover]) -> fl
     return max(0.0, 1.0 - excess[1] / excess[0])
 
 
+def _times_the_noise(record: RecordFit) -> float:
+    """How far the family's free simulation is off; what does not come to its end is farthest."""
+    return record.nrmse_before / max(record.noise_floor, 1e-300) if math.isfinite(record.nrmse_before) else math.inf
+
+
 def _held_out(records: Sequence[RecordFit]) -> list[str]:
     """The held-out recording that the family told worst, before and after; where it rises, how many others fall."""
     held = [r for r in records if r.holdout and math.isfinite(r.nrmse_after)]
     if not held:
         return []
-    worst = max(
-        held,
-        key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300) if math.isfinite(r.nrmse_before) else math.inf,
-    )
+    worst = max(held, key=_times_the_noise)
     before = f"{100 * worst.nrmse_before:.3g}" if math.isfinite(worst.nrmse_before) else "where nothing simulates"
     way = "rises" if worst.nrmse_after > worst.nrmse_before else "falls"
     falls = sum(not r.nrmse_after > r.nrmse_before for r in held)
@@ -117,5 +119,7 @@ def _worst(records: Sequence[RecordFit]) -> str:
     """The recording that the family's free simulation misses by most."""
     if not records:
         return "see the notes"
-    worst = max(records, key=lambda r: r.nrmse_before / max(r.noise_floor, 1e-300))
+    worst = max(records, key=_times_the_noise)
+    if not math.isfinite(worst.nrmse_before):
+        return f"a free simulation of {worst.file} does not come to its end"
     return f"a free simulation of {worst.file} is off by {figure(100 * worst.nrmse_before)} % of the motion"

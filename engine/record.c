@@ -7,10 +7,11 @@
 #endif
 
 /* More events than internal steps, of which a period of the fastest motion takes twenty or more, or than four a sample,
- * are chatter all through a recording and no motion of a machine: a fit that tries such values is told so at once instead
- * of waiting for it. At first there may be so many more. */
+ * all through a recording are chatter and no motion of a machine: a fit that tries such values waits for no more of them.
+ * A part of it may chatter: a mass that waits for its blow between the seats of a preloaded spring, the noise of the
+ * load cell on it. A short recording may have so many more. */
 #define DP_CHATTER 4
-#define DP_AT_FIRST 2000
+#define DP_MORE 2000
 
 /* What one surface carries at a sample, as it is kept: its sign, or 0 while the motion rests on it; last what holds it. */
 static void dp_keep_signs(const dp_engine *e, signed char *kept) {
@@ -79,13 +80,12 @@ DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const dou
     dp_engine e;
     double out[DP_NY], now[4], u = 0.0;
     const double piece_step = dt / fine, step = joined * piece_step;
-    const double often = fmin(DP_CHATTER, fine / joined * ceil(step / max_step));
+    const double most = DP_MORE + n * fmin(DP_CHATTER, fine / joined * ceil(step / max_step));
     const double *piece = force ? force : none, *end = force ? force + 4 * parts : none;
     long i;
     int j;
     dp_start(&e, p, z0, t0, max_step);
     for (i = 0; i < n; ++i) {
-        const double most = DP_AT_FIRST + i * often;
         for (j = 0; i > 0 && j < fine; j += joined, piece += force ? 4 * joined : 0) {
             if (joined > 1)
                 dp_joined(piece, joined, piece_step, now);

@@ -109,6 +109,13 @@ def test_unexplained_with_nothing_left_names_the_recording_whose_simulation_is_f
     assert sentence_of("unexplained", (), None, [], [], []).count("see the notes") == 1
 
 
+@pytest.mark.parametrize("rows", [[row(math.nan, file="lost"), row(0.3)], [row(0.3), row(math.nan, file="lost")]])
+def test_a_simulation_that_breaks_off_is_worst_and_no_figure_is_made_of_it(rows):
+    said = sentence_of("unexplained", (), None, rows, left(1.0), left(1.0))
+    assert "a free simulation of lost does not come to its end" in said
+    assert "nan" not in said
+
+
 def test_an_effect_is_named_and_what_it_takes_of_the_lack():
     rows = [row(0.2, 0.02, file="a"), row(0.3, 0.03, 0.02, file="b", holdout=True)]
     said = sentence_of("missing-physics", (DRAG,), "0.7 % of the motion remains", rows, left(3.0), left(math.sqrt(5.0)))

@@ -139,6 +139,17 @@ def test_more_events_than_internal_steps_are_chatter(load, ends):
     assert np.isfinite(finer[-1])  # three steps a sample leave room for two events
 
 
+@pytest.mark.parametrize(("share", "ends"), [(0.6, True), (0.7, False)])
+def test_a_part_of_a_recording_may_chatter(share, ends):
+    """As a mass does that waits for its blow on the seats of a preloaded spring, with noise on its force."""
+    values = {"mass": 1.0, "omega0": 10.0, "cubic": 0.0, "preload": 1e-6, "viscous": 200.0, "dry": 1e-6}
+    n, dt = 6000, 1e-2
+    force = 10.0 * (-1.0) ** np.arange(n) * (np.arange(n) < share * n)
+    core = core_of(Oscillator.from_values(values))
+    x = core.record(np.array(list(values.values())), np.array([2e-4, 0.0]), staircase(force), n, dt, dt)
+    assert bool(np.isfinite(x[-1])) is ends
+
+
 @pytest.mark.parametrize("cubic", [1e20, 1e30, 1e60])
 def test_a_spring_so_stiff_that_nobody_could_wait_is_a_slip_of_units(cubic):
     model = Oscillator.from_values(TRUTH | {"cubic": cubic})
