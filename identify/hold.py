@@ -130,10 +130,9 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     reached, _ = _reached(problem, lines, state, here, noise)
     log_odds, at_most = {"smooth": 0.0}, {}
     for hold in tuple(there):
-        ahead, stepped = _reached(problem, lines, state, there.pop(hold), noise)
-        found = cost_of(_under(problem, hold, recordings).residuals(stepped), noise) if stepped else -math.inf
-        log_odds[hold] = reached - ahead
-        at_most[hold] = log_odds[hold] + abs(found - ahead)  # as far above as the step itself shows it to be wrong
+        other = _under(problem, hold, recordings)
+        ahead, least = _led_to(other, lines, state, there.pop(hold), noise, reached + _HOPELESS)
+        log_odds[hold], at_most[hold] = reached - ahead, reached - least
     del lines
     # of a model that leaves more than noise the difference is not believed as it is
     within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
@@ -311,6 +310,33 @@ def _reached(
     shared, own = solve(blocks, 0.0, problem.shared)
     reached = 0.5 * (sum(_power(r) for r in left) - promise(blocks, shared, own))
     return reached, state.stepped(problem.free, shared, own)
+
+
+def _led_to(
+    problem: OutputError,
+    lines: Sequence[np.ndarray],
+    state: State,
+    residuals: Sequence[np.ndarray],
+    noise: Sequence[NoiseSpectrum],
+    hopeless: float,
+) -> tuple[float, float]:
+    """Negative log-likelihood that steps along the same derivatives promise at last, and the least that it may become.
+
+    What a step shows its promise to be wrong by may be gained once more. Where that would be ``hopeless`` still,
+    another step is taken from there as long as each leads further: friction that holds or lets go answers to the second.
+    """
+    ahead, least, before = math.inf, math.inf, math.inf
+    for _ in range(_STEPS):
+        promised, there = _reached(problem, lines, state, residuals, noise)
+        if there is None:
+            return min(ahead, promised), min(least, promised)
+        residuals = problem.residuals(there)
+        found = cost_of(residuals, noise)
+        ahead, least, state = promised, promised - abs(found - promised), there
+        if least <= hopeless or not found < before:
+            break
+        before = found
+    return ahead, least
 
 
 def _power(lines: np.ndarray) -> float:
