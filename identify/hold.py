@@ -323,7 +323,7 @@ def _led_to(
     """Negative log-likelihood that steps along the same derivatives promise at last, and the least that it may become.
 
     What a step shows its promise to be wrong by may be gained once more. Where that would be ``hopeless`` still,
-    another step is taken from there as long as each leads further: friction that holds or lets go answers to the second.
+    another step is taken from there as long as each leads further: friction that lets go answers to the second.
     """
     ahead, least, before = math.inf, math.inf, math.inf
     for _ in range(_STEPS):
