@@ -54,7 +54,9 @@ class Descent:
         self.cost = cost_of(self.residuals, noise)
         self.taken, self.resting = 0, False
         self._damping = 1e-4
-        self._squared = problem.core.parameter_names.index("omega0")  # see ``State.stepped``
+        core = problem.core
+        # what another spring may take over: see ``State.stepped``
+        self._squared = core.parameter_names.index("omega0") if "restoring" in core.paths else None
         self._blocks: list[Block] | None = None
         self._expected: tuple[np.ndarray, ...] | None = None
 

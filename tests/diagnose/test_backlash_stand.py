@@ -13,14 +13,9 @@ TRAIN = ("bursts", "sweep_low", "sweep_high")
 
 
 @pytest.mark.long
-@pytest.mark.parametrize(
-    ("kinds", "floors"), [(TRAIN, 1.05), (TRAIN[:1], 1.1)], ids=["bursts and sweeps", "bursts alone"]
-)
-def test_the_backlash_that_the_paper_leaves_out_is_named_and_mended(tmp_path, capsys, kinds, floors):
-    """Bursts alone say nothing of it in a regression on the measured motion: its probes are predicted.
-
-    Of the side valleys of its likelihood they leave one, which is told and costs another record some per cent.
-    """
+@pytest.mark.parametrize("kinds", [TRAIN, TRAIN[:1]], ids=["bursts and sweeps", "bursts alone"])
+def test_the_backlash_that_the_paper_leaves_out_is_named_and_mended(tmp_path, capsys, kinds):
+    """Bursts alone say nothing of it in a regression on the measured motion: its probes are predicted."""
     files = {kind: str(path) for kind, path in recordings("paper-stand-backlash").items()}
     train = [files[kind] for kind in kinds]
     rig, folder = str(tmp_path / "rig.yaml"), tmp_path / "diagnosis"
@@ -36,7 +31,7 @@ def test_the_backlash_that_the_paper_leaves_out_is_named_and_mended(tmp_path, ca
     # the held-out multisine, run as an FMU
     (held,) = document["fit"]["holdout"]
     assert held["nrmse_before"] > 10 * held["noise_floor"]
-    assert held["nrmse_after"] < floors * held["noise_floor"]
+    assert held["nrmse_after"] < 1.05 * held["noise_floor"]
     assert (folder / "model.fmu").stat().st_size > 0
     found = document["effects"][0]["parameters"]
     for name, true in (("gap", ACTUATOR["half_gap"]), ("mass", ACTUATOR["moving_mass"])):
