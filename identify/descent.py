@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from operator import itemgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
 
 #: A step is shortened at most this often, each time by more damping.
 _SHORTENED = 14
+#: A step that keeps less than this part of its promise says that the response is bent along it (Marquardt 1963 takes a
+#: quarter for the bound between a linear response and one that is none).
+_BENT = 0.25
 
 
 class Descent:
@@ -54,9 +58,8 @@ class Descent:
         self.cost = cost_of(self.residuals, noise)
         self.taken, self.resting = 0, False
         self._damping = 1e-4
-        core = problem.core
-        # what another spring may take over: see ``State.stepped``
-        self._squared = core.parameter_names.index("omega0") if "restoring" in core.paths else None
+        names = problem.core.parameter_names
+        self._natural_frequency = names.index("omega0") if "omega0" in names else None
         self._blocks: list[Block] | None = None
         self._expected: tuple[np.ndarray, ...] | None = None
 
@@ -90,6 +93,9 @@ class Descent:
     def step(self, tolerance: float) -> bool:
         """Take one step; gives whether it led anywhere.
 
+        Where a step keeps little of its promise, the same one with the natural frequency's part taken in its square is
+        tried beside it (``State.stepped``), and the better one is taken.
+
         Args:
             tolerance: the search rests when the next step promises a smaller gain of log-likelihood; a gain of 0.5 is
                 a step of one standard error.
@@ -105,21 +111,30 @@ class Descent:
             if gain < tolerance:
                 self.resting = True
                 return False
-            trial = self.state.stepped(problem.free, shared, own, self._squared)
-            if problem.bounds is not None:
-                trial = replace(trial, values=np.clip(trial.values, *problem.bounds))
-            trial = handed_over(problem, trial)
-            residuals = problem.residuals(trial)
-            cost = cost_of(residuals, self.noise)
-            if cost < self.cost:
-                better = self.cost - cost > 0.25 * gain
-                self._damping = max(self._damping / 10.0, 1e-12) if better else self._damping * 2.0
-                self.state, self.residuals, self.cost = trial, residuals, cost
+            trial = self._trial(shared, own)
+            if self.cost - trial[2] < _BENT * gain and self._natural_frequency in problem.free:
+                trial = min(trial, self._trial(shared, own, self._natural_frequency), key=itemgetter(2))
+            lost = self.cost - trial[2]
+            if lost > 0.0:
+                self._damping = max(self._damping / 10.0, 1e-12) if lost > _BENT * gain else self._damping * 2.0
+                self.state, self.residuals, self.cost = trial
                 self._blocks = self._expected = None
                 return True
             self._damping *= 8.0
         self.resting = True  # no step in any direction helps: the maximum, to the precision of the derivatives
         return False
+
+    def _trial(
+        self, shared: np.ndarray, own: np.ndarray, squared: int | None = None
+    ) -> tuple[State, tuple[np.ndarray, ...], float]:
+        """Where a step leads, within the bounds, what it leaves there, and its cost."""
+        problem = self.problem
+        state = self.state.stepped(problem.free, shared, own, squared)
+        if problem.bounds is not None:
+            state = replace(state, values=np.clip(state.values, *problem.bounds))
+        state = handed_over(problem, state)
+        residuals = problem.residuals(state)
+        return state, residuals, cost_of(residuals, self.noise)
 
     def _solved(self, damping: float) -> tuple[np.ndarray, np.ndarray]:
         """The next step, without those parameters that would leave their bounds from where they are."""

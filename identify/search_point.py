@@ -31,10 +31,10 @@ class State:
         Args:
             free: places of the parameters that are free.
             shared, own: the step.
-            squared: place of the natural frequency, where another law may take over its spring. It stands in the
-                equation as its square, a stiffness, in which the response is the straighter: it goes as far in that as
-                the step does at first. Else the stiffness is off by the square of the step, and the motion loses its
-                phase.
+            squared: place of the natural frequency, where its part of the step is one of its square. As that, a
+                stiffness, it stands in the equation: where another law takes over the spring the response is straight
+                in it, and a step of the frequency itself has the stiffness off by its own square, so that the motion
+                loses its phase.
         """
         values = self.values.copy()
         values[list(free)] += shared[: len(free)]

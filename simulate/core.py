@@ -34,8 +34,6 @@ class Core:
         self.quantity = oscillator.response.quantity
         self.parameter_names = self.equations.parameter_names
         self.states = len(self.equations.state_names)
-        #: Where the laws beside Eq. 17 act.
-        self.paths = frozenset(term.law.path for term in oscillator.terms)
         sources = {
             "law.c": law_source(self.equations),
             **engine.engine_texts(),
