@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 #: A step is shortened at most this often, each time by more damping.
 _SHORTENED = 14
-#: A step that keeps less than this part of its promise says that the response is bent along it (Marquardt 1963 takes a
-#: quarter for the bound between a linear response and one that is none).
+#: A step that keeps less than this part of its promise says that the response is bent along it (Fletcher 1971, whose
+#: modified Marquardt method takes the same bound).
 _BENT = 0.25
 
 
@@ -114,9 +114,9 @@ class Descent:
             trial = self._trial(shared, own)
             if self.cost - trial[2] < _BENT * gain and self._natural_frequency in problem.free:
                 trial = min(trial, self._trial(shared, own, self._natural_frequency), key=itemgetter(2))
-            lost = self.cost - trial[2]
-            if lost > 0.0:
-                self._damping = max(self._damping / 10.0, 1e-12) if lost > _BENT * gain else self._damping * 2.0
+            kept = self.cost - trial[2]
+            if kept > 0.0:
+                self._damping = max(self._damping / 10.0, 1e-12) if kept > _BENT * gain else self._damping * 2.0
                 self.state, self.residuals, self.cost = trial
                 self._blocks = self._expected = None
                 return True
