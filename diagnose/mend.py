@@ -16,7 +16,7 @@ from ..identify.replay import force_of, replay, replayed
 from ..identify.weighed import ABOVE_NOISE
 from ..model import Oscillator, Response
 from ..recording.recording import Recording
-from ..verify.fmu_run import FmuRun
+from ..verify.fmu_run import FmuRun, FmuStopped
 from ..verify.noise_floor import floor_of_model, pieces
 from .result import RecordFit
 from .search.judgement import MATTERS
@@ -40,7 +40,7 @@ def record_fits(
         after: mended model; None where nothing was mended.
         recordings: what they are held against.
         holdout: whether no parameter was fitted to them.
-        fmu: the mended model exported; its response is then the FMU's under FMPy.
+        fmu: the mended model exported; its response is then the FMU's under FMPy, and none from where that stops.
     """
     run = FmuRun(fmu) if fmu is not None and after is not None else None
     try:
@@ -135,7 +135,10 @@ def _fit(
             if run is not None:
                 force, output = force_of(piece), run.output_for(recording)
                 force = force if force is None else force.shifted(-there.load)
-                second = run.record(force, piece.n, piece.dt, there.initial, piece.start, output)
+                try:
+                    second = run.record(force, piece.n, piece.dt, there.initial, piece.start, output)
+                except FmuStopped as stopped:  # a motion that runs away is a finding about the model
+                    second = stopped.of(piece.n)
                 second = second + there.shown(piece.dt)
         times.append(piece.time)
         measured.append(np.asarray(piece.response, float))

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from operator import itemgetter
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,9 +21,6 @@ if TYPE_CHECKING:
 
 #: A step is shortened at most this often, each time by more damping.
 _SHORTENED = 14
-#: A step that keeps less than this part of its promise says that the response is bent along it (Fletcher 1971, whose
-#: modified Marquardt method takes the same bound).
-_BENT = 0.25
 
 
 class Descent:
@@ -93,8 +89,8 @@ class Descent:
     def step(self, tolerance: float) -> bool:
         """Take one step; gives whether it led anywhere.
 
-        Where a step keeps little of its promise, the same one with the natural frequency's part taken in its square is
-        tried beside it (``State.stepped``), and the better one is taken.
+        A step that leads nowhere is tried once more, with the natural frequency's part taken in its square
+        (``State.stepped``), before it is shortened.
 
         Args:
             tolerance: the search rests when the next step promises a smaller gain of log-likelihood; a gain of 0.5 is
@@ -112,11 +108,11 @@ class Descent:
                 self.resting = True
                 return False
             trial = self._trial(shared, own)
-            if self.cost - trial[2] < _BENT * gain and self._natural_frequency in problem.free:
-                trial = min(trial, self._trial(shared, own, self._natural_frequency), key=itemgetter(2))
+            if not trial[2] < self.cost and self._natural_frequency in problem.free:
+                trial = self._trial(shared, own, self._natural_frequency)
             kept = self.cost - trial[2]
             if kept > 0.0:
-                self._damping = max(self._damping / 10.0, 1e-12) if kept > _BENT * gain else self._damping * 2.0
+                self._damping = max(self._damping / 10.0, 1e-12) if kept > 0.25 * gain else self._damping * 2.0
                 self.state, self.residuals, self.cost = trial
                 self._blocks = self._expected = None
                 return True

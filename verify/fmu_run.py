@@ -76,6 +76,10 @@ class FmuStopped(BadInput):
         super().__init__(message)
         self.reached = reached
 
+    def of(self, n: int) -> np.ndarray:
+        """(n,) output until then, and NaN from there on; NaN alone where it ended before the first of n samples."""
+        return self.reached if self.reached.size == n else np.full(n, np.nan)
+
 
 class FmuRun:
     """A co-simulation FMU (FMI 2.0 or 3.0) with input ``F``, unpacked once and instantiated once, in its own process.

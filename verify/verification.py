@@ -296,7 +296,7 @@ def _run(run: FmuRun, piece: Piece) -> Run:
             return run.record(pushed, n, recording.dt, state, recording.start, output)
         except FmuStopped as stop:  # from another start the motion may stay within bounds
             stopped = stop
-            return stop.reached if stop.reached.size == n else np.full(n, np.nan)
+            return stop.of(n)
 
     replay = run_along(simulate, recording, run.inner)
     if stopped is not None and not np.all(np.isfinite(replay.response)):

@@ -132,6 +132,20 @@ def test_the_fmu_is_given_back_also_where_a_run_fails(sweep, fmu, monkeypatch):
     assert ended == [(None, None, None)]
 
 
+def test_a_mended_model_that_runs_away_from_what_was_held_out_leaves_a_row_without_an_end(sweep, tmp_path):
+    """A cubic that softens has no way back beyond its largest force; the FMU stops there, and nothing else does."""
+    cubic = -2.0 * TRUTH["omega0"] ** 2 / np.max(np.abs(sweep.response)) ** 2
+    softening = Oscillator.from_values(TRUTH | {"cubic": cubic})
+    path = exported(softening, tmp_path / "softening.fmu")
+    (found,) = record_fits(Oscillator.from_values(TRUTH), softening, [sweep], holdout=True, fmu=path)
+    assert found.nrmse_before < 2 * found.noise_floor
+    assert not math.isfinite(found.nrmse_after)
+    assert found.after is not None
+    assert np.isfinite(found.after[0])
+    assert np.isnan(found.after[-1])
+    assert not follows_any([found])
+
+
 def test_without_a_mended_model_no_fmu_is_asked_for(sweep, tmp_path):
     (fit,) = record_fits(MENDED, None, [sweep], holdout=True, fmu=tmp_path / "missing.fmu")
     assert np.array_equal(fit.before, fit.after)
