@@ -186,11 +186,12 @@ def clipped(recording: Recording, motion: Oscillation) -> list[Problem]:
         rails = clipping(signal)
         if not rails:
             continue
-        at = recording.start + min(rail.first for rail in rails) / recording.fs
+        first = recording.start + min(rail.first for rail in rails) / recording.fs
+        last = recording.start + max(rail.last for rail in rails) / recording.fs
         levels = " and ".join(f"{rail.level:.4g} {unit}" for rail in rails)
         what = (
             f"the {name} is clipped: it stays exactly at {levels} on {sum(rail.visits for rail in rails)} peaks "
-            f"({sum(rail.samples for rail in rails)} samples), first at {at:.4g} s"
+            f"({sum(rail.samples for rail in rails)} samples), from {first:.4g} to {last:.4g} s"
         )
         if name == "force" and not measured(signal):
             problems.append(_note(recording, f"{what}; if it was measured and not commanded so, record again"))
@@ -198,7 +199,8 @@ def clipped(recording: Recording, motion: Oscillation) -> list[Problem]:
             lost = f"{100 * share:.2g} % of the force, which the noise of the response exceeds"
             problems.append(_note(recording, f"{what}; that hides about {lost}"))
         else:
-            problems.append(_error(recording, f"{what}; record again with a larger measuring range or a lower level"))
+            again = "record again with a larger measuring range or a lower level"
+            problems.append(_error(recording, f"{what}; use a part without it (--part FROM:TO), or {again}"))
     return problems
 
 

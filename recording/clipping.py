@@ -18,7 +18,7 @@ SENSOR_NOISE = 1e-5  # of the peak: no sensor is quieter, so below it the signal
 
 @dataclass(frozen=True)
 class Clipping:
-    """The level at which a signal is cut, how often, how many samples of it, and the first one's index.
+    """The level at which a signal is cut, how often, how many samples of it, and where the first and the last one is.
 
     ``hidden`` is the sum of squares of what lies beyond the rail, by parabolas through the flanks of each flat top.
     """
@@ -27,6 +27,7 @@ class Clipping:
     visits: int
     samples: int
     first: int
+    last: int
     hidden: float = 0.0
 
 
@@ -47,7 +48,8 @@ def clipping(signal: np.ndarray) -> list[Clipping]:
         if cut:
             samples = int(sum(n for _, n in cut))
             hidden = sum(_beyond(sign * signal, int(i), int(n)) for i, n in cut)
-            rails.append(Clipping(float(signal[cut[0][0]]), len(cut), samples, int(cut[0][0]), hidden))
+            first, *_, last = np.flatnonzero(_at_maximum(sign * signal))
+            rails.append(Clipping(float(signal[first]), len(cut), samples, int(first), int(last), hidden))
     both = sum(rail.visits for rail in rails) >= VISITS
     at_rails = sum(rail.samples for rail in rails) <= MOST * len(signal)
     return rails if both and at_rails else []
@@ -82,9 +84,12 @@ def _resolution(signal: np.ndarray) -> float:
     return float(np.percentile(gaps, 5)) if len(gaps) else 0.0
 
 
+def _at_maximum(signal: np.ndarray) -> np.ndarray:
+    return signal >= signal.max() - 1e-9 * np.ptp(signal)
+
+
 def _runs_at_maximum(signal: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    at = signal >= signal.max() - 1e-9 * np.ptp(signal)
-    edges = np.flatnonzero(np.diff(np.concatenate(([0], at.astype(np.int8), [0]))))
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], _at_maximum(signal).astype(np.int8), [0]))))
     starts, lengths = edges[::2], edges[1::2] - edges[::2]
     long = lengths >= SHORTEST
     return starts[long], lengths[long]

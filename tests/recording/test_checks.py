@@ -75,6 +75,8 @@ def test_clipped_response(recording, share, resolution):
     sentence = the_error(replace(recording, response=response))
     assert "response is clipped" in sentence
     assert "measuring range" in sentence
+    at = recording.start + np.flatnonzero(np.abs(response) >= np.max(np.abs(response)))[[0, -1]] / recording.fs
+    assert f"from {at[0]:.4g} to {at[1]:.4g} s; use a part without it" in sentence
 
 
 def test_one_rail_is_enough():
