@@ -107,20 +107,20 @@ class Descent:
             if gain < tolerance:
                 self.resting = True
                 return False
-            trial = self._trial(shared, own)
-            if not trial[2] < self.cost and self._natural_frequency in problem.free:
-                trial = self._trial(shared, own, self._natural_frequency)
-            kept = self.cost - trial[2]
-            if kept > 0.0:
-                self._damping = max(self._damping / 10.0, 1e-12) if kept > 0.25 * gain else self._damping * 2.0
-                self.state, self.residuals, self.cost = trial
+            trial, residuals, cost = self._tried(shared, own)
+            if not cost < self.cost and self._natural_frequency in problem.free:
+                trial, residuals, cost = self._tried(shared, own, self._natural_frequency)
+            if cost < self.cost:
+                better = self.cost - cost > 0.25 * gain
+                self._damping = max(self._damping / 10.0, 1e-12) if better else self._damping * 2.0
+                self.state, self.residuals, self.cost = trial, residuals, cost
                 self._blocks = self._expected = None
                 return True
             self._damping *= 8.0
         self.resting = True  # no step in any direction helps: the maximum, to the precision of the derivatives
         return False
 
-    def _trial(
+    def _tried(
         self, shared: np.ndarray, own: np.ndarray, squared: int | None = None
     ) -> tuple[State, tuple[np.ndarray, ...], float]:
         """Where a step leads, within the bounds, what it leaves there, and its cost."""

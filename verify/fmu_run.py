@@ -77,7 +77,7 @@ class FmuStopped(BadInput):
         self.reached = reached
 
     def of(self, n: int) -> np.ndarray:
-        """(n,) output until then, and NaN from there on; NaN alone where it ended before the first of n samples."""
+        """(n,) output of a run of n samples until then, and NaN from there on; NaN alone where it gave back none."""
         return self.reached if self.reached.size == n else np.full(n, np.nan)
 
 
