@@ -8,8 +8,9 @@ of another colour.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,6 +55,7 @@ class Leftover:
         short: whether the segment has too few cycles for those three to tell.
         part: rms of the residual over that of the motion.
         resonant: share of its power that rings with the rig, 0 where noise of another colour would have as much.
+        span: from when to when it lasts, s.
         order: of what keeps step, how many times the motion's frequency the strongest has; 0 where nothing does.
     """
 
@@ -66,6 +68,7 @@ class Leftover:
     part: float = np.nan
     order: int = 0
     resonant: float = 0.0
+    span: tuple[float, float] | None = None
 
     @property
     def is_mismatch(self) -> bool:
@@ -82,6 +85,11 @@ def leftovers(fitted: Fitted, data: Data) -> tuple[Leftover, ...]:
 
 def leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
     """The same of one segment."""
+    segment = data.segments[index]
+    return replace(_leftover(fitted, data, index), span=(segment.time, segment.time + segment.n * segment.dt))
+
+
+def _leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
     from scipy.stats import spearmanr
 
     segment, residual = data.segments[index], fitted.residuals[index]
@@ -205,9 +213,13 @@ def sentence(left: Sequence[Leftover]) -> str | None:
     bad = sorted(worst.values(), key=lambda leftover: -leftover.ratio)
     if not bad:
         return None
+    segments = Counter(leftover.file for leftover in left)
     parts = []
     for leftover in bad[:3]:
-        parts.append(f"{_size(leftover)} in {leftover.file}{_how(leftover)}")
+        # of several in one recording this is the worst, and no figure of the whole
+        several = leftover.span is not None and segments[leftover.file] > 1
+        when = ", where it is worst, {:.4g} to {:.4g} s".format(*leftover.span or ()) if several else ""
+        parts.append(f"{_size(leftover)} in {leftover.file}{when}{_how(leftover)}")
     more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recording{'s' if len(bad) > 4 else ''}"
     return f"there remains {'; '.join(parts)}{more}"
 

@@ -38,6 +38,19 @@ def test_what_is_left_is_told_as_a_part_of_the_motion_first():
     assert "frequency" not in str(sentence([replace(left(12.0, step=0.4), part=0.007, order=1)]))
 
 
+def test_of_several_stretches_of_a_recording_the_worst_is_told_with_its_time():
+    """What is left there is no figure of the whole recording, which may be told far better."""
+    several = [
+        replace(left(3.0, step=0.4), part=0.004, span=(0.0, 8.0)),
+        replace(left(9.0, step=0.4), part=0.025, span=(8.0, 8.51234)),
+        replace(left(2.0, step=0.4, file="other"), part=0.01, span=(0.0, 8.0)),
+    ]
+    assert sentence(several) == (
+        "there remains 2.5 % of the motion (9 times the noise) in run, where it is worst, 8 to 8.512 s, in step with "
+        "the motion; 1 % of the motion (2 times the noise) in other, in step with the motion"
+    )
+
+
 def test_more_than_three_recordings_are_counted():
     four = [left(2.0 + k, motion=0.5, file=f"run{k}") for k in range(4)]
     assert str(sentence(four)).endswith("in run1, growing with the motion, and more in 1 further recording")

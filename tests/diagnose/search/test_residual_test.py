@@ -111,6 +111,7 @@ def test_a_burst_is_placed_in_the_middle_of_its_window(cycles, width):
     (leftover,) = leftovers(*left_by((motion, residual), begin=3.0))
     middle = (np.floor(place / width) + 0.5) * width * 2 * np.pi / OMEGA
     assert leftover.burst_s == pytest.approx(3.0 + middle, rel=1e-9)
+    assert leftover.span == pytest.approx((3.0, 3.0 + motion.size * DT))
     assert leftover.is_mismatch
 
 
