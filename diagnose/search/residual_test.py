@@ -54,9 +54,9 @@ class Leftover:
         burst_s: time of a burst, or None.
         short: whether the segment has too few cycles for those three to tell.
         part: rms of the residual over that of the motion.
-        resonant: share of its power that rings with the rig, 0 where noise of another colour would have as much.
-        span: from when to when it lasts, s.
         order: of what keeps step, how many times the motion's frequency the strongest has; 0 where nothing does.
+        resonant: share of its power that rings with the rig, 0 where noise of another colour would have as much.
+        span: begin and end of the segment in its recording, s.
     """
 
     file: str
@@ -90,6 +90,7 @@ def leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
 
 
 def _leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
+    """The same, but for when it was."""
     from scipy.stats import spearmanr
 
     segment, residual = data.segments[index], fitted.residuals[index]
@@ -216,9 +217,7 @@ def sentence(left: Sequence[Leftover]) -> str | None:
     segments = Counter(leftover.file for leftover in left)
     parts = []
     for leftover in bad[:3]:
-        # of several in one recording this is the worst, and no figure of the whole
-        several = leftover.span is not None and segments[leftover.file] > 1
-        when = ", where it is worst, {:.4g} to {:.4g} s".format(*leftover.span or ()) if several else ""
+        when = _when(leftover) if segments[leftover.file] > 1 else ""
         parts.append(f"{_size(leftover)} in {leftover.file}{when}{_how(leftover)}")
     more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recording{'s' if len(bad) > 4 else ''}"
     return f"there remains {'; '.join(parts)}{more}"
@@ -228,6 +227,14 @@ def _size(leftover: Leftover) -> str:
     """How much is left: of the motion, and in times the noise."""
     times = f"{figure(leftover.ratio, 2)} times the noise"
     return f"{figure(100 * leftover.part, 2)} % of the motion ({times})" if np.isfinite(leftover.part) else times
+
+
+def _when(leftover: Leftover) -> str:
+    """Which of a recording's several segments it is: what the worst leaves is no figure of the whole."""
+    if leftover.span is None:
+        return ""
+    begin, end = leftover.span
+    return f", where it is worst, {begin:.4g} to {end:.4g} s"
 
 
 def _how(leftover: Leftover) -> str:
