@@ -256,7 +256,7 @@ class OutputError:
         known = {} if backward else self._known.at(self._point(state))
 
         def quotient(i: int, k: int, out: np.ndarray) -> None:
-            unknown = i, self.free[k] if k < len(self.free) else self.shared - k - 1
+            unknown = (i, "parameter", self.free[k]) if k < len(self.free) else (i, "own", k - self.shared)
             if unknown in known:
                 restore(known[unknown], out)
                 return

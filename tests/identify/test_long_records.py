@@ -9,6 +9,11 @@ import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import forced_regression, hilbert, identify, output_error, scatter
+from dashpot.identify.data import data_of
+from dashpot.identify.offset import Offset
+from dashpot.identify.prediction import FREE
+from dashpot.identify.structure import Structure
+from dashpot.model import Oscillator
 from dashpot.simulate import force
 
 SECONDS = 40.0
@@ -50,6 +55,41 @@ def test_a_long_record_gives_what_it_gives_as_a_short_one(monkeypatch, quantity,
     assert long.fit.log_likelihood == pytest.approx(short.fit.log_likelihood, rel=1e-6)
 
 
+def test_a_long_record_with_a_zero_of_the_load_cell_gives_what_it_gives_as_a_short_one(monkeypatch):
+    clean = recording_of(sweep=(1.0, 5.0, 20.0), fs=1000.0, seconds=10.0, noise=2e-6, name="sweep")
+    off = replace(clean, force=clean.force + 0.15)
+    short = identify([off])
+    taken_for_long(monkeypatch, 2000)
+    long = identify([again(off)])
+    for name, known in short.oscillator.parameters().items():
+        found = long.oscillator.parameters()[name]
+        assert found.value == pytest.approx(known.value, abs=0.02 * known.std), name
+        assert found.std == pytest.approx(known.std, rel=0.35), name
+        assert abs(found.value - TRUTH[name]) < 5 * found.std, name
+    (zero,), (expected,) = ([o for o in found.fit.offsets if o.channel == "force"] for found in (long, short))
+    assert zero.value == pytest.approx(expected.value, abs=0.02 * expected.std)
+    assert abs(zero.value - 0.15) < 5 * zero.std
+
+
+@pytest.mark.parametrize("memory", [FREE, 8.0])
+def test_the_jacobian_of_a_long_record_is_that_of_a_short_one(monkeypatch, memory):
+    """With zeros of the force and of the sensor and a drift, each unknown after the others at one point."""
+    recording = recording_of(sweep=(1.0, 5.0, 20.0), begin=(1e-3, 0.0), fs=1000.0, seconds=6.0, noise=2e-6)
+    model = Oscillator.from_values(TRUTH)
+    offsets = (Offset(0, "force", 1e-3, 0.1), Offset(0, "response", 1e-5, 2e-5), Offset(0, "drift", 1e-5, 1e-5, 3.0))
+    structure = Structure(model, data_of([recording], model, coarse=False), offsets=offsets)
+    problem, state = structure.problem.predicting(memory), structure.state(None)
+    (segment,) = problem.segments
+    assert not segment.rests  # its initial states are among the unknowns
+    residuals = problem.residuals(state)
+    (short,) = problem.derivatives(state, residuals)
+    assert np.all(np.any(short != 0.0, axis=1))
+    monkeypatch.setattr(output_error, "LONG", 100)
+    for _ in range(2):  # computed, then as they were kept
+        (long,) = problem.derivatives(state, residuals)
+        assert np.max(np.abs(long - short) / np.max(np.abs(short), axis=1, keepdims=True)) < 1e-6
+
+
 def test_its_noise_is_that_which_scipy_measures(monkeypatch):
     random = np.random.default_rng(0)
     signal = np.cumsum(1e-2 * random.standard_normal(30_001)) + random.standard_normal(30_001)
@@ -59,10 +99,6 @@ def test_its_noise_is_that_which_scipy_measures(monkeypatch):
 
 
 def test_what_is_known_of_one_point_is_not_told_of_another(monkeypatch):
-    from dashpot.identify.data import data_of
-    from dashpot.identify.structure import Structure
-    from dashpot.model import Oscillator
-
     recording = recording_of(sweep=(1.0, 5.0, 20.0), fs=1000.0, seconds=10.0, noise=2e-6)
     model = Oscillator.from_values(TRUTH)
     problem = Structure(model, data_of([recording], model, coarse=False)).problem
