@@ -1,7 +1,7 @@
 # Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-all check docs proof installed benchmark gallery setup clean distclean
+.PHONY: help demo test test-all check docs proof golden installed benchmark gallery setup clean distclean
 
 # Folders that another workspace put on Python's path must not reach into .venv.
 unexport PYTHONPATH PYTHONHOME
@@ -45,6 +45,10 @@ docs: ## set up, then build the site of docs/ into site/, with nothing from the 
 proof: ## set up, then the blind proof of the diagnosis (an hour or two; ARGS="--short 8" for a taste); results in proof/
 	@sh .ci/setup dev
 	@.venv/bin/python -P -m dashpot.examples.concealed.proof -o proof $(ARGS)
+
+golden: ## set up, then compare identify and diagnose with the last commit, number by number (ARGS="--base REV --exact")
+	@sh .ci/setup dev
+	@.venv/bin/python -P benchmarks/golden.py $(ARGS)
 
 installed: ## build, install into a fresh environment (PYTHON=python3.13), and test what was installed (ARGS="tests/face")
 	@sh .ci/installed $(ARGS)
