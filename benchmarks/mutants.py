@@ -111,24 +111,30 @@ def _decide_nothing(tree: ast.AST) -> set[int]:
     return {id(inner) for node in passive if node is not None for inner in ast.walk(node)}
 
 
+def places(tree: ast.AST) -> list[tuple[int, int, ast.AST]]:
+    """What can be changed: the place of a node in ``ast.walk``, which of the changes of this node, and the node."""
+    passive = _decide_nothing(tree)
+    nodes = ((place, node) for place, node in enumerate(ast.walk(tree)) if id(node) not in passive)
+    return [(place, which, node) for place, node in nodes for which, _ in enumerate(changes_of(node))]
+
+
+def made(tree: ast.AST, place: int, which: int) -> Mutant:
+    """The mutant with one of the changes of the node at that place."""
+    other = copy.deepcopy(tree)  # walks in the same order
+    node, changed = (next(inner for i, inner in enumerate(ast.walk(t)) if i == place) for t in (tree, other))
+    list(changes_of(changed))[which](changed)
+    whole = ast.unparse(ast.fix_missing_locations(other))
+    before, after = (ast.unparse(n).splitlines()[0] for n in (node, changed))
+    if isinstance(node, ast.FunctionDef):
+        before, after = f"def {node.name}", "return"
+    return Mutant(getattr(node, "lineno", 0), before, after, whole)
+
+
 def mutants(text: str) -> list[Mutant]:
     """Every mutant of a file's text, in the order of its lines."""
     tree = ast.parse(text)
-    passive = _decide_nothing(tree)
-    made = []
-    for place, node in enumerate(ast.walk(tree)):
-        if id(node) in passive:
-            continue
-        for change in changes_of(node):
-            other = copy.deepcopy(tree)  # walks in the same order
-            changed = next(inner for i, inner in enumerate(ast.walk(other)) if i == place)
-            change(changed)
-            whole = ast.unparse(ast.fix_missing_locations(other))
-            before, after = (ast.unparse(n).splitlines()[0] for n in (node, changed))
-            if isinstance(node, ast.FunctionDef):
-                before, after = f"def {node.name}", "return"
-            made.append(Mutant(getattr(node, "lineno", 0), before, after, whole))
-    return sorted(made, key=lambda mutant: (mutant.line, mutant.before, mutant.after))
+    every = [made(tree, place, which) for place, which, _ in places(tree)]
+    return sorted(every, key=lambda mutant: (mutant.line, mutant.before, mutant.after))
 
 
 def sample(every: list[Mutant], count: int, seed: int, file: Path) -> list[Mutant]:
