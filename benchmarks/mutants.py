@@ -28,6 +28,7 @@ import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TypeGuard
 
 LEAST = 0.9
 #: A number below this stands beside a divisor so that it is not zero: twice as much is the same program.
@@ -79,7 +80,7 @@ def changes_of(node: ast.AST) -> Iterator[Change]:
     if isinstance(node, ast.Compare):
         for i in range(len(node.ops)):
             yield lambda n, i=i: n.ops.__setitem__(i, TURNED[type(n.ops[i])]())  # type: ignore[attr-defined]
-    elif isinstance(node, ast.Constant) and type(node.value) in (int, float) and abs(node.value) > GUARD:
+    elif isinstance(node, ast.Constant) and _is_number(node.value) and abs(node.value) > GUARD:
         yield lambda n: setattr(n, "value", 2 * n.value)  # type: ignore[attr-defined]
     elif isinstance(node, ast.BinOp | ast.AugAssign) and isinstance(node.op, ast.Add | ast.Sub):
         other = ast.Sub if isinstance(node.op, ast.Add) else ast.Add
@@ -96,6 +97,10 @@ def changes_of(node: ast.AST) -> Iterator[Change]:
         yield lambda n: setattr(n, "operand", ast.UnaryOp(ast.Not(), n.operand))  # type: ignore[attr-defined]
     elif isinstance(node, ast.FunctionDef):
         yield lambda n: n.body.insert(1 if ast.get_docstring(n) else 0, ast.Return(None))  # type: ignore[attr-defined]
+
+
+def _is_number(value: object) -> TypeGuard[float]:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def _decide_nothing(tree: ast.AST) -> set[int]:
