@@ -11,10 +11,14 @@ on from there; every command has a call of its name. docs/python.md has more.
 
 from __future__ import annotations
 
+import sys
 from importlib import import_module
+from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from inspect import Signature
+
     from . import examples as examples
     from .errors import BadInput, DashpotError, ToolchainMissing
     from .face.backbone import Backbone
@@ -78,11 +82,8 @@ __all__ = [
     "verify",
     "watch",
 ]
-#: Names that are folders or files of the package too; all but the built-in rigs can be called (``callable_module``).
-_MODULES = (
-    *("batch", "demo", "diagnose", "doctor", "examples", "export", "hilbert", "identify", "look", "paper", "simulate"),
-    "verify",
-)
+#: Names that are folders of the package too; all but the built-in rigs can be called, see ``_Package``.
+_FOLDERS = ("diagnose", "examples", "export", "identify", "simulate", "verify")
 #: Where the classes stand; the functions stand in ``face.commands``.
 _CLASSES = {
     "Backbone": "face.backbone",
@@ -99,9 +100,46 @@ _CLASSES = {
 }
 
 
+class _Command(ModuleType):
+    """A folder of the package that hands a call to the function of its name in ``dashpot.face.commands``."""
+
+    def __call__(self, *given: Any, **options: Any) -> Any:
+        """Do what ``dashpot`` offers under the folder's name; see ``help(dashpot.face.commands)``."""
+        return self._function()(*given, **options)
+
+    @property
+    def __signature__(self) -> Signature:
+        """What ``inspect.signature``, and with it completion in a notebook, shows."""
+        from inspect import signature
+
+        return signature(self._function())
+
+    def _function(self) -> Any:
+        from .face import commands
+
+        return getattr(commands, self.__name__.rpartition(".")[2])
+
+
+class _Package(ModuleType):
+    """The package: its folders that are commands can be called, ``dashpot.identify(...)``.
+
+    Python looks a name up in one place, so that a function of a folder's name would hide the folder or be hidden by it,
+    as it happens to be imported. Whenever the import system binds such a folder here, it gets a class that can be
+    called (the data model's "Customizing module attribute access"); no folder knows of it.
+    """
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in _FOLDERS and name != "examples" and type(value) is ModuleType:
+            value.__class__ = _Command
+        super().__setattr__(name, value)
+
+
+sys.modules[__name__].__class__ = _Package
+
+
 def __getattr__(name: str) -> Any:
     """The names above, loaded when they are first asked for: what stands behind them is slow to import."""
-    if name in _MODULES:
+    if name in _FOLDERS:
         return import_module(f".{name}", __name__)
     if name in __all__:
         return getattr(import_module(f".{_CLASSES.get(name, 'face.commands')}", __name__), name)

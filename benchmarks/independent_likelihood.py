@@ -6,9 +6,9 @@ import time
 
 import numpy as np
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.replay import force_of
-from dashpot.identify.segments import first_motion
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.problem.replay import force_of
+from dashpot.identify.problem.segments import first_motion
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp

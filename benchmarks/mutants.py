@@ -1,6 +1,6 @@
 """Whether a file's own tests notice when the file is wrong: one-line mutants, and how many of them the tests kill.
 
-    python -P benchmarks/mutants.py diagnose/verdict.py identify/prediction.py [-n 20] [--seed 0]
+    python -P benchmarks/mutants.py diagnose/verdict.py identify/problem/prediction.py [-n 20] [--seed 0]
 
 A mutant is the file with one thing changed: a comparison turned round, a number doubled, plus and minus, `and` and
 `or`, or min and max exchanged, a `not` left out, or a function that returns nothing at once (DeMillo, Lipton, Sayward

@@ -20,7 +20,7 @@ from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.export import export
 from dashpot.identify import identify
-from dashpot.identify.replay import replay
+from dashpot.identify.problem.replay import replay
 from dashpot.model import Oscillator
 from dashpot.recording import read
 from dashpot.simulate.casadi_step import exact_step

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from dashpot.errors import BadInput
 from dashpot.identify import identify
-from dashpot.identify.decays import find_free_motion
+from dashpot.identify.motion.decays import find_free_motion
 from dashpot.recording import Recording
 
 #: A decay is found where it begins within so many cycles of the release, ends no later than so many after the catch,

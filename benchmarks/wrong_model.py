@@ -20,15 +20,15 @@ import numpy as np
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
-from dashpot.identify.data import data_of
-from dashpot.identify.output_error import MOST_STEPS
-from dashpot.identify.replay import replay
-from dashpot.identify.scatter import scatter
-from dashpot.identify.settle import settled
-from dashpot.identify.signals import noise_levels
-from dashpot.identify.start import hilbert_start
-from dashpot.identify.structure import Structure
-from dashpot.identify.weighed import weighed
+from dashpot.identify.fit.reweighted_fit import weighed
+from dashpot.identify.fit.scatter import scatter
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.output_error import MOST_STEPS
+from dashpot.identify.problem.replay import replay
+from dashpot.identify.problem.settle import settled
+from dashpot.identify.problem.structure import Structure
+from dashpot.identify.signals.signals import noise_levels
+from dashpot.identify.start.start import hilbert_start
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step

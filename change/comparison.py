@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..identify.odds import BY_CHANCE
+from ..identify.signals.odds import BY_CHANCE
 from ..model import Oscillator
 from ..model.fit_state import left_over
 from .estimates import Estimates, laws_of, side_by_side

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.odds import BY_CHANCE
+from ..identify.signals.odds import BY_CHANCE
 from ..model import Oscillator
 from .comparison import remarks, trusted
 from .estimates import Estimates, laws_of, of_first, side_by_side

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..identify.odds import BY_CHANCE, DECISIVE
+from ..identify.signals.odds import BY_CHANCE, DECISIVE
 from .repeatability import KNOWN, Repeatability
 
 #: Degrees of freedom that must be left to judge by what did not move.

@@ -14,7 +14,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ..identify.odds import BEYOND_ERRORS
+from ..identify.signals.odds import BEYOND_ERRORS
 from .estimates import Estimates
 from .moved import Moved, States, joined, values_given, what_moved
 from .repeatability import Repeatability

@@ -4,15 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..callable_module import callable_as_its_name
-
 if TYPE_CHECKING:
     from .diagnosis import diagnose
     from .result import Diagnosis
 
 __all__ = ["Diagnosis", "diagnose"]
-
-callable_as_its_name(__name__)  # dashpot.diagnose(...)
 
 
 def __getattr__(name: str) -> Any:

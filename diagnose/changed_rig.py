@@ -14,9 +14,9 @@ from itertools import combinations
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.odds import BEYOND_ERRORS
-from ..identify.start import Curve, hilbert_start
-from ..identify.stranger_among import KEPT
+from ..identify.faults.stranger_among import KEPT
+from ..identify.signals.odds import BEYOND_ERRORS
+from ..identify.start.start import Curve, hilbert_start
 from ..recording.recording import Recording
 from .wording import figure
 

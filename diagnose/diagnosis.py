@@ -13,13 +13,13 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.data import Data, data_of
-from ..identify.delivered import Fit, delivered
-from ..identify.hold import hold_of_recordings, with_hold
+from ..identify.fit.hold import hold_of_recordings, with_hold
+from ..identify.fit.reported_result import Fit, delivered
 from ..identify.identification import belong_together
-from ..identify.prediction import FREE
+from ..identify.problem.data import Data, data_of
+from ..identify.problem.prediction import FREE
+from ..identify.problem.structure import Fitted, renamed
 from ..identify.provenance import with_provenance
-from ..identify.structure import Fitted, renamed
 from ..model import Oscillator
 from ..model.installed_laws import take_installed_laws
 from ..model.law import Law
@@ -32,15 +32,15 @@ from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
 from .family import cut_for, family_of, first_fit, identified_from, less_offsets, stranger
 from .in_one_run import told_best_in_one_run
+from .insignificant_laws import of_unknown_size, without_needless
 from .measuring_chain import hold_of, known_faults
 from .measuring_chain import zeros as zeros_of
-from .mend import exported, follows_any, no_finding, record_fits, unmended
-from .needless import of_unknown_size, without_needless
-from .on_all import FITTED_TO_ALL, fitted_to_all
 from .place.locate import locate
 from .place.missing_force import latent_forces
 from .plainer import with_plainer_laws
 from .recordings import carries, same_quantity, split, why_unused
+from .refit_on_all import FITTED_TO_ALL, fitted_to_all
+from .repair_trial import exported, follows_any, no_finding, record_fits, unmended
 from .result import SURE, Considered, Diagnosis, Effect
 from .search.candidate import STAGES, Candidate, key
 from .search.judgement import leaves_mismatch, names_of, only_a_name, standing, why_not

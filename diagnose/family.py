@@ -9,14 +9,14 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.data import Data, data_of
-from ..identify.from_prediction import keeps_step, memories
-from ..identify.hold import held_as
+from ..identify.fit.from_prediction import keeps_step, memories
+from ..identify.fit.hold import held_as
+from ..identify.fit.likelihood import maximum_likelihood
 from ..identify.identification import Identification, identify
-from ..identify.likelihood import maximum_likelihood
-from ..identify.offset import FoundOffset, Offset
-from ..identify.prediction import FREE
-from ..identify.structure import Fitted, Structure
+from ..identify.problem.data import Data, data_of
+from ..identify.problem.offset import FoundOffset, Offset
+from ..identify.problem.prediction import FREE
+from ..identify.problem.structure import Fitted, Structure
 from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed

@@ -11,8 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import BadInput
+from ..files.writing import check_ours, remove, together, writable, write
 from ..model.file import dumps
-from ..writing import check_ours, remove, together, writable, write
 from .result import Diagnosis, Experiment
 
 DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT = (

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..identify.data import Data
+from ..identify.problem.data import Data
 from .search.candidate import Candidate, key
 from .search.judgement import MATTERS
 from .search.search import Search

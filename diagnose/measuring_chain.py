@@ -6,10 +6,10 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..identify.hold import hold_note
-from ..identify.odds import BEYOND_ERRORS, BY_CHANCE
-from ..identify.offset import FoundOffset
-from ..identify.signals import response_of
+from ..identify.fit.hold import hold_note
+from ..identify.problem.offset import FoundOffset
+from ..identify.signals.odds import BEYOND_ERRORS, BY_CHANCE
+from ..identify.signals.signals import response_of
 from ..model import Oscillator
 from ..model.oscillator import HOLDS
 from ..recording.recording import Recording

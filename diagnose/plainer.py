@@ -13,16 +13,16 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.odds import DECISIVE
-from ..identify.structure import Fitted, Structure
+from ..identify.problem.structure import Fitted, Structure
+from ..identify.signals.odds import DECISIVE
 from ..model import Oscillator
 from ..model.laws import find
 from ..model.terms import with_term, without_term
 from .search.candidate import Candidate, key
-from .search.led import led
 from .search.measure import Measure
 from .search.race import PATIENCE, Entry, race, started
 from .search.search import Search
+from .search.start_from_simpler_model import led
 
 #: Physical limit: motions that differ by less than this part of the noise are alike.
 _ALIKE = 0.01

@@ -11,12 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.data import natural_frequency
-from ..identify.decays import find_free_motion, force_is_silent
-from ..identify.envelope import SHORTEST_CYCLES
 from ..identify.identification import of_one_motion
-from ..identify.segments import cut, pace_of
-from ..identify.signals import response_of
+from ..identify.motion.decays import find_free_motion, force_is_silent
+from ..identify.motion.envelope import SHORTEST_CYCLES
+from ..identify.problem.data import natural_frequency
+from ..identify.problem.segments import cut, pace_of
+from ..identify.signals.signals import response_of
 from ..model import Oscillator
 from ..recording.recording import Recording
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from ..identify.weighed import ABOVE_NOISE
+from ..identify.signals.odds import ABOVE_NOISE
 from ..model.effect_words import effect_in_words
 from .result import Effect, RecordFit, Verdict
 from .search.residual_test import FAR_ABOVE_NOISE, Leftover

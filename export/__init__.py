@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..callable_module import callable_as_its_name
 from ..errors import BadInput
 
 if TYPE_CHECKING:
@@ -14,8 +13,6 @@ if TYPE_CHECKING:
     from .platforms import Platform
 
 __all__ = ["SUFFIXES", "check_suffix", "export", "files"]
-callable_as_its_name(__name__)  # dashpot.export(...)
-
 #: What a model can be made into: the last three for MuJoCo, URDF and HydroDyn.
 SUFFIXES = (".fmu", ".casadi", ".c", ".ssp", ".mjcf", ".urdf", ".hydrodyn")
 
@@ -48,7 +45,7 @@ def files(path: Path, form: str | None = None) -> tuple[Path, ...]:
         BadInput: for an unknown suffix, or where one of them that is not plainly meant to be replaced is there and was
             not made by dashpot: a file beside ``path``, a C source, or a model of another program.
     """
-    from ..writing import check_ours
+    from ..files.writing import check_ours
 
     path = Path(path)
     suffix = check_suffix(path, form)

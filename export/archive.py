@@ -7,7 +7,7 @@ import zipfile
 from collections.abc import Mapping
 from pathlib import Path
 
-from ..writing import write
+from ..files.writing import write
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)  # the first date that zip can hold
 _UNIX = 3

@@ -24,13 +24,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import BadInput
+from ..files.writing import together, write
 from ..model import units
 from ..model.equations import Equations, signed
 from ..model.fit_state import state_of_fit
 from ..model.law import Expression
 from ..simulate.casadi_step import exact_field, exact_output, exact_step, with_defaults
 from ..simulate.runge_kutta import dormand_prince
-from ..writing import together, write
 from .description import identifier_of
 from .facts import Facts
 from .plain_c import prefix_of

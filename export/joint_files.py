@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from .. import __version__
 from ..errors import BadInput
-from ..writing import write
+from ..files.writing import write
 from .description import identifier_of
 from .joint import Joint, joint_of, left_out
 from .render import plain_text, render

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 from .. import __version__, engine
 from ..errors import BadInput
+from ..files.writing import together, write
 from ..model import units
 from ..model.equations import Equations
 from ..model.show import value_and_error
 from ..simulate.law_source import law_source
 from ..templates import template
-from ..writing import together, write
 from .description import Description, describe_fmu
 from .facts import Facts
 

@@ -16,13 +16,13 @@ from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 
+from ..files.writing import fill
 from ..model import units
 from ..model.equations import Equations
 from ..model.law import Expression
 from ..model.physical import physical
 from ..simulate.casadi_step import exact_output, exact_step
 from ..templates import template
-from ..writing import fill
 from .casadi_functions import serialised
 from .contents import further_contents
 from .description import Description, Variable

@@ -10,7 +10,7 @@ import numpy as np
 from ..errors import BadInput
 
 if TYPE_CHECKING:
-    from ..identify.hilbert_result import HilbertAnalysis
+    from ..identify.hilbert.hilbert_result import HilbertAnalysis
     from ..model import Oscillator
     from .model import Model
 

@@ -18,12 +18,12 @@ from .fleet import watch as watch
 from .model import Model, oscillator_of
 
 if TYPE_CHECKING:
-    from ..doctor import Checkup
     from ..model import Oscillator
     from ..model.law import Law
     from ..model.linear import LinearModel
     from ..verify.verification import Verification
     from .diagnosis import Diagnosis
+    from .doctor import Checkup
     from .hilbert import Hilbert
     from .simulation import Simulation
 
@@ -110,7 +110,7 @@ def identify(
     from ..errors import BadInput
     from ..identify.identification import belong_together
     from ..identify.identification import identify as find
-    from ..identify.modes import mode_alone
+    from ..identify.motion.modes import mode_alone
     from ..model.laws import find as find_law
 
     say, notes = progress or _silent, []
@@ -243,7 +243,7 @@ def diagnose(
 
     from ..diagnose.diagnosis import diagnose as find
     from ..identify.identification import belong_together
-    from ..identify.modes import in_band_of, in_the_same_band, mode_alone
+    from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
     from .diagnosis import Diagnosis
 
     oscillator = oscillator_of(model)
@@ -279,8 +279,8 @@ def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Read
     >>> round(analysis.freevib.values["omega0"], 1)
     79.6
     """
-    from ..identify.hilbert_result import hilbert_analysis
-    from ..identify.modes import mode_alone
+    from ..identify.hilbert.hilbert_result import hilbert_analysis
+    from ..identify.motion.modes import mode_alone
     from .hilbert import Hilbert
 
     notes: list[str] = []
@@ -297,9 +297,9 @@ def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]
     >>> record["recordings"][0]["motion"]
     'bursts'
     """
-    from ..look import look as seen_in
     from ..recording.content import MOST_MB
     from ..recording.part import parse_part
+    from .look import look as seen_in
 
     names = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold")
     response, part = options.get("response"), options.get("part")
@@ -329,14 +329,14 @@ def load_laws(path: str | Path) -> tuple[Law, ...]:
 
 def demo(folder: str | Path = "demo", progress: Say | None = None) -> bool:
     """The whole story on the built-in rig, into a folder; whether its FMU reproduces all recordings."""
-    from ..demo import run
+    from .demo import run
 
     return run(Path(folder), progress or print)
 
 
 def paper(folder: str | Path = "paper", progress: Say | None = None) -> Path:
     """The paper's figures remade from the built-in rig, as a page in a folder; returns its path."""
-    from ..paper import run
+    from .paper import run
 
     return run(Path(folder), progress or _silent)
 
@@ -349,6 +349,6 @@ def doctor() -> Checkup:
     >>> checkup.python.startswith("3.")
     True
     """
-    from ..doctor import checkup
+    from .doctor import checkup
 
     return checkup()

@@ -43,9 +43,9 @@ def batch(
     ...
     dashpot.errors.BadInput: ...
     """
-    from ..batch import MODULE, run
     from ..fleet.engine import local
     from ..fleet.manifest import read_manifest
+    from .batch import MODULE, run
 
     say = progress or (lambda _: None)
     return run(read_manifest(Path(manifest)), Path(output), local(MODULE, jobs), again=again, say=say)
@@ -96,7 +96,7 @@ def watch(
     """
     from ..change.life import Point
     from ..change.life import watch as watched
-    from ..lives import repeats_of
+    from ..fleet.lives_of_rigs import repeats_of
 
     points = [Point(str(place), oscillator_of(model)) for place, model in enumerate(models, 1)]
     return watched(points, name, repeats_of([Path(place) for place in repeats]))

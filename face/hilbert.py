@@ -11,8 +11,8 @@ import numpy as np
 from ..recording import Recording
 
 if TYPE_CHECKING:
-    from ..identify.hilbert_result import HilbertAnalysis
-    from ..identify.modal_result import ModalCurve, ModalFit
+    from ..identify.hilbert.hilbert_result import HilbertAnalysis
+    from ..identify.hilbert.modal_result import ModalCurve, ModalFit
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,7 +48,7 @@ class Hilbert:
         return self.analysis.notes
 
     def __repr__(self) -> str:
-        from ..identify.hilbert_files import describe
+        from ..identify.hilbert.hilbert_files import describe
 
         return describe(self.analysis, self.recordings)
 
@@ -84,13 +84,13 @@ class Hilbert:
 
     def as_json(self) -> dict[str, Any]:
         """The laws, their errors and what they come from, as ``dashpot hilbert`` writes them."""
-        from ..identify.hilbert_files import as_json
+        from ..identify.hilbert.hilbert_files import as_json
 
         return as_json(self.analysis, self.recordings)
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write curves.csv, hilbert.json and report.html into a folder; returns their paths."""
-        from ..hilbert import FILES, write_files
+        from .hilbert_files import FILES, write_files
 
         write_files(self.analysis, self.recordings, Path(folder))
         return [Path(folder) / name for name in FILES]

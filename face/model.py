@@ -201,8 +201,8 @@ class Model:
             BadInput: the place cannot be written, or a report is asked for of a model that was not identified here.
         """
         from ..errors import BadInput
+        from ..files.writing import write
         from ..model.file import save
-        from ..writing import write
 
         path = Path(path)
         if path.suffix != ".html":
@@ -228,7 +228,7 @@ class Model:
         ['rig.c', 'rig.h']
         """
         from ..export import export
-        from ..writing import together
+        from ..files.writing import together
 
         with together():
             return tuple(file for path in paths for file in export(self.oscillator, Path(path), **options))

@@ -141,11 +141,11 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
 
     Raises BadInput where there is another number of them, or it is of other units than the model.
     """
-    from ..identify.decays import find_decays, force_is_silent
-    from ..identify.hold import held_as
+    from ..identify.fit.hold import held_as
     from ..identify.identification import of_one_motion
-    from ..identify.modes import in_the_same_band
-    from ..identify.replay import replay
+    from ..identify.motion.decays import find_decays, force_is_silent
+    from ..identify.motion.modes import in_the_same_band
+    from ..identify.problem.replay import replay
 
     if len(recordings) != 1:
         named = f"; name one of {', '.join(r.name for r in recordings[:5])}" if recordings else ""
@@ -172,7 +172,7 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
 def _driven(
     oscillator: Oscillator, force: np.ndarray | None, n: int, dt: float, initial: tuple[float, float], hold: str
 ) -> np.ndarray:
-    from ..identify.segments import FORCE_BAND
+    from ..identify.problem.segments import FORCE_BAND
     from ..simulate.core import core_of, step_for
     from ..simulate.force import force_between
 

@@ -11,8 +11,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from .. import process_group
 from ..errors import BadInput
+from ..files import process_group
 from .store import Busy, Store
 
 _PROGRAM = "import sys; sys.path[:0] = {path!r}; from {module} import main; main()"

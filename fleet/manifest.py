@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
-from ..reading import content_of
+from ..files.reading import content_of
 
 if TYPE_CHECKING:
     from ..model.yaml_loader import Document

@@ -15,8 +15,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from ..errors import BadInput
-from ..reading import content_of
-from ..writing import check_ours, together, write
+from ..files.reading import content_of
+from ..files.writing import check_ours, together, write
 from .outcome import TRIED_AGAIN, Outcome, State, from_json
 
 ENTRY, FLEET = "entry.json", "fleet.json"

@@ -4,22 +4,19 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from ..callable_module import callable_as_its_name
-
 if TYPE_CHECKING:
-    from .hilbert_result import HilbertAnalysis, hilbert_analysis
+    from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
     from .identification import Identification, identify
 
 __all__ = ["HilbertAnalysis", "Identification", "hilbert_analysis", "identify"]
 _OF_HILBERT = ("HilbertAnalysis", "hilbert_analysis")
 
-callable_as_its_name(__name__)  # dashpot.identify(...)
-
 
 def __getattr__(name: str) -> Any:
     """The face of the folder, loaded when first asked for (scipy and casadi are slow to import)."""
     if name in __all__:
-        from . import hilbert_result, identification
+        from . import identification
+        from .hilbert import hilbert_result
 
         return getattr(hilbert_result if name in _OF_HILBERT else identification, name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -23,21 +23,21 @@ from ..recording.checks import reversed_force
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
-from .blame import blame
-from .climb import QUIET
-from .data import Data, data_of
-from .delivered import Fit, SegmentFit
-from .excitation import kind_of
-from .further_laws import holding, with_laws
-from .hilbert_result import HilbertAnalysis, hilbert_analysis
-from .hold import held_as, with_hold
-from .likelihood import maximum_likelihood
-from .offset import FoundOffset
-from .prediction import FREE
+from .faults.inconsistent_recording import blame
+from .fit.climb import QUIET
+from .fit.hold import held_as, with_hold
+from .fit.likelihood import maximum_likelihood
+from .fit.reported_result import Fit, SegmentFit
+from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
+from .motion.excitation import kind_of
+from .problem.data import Data, data_of
+from .problem.offset import FoundOffset
+from .problem.prediction import FREE
+from .problem.structure import shapes_of
 from .provenance import with_provenance
-from .signals import response_of
-from .start import HilbertEstimate, hilbert_start, plain_starts
-from .structure import shapes_of
+from .signals.signals import response_of
+from .start.further_laws import holding, with_laws
+from .start.start import HilbertEstimate, hilbert_start, plain_starts
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0

@@ -13,10 +13,10 @@ from .. import __version__
 from ..model import Oscillator, Provenance, Range
 from ..model.oscillator import Band
 from ..recording.recording import Recording
-from .blows import ContactForce
-from .delivered import Fit, SegmentFit
-from .excitation import band_of
-from .start import Curve
+from .fit.reported_result import Fit, SegmentFit
+from .motion.blows import ContactForce
+from .motion.excitation import band_of
+from .start.start import Curve
 
 #: Standard deviations of the noise by which a motion is seen: noise alone is as large once in 370 samples.
 _STANDS_OUT = 3.0

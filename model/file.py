@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
-from ..reading import content_of
-from ..writing import write
+from ..files.reading import content_of
+from ..files.writing import write
 from .laws import BASE
 from .oscillator import Band, Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter

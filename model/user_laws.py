@@ -16,7 +16,7 @@ from types import ModuleType
 from typing import Any
 
 from ..errors import BadInput
-from ..reading import content_of
+from ..files.reading import content_of
 from .law import Law, LawParameter, Motion, Scales
 from .law_trial import fault, wrong_types
 from .laws import BASE, LIBRARY

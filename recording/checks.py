@@ -8,13 +8,13 @@ from typing import Literal
 
 import numpy as np
 
+from .channel_range import lasting, reach
 from .clipping import Clipping, clipping, measured, noise_of
 from .continuity import leaps, noise_beside, repeated, wrapped
 from .magnitude import impossible
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
 from .plausibility import ROTATIONS, implausible
 from .polarity import REVERSED, power_cosine
-from .reach import lasting, reach
 from .recording import Recording
 from .resolution import converter_step
 from .short_decay import is_short_decay

@@ -9,7 +9,7 @@ import zlib
 from pathlib import Path
 
 from ..errors import BadInput
-from ..reading import at_once
+from ..files.reading import at_once
 
 #: The largest file that is read, unpacked, in MB: ten million samples as text. ``--max-size`` sets another.
 MOST_MB = 500.0

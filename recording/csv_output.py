@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..writing import write
+from ..files.writing import write
 from .recording import Recording
 
 

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 
 from ..export.render import plain_text
-from ..identify.hilbert import dominant_frequency
+from ..identify.signals.hilbert import dominant_frequency
 from ..model.display import number, percent_text, times_text
 from .blocks import Block, Cell, Figure, Section, Table, Text
 from .comparison import Comparison

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.static_force import Characteristic, static_force
+from ..identify.hilbert.static_force import Characteristic, static_force
 from ..model import units
 from ..model.describing import equivalent_damping, natural_motion
 from ..model.display import Scale, scale_of
@@ -16,8 +16,8 @@ from .covered import covered, spans_of
 from .style import FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
+    from ..identify.hilbert.modal_result import ModalCurve
     from ..identify.identification import Identification
-    from ..identify.modal_result import ModalCurve
     from ..model import Oscillator
 
 _MARKS = {"freevib": (FREE, "s", "from FREEVIB"), "forcevib": (FORCED, "o", "from FORCEVIB")}

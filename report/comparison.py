@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..identify.hilbert import noise_level
-from ..identify.signals import response_of
+from ..identify.signals.hilbert import noise_level
+from ..identify.signals.signals import response_of
 from ..model import Response
 
 if TYPE_CHECKING:

@@ -8,17 +8,21 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.measured_response import measured_response
-from ..identify.static_characteristic import StaticCharacteristic, friction_characteristic, spring_characteristic
-from ..identify.static_force import medians
+from ..identify.hilbert.measured_response import measured_response
+from ..identify.hilbert.static_characteristic import (
+    StaticCharacteristic,
+    friction_characteristic,
+    spring_characteristic,
+)
+from ..identify.hilbert.static_force import medians
 from ..model import units
 from ..model.display import number, scale_of
 from .covered import Spans, covered, parted, spans_of
 from .style import FORCED, FREE, MEASURED, RESPONSE, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
-    from ..identify.hilbert_result import HilbertAnalysis
-    from ..identify.modal_result import ModalCurve
+    from ..identify.hilbert.hilbert_result import HilbertAnalysis
+    from ..identify.hilbert.modal_result import ModalCurve
 
 _TWO_PI = 2 * np.pi
 _POINTS = 400

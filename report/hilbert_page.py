@@ -9,7 +9,7 @@ import numpy as np
 
 from .. import __version__
 from ..export.render import plain_text
-from ..identify.hilbert_files import UNITS
+from ..identify.hilbert.hilbert_files import UNITS
 from ..model import Response, units
 from ..model.display import full_stop, number, pretty_unit
 from .blocks import Block, Items, Section, Table, Text, page, picture
@@ -20,8 +20,8 @@ from .provenance import files_text
 from .within_figure import within_figure
 
 if TYPE_CHECKING:
-    from ..identify.hilbert_result import HilbertAnalysis
-    from ..identify.modal_result import ModalCurve
+    from ..identify.hilbert.hilbert_result import HilbertAnalysis
+    from ..identify.hilbert.modal_result import ModalCurve
     from ..recording.recording import Recording
 
 _NAMES = {"freevib": "FREEVIB", "forcevib": "FORCEVIB"}

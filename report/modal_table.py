@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
-from ..identify.hilbert_files import UNITS
+from ..identify.hilbert.hilbert_files import UNITS
 from ..model import units
 from ..model.display import number, pretty_unit, value_text
 from ..model.parameter import Parameter
 from .blocks import Cell, Table
 
 if TYPE_CHECKING:
-    from ..identify.hilbert_result import HilbertAnalysis
-    from ..identify.modal_result import LawFit, ModalFit
+    from ..identify.hilbert.hilbert_result import HilbertAnalysis
+    from ..identify.hilbert.modal_result import LawFit, ModalFit
     from ..model import Oscillator
 
 _FROM = {"freevib": "FREEVIB", "forcevib": "FORCEVIB"}

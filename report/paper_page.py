@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import __version__
-from ..identify.measured_response import quasi_steady_amplitude
-from ..identify.modal_result import ModalFit
+from ..identify.hilbert.measured_response import quasi_steady_amplitude
+from ..identify.hilbert.modal_result import ModalFit
 from ..model.display import number
 from .blocks import Block, Section, Text, page, picture
 from .hilbert_figures import BAND, curves_figure
@@ -19,8 +19,8 @@ from .preload_figure import preload_figure
 from .time_history import recording_figure
 
 if TYPE_CHECKING:
-    from ..identify.decay import Decay
-    from ..identify.hilbert_result import HilbertAnalysis
+    from ..identify.hilbert.hilbert_result import HilbertAnalysis
+    from ..identify.motion.decay import Decay
     from ..recording.recording import Recording
 
 _UNIT = "m"

@@ -14,7 +14,7 @@ from .decimate import draw_signal, envelope
 from .style import EXACT, FREE, LIGHT, MEASURED, MODEL, drawing, legend_below, svg
 
 if TYPE_CHECKING:
-    from ..identify.decays import Decay
+    from ..identify.motion.decays import Decay
     from ..recording.recording import Recording
 
 #: Cycles of the close view.

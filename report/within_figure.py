@@ -11,8 +11,8 @@ from .hilbert_figures import BAND
 from .style import AFTER, FORCED, FREE, MEASURED, MODEL, RESPONSE, drawing, legend_below, log_ticks, svg
 
 if TYPE_CHECKING:
-    from ..identify.modal_result import ModalCurve
-    from ..identify.within_the_cycle import WithinTheCycle
+    from ..identify.hilbert.modal_result import ModalCurve
+    from ..identify.hilbert.within_the_cycle import WithinTheCycle
 
 _TWO_PI = 2 * np.pi
 #: Cycles of which the natural frequency is drawn at every instant.

@@ -8,8 +8,8 @@ import subprocess
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from .. import process_group
 from ..errors import BadInput, ToolchainMissing
+from ..files import process_group
 
 #: Longest time for one call; ``$DASHPOT_COMPILER_SECONDS`` sets another.
 LONGEST_SECONDS = 120.0

@@ -37,7 +37,8 @@ import matplotlib.pyplot  # noqa: F401
 import numpy  # noqa: F401
 import scipy.optimize
 import scipy.signal  # noqa: F401
-from dashpot import cli, writing
+from dashpot.commands import cli
+from dashpot.files import writing
 
 SIGNALS = {"SIGKILL": signal.SIGKILL, "SIGTERM": signal.SIGTERM, "SIGINT": signal.SIGINT}
 KINDS = (*SIGNALS, "full disk", "largest file")

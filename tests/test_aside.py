@@ -10,8 +10,8 @@ import threading
 import time
 
 import pytest
-from dashpot.aside import aside, signals_held
 from dashpot.errors import BadInput, DashpotError
+from dashpot.files.forked_writer import aside, signals_held
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of Linux")
 
@@ -94,7 +94,7 @@ def test_a_signal_that_another_thread_takes_waits_for_it_too(tmp_path, number):
 
 KILLED = """
 import os, signal, sys, time
-from dashpot.aside import aside
+from dashpot.files.forked_writer import aside
 def work():
     os.kill(os.getppid(), signal.SIGKILL)
     time.sleep(0.2)

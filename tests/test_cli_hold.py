@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from dashpot.cli import main
+from dashpot.commands.cli import main
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH

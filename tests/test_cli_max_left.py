@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot import cli
+from dashpot.commands import cli
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.model.file import load

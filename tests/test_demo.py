@@ -6,8 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-from dashpot import demo
 from dashpot.examples.truth import TRUTH
+from dashpot.face import demo
 from dashpot.model.file import load
 
 ROOT = Path(__file__).resolve().parents[1]

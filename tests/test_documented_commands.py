@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dashpot.cli import cli
+from dashpot.commands.cli import cli
 from dashpot.examples.force import chirp, multisine
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH

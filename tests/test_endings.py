@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 import pytest
-from dashpot import cli
+from dashpot.commands import cli
 from dashpot.errors import BadInput, ToolchainMissing
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator

@@ -6,7 +6,7 @@ import json
 
 import numpy as np
 import pytest
-from dashpot.cli import main
+from dashpot.commands.cli import main
 from dashpot.examples.truth import TRUTH
 
 
@@ -104,7 +104,7 @@ def test_what_cannot_be_done_is_said_and_nothing_written(capsys, stand, monkeypa
 
 
 def test_a_model_is_kept_where_its_page_cannot_be_made():
-    from dashpot.batch_entry import _page
+    from dashpot.face.batch_entry import _page
 
     def broken():
         raise ValueError("no picture")

@@ -7,11 +7,11 @@ import math
 
 import numpy as np
 import pytest
-from dashpot.cli import main
+from dashpot.commands.cli import main
 from dashpot.errors import BadInput
 from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
-from dashpot.hilbert import FILES, run
+from dashpot.face.hilbert_files import FILES, run
 from dashpot.recording import Recording
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.lives import lives_of, repeats_of
+from dashpot.fleet.lives_of_rigs import lives_of, repeats_of
 from dashpot.model import Oscillator, Provenance
 from dashpot.model.file import save
 

@@ -6,8 +6,8 @@ import json
 
 import numpy as np
 import pytest
-from dashpot.cli import main
-from dashpot.look import sparkline
+from dashpot.commands.cli import main
+from dashpot.face.look import sparkline
 
 T = np.arange(2000) / 1000.0
 X = 5e-3 * np.exp(-2.5 * T) * np.cos(2 * np.pi * 12.67 * T)

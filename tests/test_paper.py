@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from dashpot.paper import PAGE, run
+from dashpot.face.paper import PAGE, run
 
 
 @pytest.mark.long

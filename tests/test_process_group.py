@@ -8,7 +8,7 @@ import subprocess
 import sys
 
 import pytest
-from dashpot import process_group
+from dashpot.files import process_group
 
 _STARTS_ANOTHER = """
 import subprocess, sys, time

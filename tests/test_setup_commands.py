@@ -11,12 +11,12 @@ import sys
 
 import dashpot
 import pytest
-from dashpot import doctor
-from dashpot.cli import cli, main
-from dashpot.command_examples import EXAMPLES
+from dashpot.commands.cli import cli, main
+from dashpot.commands.command_examples import EXAMPLES
+from dashpot.commands.terminal import coloured
 from dashpot.examples.truth import TRUTH
+from dashpot.face import doctor
 from dashpot.model.laws import LIBRARY
-from dashpot.terminal import coloured
 
 
 def run(capsys, *arguments):

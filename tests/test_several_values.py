@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 import pytest
-from dashpot import cli
-from dashpot.several_values import written_out
+from dashpot.commands import cli
+from dashpot.commands.several_values import written_out
 
 HOLDOUT = {"--holdout"}
 MODEL = """format: dashpot-model/1

@@ -6,8 +6,8 @@ import io
 import sys
 import threading
 
-from dashpot import waiting
-from dashpot.waiting import Waiting
+from dashpot.commands import waiting
+from dashpot.commands.waiting import Waiting
 
 
 class Terminal(io.StringIO):

@@ -10,12 +10,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from dashpot import cli, writing
+from dashpot.commands import cli
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
+from dashpot.files import writing
+from dashpot.files.writing import remove, together, writable, write
 from dashpot.model import Oscillator
 from dashpot.model.file import save
-from dashpot.writing import remove, together, writable, write
 
 POSIX = pytest.mark.skipif(os.name != "posix", reason="of POSIX")
 
@@ -123,7 +124,7 @@ FULL = """
 import resource, signal, sys
 from dashpot import cli
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-import dashpot.writing as writing
+import dashpot.files.writing as writing
 plain = writing.fill
 def limited(*arguments):
     resource.setrlimit(resource.RLIMIT_FSIZE, (int(sys.argv[1]), resource.RLIM_INFINITY))

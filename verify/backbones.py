@@ -12,12 +12,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.displacement import displacement
-from ..identify.excitation import kind_of
-from ..identify.forced_regression import forced_regression
-from ..identify.freevib import freevib
-from ..identify.odds import BY_CHANCE
-from ..identify.signals import Signal, drive_of
+from ..identify.hilbert.forced_regression import forced_regression
+from ..identify.hilbert.freevib import freevib
+from ..identify.motion.displacement import displacement
+from ..identify.motion.excitation import kind_of
+from ..identify.signals.odds import BY_CHANCE
+from ..identify.signals.signals import Signal, drive_of
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .chance import Run

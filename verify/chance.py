@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..identify.odds import BY_CHANCE
-from ..identify.replay import Replay
+from ..identify.problem.replay import Replay
+from ..identify.signals.odds import BY_CHANCE
 from .model_inside import Twin
 from .noise_floor import Piece
 

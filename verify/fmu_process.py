@@ -12,8 +12,8 @@ import threading
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
-from .. import process_group
 from ..errors import BadInput
+from ..files import process_group
 from .messages import receive, send
 
 #: Longest time without a step that the FMU finished, s; ``dashpot verify --time-limit`` sets another.

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.replay import Replay, natural_frequency
+from ..identify.problem.replay import Replay, natural_frequency
 from ..model import Oscillator
 from ..model.file import load
 from ..model.oscillator import QUANTITIES

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..identify.decays import Decay, find_free_motion, force_is_silent
-from ..identify.offsets import zero_of_load_cell
-from ..identify.replay import force_of, natural_frequency, replay
-from ..identify.signals import noise_levels
+from ..identify.motion.decays import Decay, find_free_motion, force_is_silent
+from ..identify.problem.offset import zero_of_load_cell
+from ..identify.problem.replay import force_of, natural_frequency, replay
+from ..identify.signals.signals import noise_levels
 from ..model import Oscillator
 from ..recording.fact import changed
 from ..recording.recording import Recording

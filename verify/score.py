@@ -2,8 +2,9 @@
 
 A parameter that is off by five standard errors moves the response by far less than the noise of a sample, and no rms
 tells it. The score does (Rao 1948): what is left of the recording, weighed as a fit weighs it, along the directions
-in which the parameters move the response. What noise makes of it is drawn and simulated (``identify/scatter.py``), what
-the covariance of the model makes of it follows from the information, and the rest is the model's.
+in which the parameters move the response. What noise makes of it is drawn and simulated
+(``identify/fit/scatter.py``), what the covariance of the model makes of it follows from the information, and
+the rest is the model's.
 """
 
 from __future__ import annotations
@@ -15,16 +16,16 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.data import data_of, noise_of
-from ..identify.jumps import smooth_stretches
-from ..identify.normal_equations import pseudo_inverse, shared_information, solve
-from ..identify.odds import BY_CHANCE
-from ..identify.offsets import kept_offsets, zeros_of
-from ..identify.output_error import OutputError, State
-from ..identify.scatter import scatter
-from ..identify.settle import settled
-from ..identify.signals import noise_levels
-from ..identify.structure import Structure
+from ..identify.fit.offsets import kept_offsets, zeros_of
+from ..identify.fit.scatter import scatter
+from ..identify.problem.data import data_of, noise_of
+from ..identify.problem.jumps import smooth_stretches
+from ..identify.problem.normal_equations import pseudo_inverse, shared_information, solve
+from ..identify.problem.output_error import OutputError, State
+from ..identify.problem.settle import settled
+from ..identify.problem.structure import Structure
+from ..identify.signals.odds import BY_CHANCE
+from ..identify.signals.signals import noise_levels
 from ..model import Oscillator
 from ..recording.recording import Recording
 from .model_inside import covariance_of

@@ -19,9 +19,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.hold import held_as
-from ..identify.replay import Replay, force_of, run_along
-from ..identify.signals import noise_levels
+from ..identify.fit.hold import held_as
+from ..identify.problem.replay import Replay, force_of, run_along
+from ..identify.signals.signals import noise_levels
 from ..model import Response
 from ..recording.given import recordings_of
 from ..recording.recording import Recording

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from dashpot import process_group
+from dashpot.files import process_group
 
 _DASHPOT = (sys.executable, "-P", "-m", "dashpot")
 _TRACEBACK = "Traceback (most recent call last)"

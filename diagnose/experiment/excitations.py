@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...identify.data import Data
-from ...identify.excitation import band_of
+from ...identify.motion.excitation import band_of
+from ...identify.problem.data import Data
 
 #: How far beyond what was recorded an experiment may go.
 BEYOND = 1.5

@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data
+from ...identify.problem.data import Data
 from ...model import Oscillator
 from ...model.effect_words import effect_in_words
 from ...simulate.core import STEPS_PER_PERIOD, internal_step

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...identify.data import Data, equivalent_resonance
-from ...identify.noise_spectrum import NoiseSpectrum
-from ...identify.output_error import OutputError, State
-from ...identify.segments import FORCE_BAND, Segment
-from ...identify.structure import parameter_bounds, parameter_sizes
+from ...identify.problem.data import Data, equivalent_resonance
+from ...identify.problem.output_error import OutputError, State
+from ...identify.problem.segments import FORCE_BAND, Segment
+from ...identify.problem.structure import parameter_bounds, parameter_sizes
+from ...identify.signals.noise_spectrum import NoiseSpectrum
 from ...model import Oscillator
 from ...simulate.core import core_of, internal_step
 from ...simulate.force import smooth_force

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
-from ...identify.data import Data
-from ...identify.hilbert import analytic_signal
+from ...identify.problem.data import Data
+from ...identify.signals.hilbert import analytic_signal
 from ...model import Oscillator
 from .smoother import Smoothed, Smoother
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data
-from ...identify.structure import Fitted
+from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted
 from ..result import Location
 from .equation_error import equation_error
 from .mismatch_ranges import excess_range

@@ -13,8 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data
-from ...identify.structure import Fitted
+from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted
 from ...model import Oscillator
 from ...model.equations import equations
 from ...model.oscillator import Term

@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from ...errors import BadInput
-from ...identify.displacement import displacement
-from ...identify.excitation import band_of
-from ...identify.hilbert import AnalyticSignal, analytic_signal
+from ...identify.motion.displacement import displacement
+from ...identify.motion.excitation import band_of
+from ...identify.signals.hilbert import AnalyticSignal, analytic_signal
 from ...model import Oscillator
 from ...recording.recording import QUANTITIES, Recording
 from ..result import RecordFit

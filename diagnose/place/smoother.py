@@ -19,9 +19,9 @@ from functools import cached_property
 
 import numpy as np
 
-from ...identify.data import Data
-from ...identify.displacement import displacement
-from ...identify.regression import resting
+from ...identify.motion.displacement import displacement
+from ...identify.problem.data import Data
+from ...identify.signals.signals import resting
 from ...model import Oscillator
 from ...model.oscillator import QUANTITIES
 from .model_force import OwnForce, term_force

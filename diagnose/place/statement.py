@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...identify.data import Data
-from ...identify.structure import Fitted
+from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted
 from ...model import Oscillator
 from ...model.units import compose
 from ..wording import figure, quantity, spoken

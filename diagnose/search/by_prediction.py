@@ -13,10 +13,10 @@ from contextlib import suppress
 from dataclasses import replace
 
 from ...errors import DashpotError
-from ...identify.data import Data
-from ...identify.further_laws import MEMORY, placed
-from ...identify.likelihood import maximum_likelihood
-from ...identify.structure import Fitted, Structure, shapes_of
+from ...identify.fit.likelihood import maximum_likelihood
+from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted, Structure, shapes_of
+from ...identify.start.further_laws import MEMORY, placed
 from ...model.law import Law
 from .starts import HALF, Proposal
 

@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...identify.structure import Fitted
+from ...identify.problem.structure import Fitted
 
 #: How far a candidate came: never put in, simulated, on its way when it was left, fitted and judged.
 Stage = Literal["not started", "simulated", "left", "judged"]

@@ -7,10 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...identify.data import Data
-from ...identify.mismatch import gain_of_mismatch
-from ...identify.odds import DECISIVE
-from ...identify.weighed import ABOVE_NOISE
+from ...identify.fit.mismatch import gain_of_mismatch
+from ...identify.problem.data import Data
+from ...identify.signals.odds import ABOVE_NOISE, DECISIVE
 from ...model.law import Law
 from ...model.laws import LIBRARY, find
 from ...model.oscillator import Oscillator, Term

@@ -13,12 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...identify.data import Data
-from ...identify.equivalent import along_of
-from ...identify.initial_motion import initial_states
-from ...identify.offset import zeros_along
-from ...identify.prediction import FREE
-from ...identify.structure import Fitted, Structure, without_states
+from ...identify.problem.data import Data
+from ...identify.problem.equivalent import along_of
+from ...identify.problem.initial_motion import initial_states
+from ...identify.problem.offset import zeros_along
+from ...identify.problem.prediction import FREE
+from ...identify.problem.structure import Fitted, Structure, without_states
 from ...model.law import Law
 from ...model.laws import find
 from ...model.terms import without_term

@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...identify.data import Data, noise_spectra
-from ...identify.noise_spectrum import NoiseSpectrum, white
-from ...identify.structure import Fitted
+from ...identify.problem.data import Data, noise_spectra
+from ...identify.problem.structure import Fitted
+from ...identify.signals.noise_spectrum import NoiseSpectrum, white
 from ...model import Oscillator
 from .residual_test import leftover, times_the_noise
 

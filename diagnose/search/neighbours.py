@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...identify.data import Data
-from ...identify.measured_motion import probes
-from ...identify.structure import Fitted, shapes_of
+from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted, shapes_of
+from ...identify.start.measured_motion import probes
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.terms import with_term

@@ -14,18 +14,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data, likelihood
-from ...identify.descent import Descent
-from ...identify.from_prediction import keeps_step
-from ...identify.odds import DECISIVE
-from ...identify.output_error import OutputError, State
-from ...identify.prediction import FREE
-from ...identify.settle import settled
-from ...identify.structure import Fitted, Structure, shapes_of
+from ...identify.fit.from_prediction import keeps_step
+from ...identify.problem.data import Data, likelihood
+from ...identify.problem.descent import Descent
+from ...identify.problem.output_error import OutputError, State
+from ...identify.problem.prediction import FREE
+from ...identify.problem.settle import settled
+from ...identify.problem.structure import Fitted, Structure, shapes_of
+from ...identify.signals.odds import DECISIVE
 from ...model import Oscillator
 from ...model.terms import with_values
-from .led import any_lost, led
 from .measure import Measure, measure_by
+from .start_from_simpler_model import any_lost, led
 
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
 _TOLERANCE = 0.5

@@ -14,12 +14,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...identify.data import Data, expected_noise
-from ...identify.mismatch import CYCLES, HARMONICS
-from ...identify.noise_spectrum import estimate
-from ...identify.odds import BY_CHANCE
-from ...identify.structure import Fitted
-from ...identify.weighed import ABOVE_NOISE
+from ...identify.fit.mismatch import CYCLES, HARMONICS
+from ...identify.problem.data import Data, expected_noise
+from ...identify.problem.structure import Fitted
+from ...identify.signals.noise_spectrum import estimate
+from ...identify.signals.odds import ABOVE_NOISE, BY_CHANCE
 from ...model import Oscillator
 from ..wording import figure
 from .resonant import resonant_share

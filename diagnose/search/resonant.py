@@ -11,7 +11,7 @@ import math
 
 import numpy as np
 
-from ...identify.odds import BEYOND_ERRORS
+from ...identify.signals.odds import BEYOND_ERRORS
 
 #: Half an octave: a band reaches as far on either side of its middle.
 _HALF = math.sqrt(2.0)

@@ -14,12 +14,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data, likelihood, noise_spectra
-from ...identify.measured_motion import probes
-from ...identify.noise_spectrum import estimate
-from ...identify.normal_equations import pseudo_inverse
-from ...identify.settle import settled
-from ...identify.structure import Fitted, Structure, parameter_bounds
+from ...identify.problem.data import Data, likelihood, noise_spectra
+from ...identify.problem.normal_equations import pseudo_inverse
+from ...identify.problem.settle import settled
+from ...identify.problem.structure import Fitted, Structure, parameter_bounds
+from ...identify.signals.noise_spectrum import estimate
+from ...identify.start.measured_motion import probes
 from ...model import Oscillator
 from ...model.law import Law, LawParameter
 from ...model.laws import LIBRARY

@@ -16,11 +16,11 @@ from itertools import combinations
 import numpy as np
 
 from ...errors import BadInput
-from ...identify.data import Data
-from ...identify.from_prediction import keeps_step
-from ...identify.odds import DECISIVE
-from ...identify.prediction import FREE
-from ...identify.structure import Fitted
+from ...identify.fit.from_prediction import keeps_step
+from ...identify.problem.data import Data
+from ...identify.problem.prediction import FREE
+from ...identify.problem.structure import Fitted
+from ...identify.signals.odds import DECISIVE
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import LIBRARY, find

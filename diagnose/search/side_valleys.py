@@ -16,12 +16,12 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.data import Data
-from ...identify.measured_motion import Regression, probes
-from ...identify.structure import Fitted, Structure, shapes_of
+from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted, Structure, shapes_of
+from ...identify.start.measured_motion import Regression, probes
 from ...model import Oscillator
 from ...model.law import Law
-from .led import led
+from .start_from_simpler_model import led
 from .starts import Proposal
 
 #: Memory, in cycles, over which the probes are predicted: a rung below that from which any other start is led.

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...identify.data import Data, noise_spectra
-from ...identify.structure import Fitted
+from ...identify.problem.data import Data, noise_spectra
+from ...identify.problem.structure import Fitted
 
 #: Above the logarithm of the number of frequencies by this much, a line of a periodogram is no chance (one in 400)
 #: and a place where a search may begin, which costs little and decides nothing.

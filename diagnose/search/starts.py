@@ -9,12 +9,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import BadInput
-from ...identify.data import Data
-from ...identify.equivalent import along_of
-from ...identify.likelihood import maximum_likelihood
-from ...identify.measured_motion import Regression
-from ...identify.search_point import SHOWN
-from ...identify.structure import Fitted, Structure, renamed, without_states
+from ...identify.fit.likelihood import maximum_likelihood
+from ...identify.problem.data import Data
+from ...identify.problem.equivalent import along_of
+from ...identify.problem.search_point import SHOWN
+from ...identify.problem.structure import Fitted, Structure, renamed, without_states
+from ...identify.start.measured_motion import Regression
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.laws import find

@@ -8,12 +8,12 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...identify.data import Data, likelihood
-from ...identify.descent import blocks_of
-from ...identify.evidence import Prior, Told, cross_validated, evidence, predictive, told
-from ...identify.output_error import State
-from ...identify.settle import settled
-from ...identify.structure import Fitted, Structure
+from ...identify.fit.evidence import Prior, Told, cross_validated, evidence, predictive, told
+from ...identify.problem.data import Data, likelihood
+from ...identify.problem.descent import blocks_of
+from ...identify.problem.output_error import State
+from ...identify.problem.settle import settled
+from ...identify.problem.structure import Fitted, Structure
 from ...model import Oscillator
 from ...model.law import Scales
 from .measure import Measure

@@ -154,7 +154,7 @@ def _on_site(uri: str, link: str) -> str:
 def _commands() -> str:
     """The help of every command, as it prints it."""
     import click
-    from dashpot.cli import cli
+    from dashpot.commands.cli import cli
 
     parts = []
     for name, command in sorted(cli.commands.items()):

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
+from ...files.writing import write
 from ...model import Oscillator
 from ...report.style import AFTER, BEFORE, EXACT, MEASURED, drawing, svg
-from ...writing import write
 from ..identified import folder_named, identified
 from . import damping, tracking
 

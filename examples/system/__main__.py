@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ...files.writing import write
 from ...report.style import AFTER, BEFORE, EXACT, FORCED, MEASURED, drawing, log_ticks, svg
-from ...writing import write
 from ..identified import folder_named, identified
 from .coupled import WAYS, Rig, coupled
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 
 import pytest
-from dashpot.cli import main
+from dashpot.commands.cli import main
 from dashpot.examples import recordings
 from dashpot.examples.truth import ACTUATOR
 

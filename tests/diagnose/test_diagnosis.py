@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
 from dashpot.diagnose.diagnosis import _why_untried
-from dashpot.diagnose.on_all import FITTED_TO_ALL
+from dashpot.diagnose.refit_on_all import FITTED_TO_ALL
 from dashpot.errors import BadInput
 from dashpot.identify.identification import identify
 from dashpot.model import Response
@@ -130,8 +130,8 @@ def test_a_model_of_these_very_recordings_stays_as_it_is(rig):
 @pytest.mark.long
 def test_the_best_of_models_that_follow_nothing_is_not_named(rig, monkeypatch, tmp_path):
     case = rig("single", "quadratic-drag")
-    monkeypatch.setattr("dashpot.diagnose.mend.POOR_NRMSE", 0.0)
-    monkeypatch.setattr("dashpot.diagnose.mend.ABOVE_NOISE", 0.5)
+    monkeypatch.setattr("dashpot.diagnose.repair_trial.POOR_NRMSE", 0.0)
+    monkeypatch.setattr("dashpot.diagnose.repair_trial.ABOVE_NOISE", 0.5)
     diagnosis = diagnose(case.model, case.training, case.holdout, fmu=tmp_path / "mended.fmu")
     assert diagnosis.effects == ()
     assert diagnosis.verdict == "unexplained"

@@ -26,9 +26,9 @@ from dashpot.errors import BadInput
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify import climb
-from dashpot.identify.offset import FoundOffset
-from dashpot.identify.signals import response_of
+from dashpot.identify.fit import climb
+from dashpot.identify.problem.offset import FoundOffset
+from dashpot.identify.signals.signals import response_of
 from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
 

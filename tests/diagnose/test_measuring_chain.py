@@ -9,8 +9,8 @@ import pytest
 from dashpot.diagnose.family import family_of
 from dashpot.diagnose.measuring_chain import agree, alike, drifts, drifts_and_loads, hold_of, known_faults, zeros
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.offset import FoundOffset
-from dashpot.identify.signals import response_of
+from dashpot.identify.problem.offset import FoundOffset
+from dashpot.identify.signals.signals import response_of
 from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.mend import exported, follows_any, no_finding, record_fits, takes_something, unmended
+from dashpot.diagnose.repair_trial import exported, follows_any, no_finding, record_fits, takes_something, unmended
 from dashpot.diagnose.result import RecordFit
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Response
@@ -126,7 +126,7 @@ def test_the_fmu_is_given_back_also_where_a_run_fails(sweep, fmu, monkeypatch):
         def __exit__(self, *given):
             ended.append(given)
 
-    monkeypatch.setattr("dashpot.diagnose.mend.FmuRun", Run)
+    monkeypatch.setattr("dashpot.diagnose.repair_trial.FmuRun", Run)
     with pytest.raises(RuntimeError, match="sweep"):
         record_fits(FAMILY, MENDED, [sweep], holdout=True, fmu=fmu)
     assert ended == [(None, None, None)]
@@ -157,8 +157,8 @@ def test_without_a_compiler_there_is_no_fmu_and_that_is_no_failure(no_compiler, 
 
 def test_what_is_exported_runs_on_this_machine(monkeypatch, tmp_path):
     given = {}
-    monkeypatch.setattr("dashpot.diagnose.mend.export_fmu", lambda *what, **more: given.update(more) or what[1])
-    monkeypatch.setattr("dashpot.diagnose.mend.own_platform", lambda: "here")
+    monkeypatch.setattr("dashpot.diagnose.repair_trial.export_fmu", lambda *what, **more: given.update(more) or what[1])
+    monkeypatch.setattr("dashpot.diagnose.repair_trial.own_platform", lambda: "here")
     assert exported(MENDED, tmp_path / "model.fmu") == tmp_path / "model.fmu"
     assert given == {"backend": "native", "platforms": ("here",)}
 

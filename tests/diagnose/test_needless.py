@@ -8,8 +8,8 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose import needless
-from dashpot.diagnose.needless import certainty, of_unknown_size, without_needless
+from dashpot.diagnose import insignificant_laws as needless
+from dashpot.diagnose.insignificant_laws import certainty, of_unknown_size, without_needless
 from dashpot.diagnose.search.candidate import Candidate
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH

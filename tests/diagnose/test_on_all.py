@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose import on_all
-from dashpot.diagnose.mend import record_fits
-from dashpot.diagnose.on_all import fitted_to_all
+from dashpot.diagnose import refit_on_all as on_all
+from dashpot.diagnose.refit_on_all import fitted_to_all
+from dashpot.diagnose.repair_trial import record_fits
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator

@@ -10,8 +10,8 @@ from dashpot.diagnose.search.candidate import Candidate
 from dashpot.diagnose.search.search import Search
 from dashpot.examples.force import chirp
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data, data_of
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator, Response
 from dashpot.model.laws import LIBRARY, find
 from dashpot.model.terms import with_term

@@ -10,8 +10,8 @@ import pytest
 from dashpot.diagnose import diagnose
 from dashpot.diagnose.recordings import carries, split, why_unused
 from dashpot.errors import BadInput
-from dashpot.identify.decays import find_free_motion
-from dashpot.identify.hilbert import noise_level
+from dashpot.identify.motion.decays import find_free_motion
+from dashpot.identify.signals.hilbert import noise_level
 from dashpot.model import Oscillator, Response
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording

@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from dashpot.cli import cli
+from dashpot.commands.cli import cli
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.export import export, files

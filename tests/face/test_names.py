@@ -9,7 +9,7 @@ from importlib import import_module, resources, util
 
 import dashpot
 import pytest
-from dashpot.cli import cli
+from dashpot.commands.cli import cli
 
 CALLS = [
     *("demo", "diagnose", "doctor", "export", "hilbert", "identify", "linearise", "load", "load_laws", "look", "paper"),

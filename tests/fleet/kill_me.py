@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from dashpot.batch import run
+from dashpot.face.batch import run
 from dashpot.fleet.engine import local
 from dashpot.fleet.manifest import read_manifest
 

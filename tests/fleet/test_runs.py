@@ -10,8 +10,8 @@ from collections import Counter
 from pathlib import Path
 
 import pytest
-from dashpot.batch import run
 from dashpot.errors import BadInput
+from dashpot.face.batch import run
 from dashpot.fleet.engine import local
 from dashpot.fleet.manifest import read_manifest
 from dashpot.fleet.store import Store

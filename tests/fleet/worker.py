@@ -8,10 +8,10 @@ import signal
 import time
 from pathlib import Path
 
-from dashpot import batch_entry
 from dashpot.errors import BadInput, Unwritable
+from dashpot.face import batch_entry
+from dashpot.files.writing import write
 from dashpot.fleet.outcome import Outcome
-from dashpot.writing import write
 
 
 def noted(entry, stage):

@@ -11,11 +11,11 @@ from dataclasses import replace
 import numpy as np
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
-from dashpot.identify import output_error
-from dashpot.identify.data import data_of
-from dashpot.identify.offset import Offset
-from dashpot.identify.prediction import FREE
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem import output_error
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.prediction import FREE
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from hypothesis import strategies as st
 

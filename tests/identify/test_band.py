@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.band import in_band
-from dashpot.identify.hilbert import noise_level
+from dashpot.identify.motion.band import in_band
+from dashpot.identify.signals.hilbert import noise_level
 from dashpot.model.oscillator import Band
 from dashpot.recording import Recording
 

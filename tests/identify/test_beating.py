@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.beating import without_beats
-from dashpot.identify.envelope import Envelope
+from dashpot.identify.motion.beating import without_beats
+from dashpot.identify.motion.envelope import Envelope
 
 PERIOD, BEAT, N = 16, 400, 4000
 

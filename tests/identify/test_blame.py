@@ -11,10 +11,10 @@ from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS, Lie, of_another_rig, told
 from dashpot.examples.measuring_chain import clipped_peak, force_gain, response_gain, walk, wavering
 from dashpot.identify import identify
-from dashpot.identify.blame import _may_be_odd, in_words
-from dashpot.identify.contradiction import Contradiction
-from dashpot.identify.output_error import State
-from dashpot.identify.part import Part, Span
+from dashpot.identify.faults.contradiction import Contradiction
+from dashpot.identify.faults.inconsistent_recording import _may_be_odd, in_words
+from dashpot.identify.faults.part import Part, Span
+from dashpot.identify.problem.output_error import State
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.blow_answer import answers_against
-from dashpot.identify.decay import Blow
+from dashpot.identify.motion.blow_answer import answers_against
+from dashpot.identify.motion.decay import Blow
 
 PERIOD, N, LENGTH = 200, 4000, 12
 OMEGA = 2 * np.pi / PERIOD

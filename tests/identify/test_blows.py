@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.blows import ContactForce, blows_of, contact_force, ringing, through
-from dashpot.identify.decay import Blow, Decay
-from dashpot.identify.envelope import Envelope
+from dashpot.identify.motion.blows import ContactForce, blows_of, contact_force, ringing, through
+from dashpot.identify.motion.decay import Blow, Decay
+from dashpot.identify.motion.envelope import Envelope
 from dashpot.simulate.force import straight_lines
 
 PERIOD, NOISE = 100, 0.01

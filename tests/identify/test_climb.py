@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify import climb as module
-from dashpot.identify.climb import Climb, best_climb, from_near, nrmse_of
-from dashpot.identify.data import data_of
-from dashpot.identify.output_error import State
-from dashpot.identify.structure import Structure
+from dashpot.identify.fit import climb as module
+from dashpot.identify.fit.climb import Climb, best_climb, from_near, nrmse_of
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.output_error import State
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 

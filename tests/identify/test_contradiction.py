@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS, Lie, told
 from dashpot.examples.measuring_chain import force_gain, response_gain
-from dashpot.identify.contradiction import _stands_out, contradiction, covering
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.part import Part, spans_of
-from dashpot.identify.without_part import Level, is_noise
+from dashpot.identify.faults.contradiction import _stands_out, contradiction, covering
+from dashpot.identify.faults.part import Part, spans_of
+from dashpot.identify.faults.without_part import Level
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.signals.odds import is_noise
 from dashpot.model import Oscillator
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)

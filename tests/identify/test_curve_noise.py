@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.curve_noise import curve_noise
-from dashpot.identify.modal_stretch import Stretch, decay_stretch
-from dashpot.identify.signals import Signal
+from dashpot.identify.hilbert.curve_noise import curve_noise
+from dashpot.identify.hilbert.modal_stretch import Stretch, decay_stretch
+from dashpot.identify.signals.signals import Signal
 
 FS = 200.0
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.curves import backbone_omega0, fit_backbone, fit_damping
+from dashpot.identify.hilbert.curves import backbone_omega0, fit_backbone, fit_damping
 from dashpot.model.backbone import preload_backbone
 
 

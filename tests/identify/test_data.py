@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.data import (
+from dashpot.identify.problem.data import (
     Data,
     data_of,
     displacement_amplitude,
@@ -18,8 +18,8 @@ from dashpot.identify.data import (
     noise_of,
     noise_spectra,
 )
-from dashpot.identify.noise_spectrum import concentrated_likelihood, estimate
-from dashpot.identify.segments import Segment
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.signals.noise_spectrum import concentrated_likelihood, estimate
 from dashpot.model import Oscillator, Response
 from dashpot.recording import Recording
 from dashpot.simulate.force import straight_lines

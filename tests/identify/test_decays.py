@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dashpot.identify.decays import find_decays
+from dashpot.identify.motion.decays import find_decays
 from dashpot.recording.recording import Recording
 
 DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[3] / "shared" / "data"))

@@ -13,13 +13,13 @@ from dashpot.examples import rig
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify import delivered as module
 from dashpot.identify import identify
-from dashpot.identify.data import data_of
-from dashpot.identify.delivered import delivered
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.prediction import FREE
-from dashpot.identify.structure import Structure
+from dashpot.identify.fit import reported_result as module
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.fit.reported_result import delivered
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.prediction import FREE
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 

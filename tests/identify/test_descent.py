@@ -6,9 +6,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.identify.descent import Descent, cost_of
-from dashpot.identify.noise_spectrum import white
-from dashpot.identify.prediction import FREE
+from dashpot.identify.problem.descent import Descent, cost_of
+from dashpot.identify.problem.prediction import FREE
+from dashpot.identify.signals.noise_spectrum import white
 
 
 class Line:
@@ -33,7 +33,7 @@ class Line:
 
 
 def begun(bounds: np.ndarray | None = None) -> Descent:
-    from dashpot.identify.output_error import State
+    from dashpot.identify.problem.output_error import State
 
     return Descent(Line(bounds), State(np.zeros(2), np.zeros((1, 0))))  # type: ignore[arg-type]
 
@@ -99,7 +99,7 @@ def test_an_upper_bound_holds_too():
 
 
 def test_every_segment_finds_its_own_initial_state():
-    from dashpot.identify.output_error import State
+    from dashpot.identify.problem.output_error import State
 
     class WithStart(Line):
         """The line, and a decay that begins somewhere."""
@@ -139,7 +139,7 @@ class Springs(Line):
 @pytest.mark.parametrize(("names", "soon"), [(("omega0", "stiffness"), True), (("speed", "stiffness"), False)])
 def test_where_a_spring_hands_its_stiffness_on_a_step_of_the_natural_frequency_is_one_of_the_stiffness(names, soon):
     """Straight in both stiffnesses, bent in the natural frequency: each step there is off by its square."""
-    from dashpot.identify.output_error import State
+    from dashpot.identify.problem.output_error import State
 
     descent = Descent(Springs(names, 1e2), State(np.array([2.0, 3.0]), np.zeros((1, 0))), [white(np.ones(50))])  # type: ignore[arg-type]
     while descent.cost > 1e-3 and descent.taken < 20:
@@ -149,7 +149,7 @@ def test_where_a_spring_hands_its_stiffness_on_a_step_of_the_natural_frequency_i
 
 
 def test_a_step_that_keeps_its_promise_is_tried_once():
-    from dashpot.identify.output_error import State
+    from dashpot.identify.problem.output_error import State
 
     problem = Springs(("omega0", "stiffness"), 1.0)
     descent = Descent(problem, State(np.array([0.55, 6.0]), np.zeros((1, 0))), [white(np.ones(50))])  # type: ignore[arg-type]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.displacement import displacement
+from dashpot.identify.motion.displacement import displacement
 from dashpot.recording import Recording
 from scipy.signal import lsim, lti
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.identify import hilbert_analysis
-from dashpot.identify.ends import with_ends
-from dashpot.identify.hilbert import analytic_signal
+from dashpot.identify.hilbert.ends import with_ends
+from dashpot.identify.signals.hilbert import analytic_signal
 from dashpot.recording import Recording
 
 FS, OMEGA, H = 1000.0, 2 * np.pi * 12.0, 2.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.envelope import envelope_of, motion_frequency, smooth
+from dashpot.identify.motion.envelope import envelope_of, motion_frequency, smooth
 from dashpot.recording import Recording
 
 FS, PERIOD = 400.0, 40

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of, expected_noise
-from dashpot.identify.equivalent import equivalent
+from dashpot.identify.problem.data import data_of, expected_noise
+from dashpot.identify.problem.equivalent import equivalent
 from dashpot.model import Oscillator, Response
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.evidence import Told, cross_validated, evidence, log_prior, predictive, told
+from dashpot.identify.fit.evidence import Told, cross_validated, evidence, log_prior, predictive, told
 
 NOISE = 0.1
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.decay import Decay
-from dashpot.identify.excitation import band_of, kind_of
+from dashpot.identify.motion.decay import Decay
+from dashpot.identify.motion.excitation import band_of, kind_of
 from dashpot.recording import Recording
 
 FS, SECONDS = 200.0, 24.0

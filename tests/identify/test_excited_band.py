@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.excitation import band_of
-from dashpot.identify.excited_band import excited_band
-from dashpot.identify.signals import Signal
+from dashpot.identify.motion.excitation import band_of
+from dashpot.identify.signals.excited_band import excited_band
+from dashpot.identify.signals.signals import Signal
 from dashpot.recording.recording import Recording
 
 FS = 1000.0

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.decay import Decay
-from dashpot.identify.envelope import Envelope, envelope_of
-from dashpot.identify.falling import falling
-from dashpot.identify.swings import Swings, swings_of
+from dashpot.identify.motion.decay import Decay
+from dashpot.identify.motion.envelope import Envelope, envelope_of
+from dashpot.identify.motion.falling import falling
+from dashpot.identify.motion.swings import Swings, swings_of
 from dashpot.recording import Recording
 
 PERIOD, FLOOR, NOISE = 100, 0.02, 1e-3

@@ -6,9 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.identify.fault import Clock, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
-from dashpot.identify.fault_score import KINDS
-from dashpot.identify.segments import Segment
+from dashpot.identify.faults.fault import Clock, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
+from dashpot.identify.faults.fault_score import KINDS
+from dashpot.identify.problem.segments import Segment
 from dashpot.simulate.force import force_between
 
 N, DT, BEGIN = 2000, 0.002, 1.0

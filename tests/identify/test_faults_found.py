@@ -10,8 +10,8 @@ from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS, Lie, Stand, lies, told
 from dashpot.examples.measuring_chain import force_gain, hum, late, response_gain
 from dashpot.identify import identify
-from dashpot.identify.faults_found import faults_found
-from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.faults.faults_found import faults_found
+from dashpot.identify.fit.likelihood import maximum_likelihood
 from dashpot.model import Oscillator, Response
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)

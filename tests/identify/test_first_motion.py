@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.first_motion import first_motion, starts_at_rest
+from dashpot.identify.motion.first_motion import first_motion, starts_at_rest
 
 FS, CYCLE = 200.0, 40
 PACE = 2 * np.pi * FS / CYCLE

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.force_off import zero_of
-from dashpot.identify.offsets import zero_of_load_cell
+from dashpot.identify.motion.force_off import zero_of
+from dashpot.identify.problem.offset import zero_of_load_cell
 
 FS, PERIOD = 500.0, 50
 OMEGA = 2 * np.pi * FS / PERIOD

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.curves import backbone_omega0
-from dashpot.identify.forced_regression import forced_regression
-from dashpot.identify.signals import Signal
+from dashpot.identify.hilbert.curves import backbone_omega0
+from dashpot.identify.hilbert.forced_regression import forced_regression
+from dashpot.identify.signals.signals import Signal
 
 
 @pytest.mark.parametrize("which", [0, 1])

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.identify import identify
-from dashpot.identify.decays import find_free_motion
-from dashpot.identify.segments import cut
+from dashpot.identify.motion.decays import find_free_motion
+from dashpot.identify.problem.segments import cut
 from dashpot.recording import Recording, check
 from scipy.integrate import solve_ivp
 

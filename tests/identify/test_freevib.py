@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.curves import fit_backbone, fit_damping
-from dashpot.identify.freevib import freevib
-from dashpot.identify.signals import Signal
+from dashpot.identify.hilbert.curves import fit_backbone, fit_damping
+from dashpot.identify.hilbert.freevib import freevib
+from dashpot.identify.signals.signals import Signal
 
 
 def fits(f):

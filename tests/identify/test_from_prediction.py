@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
-from dashpot.identify.from_prediction import (
+from dashpot.identify.fit.from_prediction import (
     from_prediction,
     growing,
     keeps_step,
@@ -17,8 +16,9 @@ from dashpot.identify.from_prediction import (
     memories,
     simulates,
 )
-from dashpot.identify.segments import Segment
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator, Response
 from dashpot.recording import Recording
 from dashpot.simulate.force import straight_lines

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.further_harmonics import fundamental_beyond_a_sine, peak_of
+from dashpot.identify.hilbert.further_harmonics import fundamental_beyond_a_sine, peak_of
 from scipy.integrate import quad
 
 ANGLE = 2 * np.pi * (np.arange(200_000) + 0.5) / 200_000

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.identify import identify
-from dashpot.identify.data import data_of
-from dashpot.identify.further_laws import with_laws
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.start.further_laws import with_laws
 from dashpot.model import Oscillator, Response
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp

@@ -7,10 +7,10 @@ from functools import cache
 
 import numpy as np
 import pytest
-from dashpot.identify.data import data_of
-from dashpot.identify.handed_on import before, goes_on, handed_over
-from dashpot.identify.settle import settled
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.settle import settled
+from dashpot.identify.problem.state_from_previous_segment import before, goes_on, handed_over
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator, Response
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording

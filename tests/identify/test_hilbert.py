@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.hilbert import analytic_signal, dominant_frequency, noise_level
+from dashpot.identify.signals.hilbert import analytic_signal, dominant_frequency, noise_level
 from scipy.integrate import solve_ivp
 
 

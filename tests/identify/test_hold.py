@@ -12,10 +12,10 @@ import pytest
 from dashpot.examples.force import chirp, multisine
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify import hold as module
 from dashpot.identify import identify
-from dashpot.identify.hold import HoldFound, _Trial, find_hold, held_as, hold_of_recordings
-from dashpot.identify.odds import DECISIVE
+from dashpot.identify.fit import hold as module
+from dashpot.identify.fit.hold import HoldFound, _Trial, find_hold, held_as, hold_of_recordings
+from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
 

@@ -244,7 +244,7 @@ def test_a_shape_that_a_start_has_an_error_of_is_fitted_from_the_start_on(asked)
 
 @pytest.mark.long
 def test_a_mass_stays_one_that_a_force_can_move():
-    from dashpot.identify.likelihood import maximum_likelihood
+    from dashpot.identify.fit.likelihood import maximum_likelihood
 
     start = Oscillator.from_values(TRUTH | {"omega0": 0.3 * TRUTH["omega0"], "cubic": 1e11})
     fit = maximum_likelihood(start, [record("sweep"), record("decay", seconds=4.0)])

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.initial_motion import from_first_cycle, initial_states
-from dashpot.identify.segments import Segment
+from dashpot.identify.problem.initial_motion import from_first_cycle, initial_states
+from dashpot.identify.problem.segments import Segment
 
 W, DT = 80.0, 1e-3
 QUANTITIES = ("displacement", "velocity", "acceleration")

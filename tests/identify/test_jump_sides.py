@@ -9,13 +9,13 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
-from dashpot.identify.data import data_of
-from dashpot.identify.jump_sides import nearer_sides
-from dashpot.identify.odds import DECISIVE
-from dashpot.identify.offset import Offset
-from dashpot.identify.plainest import plain_cost
-from dashpot.identify.settle import settled
-from dashpot.identify.structure import Structure
+from dashpot.identify.fit.choose_noise_model import plain_cost
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.jump_sides import nearer_sides
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.settle import settled
+from dashpot.identify.problem.structure import Structure
+from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model import Oscillator, Response
 
 

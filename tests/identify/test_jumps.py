@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.identify.jumps import _jumps, _longest, left_out, smooth_stretches
+from dashpot.identify.problem.jumps import _jumps, _longest, left_out, smooth_stretches
 
 N, CYCLE = 400, 20
 
@@ -78,7 +78,7 @@ def smoothed(*jumps_at: int | None, sizes: tuple[int, ...] = (30 * CYCLE,), effe
         states=lambda i, state: np.arange(sizes[i])[:, None],
         core=SimpleNamespace(initial=lambda along: along + 0.5),
     )
-    from dashpot.identify.output_error import State
+    from dashpot.identify.problem.output_error import State
 
     state = State(np.ones(1), np.zeros((len(sizes), 1)), np.zeros(0))
     kept, after = smooth_stretches(problem, state)  # pyright: ignore[reportArgumentType]

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify import last_swings
-from dashpot.identify.data import data_of
-from dashpot.identify.last_swings import with_last_swings
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem import last_swings
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.last_swings import with_last_swings
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 

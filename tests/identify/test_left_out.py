@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.decay import Blow, Decay, FreeMotion
-from dashpot.identify.envelope import Envelope
-from dashpot.identify.left_out import left_out
+from dashpot.identify.motion.decay import Blow, Decay, FreeMotion
+from dashpot.identify.motion.envelope import Envelope
+from dashpot.identify.motion.excluded_ranges import left_out
 from dashpot.recording import Recording
 
 N, FS, PERIOD, FLOOR = 3000, 100.0, 100, 0.1

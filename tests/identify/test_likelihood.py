@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of, noise_spectra
-from dashpot.identify.delivered import _said_otherwise
-from dashpot.identify.from_prediction import memories
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.prediction import FREE
-from dashpot.identify.structure import Structure
+from dashpot.identify.fit.from_prediction import memories
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.fit.reported_result import _said_otherwise
+from dashpot.identify.problem.data import data_of, noise_spectra
+from dashpot.identify.problem.prediction import FREE
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp
@@ -195,7 +195,7 @@ def test_a_structure_that_simulates_nowhere_is_refused():
 @pytest.mark.parametrize(("odds", "counts"), [(999.0, False), (1001.0, True)])
 def test_a_prediction_counts_against_a_simulation_at_odds_of_a_thousand(monkeypatch, odds, counts):
     """Of two memories the likelier is asked; what it says otherwise goes into the standard errors."""
-    module = "dashpot.identify.delivered"
+    module = "dashpot.identify.fit.reported_result"
     likelihoods = iter((-5.0, float(np.log(odds))))
     monkeypatch.setattr(f"{module}.memories", lambda _: [1.0, 8.0])
     monkeypatch.setattr(f"{module}._nearest", lambda *_: None)

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.identify.linear_fit import LinearFit, _free_places, _peaks, _Signal, linear_fit
-from dashpot.identify.segments import Segment
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.start.linear_fit import LinearFit, _free_places, _peaks, _Signal, linear_fit
 from dashpot.simulate.force import staircase, straight_lines
 from scipy.signal import cont2discrete
 

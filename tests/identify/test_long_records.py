@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
-from dashpot.identify import forced_regression, hilbert, identify, output_error, scatter
-from dashpot.identify.data import data_of
-from dashpot.identify.offset import Offset
-from dashpot.identify.prediction import FREE
-from dashpot.identify.structure import Structure
+from dashpot.identify import identify
+from dashpot.identify.fit import scatter
+from dashpot.identify.hilbert import forced_regression
+from dashpot.identify.problem import output_error
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.prediction import FREE
+from dashpot.identify.problem.structure import Structure
+from dashpot.identify.signals import hilbert
 from dashpot.model import Oscillator
 from dashpot.simulate import force
 

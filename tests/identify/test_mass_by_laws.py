@@ -9,10 +9,10 @@ from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import hilbert_analysis
-from dashpot.identify.mass_by_laws import driven_mass
-from dashpot.identify.modal_mass import mass_fit
-from dashpot.identify.modal_stretch import Stretch, forced_stretch
-from dashpot.identify.signals import Signal
+from dashpot.identify.hilbert.mass_by_laws import driven_mass
+from dashpot.identify.hilbert.modal_mass import mass_fit
+from dashpot.identify.hilbert.modal_stretch import Stretch, forced_stretch
+from dashpot.identify.signals.signals import Signal
 from dashpot.recording import Recording
 
 FS = 1000.0

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from dashpot import examples
 from dashpot.examples.truth import ACTUATOR, TRUTH
-from dashpot.identify.data import data_of
-from dashpot.identify.measured_motion import Guess, Regression, _project, _soft_sign, probes
-from dashpot.identify.structure import SLACK
-from dashpot.identify.weakform import windows
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.structure import SLACK
+from dashpot.identify.signals.weakform import windows
+from dashpot.identify.start.measured_motion import Guess, Regression, _project, _soft_sign, probes
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.model.laws import find

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.data import data_of
-from dashpot.identify.measured_motion import Regression
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.start.measured_motion import Regression
 from dashpot.model import Oscillator, Response
 from dashpot.recording import Recording
 from scipy.signal import lsim, lti

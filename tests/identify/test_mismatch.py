@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.identify.mismatch import gain_of_mismatch
+from dashpot.identify.fit.mismatch import gain_of_mismatch
 
 PER_CYCLE = 50
 

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.modal_fit import _Fit
-from dashpot.identify.modal_mass import MassFit
+from dashpot.identify.hilbert.modal_fit import _Fit
+from dashpot.identify.hilbert.modal_mass import MassFit
 
 
 def test_a_parameter_that_changes_nothing_is_said_and_ends_in_no_singular_matrix():

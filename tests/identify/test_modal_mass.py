@@ -7,10 +7,10 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.rig import FORCE_NOISE, FS, SENSOR_NOISE, force, paper_stand
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.mass_by_laws import driven_mass
-from dashpot.identify.modal_mass import MassFit, agreed, mass_fit
-from dashpot.identify.modal_stretch import Stretch, forced_stretch
-from dashpot.identify.signals import Signal
+from dashpot.identify.hilbert.mass_by_laws import driven_mass
+from dashpot.identify.hilbert.modal_mass import MassFit, agreed, mass_fit
+from dashpot.identify.hilbert.modal_stretch import Stretch, forced_stretch
+from dashpot.identify.signals.signals import Signal
 
 DRIVEN, EACH = 1500, 5000
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.mode_lines import modes_of
+from dashpot.identify.motion.mode_lines import modes_of
 from dashpot.recording import Recording
 
 FS, N = 200.0, 4000

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.identify import identify
-from dashpot.identify.mode_lines import modes_of
-from dashpot.identify.modes import in_band_of, isolated, mode_of
+from dashpot.identify.motion.mode_lines import modes_of
+from dashpot.identify.motion.modes import in_band_of, isolated, mode_of
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads
 from dashpot.model.oscillator import Band

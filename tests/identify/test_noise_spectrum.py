@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.noise_spectrum import NoiseSpectrum, estimate, resonance_of, white
+from dashpot.identify.signals.noise_spectrum import NoiseSpectrum, estimate, resonance_of, white
 
 
 def signals(n, count=4):

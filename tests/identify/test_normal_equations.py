@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.normal_equations import (
+from dashpot.identify.problem.normal_equations import (
     least_squares,
     products,
     promise,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from dashpot.identify.odds import BEYOND_ERRORS, BY_CHANCE, DECISIVE
+from dashpot.identify.signals.odds import BEYOND_ERRORS, BY_CHANCE, DECISIVE
 from scipy.stats import norm
 
 

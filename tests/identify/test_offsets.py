@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
-from dashpot.identify.data import data_of
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.offset import Offset
-from dashpot.identify.offsets import centre, drift_of, response_offsets, zero_of_load_cell
-from dashpot.identify.output_error import State
-from dashpot.identify.structure import Structure
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.fit.offsets import response_offsets
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.offset import Offset, centre, drift_of, zero_of_load_cell
+from dashpot.identify.problem.output_error import State
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 
@@ -148,7 +148,7 @@ def test_what_a_sensor_shows_needs_no_simulation_and_has_the_same_derivative(mon
 @pytest.mark.parametrize(("times", "kept"), [(3.71, False), (3.72, True), (-3.72, True)])
 def test_a_zero_stands_out_at_odds_of_a_thousand(monkeypatch, times, kept):
     """Half the square of 3.717 errors is the logarithm of a thousand."""
-    monkeypatch.setattr("dashpot.identify.offsets.zero_of", lambda *_: (2e-3 * times, 2e-3))
+    monkeypatch.setattr("dashpot.identify.fit.offsets.zero_of", lambda *_: (2e-3 * times, 2e-3))
     assert zero_of_load_cell(np.zeros(100), 100.0, 10.0) == (2e-3 * times if kept else 0.0)
 
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
-from dashpot.identify.offset import Offset
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 

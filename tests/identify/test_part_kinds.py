@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.part_kinds import cut_off, lone, stands_still, walk
-from dashpot.identify.segments import Segment
+from dashpot.identify.faults.part_kinds import cut_off, lone, stands_still, walk
+from dashpot.identify.problem.segments import Segment
 from scipy.signal import lfilter
 
 N = 2000

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate_pieces
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.linear_fit import linear_fit
-from dashpot.identify.segments import cut
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.problem.segments import cut
+from dashpot.identify.start.linear_fit import linear_fit
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp

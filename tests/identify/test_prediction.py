@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.prediction import FREE, prediction_gain
+from dashpot.identify.problem.prediction import FREE, prediction_gain
 
 OMEGA = 79.6
 #: What each quantity shows of displacement and velocity, for an undamped oscillator.

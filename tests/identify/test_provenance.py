@@ -10,7 +10,7 @@ from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
-from dashpot.identify.likelihood import maximum_likelihood
+from dashpot.identify.fit.likelihood import maximum_likelihood
 from dashpot.identify.provenance import _left, with_provenance
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads

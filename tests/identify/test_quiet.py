@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.decay import Blow
-from dashpot.identify.first_motion import first_motion
-from dashpot.identify.quiet import quiet_noise
+from dashpot.identify.motion.decay import Blow
+from dashpot.identify.motion.first_motion import first_motion
+from dashpot.identify.motion.quiet import quiet_noise
 from scipy.signal import lfilter
 
 FS, CYCLE = 500.0, 100

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.reach import nearest_reach
-from dashpot.identify.replay import replayed
+from dashpot.identify.problem.replay import replayed
+from dashpot.identify.problem.state_limits import nearest_reach
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp

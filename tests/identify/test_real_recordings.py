@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dashpot.identify import identify
-from dashpot.identify.replay import replay
+from dashpot.identify.problem.replay import replay
 from dashpot.model.backbone import exact_backbone
 from dashpot.recording import Recording, read
 

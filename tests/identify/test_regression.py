@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.regression import Segment, linear_regression_start, regress
-from dashpot.identify.signals import Signal
-from dashpot.identify.weakform import windows
+from dashpot.identify.signals.signals import Signal
+from dashpot.identify.signals.weakform import windows
+from dashpot.identify.start.regression import Segment, linear_regression_start, regress
 
 NAMES = ("omega0", "cubic", "preload", "viscous", "dry")
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate_pieces
-from dashpot.identify.replay import replayed, run_along
+from dashpot.identify.problem.replay import replayed, run_along
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.rounding import Rounding, rounding_of
-from dashpot.identify.signals import Signal
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.problem.rounding import Rounding, rounding_of
+from dashpot.identify.signals.signals import Signal
 from dashpot.model import Oscillator
 from scipy.special import j1
 
@@ -78,5 +78,5 @@ def test_errors_of_parameters_cover_it(channel, levels, before, monkeypatch):
         return max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std)
 
     assert worst() < 3.0
-    monkeypatch.setattr("dashpot.identify.scatter.scatter_of_rounding", lambda *_: 0.0)
+    monkeypatch.setattr("dashpot.identify.fit.scatter.scatter_of_rounding", lambda *_: 0.0)
     assert worst() > before

@@ -7,11 +7,11 @@ import pytest
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.modal_fit import spring_and_friction
-from dashpot.identify.modal_mass import mass_fit
-from dashpot.identify.modal_stretch import Stretch, forced_stretch
-from dashpot.identify.rung_in import rung_in
-from dashpot.identify.signals import Signal
+from dashpot.identify.hilbert.frequency_of_the_ringing import rung_in
+from dashpot.identify.hilbert.modal_fit import spring_and_friction
+from dashpot.identify.hilbert.modal_mass import mass_fit
+from dashpot.identify.hilbert.modal_stretch import Stretch, forced_stretch
+from dashpot.identify.signals.signals import Signal
 
 FS, N = 500.0, 40_000
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
-from dashpot.identify import scatter as module
-from dashpot.identify.data import data_of, noise_of
-from dashpot.identify.noise_spectrum import NoiseSpectrum
-from dashpot.identify.normal_equations import pseudo_inverse
-from dashpot.identify.offset import Offset
-from dashpot.identify.scatter import scatter
-from dashpot.identify.structure import Structure
+from dashpot.identify.fit import scatter as module
+from dashpot.identify.fit.scatter import scatter
+from dashpot.identify.problem.data import data_of, noise_of
+from dashpot.identify.problem.normal_equations import pseudo_inverse
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.structure import Structure
+from dashpot.identify.signals.noise_spectrum import NoiseSpectrum
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from scipy.signal import correlate

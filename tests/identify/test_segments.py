@@ -7,8 +7,8 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from dashpot.identify.blows import ContactForce
-from dashpot.identify.segments import Segment, cut, pace_of, stretches
+from dashpot.identify.motion.blows import ContactForce
+from dashpot.identify.problem.segments import Segment, cut, pace_of, stretches
 from dashpot.recording import Recording
 from dashpot.simulate.force import staircase, straight_lines
 

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
-from dashpot.identify.settle import settled
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.settle import settled
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator, Response
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
-from dashpot.identify.replay import replay
+from dashpot.identify.problem.replay import replay
 from dashpot.model.oscillator import Response
 
 NOISE = 2e-6

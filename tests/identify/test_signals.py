@@ -6,13 +6,14 @@ from collections import Counter
 
 import numpy as np
 import pytest
-from dashpot.identify import decays, signals
-from dashpot.identify.decays import find_free_motion
-from dashpot.identify.displacement import displacement
-from dashpot.identify.hold import held_as
-from dashpot.identify.segments import cut
-from dashpot.identify.signals import Signal, drive_of, noise_levels, response_of
-from dashpot.identify.start import hilbert_start
+from dashpot.identify.fit.hold import held_as
+from dashpot.identify.motion import decays
+from dashpot.identify.motion.decays import find_free_motion
+from dashpot.identify.motion.displacement import displacement
+from dashpot.identify.problem.segments import cut
+from dashpot.identify.signals import signals
+from dashpot.identify.signals.signals import Signal, drive_of, noise_levels, response_of
+from dashpot.identify.start.start import hilbert_start
 from dashpot.recording.fact import changed
 from dashpot.recording.recording import Recording
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
 from dashpot.identify import identify
-from dashpot.identify.segments import cut, pace_of, stretches
+from dashpot.identify.problem.segments import cut, pace_of, stretches
 from dashpot.recording import Recording
 
 TRUTH = {"mass": 12.0, "viscous": 3.0, "dry": 0.4}

@@ -11,10 +11,10 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.displacement import displacement
-from dashpot.identify.freevib import freevib
+from dashpot.identify.hilbert.freevib import freevib
 from dashpot.identify.identification import identify
-from dashpot.identify.start import hilbert_start, plain_starts
+from dashpot.identify.motion.displacement import displacement
+from dashpot.identify.start.start import hilbert_start, plain_starts
 from dashpot.recording.recording import Recording
 
 DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[3] / "shared" / "data"))
@@ -175,7 +175,7 @@ def test_a_backbone_elsewhere_over_most_amplitudes_is_told(recorded, monkeypatch
         curve = freevib(signal)
         return replace(curve, omega0=part * curve.omega0)
 
-    monkeypatch.setattr("dashpot.identify.start.freevib", elsewhere)
+    monkeypatch.setattr("dashpot.identify.start.start.freevib", elsewhere)
     estimate = hilbert_start([recorded(TRUTH, begin=(8e-3, 0.0), seconds=3.0)])
     assert any("differ by" in note for note in estimate.notes) == told
 

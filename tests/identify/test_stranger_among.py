@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS
-from dashpot.identify.likelihood import maximum_likelihood
-from dashpot.identify.stranger_among import KEPT, of_one_rig, stranger_among, told_apart
+from dashpot.identify.faults.stranger_among import KEPT, of_one_rig, stranger_among, told_apart
+from dashpot.identify.fit.likelihood import maximum_likelihood
 from dashpot.model import Oscillator
 
 STAND = replace(STANDS["built-in"], cycles=60.0, fs=400.0)

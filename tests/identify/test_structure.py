@@ -7,10 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.identify.data import data_of
-from dashpot.identify.noise_spectrum import concentrated_likelihood, estimate
-from dashpot.identify.offset import Offset
-from dashpot.identify.structure import (
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.structure import (
     Fitted,
     Structure,
     parameter_bounds,
@@ -20,6 +19,7 @@ from dashpot.identify.structure import (
     typical_sizes,
     without_states,
 )
+from dashpot.identify.signals.noise_spectrum import concentrated_likelihood, estimate
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.model.laws import find

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.envelope import Envelope
-from dashpot.identify.swings import Swings, caught, falls_steadily, release, still_falls, swings_of
+from dashpot.identify.motion.envelope import Envelope
+from dashpot.identify.motion.swings import Swings, caught, falls_steadily, release, still_falls, swings_of
 
 EVERY = 50
 

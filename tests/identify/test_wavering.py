@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.identify.segments import Segment
-from dashpot.identify.wavering import Wavering
+from dashpot.identify.faults.wavering import Wavering
+from dashpot.identify.problem.segments import Segment
 from dashpot.simulate.force import force_between
 
 N, DT, BEGIN, WAVE = 2000, 0.002, 1.0, 0.5

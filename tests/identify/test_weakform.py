@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.weakform import solve, windows
+from dashpot.identify.signals.weakform import solve, windows
 
 FS, N = 200.0, 2000
 TIME = np.arange(N) / FS

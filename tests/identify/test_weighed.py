@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.data import data_of
-from dashpot.identify.noise_spectrum import concentrated_likelihood
-from dashpot.identify.output_error import Outcome, State
-from dashpot.identify.plainest import plain_cost
-from dashpot.identify.prediction import FREE
-from dashpot.identify.signals import noise_levels
-from dashpot.identify.structure import Structure
-from dashpot.identify.weighed import _remainders, concentrated, over_noise, weighed, whitened
+from dashpot.identify.fit.choose_noise_model import plain_cost
+from dashpot.identify.fit.reweighted_fit import _remainders, concentrated, over_noise, weighed, whitened
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.output_error import Outcome, State
+from dashpot.identify.problem.prediction import FREE
+from dashpot.identify.problem.structure import Structure
+from dashpot.identify.signals.noise_spectrum import concentrated_likelihood
+from dashpot.identify.signals.signals import noise_levels
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 from scipy.signal import lfilter

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 from dashpot.identify import hilbert_analysis
-from dashpot.identify.within_the_cycle import WithinTheCycle
+from dashpot.identify.hilbert.within_the_cycle import WithinTheCycle
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp
 

@@ -81,7 +81,7 @@ def test_a_fresh_python_has_it_by_name(example, tmp_path):
 
 
 def test_the_doctor_names_it(example):
-    from dashpot.doctor import _laws
+    from dashpot.face.doctor import _laws
 
     (finding,) = _laws()
     assert finding.good

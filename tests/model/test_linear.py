@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from dashpot.cli import cli
+from dashpot.commands.cli import cli
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator, Range, Response

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dashpot.cli import main
+from dashpot.commands.cli import main
 from dashpot.errors import BadInput
 from dashpot.model import Oscillator
 from dashpot.model import user_laws as user

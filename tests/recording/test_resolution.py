@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.hilbert import noise_level
+from dashpot.identify.signals.hilbert import noise_level
 from dashpot.recording.resolution import converter_step
 
 T = np.arange(4000) / 500.0

@@ -11,7 +11,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from dashpot.cli import main
+from dashpot.commands.cli import main
 from dashpot.examples import recordings
 
 BROWSER = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome", "chrome"))), None)

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.decays import find_decays
-from dashpot.identify.hilbert_result import HilbertAnalysis, hilbert_analysis
+from dashpot.identify.hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
+from dashpot.identify.motion.decays import find_decays
 from dashpot.model import Oscillator
 from dashpot.model.backbone import exact_backbone
 from dashpot.recording import read

@@ -11,7 +11,7 @@ import matplotlib
 import numpy as np
 import pytest
 from dashpot.identify import Identification
-from dashpot.identify.static_force import static_force
+from dashpot.identify.hilbert.static_force import static_force
 from dashpot.recording import Recording
 from dashpot.report.backbone_distance import distance_figure
 from dashpot.report.backbone_figure import backbone_figure

@@ -9,7 +9,7 @@ from functools import cache
 import numpy as np
 import pytest
 from dashpot.identify import hilbert_analysis
-from dashpot.identify.hilbert_result import HilbertAnalysis
+from dashpot.identify.hilbert.hilbert_result import HilbertAnalysis
 from dashpot.recording import Recording
 from dashpot.report.hilbert_page import hilbert_page
 from dashpot.report.within_figure import within_figure

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.equivalent import along_of
+from dashpot.identify.problem.equivalent import along_of
 from dashpot.model.laws import find
 
 DT = 1e-4

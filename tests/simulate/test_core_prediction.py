@@ -7,7 +7,7 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.prediction import prediction_gain
+from dashpot.identify.problem.prediction import prediction_gain
 from dashpot.model import Oscillator, Response
 from dashpot.simulate import force as forces
 from dashpot.simulate.core import core_of, internal_step

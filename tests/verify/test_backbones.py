@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.replay import Replay
+from dashpot.identify.problem.replay import Replay
 from dashpot.model import Oscillator
 from dashpot.verify.backbones import AMPLITUDE_PART, Backbone, Compared, compared
 from dashpot.verify.chance import Run

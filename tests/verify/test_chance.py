@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.decays import Decay
-from dashpot.identify.odds import BY_CHANCE
-from dashpot.identify.replay import Replay
+from dashpot.identify.motion.decays import Decay
+from dashpot.identify.problem.replay import Replay
+from dashpot.identify.signals.odds import BY_CHANCE
 from dashpot.recording import Recording
 from dashpot.verify.chance import Run, by_chance, powers
 from dashpot.verify.model_inside import Twin

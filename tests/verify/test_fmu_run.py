@@ -9,7 +9,7 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.export import export
-from dashpot.identify.replay import force_of, replay
+from dashpot.identify.problem.replay import force_of, replay
 from dashpot.model import Oscillator, Response
 from dashpot.verify.fmu_run import FmuRun, FmuStopped
 from dashpot.verify.verification import verify

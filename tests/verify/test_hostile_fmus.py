@@ -12,7 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dashpot import cli
+from dashpot.commands import cli
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.export.fmu import export_fmu

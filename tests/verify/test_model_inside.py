@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.replay import Replay, force_of, replayed
+from dashpot.identify.problem.replay import Replay, force_of, replayed
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps
 from dashpot.model.oscillator import Provenance

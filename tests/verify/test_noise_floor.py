@@ -9,7 +9,7 @@ import pytest
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.signals import noise_levels
+from dashpot.identify.signals.signals import noise_levels
 from dashpot.recording import Recording
 from dashpot.verify.noise_floor import pieces
 

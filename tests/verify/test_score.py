@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.odds import BY_CHANCE
+from dashpot.identify.signals.odds import BY_CHANCE
 from dashpot.model import Oscillator
 from dashpot.verify.score import Score, score_of, standard_errors
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.experiment.excitations import BEYOND, CYCLES, Excitation, Limits, candidates, limits_of
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
+from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
 
 FS, NATURAL = 600.0, 10.0

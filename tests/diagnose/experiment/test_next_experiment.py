@@ -11,8 +11,8 @@ from dashpot.diagnose.experiment.excitations import BEYOND, Excitation, Limits
 from dashpot.diagnose.experiment.next_experiment import _pace, _separating, _sharpening, next_experiment
 from dashpot.diagnose.experiment.rehearsal import rehearse
 from dashpot.errors import BadInput
-from dashpot.identify.data import data_of
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording

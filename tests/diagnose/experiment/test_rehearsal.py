@@ -9,7 +9,7 @@ import pytest
 from dashpot.diagnose.experiment.excitations import Excitation
 from dashpot.diagnose.experiment.rehearsal import apart, off, rehearse
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
+from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
 from dashpot.model.terms import with_term
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.place.equation_error import BLOCK_CYCLES, _stretch, equation_error
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
+from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
 
 LINEAR = TRUTH | {"cubic": 0.0, "preload": 0.0, "dry": 0.0}

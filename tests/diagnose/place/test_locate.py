@@ -11,8 +11,8 @@ from dashpot.diagnose.place.locate import locate
 from dashpot.diagnose.wording import quantity, spoken
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator
 
 

@@ -9,8 +9,8 @@ import pytest
 from dashpot.diagnose.place.missing_force import latent_forces
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.model.laws import find
 from dashpot.model.terms import with_term

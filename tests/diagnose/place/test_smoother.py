@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.place.smoother import Smoother
-from dashpot.identify.data import data_of
+from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
 from dashpot.model.oscillator import Response
 from dashpot.model.terms import with_term

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of
+from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 

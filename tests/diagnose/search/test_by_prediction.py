@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.diagnose.search.by_prediction import by_prediction
-from dashpot.identify.data import Data, data_of
-from dashpot.identify.from_prediction import keeps_step
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.fit.from_prediction import keeps_step
+from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator
 from dashpot.model.laws import find
 from dashpot.recording import Recording

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from dashpot.diagnose.search.candidate import STAGES, Candidate, key
-from dashpot.identify.structure import Fitted
+from dashpot.identify.problem.structure import Fitted
 from dashpot.model import Oscillator
 
 MODEL = Oscillator.from_values({"mass": 1.0, "omega0": 1.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.1, "dry": 0.0})

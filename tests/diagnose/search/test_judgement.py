@@ -18,10 +18,10 @@ from dashpot.diagnose.search.judgement import (
     standing,
     why_not,
 )
-from dashpot.identify.data import Data
-from dashpot.identify.odds import DECISIVE
-from dashpot.identify.segments import Segment
-from dashpot.identify.structure import Fitted
+from dashpot.identify.problem.data import Data
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.problem.structure import Fitted
+from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 

@@ -7,11 +7,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.led import any_lost
 from dashpot.diagnose.search.measure import Measure
 from dashpot.diagnose.search.race import Entry, Start, started
-from dashpot.identify.descent import Descent
-from dashpot.identify.odds import DECISIVE
+from dashpot.diagnose.search.start_from_simpler_model import any_lost
+from dashpot.identify.problem.descent import Descent
+from dashpot.identify.signals.odds import DECISIVE
 
 
 def test_a_start_that_has_lost_the_motion_is_led_to_it(plain, bent):

@@ -10,10 +10,10 @@ from dashpot.diagnose.search.likeness import alike, moves_along
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate, integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data, data_of
-from dashpot.identify.offset import Offset
-from dashpot.identify.settle import settled
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.settle import settled
+from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator, Response
 from dashpot.model.laws import find
 from dashpot.model.terms import with_term

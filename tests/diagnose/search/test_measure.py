@@ -9,9 +9,9 @@ import pytest
 from dashpot.diagnose.search.measure import Measure, measure_by
 from dashpot.diagnose.search.residual_test import leftovers
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data
-from dashpot.identify.segments import Segment
-from dashpot.identify.structure import Fitted
+from dashpot.identify.problem.data import Data
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.problem.structure import Fitted
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 

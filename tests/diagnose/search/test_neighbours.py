@@ -9,7 +9,7 @@ import numpy as np
 from dashpot.diagnose.search.candidate import Candidate
 from dashpot.diagnose.search.neighbours import kept, more_general, with_learnt, with_shapes
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.structure import Fitted
+from dashpot.identify.problem.structure import Fitted
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.model.laws import find

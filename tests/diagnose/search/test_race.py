@@ -10,9 +10,9 @@ import pytest
 from dashpot.diagnose.search.measure import NEAR, Measure
 from dashpot.diagnose.search.race import PATIENCE, Entry, Start, race, started
 from dashpot.diagnose.search.residual_test import times_the_noise
-from dashpot.identify.measured_motion import probes
-from dashpot.identify.odds import DECISIVE
-from dashpot.identify.structure import shapes_of
+from dashpot.identify.problem.structure import shapes_of
+from dashpot.identify.signals.odds import DECISIVE
+from dashpot.identify.start.measured_motion import probes
 from dashpot.model.laws import find
 from dashpot.model.terms import with_term
 

@@ -10,9 +10,9 @@ import pytest
 from dashpot.diagnose.search import residual_test as module
 from dashpot.diagnose.search.residual_test import Leftover, _reached, expected, in_step, leftovers, sentence
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data, data_of
-from dashpot.identify.segments import Segment
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.simulate.force import straight_lines

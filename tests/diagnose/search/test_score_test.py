@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from dashpot.diagnose.search.score_test import Screen, Start, _off, _orthonormal, _Step, _Weighed
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import data_of, likelihood, noise_spectra
-from dashpot.identify.measured_motion import Regression, probes
-from dashpot.identify.noise_spectrum import NoiseSpectrum
-from dashpot.identify.structure import Structure
+from dashpot.identify.problem.data import data_of, likelihood, noise_spectra
+from dashpot.identify.problem.structure import Structure
+from dashpot.identify.signals.noise_spectrum import NoiseSpectrum
+from dashpot.identify.start.measured_motion import Regression, probes
 from dashpot.model import Oscillator, Response
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY, find

@@ -13,10 +13,10 @@ from dashpot.diagnose.search.race import PATIENCE
 from dashpot.diagnose.search.search import Search
 from dashpot.diagnose.search.starts import Proposal
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data
-from dashpot.identify.odds import DECISIVE
-from dashpot.identify.segments import Segment
-from dashpot.identify.structure import Fitted
+from dashpot.identify.problem.data import Data
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.problem.structure import Fitted
+from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY, find

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.diagnose.search.search import Search
-from dashpot.identify.data import data_of
+from dashpot.identify.problem.data import data_of
 from dashpot.model.laws import find
 
 pytestmark = pytest.mark.long

@@ -11,9 +11,9 @@ from dashpot import examples
 from dashpot.diagnose.search import side_valleys
 from dashpot.diagnose.search.side_valleys import by_probing
 from dashpot.examples.truth import ACTUATOR, TRUTH
-from dashpot.identify.data import Data, data_of
-from dashpot.identify.measured_motion import Regression
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.structure import Fitted, Structure
+from dashpot.identify.start.measured_motion import Regression
 from dashpot.model import Oscillator
 from dashpot.model.laws import find
 from dashpot.recording import read

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 from dashpot.diagnose.search.spectral_lines import residual_lines
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data
-from dashpot.identify.noise_spectrum import NoiseSpectrum
-from dashpot.identify.segments import Segment
-from dashpot.identify.structure import Fitted
+from dashpot.identify.problem.data import Data
+from dashpot.identify.problem.segments import Segment
+from dashpot.identify.problem.structure import Fitted
+from dashpot.identify.signals.noise_spectrum import NoiseSpectrum
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 

@@ -10,9 +10,9 @@ from dashpot.diagnose.search.starts import by_motion, by_score, unseen_in_motion
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data, data_of
-from dashpot.identify.measured_motion import Guess, Regression
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.structure import Fitted, Structure
+from dashpot.identify.start.measured_motion import Guess, Regression
 from dashpot.model import Oscillator
 from dashpot.model.law import Law
 from dashpot.model.laws import find

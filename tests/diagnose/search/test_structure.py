@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.weigh import judged
-from dashpot.identify.data import data_of
-from dashpot.identify.measured_motion import probes
-from dashpot.identify.structure import Structure, parameter_bounds
+from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.structure import Structure, parameter_bounds
+from dashpot.identify.start.measured_motion import probes
 from dashpot.model.laws import LIBRARY
 from dashpot.model.terms import with_term
 

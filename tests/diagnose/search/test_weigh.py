@@ -20,9 +20,9 @@ from dashpot.diagnose.search.weigh import (
     weighed,
 )
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.data import Data, data_of
-from dashpot.identify.offset import Offset
-from dashpot.identify.structure import Fitted, Structure
+from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.offset import Offset
+from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator
 from dashpot.model.equations import equations
 from dashpot.model.law import Scales

@@ -1,0 +1,368 @@
+"""The command line: recordings in, model, FMU, CasADi functions and reports out."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .. import __version__
+from ..errors import BadInput
+from ..face.recordings import read_all
+from ..files.exit_codes import ended
+from .command_examples import epilog
+from .fleet_commands import COMMANDS as FLEET_COMMANDS
+from .model_commands import COMMANDS
+from .options import (
+    FILE,
+    fixed_values,
+    law_names,
+    most_left,
+    with_laws,
+    with_mode,
+    with_recordings,
+    with_time_limit,
+)
+from .setup_commands import COMMANDS as SETUP_COMMANDS
+from .several_values import CommandOfSeveral, SeveralValues
+from .terminal import outputs_checked, print_json, progress_shown, quiet, say, with_quiet
+from .waiting import waiting_told
+
+if TYPE_CHECKING:
+    from ..model.fit_state import MostLeft
+
+
+class _Commands(click.Group):
+    """A group that shows the whole first sentence of each command."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the list of commands, each with its sentence."""
+        rows = [(name, command.get_short_help_str(1000)) for name, command in sorted(self.commands.items())]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
+@click.group(cls=_Commands, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.version_option(__version__, prog_name="dashpot")
+def cli() -> None:
+    """Recordings of a vibrating thing in; a model you can believe, an FMU and CasADi functions you can use, out."""
+
+
+@cli.command()
+@click.option("-o", "--output", type=FILE, default=Path("demo"), show_default=True, help="Folder for the files.")
+def demo(output: Path) -> None:
+    """The whole story on the built-in rig, in under two minutes."""
+    from ..face.demo import run
+
+    told = [""]
+
+    def tell(line: str) -> None:
+        told[0] = line
+        if not quiet():
+            click.echo(line)
+
+    passed = run(output, tell)
+    if quiet():  # the last line is the result
+        click.echo(told[0])
+    if not passed:
+        sys.exit(1)
+
+
+@cli.command()
+@click.option("-o", "--output", type=FILE, default=Path("paper"), show_default=True, help="Folder for the page.")
+def paper(output: Path) -> None:
+    """The figures of the paper, 1 and 3 to 7, remade from the built-in rig."""
+    from ..face.paper import run
+
+    run(output, say)
+
+
+@cli.command()
+@click.argument("files", nargs=-1, required=True, type=FILE)
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+@with_recordings
+def look(files: tuple[Path, ...], as_json: bool, **options: Any) -> None:
+    """What would be read of files: channels, units, rates, kinds of motion, a small picture; nothing else is done."""
+    from ..face.look import described
+    from ..face.look import look as seen_in
+    from ..recording.part import parse_part
+
+    options["part"] = parse_part(options["part"]) if options["part"] else None
+    entries, refused = [], []
+    for file in files:
+        try:
+            entries += seen_in(file, options)
+        except BadInput as problem:  # the other files are shown all the same
+            refused.append(str(problem))
+    if as_json:
+        print_json(entries)
+    elif entries:
+        click.echo("\n\n".join(described(entry) for entry in entries))
+    if refused:
+        raise BadInput("\n".join(refused))
+    if any("refused" in recording for entry in entries for recording in entry["recordings"]):
+        sys.exit(2)
+
+
+@cli.command()
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="Folder for curves (CSV), laws (JSON) and the page.")
+@click.option("--json", "as_json", is_flag=True, help="Print the laws as JSON.")
+@with_mode
+@with_recordings
+def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str | None, **options: Any) -> None:
+    """FREEVIB and FORCEVIB as results: curves over time and amplitude, laws fitted to them, each with its error.
+
+    With --mode all every mode is evaluated by itself, each into a folder of its own.
+    """
+    from ..face.hilbert_files import FILES, run
+
+    outputs_checked([output / name for name in FILES], recordings)
+    result, words = run(read_all(recordings, options, say), mode, output, say)
+    if as_json:
+        print_json(result)
+    else:
+        click.echo(words)
+
+
+@cli.command()
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
+@click.option("-o", "--output", type=FILE, required=True, help="Model file to write (YAML).")
+@click.option("--name", help="Name of the rig; default: the output's name.")
+@click.option("--report", type=FILE, help="HTML page to write beside it.")
+@click.option("--json", "as_json", is_flag=True, help="Print the model as JSON too.")
+@click.option(
+    "--with",
+    "effects",
+    metavar="LAW",
+    multiple=True,
+    shell_complete=law_names,
+    help="Law of the library to fit beside Eq. 17; several times.",
+)
+@click.option(
+    "--fix",
+    metavar="NAME=VALUE",
+    multiple=True,
+    callback=fixed_values,
+    help="Parameter that keeps a value, in SI; several times.",
+)
+@click.option("--mass", type=float, metavar="KG", help="Moving mass, where only decays were recorded or it is known.")
+@click.option("--from", "start", type=FILE, metavar="MODEL.yaml", help="Model to start from, with its laws.")
+@click.option(
+    "--faults",
+    is_flag=True,
+    help="Ask what the measuring chain did to a recording (gains, delays, hum, zeros, clocks) where more than noise is "
+    "left and the recordings do not contradict each other too, where it is asked anyway.",
+)
+@click.option(
+    "--max-left",
+    metavar="5%|3x",
+    callback=most_left,
+    help="Exit code 1 where the model leaves more of a recording than that share of the motion, noise aside, or than "
+    "so many times the noise. It always is where the simulation does not follow the motion (30%).",
+)
+@with_mode
+@with_laws
+@with_recordings
+def identify(
+    recordings: tuple[Path, ...],
+    output: Path,
+    name: str | None,
+    report: Path | None,
+    as_json: bool,
+    effects: tuple[str, ...],
+    fix: dict[str, float],
+    mass: float | None,
+    start: Path | None,
+    mode: str | None,
+    faults: bool,
+    max_left: MostLeft | None,
+    **options: Any,
+) -> None:
+    """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
+
+    The model is written whatever it leaves. Exit code 1 where it is good for nothing but a start, where --max-left is
+    exceeded or where the measuring chain has done something to a recording.
+    """
+    from ..export import SUFFIXES
+    from ..files.writing import together, write
+    from ..identify import identify as find
+    from ..identify.motion.modes import mode_alone
+    from ..model.file import load, save
+    from ..model.fit_state import beyond, faults_of_recordings, left_over
+    from ..model.laws import find as find_law
+    from ..model.show import as_json as model_json
+    from ..model.show import describe
+
+    outputs_checked([output] if report is None else [output, report], [*recordings, *([start] if start else [])])
+    if output.suffix in (*SUFFIXES, ".csv", ".html"):
+        raise BadInput(
+            f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
+        )
+    if mass is not None:
+        fix = fix | {"mass": mass}
+    if not 0 < fix.get("mass", 1.0) < math.inf:
+        raise BadInput(f"a mass of {fix['mass']:g} kg moves nowhere; give a positive number")
+    laws = [find_law(effect).name for effect in effects]
+    begin = None if start is None else load(start)
+    given, band = mode_alone(read_all(recordings, options, say), mode, begin, say)
+    identification = find(
+        given,
+        name=name or output.stem,
+        effects=laws,
+        fixed=fix,
+        start=begin,
+        band=band,
+        faults=faults,
+        progress=say,
+    )
+    for note in identification.notes:
+        say(f"note: {note}")
+    with together():
+        if report is not None:
+            from ..report.page import identification_page
+
+            write(report, identification_page(identification, files=(output.name,)))
+        save(identification.oscillator, output)
+    if as_json:
+        print_json(model_json(identification.oscillator))
+    else:
+        click.echo(describe(identification.oscillator))
+    say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
+    if left_over(identification.oscillator) and not (faults or identification.faults):
+        say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
+    for sentence in faults_of_recordings(identification.oscillator):
+        say(sentence, always=True)
+    if identification.useless:
+        say(f"{output}: {identification.useless}", always=True)
+    exceeded = [] if max_left is None else beyond(identification.oscillator, max_left)
+    for sentence in exceeded:
+        say(f"{sentence} (--max-left)", always=True)
+    if identification.useless or identification.faults or exceeded:
+        sys.exit(1)
+
+
+@cli.command(cls=CommandOfSeveral)
+@click.argument("model", type=FILE)
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
+@click.option(
+    "--holdout",
+    cls=SeveralValues,
+    type=FILE,
+    metavar="REC...",
+    help="Recordings to judge by, of another level or kind: all up to the next option; may be given several times.",
+)
+@click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
+@click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON.")
+@with_mode
+@with_laws
+@with_recordings
+def diagnose(
+    model: Path,
+    recordings: tuple[Path, ...],
+    holdout: tuple[Path, ...],
+    output: Path,
+    as_json: bool,
+    mode: str | None,
+    **options: Any,
+) -> None:
+    """Find the physics that a model lacks and recordings show; exit code 1 where something stays unexplained."""
+    from ..diagnose import diagnose as find
+    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder, write_folder
+    from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
+    from ..model.file import load
+    from ..report.diagnosis_page import diagnosis_page
+    from ..report.diagnosis_text import describe
+
+    check_folder(output)
+    files = (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT)
+    outputs_checked([output / name for name in files], [model, *recordings, *holdout])
+    oscillator = load(model)
+    training, held = read_all(recordings, options, say), read_all(holdout, options, say)
+    training, band = mode_alone(training, mode, oscillator, say)
+    held = in_the_same_band(held, band)
+    with tempfile.TemporaryDirectory() as scratch, progress_shown() as progress:
+        artefact = Path(scratch) / FMU
+        diagnosis = find(oscillator, training, held, fmu=artefact, progress=progress)
+        diagnosis = replace(diagnosis, model=in_band_of(diagnosis.model, band))
+        fmu = artefact.read_bytes() if artefact.exists() else None
+    page = diagnosis_page(diagnosis, files=tuple(name for name in files if name != REPORT and (fmu or name != FMU)))
+    written = write_folder(output, diagnosis, page, fmu)
+    if as_json:
+        print_json(diagnosis.as_json())
+    else:
+        click.echo(describe(diagnosis))
+    say(f"written: {', '.join(str(path) for path in written)}")
+    if diagnosis.verdict == "unexplained":
+        sys.exit(1)
+
+
+@cli.command()
+@click.argument("fmu", type=FILE)
+@click.argument("recordings", nargs=-1, required=True, type=FILE)
+@click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result; - prints it.")
+@click.option("--report", type=FILE, metavar="OUT.html", help="HTML page to write, with pictures.")
+@with_time_limit
+@with_recordings
+def verify(
+    fmu: Path,
+    recordings: tuple[Path, ...],
+    json_file: Path | None,
+    report: Path | None,
+    time_limit: float,
+    **options: Any,
+) -> None:
+    """Run an FMU under FMPy with recorded forces, compare response and parameters; exit code 1 where they differ."""
+    from ..files.writing import together, write
+    from ..verify.verification import verify as check
+
+    printed = json_file == Path("-")
+    outputs = [path for path in (None if printed else json_file, report) if path is not None]
+    outputs_checked(outputs, [fmu, *recordings])
+    result = check(fmu, read_all(recordings, options, say), limit=time_limit, progress=say)
+    with together():
+        if json_file is not None and not printed:
+            write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
+        if report is not None:
+            from ..report.verification_page import verification_page
+
+            write(report, verification_page(result))
+    if outputs:
+        say(f"written: {', '.join(str(path) for path in outputs)}")
+    if printed:
+        print_json(result.as_json())
+    if not printed:
+        click.echo(result.sentence())
+    if not result.passed:
+        sys.exit(1)
+
+
+for _command in (*COMMANDS, *FLEET_COMMANDS, *SETUP_COMMANDS):
+    cli.add_command(_command)
+for _name, _command in cli.commands.items():
+    with_quiet(_command)
+    _command.epilog = epilog(_name)
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Entry point: whatever happens has one of the ends that ``endings`` knows."""
+    # the simulations have threads of their own; those of the linear algebra would only stand in their way
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ["MPLBACKEND"] = "agg"  # a command draws into files alone, whatever is set for windows
+
+    def command() -> None:
+        with waiting_told():
+            cli(arguments, prog_name="dashpot", standalone_mode=False)
+
+    ended(command)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,104 @@
+"""What commands say, where, and what they check before they work."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import BadInput, printable
+from .waiting import another_shows, doing, silence
+
+_QUIET = "dashpot.quiet"
+
+
+def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
+    """Check the files to write before any work is done: each can be written, none is an input or named twice."""
+    from ..files.writing import same_place, writable
+
+    seen: list[Path] = []
+    read = [place for source in inputs for place in (source, Path(str(source).partition("#")[0]))]  # FILE#RECORD
+    for output in outputs:
+        writable(output)
+        if any(same_place(output, source) for source in read):
+            raise BadInput(f"{output}: is an input and would be overwritten; name another file to write")
+        if any(same_place(output, other) for other in seen):
+            raise BadInput(f"{output}: is to be written twice; name a file for each")
+        seen.append(output)
+
+
+def say(line: str, *, always: bool = False) -> None:
+    """Progress and remarks go to stderr, so that what a program reads from stdout stays clean.
+
+    With ``--quiet`` only what must ``always`` be said is: bad news, which the exit code tells too.
+    """
+    if always or not quiet():
+        with contextlib.suppress(OSError):  # what is done is done, also where nobody can be told
+            click.echo(printable(line), err=True)
+    doing(printable(line).partition("\n")[0])
+
+
+def quiet() -> bool:
+    """Whether the command was asked to say no more than its result."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.meta.get(_QUIET))
+
+
+def _ask_for_quiet(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked:
+        context.meta[_QUIET] = True
+        silence()
+
+
+def with_quiet(command: click.Command) -> None:
+    """Give a command the option ``--quiet``."""
+    command.params.append(
+        click.Option(
+            ["-q", "--quiet"],
+            is_flag=True,
+            expose_value=False,
+            is_eager=True,
+            callback=_ask_for_quiet,
+            help="Say nothing beside the result: no progress, no notes. Errors and bad news are said.",
+        )
+    )
+
+
+def coloured(text: str, colour: str) -> str:
+    """The text in a colour on a terminal (``click.echo`` takes it off elsewhere), unless NO_COLOR is set."""
+    return text if os.environ.get("NO_COLOR") else click.style(text, fg=colour)
+
+
+def print_json(value: Any) -> None:
+    """A result for another program, on stdout."""
+    encoding = (sys.stdout.encoding or "ascii").lower().replace("-", "")
+    click.echo(json.dumps(value, indent=2, ensure_ascii=encoding != "utf8"))
+
+
+@contextlib.contextmanager
+def progress_shown() -> Iterator[Callable[[str, float], None]]:
+    """A bar on a terminal, one line a stage elsewhere; yields what takes the stage and the part that is done."""
+    if quiet():
+        yield lambda _what, _part: None
+    elif sys.stderr.isatty():
+        bar: Any = click.progressbar(
+            length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or "")
+        )
+        with another_shows(), bar:
+            yield lambda what, part: bar.update(max(0, round(1000 * part) - bar.pos), what)
+    else:
+        said: list[str] = []
+
+        def stage(what: str, part: float) -> None:
+            line = f"{round(100 * part):3d} % {what}"
+            if not said or said[-1] != line:
+                said.append(line)
+                say(line)
+
+        yield stage

@@ -1,0 +1,170 @@
+"""The improvement shown with the artefact: the mended model as an FMU, run under FMPy on what was held out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import DashpotError
+from ..export.fmu import export_fmu
+from ..export.platforms import own_platform
+from ..identify.fit.climb import POOR_NRMSE
+from ..identify.problem.replay import force_of, replay, replayed
+from ..identify.signals.odds import ABOVE_NOISE
+from ..model import Oscillator, Response
+from ..recording.recording import Recording
+from ..verify.fmu_run import FmuRun, FmuStopped
+from ..verify.noise_floor import floor_of_model, pieces
+from .result import RecordFit
+from .search.judgement import MATTERS
+
+#: What a model leaves of a measured record is its noise at least; less than this part of it was computed.
+_COMPUTED = 0.5
+
+
+def record_fits(
+    before: Oscillator,
+    after: Oscillator | None,
+    recordings: Sequence[Recording],
+    *,
+    holdout: bool,
+    fmu: Path | None = None,
+) -> list[RecordFit]:
+    """Free runs of the family's best and of the mended model along recordings.
+
+    Args:
+        before: best of the given family.
+        after: mended model; None where nothing was mended.
+        recordings: what they are held against.
+        holdout: whether no parameter was fitted to them.
+        fmu: the mended model exported; its response is then the FMU's under FMPy, and none from where that stops.
+    """
+    run = FmuRun(fmu) if fmu is not None and after is not None else None
+    try:
+        return [fit for r in recordings if (fit := _fit(before, after, r, holdout, run)) is not None]
+    finally:
+        if run is not None:
+            run.__exit__(None, None, None)
+
+
+def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:
+    """Why the best of all structures is nothing to name; None where it is.
+
+    However much more probable it is than all others by what is predicted from a cycle or two before: a model is used in
+    free simulation, and that is where it must be seen to improve.
+
+    Args:
+        records: all recordings.
+        share: of what the family lacks that it takes away in free simulation; None where the family lacks nothing.
+    """
+    held = [record for record in records if record.holdout]
+    if not follows_any([record for record in records if not record.holdout]):
+        return "follows no recording either"
+    if not takes_something(records):
+        return "takes nothing away that a sensor could have shown"
+    if share is not None and share < MATTERS:
+        return "takes nothing away of what the model lacks where it is simulated freely"
+    if held and not follows_any(held):
+        return "follows nothing of what was held out"
+    if tells_worse(held or records):  # where nothing was held out the others stand in
+        return f"tells {'what was held out' if held else 'the recordings'} worse than the given family"
+    return None
+
+
+def tells_worse(records: Sequence[RecordFit]) -> bool:
+    """Whether the mended model leaves more, by enough to matter: by its factor on average, as a search measures.
+
+    A quiet end that is told badly by both would else outweigh all the motion before it.
+    """
+    changes = [2.0 * np.log(after / before) for before, after in map(_errors, records)]
+    return float(np.mean(changes)) > np.log1p(MATTERS)
+
+
+def _errors(record: RecordFit) -> tuple[float, float]:
+    """What a recording is left with, its noise at least, before and after; what runs away counts as all but endless."""
+    least = max(record.noise_floor, np.finfo(float).tiny)
+    found = (max(error, least) for error in (record.nrmse_before, record.nrmse_after))
+    before, after = (error if np.isfinite(error) else 1.0 / np.finfo(float).eps for error in found)
+    return before, after
+
+
+def unmended(record: RecordFit) -> RecordFit:
+    """A recording's row where nothing is mended."""
+    return replace(record, nrmse_after=record.nrmse_before, after=record.before)
+
+
+def follows_any(records: Sequence[RecordFit]) -> bool:
+    """Whether the mended model's free simulation follows any recording: to half its motion, or to its noise."""
+    return any(r.nrmse_after <= max(POOR_NRMSE, ABOVE_NOISE * r.noise_floor) for r in records)
+
+
+def takes_something(records: Sequence[RecordFit]) -> bool:
+    """Whether the mended model takes anything away that a sensor could have shown.
+
+    Less than half of its noise is in no measured record. Where most are so, they were computed, and what tells two
+    models apart there is how.
+    """
+    computed = [r.nrmse_before < _COMPUTED * r.noise_floor for r in records]
+    return 2 * sum(computed) <= len(computed)
+
+
+def exported(model: Oscillator, path: Path) -> Path | None:
+    """The model as an FMU for this machine, where it is run at once; None where there is no compiler."""
+    try:
+        return export_fmu(model, path, backend="native", platforms=(own_platform(),))
+    except DashpotError:
+        return None
+
+
+def _fit(
+    before: Oscillator, after: Oscillator | None, recording: Recording, holdout: bool, run: FmuRun | None
+) -> RecordFit | None:
+    times, forces, measured, old, new, variances = [], [], [], [], [], []
+    for part in pieces(recording):
+        piece = part.recording
+        first = replay(before, piece)
+        second = first
+        model = before
+        if after is not None:
+            model = after
+            there = replayed(after, piece)
+            second = there.response
+            if run is not None:
+                force, output = force_of(piece), run.output_for(recording)
+                force = force if force is None else force.shifted(-there.load)
+                try:
+                    second = run.record(force, piece.n, piece.dt, there.initial, piece.start, output)
+                except FmuStopped as stopped:  # a motion that runs away is a finding about the model
+                    second = stopped.of(piece.n)
+                second = second + there.shown(piece.dt)
+        times.append(piece.time)
+        measured.append(np.asarray(piece.response, float))
+        forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))
+        old.append(first)
+        new.append(second)
+        variances.append(np.full(piece.n, floor_of_model(model, part) ** 2))
+    if not times:
+        return None
+    y, first, second = (np.concatenate(parts) for parts in (measured, old, new))
+    spread = max(float(np.std(y)), np.finfo(float).tiny)
+
+    def nrmse(simulated: np.ndarray) -> float:
+        return float(np.sqrt(np.mean((simulated - y) ** 2))) / spread
+
+    force = np.concatenate(forces)
+    return RecordFit(
+        recording.name,
+        holdout,
+        nrmse(first),
+        nrmse(second),
+        float(np.sqrt(np.mean(np.concatenate(variances)))) / spread,
+        np.concatenate(times),
+        y,
+        first,
+        second,
+        force if np.any(force) else None,
+        Response(recording.quantity, recording.unit),
+    )

@@ -1,0 +1,295 @@
+"""One stage of one entry of a fleet, in a process of its own: identified or diagnosed, and kept in the store.
+
+Whatever ends this process spoils one row. The task comes as a line of JSON on stdin, the answer goes as one to stdout.
+When stdin ends, whoever asked is gone, and so is this process.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import signal
+import sys
+import threading
+import time
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from ..errors import BadInput, Unwritable
+from ..files.exit_codes import out_of_memory, sentence
+from ..files.writing import together, write
+from ..fleet.manifest import Entry
+from ..fleet.outcome import Outcome
+from ..fleet.store import Busy, Store
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from ..identify.identification import Identification
+    from ..model import Oscillator
+    from ..recording import Recording
+
+MODEL, REPORT, DIAGNOSIS = "model.yaml", "report.html", "diagnosis"
+#: Parts of a picture of the motion.
+_PARTS = 60
+_READ = {"max_size": 500.0, "calibration": {}} | dict.fromkeys(
+    ("time", "force", "quantity", "unit", "force_unit", "fs", "part", "hold")
+)
+
+
+def main() -> None:
+    """The process: one task."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    task = json.loads(sys.stdin.buffer.readline())
+    threading.Thread(target=_end_with_whoever_asked, daemon=True).start()
+    with os.fdopen(os.dup(1), "w", encoding="utf-8") as out:
+        with open(os.devnull, "wb") as nothing:  # noqa: PTH123  what libraries print is no answer
+            os.dup2(nothing.fileno(), 1)
+        _bounded(task["memory"])
+        out.write(json.dumps(done(task)) + "\n")
+        out.flush()
+        os._exit(0)  # nothing that libraries do at their end can spoil what was kept
+
+
+def _end_with_whoever_asked() -> None:
+    while sys.stdin.buffer.read(4096):
+        pass
+    with suppress(OSError, AttributeError):
+        os.killpg(0, signal.SIGKILL)  # all that this process started
+    os._exit(1)
+
+
+def _bounded(megabytes: float | None) -> None:
+    if megabytes is None:
+        return
+    import resource
+
+    limit = int(megabytes * 1e6)
+    resource.setrlimit(resource.RLIMIT_AS, (limit, limit))
+
+
+def done(task: Mapping[str, Any]) -> dict[str, Any]:
+    """Do a task: ``store``, ``entry``, ``key`` and ``stage``; ``again`` does what failed before.
+
+    Returns:
+        ``{"outcome": ...}``; ``{"busy": true}`` where another run is at it; ``{"refused": sentence}`` where the store
+        cannot be written.
+    """
+    told: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in task["entry"].items()}
+    entry = Entry(**told)
+    key, stage = task["key"], task["stage"]
+    try:
+        store = Store(Path(task["store"]))
+        with store.held(key):
+            before = store.outcome(entry.name, key)
+            open_still = before is None or not (before.finished or (stage == "identify" and before.wanted))
+            if before is not None and not open_still and not task["again"]:
+                return {"outcome": before.as_json()}  # another run has done it meanwhile
+            return {"outcome": _kept(store, entry, key, stage, before).as_json()}
+    except Busy:
+        return {"busy": True}
+    except BadInput as problem:
+        return {"refused": str(problem)}
+
+
+def _kept(store: Store, entry: Entry, key: str, stage: str, before: Outcome | None) -> Outcome:
+    """Do a stage and keep what came of it; raises BadInput only where that, or what it takes, cannot be written."""
+    begun = time.monotonic()
+    place = store.place(entry.name, key)
+    try:
+        if stage == "identify":
+            outcome, files = _identified(entry, key)
+        else:
+            outcome, files = _diagnosed(entry, place, before or Outcome(key, entry.name, "open", ""))
+    except Unwritable:  # no fault of the row, which is open still
+        raise
+    except Exception as problem:  # each row has its own end
+        if isinstance(problem, OSError):
+            raise Unwritable(sentence(problem)) from problem
+        seconds = time.monotonic() - begun
+        if isinstance(problem, BadInput):
+            return store.failed(entry.name, key, stage, "bad-input", str(problem), seconds)
+        state = "memory" if out_of_memory(problem) else "fault"
+        return store.failed(entry.name, key, stage, state, sentence(problem), seconds)
+    seconds = {**outcome.seconds, stage: round(time.monotonic() - begun, 3)}
+    outcome = replace(outcome, seconds=seconds)
+    with together():
+        files(place)
+        store.keep(outcome)
+    return outcome
+
+
+def _recordings(entry: Entry, files: tuple[str, ...], say: Callable[[str], None]) -> list[Recording]:
+    from .recordings import read_all
+
+    options = {**_READ, **entry.reading, "response": tuple(entry.reading.get("response", ()))}
+    return read_all(tuple(map(Path, files)), options, say)
+
+
+def _with_laws(entry: Entry) -> None:
+    from ..model.user_laws import load_law_file
+
+    for law in entry.laws:
+        load_law_file(law)
+
+
+def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]]:
+    """The model of an entry, and what writes its files."""
+    from ..identify import identify
+    from ..identify.motion.modes import mode_alone
+    from ..model.file import load, save
+    from ..model.fit_state import beyond, left_over, parse_most_left
+    from ..report.page import identification_page
+
+    _with_laws(entry)
+    said: list[str] = []
+    how = entry.how
+    begin = None if entry.start is None else load(entry.start)
+    given, band = mode_alone(_recordings(entry, entry.recordings, said.append), how["mode"], begin, said.append)
+    found = identify(
+        given,
+        name=entry.name,
+        effects=how["with"],
+        fixed=how["fix"],
+        start=begin,
+        band=band,
+        faults=how["faults"],
+    )
+    model = found.oscillator
+    most = how["max_left"]
+    more = left_over(model) if most is None else beyond(model, parse_most_left(most))
+    unfit = bool(more or found.useless)
+    page, without = _page(how["report"], lambda: identification_page(found, files=(MODEL,)))
+    picture, left = _picture(found)
+    outcome = Outcome(
+        key=key,
+        name=entry.name,
+        state="doubtful" if unfit or found.faults else "good",
+        sentence=_told(found, more),
+        wanted=how["diagnose"] == "always" or (unfit and how["diagnose"] == "unfit"),
+        parameters=_parameters(model),
+        recordings=tuple(dict(r) for r in model.identified.recordings),
+        model=MODEL,
+        picture=picture,
+        left=left,
+        page=None if page is None else REPORT,
+        notes=tuple(dict.fromkeys([*(s.removeprefix("note: ") for s in said), *found.notes, *without])),
+    )
+
+    def files(place: Path) -> None:
+        save(model, place / MODEL)
+        if page is not None:
+            write(place / REPORT, page)
+
+    return outcome, files
+
+
+def _page(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]:
+    """A page, and what is to be said where there is none: a model is worth more than its picture."""
+    if not wanted:
+        return None, []
+    try:
+        return make(), []
+    except Exception as problem:
+        return None, [f"there is no page: {sentence(problem)}"]
+
+
+def _told(found: Identification, more: list[str]) -> str:
+    if found.useless:
+        return found.useless
+    if found.faults:
+        return found.faults[0]
+    return more[0] if more else "the model leaves no more than it may"
+
+
+def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Callable[[Path], None]]:
+    """What a diagnosis makes of an entry, and what writes its files."""
+    import tempfile
+
+    from ..diagnose import diagnose
+    from ..diagnose.files import DIAGNOSIS as RESULT
+    from ..diagnose.files import EXPERIMENT, FMU, write_folder
+    from ..diagnose.files import MODEL as MENDED
+    from ..diagnose.files import REPORT as PAGE
+    from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
+    from ..model.file import load
+    from ..report.diagnosis_page import diagnosis_page
+
+    _with_laws(entry)
+    model = load(place / MODEL)
+    said: list[str] = []
+    training, band = mode_alone(
+        _recordings(entry, entry.recordings, said.append), entry.how["mode"], model, said.append
+    )
+    held = in_the_same_band(_recordings(entry, entry.holdout, said.append), band)
+    with tempfile.TemporaryDirectory() as scratch:
+        artefact = Path(scratch) / FMU
+        found = diagnose(model, training, held, fmu=artefact)
+        fmu = artefact.read_bytes() if artefact.exists() else None
+    found = replace(found, model=in_band_of(found.model, band))
+    files = tuple(name for name in (RESULT, MENDED, FMU, EXPERIMENT) if fmu or name != FMU)
+    page, without = _page(True, lambda: diagnosis_page(found, files=files))
+    whole = found.remainder is None
+    state = "good" if found.verdict == "consistent" else "mended" if found.effects and whole else "doubtful"
+    outcome = replace(
+        before,
+        state=state,
+        sentence=found.sentence,
+        stage="diagnose",
+        wanted=False,
+        attempts=0,
+        verdict=found.verdict,
+        effects=tuple(effect.effect for effect in found.effects),
+        parameters=_parameters(found.model) if found.effects else before.parameters,
+        model=f"{DIAGNOSIS}/{MENDED}" if found.effects else before.model,
+        page=before.page if page is None else f"{DIAGNOSIS}/{PAGE}",
+        notes=tuple(dict.fromkeys([*before.notes, *found.notes, *without])),
+    )
+
+    def written(folder: Path) -> None:
+        write_folder(folder / DIAGNOSIS, found, page or "".join(without), fmu)
+
+    return outcome, written
+
+
+def _parameters(model: Oscillator) -> dict[str, dict[str, Any]]:
+    """Value, standard error and unit of each parameter; what is not finite is not known."""
+    return {
+        name: {
+            "value": p.value if math.isfinite(p.value) else None,
+            "std": p.std if p.std is not None and math.isfinite(p.std) else None,
+            "unit": p.unit,
+        }
+        for name, p in model.parameters().items()
+    }
+
+
+def _picture(found: Identification) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The size of the first recording's motion in each part of its time, 0 to 1, and of what the model leaves of it."""
+    import numpy as np
+
+    recording = found.recordings[0]
+    motion = recording.response - recording.response.mean()
+    left = np.zeros(recording.n)
+    for part in found.fit.segments:
+        if part.segment.recording == 0:
+            left[part.segment.start : part.segment.stop] = part.segment.response - part.simulated
+    sizes = _sizes(motion)
+    scale = float(sizes.max()) or 1.0
+    return _shown(sizes / scale), _shown(_sizes(left) / scale)
+
+
+def _sizes(signal: np.ndarray) -> np.ndarray:
+    import numpy as np
+
+    return np.array([np.abs(part).max() for part in np.array_split(signal, min(_PARTS, signal.size))])
+
+
+def _shown(sizes: np.ndarray) -> tuple[float, ...]:
+    import numpy as np
+
+    return tuple(round(float(size), 3) for size in np.clip(np.nan_to_num(sizes, posinf=1.0), 0.0, 1.0))

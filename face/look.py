@@ -1,0 +1,128 @@
+"""What would be read of files: channels, units, rates, kinds of motion, a small picture; nothing else is done."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import BadInput, printable
+
+if TYPE_CHECKING:
+    from ..recording import Recording
+    from ..recording.table import Table
+
+_BLOCKS = "▁▂▃▄▅▆▇█"
+_WIDTH = 60  # characters of a picture
+
+
+def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """What would be read of a file, one dictionary a record; what is refused has its sentence under ``refused``.
+
+    Args:
+        path: of the file, with the name of a record behind # where one is meant.
+        options: of ``recording.read``; ``response`` is a sequence of columns.
+
+    Raises:
+        BadInput: the file is not there, or nothing in it is a record.
+    """
+    from ..recording.columns import parse_column
+    from ..recording.read import recording_of, tables_at
+
+    how = {name: value for name, value in options.items() if name not in ("max_size", "response")}
+    sha256, tables = tables_at(path, options["max_size"])
+    seen = []
+    for table in tables:
+        columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
+        entry: dict[str, Any] = {
+            "record": table.where,
+            "channels": [
+                {"number": i, "name": c.name, "unit": c.unit_text, "unit_apart": c.base == c.name, "kind": c.kind}
+                for i, c in enumerate(columns, start=1)
+            ],
+            "fs_stated": table.fs,
+            "recordings": [],
+        }
+        for response in options["response"] or (None,):
+            try:
+                recording = recording_of(table, response=response, sha256=sha256, **how)
+                entry["recordings"].append({"columns": _roles(table, response, how), **_told(recording)})
+            except BadInput as problem:
+                entry["recordings"].append({"refused": str(problem)})
+        seen.append(entry)
+    return seen
+
+
+def _roles(table: Table, response: str | None, how: Mapping[str, Any]) -> dict[str, str | None]:
+    from ..recording.columns import choose_columns
+
+    chosen = choose_columns(table, how["time"], how["force"], response, how["quantity"])
+    indices = {"time": chosen.time, "force": chosen.force, "response": chosen.response}
+    return {role: None if i is None else table.label(i).strip("'") for role, i in indices.items()}
+
+
+def _told(recording: Recording) -> dict[str, Any]:
+    from ..identify.motion.decays import find_decays
+    from ..identify.motion.excitation import kind_of
+
+    signals = [("response", recording.response, recording.unit)]
+    if recording.force is not None:
+        signals.append(("force", recording.force, recording.force_unit))
+    return {
+        "motion": kind_of(recording, find_decays(recording)),
+        "quantity": recording.quantity,
+        "fs": recording.fs,
+        "samples": recording.n,
+        "duration": recording.duration,
+        "start": recording.start,
+        "signals": [
+            {"role": role, "unit": unit, "min": float(signal.min()), "max": float(signal.max()), "rms": _rms(signal)}
+            | {"picture": sparkline(signal)}
+            for role, signal, unit in signals
+        ],
+        "notes": list(recording.notes),
+    }
+
+
+def _rms(signal: np.ndarray) -> float:
+    return float(np.std(signal))
+
+
+def sparkline(signal: np.ndarray, width: int = _WIDTH) -> str:
+    """The size of a signal (n,) over time in blocks: how far it swings from its mean in each part of the record."""
+    swing = np.abs(signal - signal.mean())
+    sizes = np.array([part.max() for part in np.array_split(swing, min(width, signal.size))])
+    largest = sizes.max()
+    levels = np.zeros(sizes.size) if largest == 0 else np.ceil(sizes / largest * len(_BLOCKS)) - 1
+    return "".join(_BLOCKS[int(level)] for level in np.clip(levels, 0, len(_BLOCKS) - 1))
+
+
+def described(entry: Mapping[str, Any]) -> str:
+    """One record of ``look`` in words and pictures."""
+    channels = ", ".join(
+        f"{channel['number']} {channel['name'] or '(no name)'}"
+        + (f" [{channel['unit']}]" if channel["unit"] and channel["unit_apart"] else "")
+        for channel in entry["channels"][:40]
+    )
+    more = len(entry["channels"]) - 40
+    lines = [entry["record"], f"  channels   {channels}{f' and {more} more' if more > 0 else ''}"]
+    for recording in entry["recordings"]:
+        lines += _lines(recording)
+    return printable("\n".join(lines))
+
+
+def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
+    if "refused" in recording:
+        return [f"  refused    {sentence}" for sentence in recording["refused"].split("\n")]
+    columns = ", ".join(f"{role} = {name}" for role, name in recording["columns"].items() if name is not None)
+    lines = [
+        f"  read as    {columns}; {recording['quantity']}",
+        f"  sampling   {recording['fs']:.6g} Hz, {recording['samples']} samples, {recording['duration']:.6g} s",
+        f"  motion     {recording['motion']}",
+    ]
+    for signal in recording["signals"]:
+        lines.append(f"  {signal['role']:<10} {signal['picture']}")
+        lines.append(f"             {signal['min']:.4g} to {signal['max']:.4g} {signal['unit']}")
+    return [*lines, *(f"  note       {note}" for note in recording["notes"])]

@@ -1,0 +1,1 @@
+"""What touches disk and processes: reading, writing, exit codes, groups of processes."""

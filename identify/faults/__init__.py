@@ -1,0 +1,1 @@
+"""What the measuring chain did, and which recording disagrees with the others."""

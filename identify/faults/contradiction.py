@@ -1,0 +1,172 @@
+"""Which part of the recordings all the rest contradicts: without it one model tells everything else to its noise.
+
+A lie of a measuring chain begins and ends somewhere, or is in one recording. So every stretch of every recording is
+left out in turn, from the normal equations alone (one step of the search without it; Cook 1977), and of those without
+which no more than noise is left anywhere the shortest is confirmed by a search. By how much the parameters move then is
+what that part may have done to them. What the family lacks leaves more than noise in the rest as well, unless nothing
+else goes as far or is driven as hard: that is told apart where recordings overlap, and said where they do not.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...recording.recording import Recording
+from ..fit.reported_result import Fit
+from ..motion.excitation import band_of
+from ..problem.data import equivalent_resonance, expected_noise
+from ..problem.output_error import OutputError, State
+from ..problem.segments import Segment
+from ..signals.odds import is_noise
+from ..signals.signals import noise_levels
+from .fitted_problem import fitted_problem
+from .part import Part
+from .without_part import Level, first_confirmed, parts_to_blame
+
+#: A part is tried where one step without it leaves this part of what is more than noise: a large lie is no small step.
+_PROMISING = 0.1
+#: Physical limit: a law of the third power that acts at some amplitude, force or frequency is still there at one a
+#: tenth lower, by three quarters.
+_ALIKE = 1.1
+
+
+@dataclass(frozen=True, eq=False)
+class Contradiction:
+    """A part of a recording that the rest contradicts, or that and another of which either may be right.
+
+    Attributes:
+        part: the shortest without which no more than noise is left.
+        other: one apart from it that might as well be left out; None where there is none.
+        shifts: (free,) each, by how much the parameters move without it, and without the other where there is one.
+        reached: whether the rest moves as far, and is driven as hard at the same frequencies, so that it would show
+            physics that the family lacks as well.
+        state: of the fitted problem (``fitted_problem``) without the part.
+        left: what is left of each segment (n,) there, in the part too.
+        levels: of the noise of each segment, as its response shows it.
+    """
+
+    part: Part
+    other: Part | None
+    shifts: tuple[np.ndarray, ...]
+    reached: bool
+    state: State
+    left: tuple[np.ndarray, ...]
+    levels: tuple[float, ...]
+
+
+def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | None:
+    """The part that the rest contradicts; None where no more than noise is left, or no part is to blame alone.
+
+    Args:
+        fit: of these recordings.
+        recordings: as they were fitted.
+    """
+    problem, state = fitted_problem(fit, recordings)
+    residuals = problem.residuals(state)
+    if not problem.free or not all(bool(np.all(np.isfinite(r))) for r in residuals):
+        return None
+    values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
+    levels = [_level(segment, values, recordings) for segment in problem.segments]
+    squares = np.array([np.mean((r / level.size) ** 2) for r, level in zip(residuals, levels, strict=True)])
+    worth = np.array([level.worth * segment.n for segment, level in zip(problem.segments, levels, strict=True)])
+    if is_noise(squares, worth):
+        return None
+    parts = parts_to_blame(problem, state, levels, _PROMISING)
+    first = first_confirmed(problem, state, levels, parts)
+    if first is None:
+        return None
+    # seen from there, where nothing is far off any more, the part has its true length
+    nearer = [part for part in parts_to_blame(problem, first[1], levels) if not part.apart_from(first[0])]
+    part, without = first_confirmed(problem, first[1], levels, nearer) or first
+    apart = [other for other in parts if other.apart_from(part)]
+    left = problem.residuals(without)
+    if not _stands_out(problem.segments, left, part, levels):
+        return None
+    second = first_confirmed(problem, state, levels, part.other_side) or first_confirmed(problem, state, levels, apart)
+    places = list(problem.free)
+    points = [without] if second is None else [without, second[1]]
+    return Contradiction(
+        part,
+        None if second is None else second[0],
+        tuple(point.values[places] - state.values[places] for point in points),
+        _reached(problem, left, part, recordings),
+        without,
+        left,
+        tuple(level.size for level in levels),
+    )
+
+
+def _stands_out(
+    segments: Sequence[Segment], residuals: Sequence[np.ndarray], part: Part, levels: Sequence[Level]
+) -> bool:
+    """Whether more is left in a part than in any other segment: noise of a colour is more than its highest frequencies
+    tell, and is so in other segments as well.
+    """
+    inside, rest = [], [1.0]
+    for segment, residual, level in zip(segments, residuals, levels, strict=True):
+        squares, held = (residual / level.size) ** 2, part.holds(segment)
+        if np.any(held):
+            inside.append((float(np.mean(squares[held])), level.worth * int(np.sum(held))))
+        else:
+            rest.append(float(np.mean(squares)))
+    told, worth = np.array(inside).T
+    return not is_noise(told / max(rest), worth)
+
+
+def _level(segment: Segment, values: Mapping[str, float], recordings: Sequence[Recording]) -> Level:
+    """What noise leaves of a segment; its lines are independent, each as large as the spectrum says."""
+    sensor, force = noise_levels(recordings[segment.recording])
+    size = expected_noise(segment, values, sensor, force)
+    if segment.force is None or not force > 0:
+        return Level(size, 1.0)
+    density = sensor**2 + (force / values["mass"]) ** 2 * equivalent_resonance(segment, values)
+    return Level(size, float(np.mean(density) ** 2 / np.mean(density**2)))
+
+
+def covering(fit: Fit, found: Contradiction) -> Fit:
+    """The fit with standard errors that cover what either part may have done to its values."""
+    covariance = fit.covariance + sum(np.outer(shift, shift) for shift in found.shifts)
+    known = fit.oscillator.parameters()
+    wider = {
+        name: replace(known[name], std=math.sqrt(variance))
+        for name, variance in zip(fit.names, np.diag(covariance), strict=True)
+        if known[name].std is not None
+    }
+    return replace(fit, covariance=covariance, oscillator=fit.oscillator.with_parameters(wider))
+
+
+def _reached(
+    problem: OutputError, residuals: Sequence[np.ndarray], part: Part, recordings: Sequence[Recording]
+) -> bool:
+    """Whether the rest moves as far as a part does, and where that is driven, as hard at the same frequencies.
+
+    A drive that saturates shows at resonance alone, so that its own recording is no witness for it.
+    """
+    farthest = [0.0, 0.0]
+    for segment, residual in zip(problem.segments, residuals, strict=True):
+        inside = part.holds(segment)
+        moved = np.abs(segment.response - residual - np.mean(segment.response - residual))
+        for place, mask in enumerate((~inside, inside)):
+            if np.any(mask):
+                farthest[place] = max(farthest[place], float(np.max(moved[mask])) / segment.pace**segment.order)
+    if farthest[1] > _ALIKE * farthest[0]:
+        return False
+    if not any(s.force is not None and np.any(part.holds(s)) for s in problem.segments):
+        return True
+    own = recordings[part.recording]
+    asked = own.slice(*(round((time - own.start) * own.fs) for time in (part.begin, part.end)))
+    driven = {s.recording for s in problem.segments if s.force is not None and s.recording != part.recording}
+    return any(_drives_as(recordings[other], asked) for other in driven)
+
+
+def _drives_as(other: Recording, asked: Recording) -> bool:
+    """Whether a recording is driven as hard as another, at all of its frequencies."""
+    has, needs = band_of(other), band_of(asked)
+    if other.force is None or asked.force is None or has is None or needs is None:
+        return False
+    wide = has[0] <= _ALIKE * needs[0] and needs[1] <= _ALIKE * has[1]
+    return wide and float(np.max(np.abs(asked.force))) <= _ALIKE * float(np.max(np.abs(other.force)))

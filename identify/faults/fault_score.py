@@ -1,0 +1,144 @@
+"""Which faults what is left over asks for: the score of each (Rao 1948), beside what the model could do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ..problem.normal_equations import pseudo_inverse
+from ..problem.output_error import OutputError, State
+from ..problem.segments import Segment
+from ..signals.noise_spectrum import NoiseSpectrum
+from .fault import Clock, Fault, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
+from .faulty_fit import FaultyFit
+from .wavering import Wavering
+from .waves_of_time import waves_of_time
+
+#: What leaves a recording that agrees with a rig: with more or less mass, friction or stiffness than the others'.
+OF_A_WHOLE: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock)
+#: All kinds.
+KINDS: tuple[type[Fault], ...] = (*OF_A_WHOLE, Hum, ForceHum, ZeroStep, Wavering)
+
+#: Times at which a fault that begins somewhere is looked for, in each recording; from the best one the search goes on.
+TIMES = 24
+#: Lines of what is left that are looked at, in each recording.
+_LINES = 3
+#: Cycles in a record of the slowest waves of a clock that are looked for; faster ones are lines, as hum is.
+_WAVES = (1, 2, 3, 4, 5, 6)
+#: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
+_OWN = 1e-8
+
+
+def possible(
+    segments: Sequence[Segment], residuals: Sequence[np.ndarray], kinds: Sequence[type[Fault]] = KINDS
+) -> list[Fault]:
+    """Every fault that is looked for: of each recording every kind, everywhere.
+
+    Args:
+        segments: of the recordings.
+        residuals: what a model leaves of each (n,).
+        kinds: that are looked for.
+    """
+    faults: list[Fault] = []
+    recordings = sorted({segment.recording for segment in segments})
+    for recording in recordings:
+        own = [(s, r) for s, r in zip(segments, residuals, strict=True) if s.recording == recording]
+        first, last = own[0][0], own[-1][0]
+        # also from the beginning on: the whole recording may have another gain than the others
+        span = last.time + last.n * last.dt - first.time
+        times = first.time + np.linspace(0.0, span, TIMES, endpoint=False)
+        driven = any(segment.force is not None for segment, _ in own)
+        longest = max(own, key=lambda pair: pair[0].n)
+        for kind in kinds:
+            if kind.forced and not driven:
+                continue
+            if kind.timed:
+                faults += [kind(recording, float(time)) for time in times]
+            elif kind.slow:
+                faults += [kind(recording, waves / span) for waves in _WAVES]
+                faults += [kind(recording, hertz) for hertz in waves_of_time(longest[1], longest[0])]
+            elif kind.tonal:
+                faults += [kind(recording, hertz) for hertz in lines(longest[1], longest[0].dt)]
+            elif len(recordings) > 1 or kind.forced:  # the clock of a single recording is the only one
+                faults.append(kind(recording))
+    return faults
+
+
+def lines(residual: np.ndarray, dt: float) -> list[float]:
+    """Frequencies, Hz, of the largest lines of what is left (n,), each to a part of its width."""
+    window = np.hanning(residual.size)
+    padded = 4 * residual.size
+    spectrum = np.abs(np.fft.rfft((residual - np.mean(residual)) * window, padded))
+    spectrum[: 4 * 3] = 0.0  # three cycles in the record are a drift rather than a line
+    found = []
+    for _ in range(_LINES):
+        top = int(np.argmax(spectrum[1:-1])) + 1
+        left, middle, right = np.log(np.maximum(spectrum[top - 1 : top + 2], np.finfo(float).tiny))
+        curved = left - 2.0 * middle + right
+        found.append(float((top + (0.5 * (left - right) / curved if curved < 0 else 0.0)) / (padded * dt)))
+        spectrum[max(top - 4 * 4, 0) : top + 4 * 4] = 0.0
+    return found
+
+
+def expected_gains(
+    problem: OutputError,
+    state: State,
+    residuals: Sequence[np.ndarray],
+    noise: Sequence[NoiseSpectrum],
+    faults: Sequence[Fault],
+) -> np.ndarray:
+    """(faults,) gain of log-likelihood that the linearised response expects of each fault alone.
+
+    Parameters, offsets and initial states may take over what they can.
+
+    Args:
+        problem: the model over the segments.
+        state: its best point.
+        residuals: there.
+        noise: by which they are weighed.
+        faults: that are asked for.
+    """
+    k = problem.shared
+    matrix, right = np.zeros((k, k)), np.zeros(k)
+    whitened = []
+    for rows, residual, spectrum in zip(problem.derivatives(state, residuals), residuals, noise, strict=True):
+        made = spectrum.lines(np.vstack([rows, residual]))
+        shared, own, left = made[:k], made[k:-1], made[-1]
+        inverse = pseudo_inverse(own @ own.T)
+        whitened.append((shared, own, left, inverse))
+        matrix += shared @ shared.T - (shared @ own.T) @ inverse @ (own @ shared.T)
+        right += shared @ left - (shared @ own.T) @ inverse @ (own @ left)
+    solved = pseudo_inverse(matrix)
+    gains = []
+    for fault in faults:
+        faulty = FaultyFit(problem, [fault])
+        point = faulty.with_sizes(state)
+        corner, border, slope = np.zeros((fault.count, fault.count)), np.zeros((fault.count, k)), np.zeros(fault.count)
+        for i, segment in enumerate(problem.segments):
+            if segment.recording != fault.recording:
+                continue
+            shared, own, left, inverse = whitened[i]
+            columns = noise[i].lines(_columns(faulty, point, i, segment.response - residuals[i]))
+            toward = (columns @ own.T) @ inverse
+            corner += columns @ columns.T - toward @ (own @ columns.T)
+            border += columns @ shared.T - toward @ (own @ shared.T)
+            slope += columns @ left - toward @ (own @ left)
+        reduced = corner - border @ solved @ border.T
+        asks = slope - border @ solved @ right
+        # what the parameters can do themselves is no fault's
+        kept = np.diag(reduced) > _OWN * np.maximum(np.diag(corner), np.finfo(float).tiny)
+        gains.append(0.5 * float(asks @ pseudo_inverse(reduced) @ asks) if np.all(kept) else 0.0)
+    return np.array(gains)
+
+
+def _columns(faulty: FaultyFit, point: State, index: int, base: np.ndarray) -> np.ndarray:
+    """(sizes, n) derivatives of what is shown along one segment with respect to the sizes of the last fault."""
+    columns = []
+    for place in range(len(faulty.offsets) - faulty.faults[-1].count, len(faulty.offsets)):
+        by = 1e-2 * faulty.offsets[place].scale
+        offsets = point.offsets.copy()
+        offsets[place] += by
+        columns.append((faulty.shown_beside(index, State(point.values, point.initial, offsets), base) - base) / by)
+    made = np.array(columns)
+    return made if np.all(np.isfinite(made)) else np.zeros_like(made)

@@ -1,0 +1,41 @@
+"""The problem whose answer a fit is, made again: what is asked of a fit afterwards begins there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...recording.recording import Recording
+from ..fit.reported_result import Fit
+from ..problem.data import data_of
+from ..problem.offset import Offset
+from ..problem.output_error import OutputError, State
+from ..problem.structure import Structure
+
+
+def fitted_problem(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, State]:
+    """The problem of a fit, simulated as coarsely as models are compared, and its state.
+
+    Args:
+        fit: of these recordings.
+        recordings: as they were fitted.
+    """
+    model = fit.oscillator
+    data = data_of(recordings, model, coarse=True)
+    fixed = [name for name in model.parameters() if name not in fit.names]
+    spread = [1e-2 * float(np.std(recording.response)) for recording in recordings]
+    offsets = []
+    for found in fit.offsets:
+        recording = recordings[found.recording]
+        size = spread[found.recording]
+        if found.channel == "force":
+            size = 1e-2 * float(np.std(recording.force if recording.force is not None else 0.0))
+        elif found.channel == "drift":
+            size /= recording.duration
+        offsets.append(Offset(found.recording, found.channel, size, middle=found.middle))
+    structure = Structure(model, data, fixed, offsets)
+    problem = structure.problem.over([s.segment for s in fit.segments]).coarsely()
+    values = np.array(list(model.values().values()))
+    initial = np.array([s.initial for s in fit.segments])
+    return problem, State(values, initial, np.array([found.value for found in fit.offsets]))

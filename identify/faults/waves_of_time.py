@@ -1,0 +1,50 @@
+"""Where a clock may waver: frequencies at which what is left goes with the motion as a wave of the times makes it.
+
+What is recorded too late by a little is off by its rate times that, and where a force went through the same recorder,
+by what the rig makes of that, which is the motion itself, wave for wave. So of each frequency the motion and its rate,
+times sine and cosine, are held against what is left (least squares, frequency by frequency: Lomb 1976), beside a delay
+and a drift of the clock, which have no frequency. Where the motion is large for a while only, no window is needed.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..problem.segments import Segment
+
+#: Samples a cycle of the motion that are looked at, cycles in a record at most, and frequencies a line's width.
+_SAMPLES, _CYCLES, _FINE = 12, 400, 4
+#: Highest peaks that are handed on, and cycles in a record below which a wave is asked for by itself.
+_PEAKS, _SLOWEST = 2, 3
+
+
+def waves_of_time(residual: np.ndarray, segment: Segment) -> list[float]:
+    """Frequencies, Hz, at which a clock may waver; none where the motion has few cycles.
+
+    Args:
+        residual: what a model leaves (n,) of a segment.
+        segment: it.
+    """
+    every = max(1, int(2 * np.pi / (segment.pace * segment.dt * _SAMPLES)))
+    motion = segment.response - residual
+    rate = np.gradient(motion, segment.dt)[::every] / segment.pace
+    motion, left = motion[::every] - np.mean(motion), residual[::every]
+    span = segment.n * segment.dt
+    phase = 2 * np.pi * np.arange(left.size) * every * segment.dt / span
+    moved = np.stack([motion, rate])
+    # a delay and a drift, and what the parameters do, which is the same
+    known = np.linalg.qr(np.concatenate([moved, moved * phase]).T)[0]
+    left = left - known @ (known.T @ left)
+    most = min(segment.pace * span / (4 * np.pi), _CYCLES)
+    waves = np.arange(_SLOWEST, most, 1.0 / _FINE)
+    gains = np.array([_explained(left, moved, known, wave * phase) for wave in waves])
+    inner = np.flatnonzero((gains[1:-1] >= gains[:-2]) & (gains[1:-1] > gains[2:])) + 1 if gains.size > 2 else []
+    return [float(waves[at] / span) for at in sorted(inner, key=lambda at: -gains[at])[:_PEAKS]]
+
+
+def _explained(left: np.ndarray, moved: np.ndarray, known: np.ndarray, turn: np.ndarray) -> float:
+    """By how much less is left, in squares, with the motion and its rate times sine and cosine of (n,)."""
+    columns = np.concatenate([moved * np.sin(turn), moved * np.cos(turn)])
+    columns = columns - (columns @ known) @ known.T
+    toward = columns @ left
+    return float(toward @ np.linalg.lstsq(columns @ columns.T, toward, rcond=1e-10)[0])

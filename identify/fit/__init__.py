@@ -1,0 +1,1 @@
+"""Which minimum, which noise and which errors the answer has."""

@@ -1,0 +1,104 @@
+"""The way up to a simulation: from prediction over a cycle, and from the beginnings of decays to their ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import BadInput
+from ...model import Oscillator
+from ..problem.output_error import OutputError, State
+from ..problem.settle import settled
+from .from_prediction import from_prediction, growing, simulates
+
+#: A model that leaves more than this part of the motion has not understood the recording ...
+POOR_NRMSE = 0.5
+#: ... but for stretches that move this little beside the loudest.
+QUIET = 0.01
+#: What runs away has told nothing, however far it ran.
+_NOTHING_TOLD = 1e3
+
+
+@dataclass(frozen=True, eq=False)
+class Climb:
+    """Where a search came to from prediction and the beginnings of decays.
+
+    ``problem`` is over what it tells, ``whole`` whether that is all, ``lost`` whether some stretch is hardly explained;
+    ``log_nrmse`` is the mean logarithm of what it leaves of each segment's motion, weighed by length: of what it does
+    not tell, all of it.
+    """
+
+    problem: OutputError
+    state: State
+    rungs: Mapping[float, State]
+    iterations: int
+    whole: bool
+    log_nrmse: float
+    lost: bool
+
+
+def best_climb(problem: OutputError, start: State, others: Callable[[], Iterable[Oscillator]]) -> Climb:
+    """The climb from the first start; where that explains little, the best of all of them.
+
+    Where a further effect bends the estimates, their cubic and preload lead astray first. Raises BadInput where none
+    simulates.
+    """
+    climbs: list[Climb] = []
+    problems: list[BadInput] = []
+
+    def tried(state: State) -> None:
+        try:
+            climbs.append(_climbed(problem, state))
+        except BadInput as why:
+            problems.append(why)
+
+    tried(start)
+    if not climbs or climbs[0].lost or not climbs[0].whole:
+        for other in others():
+            tried(replace(start, values=np.array(list(other.values().values()))))
+    if not climbs:
+        raise problems[0]
+    return min(climbs, key=lambda climb: climb.log_nrmse)
+
+
+def from_near(problem: OutputError, state: State) -> Climb | None:
+    """The maximum next to a start; None where that does not simulate."""
+    state = settled(problem, state)
+    if not simulates(problem, state):
+        return None
+    outcome = problem.search(state, tolerance=1.0)
+    return Climb(problem, outcome.state, {}, outcome.iterations, True, 0.0, False)
+
+
+def _climbed(problem: OutputError, state: State) -> Climb:
+    first, *later = growing(problem.segments)
+    told, whole = problem.over(first), True
+    state, rungs, iterations = from_prediction(told, state)
+    for stage in later:
+        try:
+            state, rungs, steps = from_prediction(problem.over(stage), state)
+        except BadInput:  # what remains is at rest, say, where these values push the mass away
+            whole = False
+            break
+        told, iterations = problem.over(stage), iterations + steps
+    ratios = np.array(
+        [
+            nrmse_of(residual, segment.response)
+            for residual, segment in zip(told.residuals(state), told.segments, strict=True)
+        ]
+    )
+    loud = [float(np.std(segment.response)) for segment in told.segments]
+    size = [segment.n for segment in told.segments]
+    left = np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD))
+    log_nrmse = float(np.sum(left * size)) / sum(segment.n for segment in problem.segments)
+    lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
+    return Climb(told, state, rungs, iterations, whole, log_nrmse, lost)
+
+
+def nrmse_of(residual: np.ndarray, response: np.ndarray) -> float:
+    """Rms of a residual (n,) over the standard deviation of what was recorded; inf where either has none."""
+    spread = float(np.std(response))
+    size = float(np.sqrt(np.mean(residual**2)))
+    return size / spread if spread > 0 and np.isfinite(size) else np.inf

@@ -1,0 +1,133 @@
+"""The search from prediction to simulation, and from the beginning of each decay to its end."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...errors import BadInput
+from ..problem.output_error import OutputError, State
+from ..problem.segments import Segment
+from ..problem.settle import IN_STEP, LEAST, follows, settled
+
+#: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
+_FIRST_MEMORY = 1.0
+_GROWTH = 8.0
+#: ... or, where a start is so far off that a cycle leads it astray, with one no shorter than this: a tenth of a radian,
+#: over which any motion is a straight line.
+_SHORTEST_MEMORY = 1.0 / 64.0
+#: Free decays are fitted over this many cycles first, then over so many times as many.
+_FIRST_CYCLES = 12.0
+_LONGER = 4.0
+#: Steps at each memory: it only has to lead to the next.
+EARLY_STEPS = 8
+#: A simulation keeps step throughout where it does so in each stretch of so many cycles.
+_STRETCH = 8.0
+
+
+def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[float, State], int]:
+    """Where the search from prediction to simulation ended, where each memory before it did, and the steps it took.
+
+    Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
+    """
+    free = settled(problem, state)
+    if keeps_step_throughout(problem.segments, problem.residuals(free)):
+        return _searched(problem, free, {}, 0)
+    first, predicted = _followed(problem, state)
+    if predicted is not None:
+        state = predicted
+    elif simulates(problem, free):  # what a prediction corrects may push it over the top of its spring
+        return _searched(problem, free, {}, 0)
+    else:
+        raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
+    rungs: dict[float, State] = {}
+    iterations = 0
+    for memory in memories(problem.segments, first):
+        if keeps_step_throughout(problem.segments, problem.residuals(state)):
+            break
+        outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
+        state, iterations = outcome.state, iterations + outcome.iterations
+        rungs[memory] = state
+    if not simulates(problem, state):
+        return state, rungs, iterations
+    return _searched(problem, state, rungs, iterations)
+
+
+def _followed(problem: OutputError, state: State) -> tuple[float, State | None]:
+    """The longest memory, of a cycle at most, over which a start predicts the motion, and its initial states there.
+
+    The shortest over which it predicts anything where none is so short; None where no prediction runs to its end.
+    """
+    found: tuple[float, State | None] = (_FIRST_MEMORY, None)
+    memory = _FIRST_MEMORY
+    while memory >= _SHORTEST_MEMORY:
+        predicting = problem.predicting(memory)
+        begun = settled(predicting, state)
+        residuals = predicting.residuals(begun)
+        if all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+            found = memory, begun
+            if keeps_step(problem.segments, residuals):
+                break
+        memory /= _GROWTH
+    return found
+
+
+def _searched(
+    problem: OutputError, state: State, rungs: dict[float, State], iterations: int
+) -> tuple[State, dict[float, State], int]:
+    outcome = problem.search(state, tolerance=1.0)
+    return outcome.state, rungs, iterations + outcome.iterations
+
+
+def growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
+    """Ever longer beginnings of the free segments, then the whole; forced ones are whole, their memory is short.
+
+    The quiet end of a decay, where friction and preload rule, has a pace of its own: it is told once the rest is.
+    """
+    longest = max((s.n * s.dt * s.pace / (2 * np.pi) for s in segments if s.force is None), default=0.0)
+    stages, cycles = [], _FIRST_CYCLES
+    while cycles < longest:
+        stages.append(tuple(_beginning(s, cycles) if s.force is None else s for s in segments))
+        cycles *= _LONGER
+    return [*stages, tuple(segments)]
+
+
+def _beginning(segment: Segment, cycles: float) -> Segment:
+    count = int(cycles * 2 * np.pi / segment.pace / segment.dt)
+    return segment.part(0, min(segment.n, max(count, LEAST)))  # a model may be far too fast for the recorder
+
+
+def memories(segments: Sequence[Segment], first: float = _FIRST_MEMORY) -> list[float]:
+    """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
+    longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
+    ladder = [first]
+    while ladder[-1] * _GROWTH < longest:
+        ladder.append(ladder[-1] * _GROWTH)
+    return ladder
+
+
+def keeps_step(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
+    """Whether a simulation is so near to the motion, all of it together, that its error is one of phase and size."""
+    power = [float(np.sum((s.response - np.mean(s.response)) ** 2)) for s in segments]
+    missed = [float(np.sum(residual**2)) for residual in residuals]
+    return bool(np.isfinite(sum(missed)) and sum(missed) < IN_STEP**2 * sum(power))
+
+
+def keeps_step_throughout(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
+    """Whether it does so in every stretch of some cycles: the quiet end of a decay may have lost its phase early."""
+    for segment, residual in zip(segments, residuals, strict=True):
+        if not np.all(np.isfinite(residual)):
+            return False
+        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _STRETCH)))
+        for measured, rest in zip(
+            np.array_split(segment.response, count), np.array_split(residual, count), strict=True
+        ):
+            if not follows(float(np.sqrt(np.mean(rest**2))), measured, segment.noise):
+                return False
+    return True
+
+
+def simulates(problem: OutputError, state: State) -> bool:
+    """Whether every segment is simulated to its end."""
+    return all(bool(np.all(np.isfinite(residual))) for residual in problem.residuals(state))

@@ -1,0 +1,331 @@
+"""The end of a fit: weighed by the noise, held against what predictions say, its standard errors.
+
+Whatever searched before, a fit ends here, simulated as finely as a model is delivered. Where the model leaves more than
+noise, its errors say so: they are those of what is left (Huber 1967), and what the most likely prediction finds
+otherwise stands in them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import BadInput
+from ...model import Oscillator
+from ...recording.recording import Recording
+from ..problem.data import Data
+from ..problem.jumps import left_out, smooth_stretches
+from ..problem.normal_equations import pseudo_inverse
+from ..problem.offset import FoundOffset
+from ..problem.output_error import MOST_STEPS, OutputError, State
+from ..problem.prediction import FREE
+from ..problem.segments import Segment
+from ..problem.settle import settled
+from ..problem.structure import Structure
+from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
+from ..signals.odds import ABOVE_NOISE, DECISIVE
+from ..signals.signals import noise_levels
+from .choose_noise_model import plain_cost
+from .climb import nrmse_of
+from .from_prediction import EARLY_STEPS, keeps_step, memories, simulates
+from .offsets import found_offsets, kept_offsets, zeros_of
+from .reweighted_fit import Answer, concentrated, over_noise, weighed, whitened
+from .scatter import scatter
+
+#: Gain of log-likelihood at which the search for what a prediction says otherwise is over: a seventh of an error.
+_NEAR_ENOUGH = 0.01
+#: Draws of force noise for the covariance: its standard errors are then good to 9 %.
+_DRAWS = 60
+#: Steps from where a coarser simulation has its maximum: each squares what is left of the way.
+_LAST_STEPS = 3
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentFit:
+    """How one segment came out.
+
+    Attributes:
+        segment: what was fitted.
+        initial: (states,) displacement, velocity and inner states at its first sample.
+        simulated: (n,) response, simulated freely, the sensor's offset in it.
+        nrmse: rms(simulated - measured) / std(measured).
+        over_noise: rms of the prediction errors over that of the noise.
+    """
+
+    segment: Segment
+    initial: np.ndarray
+    simulated: np.ndarray
+    nrmse: float
+    over_noise: float
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """The maximum of the likelihood.
+
+    Attributes:
+        oscillator: the model with identified values and standard errors.
+        names: free parameters in the covariance's order.
+        covariance: (k, k).
+        log_likelihood: at the maximum, with the noise spectra found.
+        segments: one per segment.
+        noise: noise spectrum of each segment.
+        memory: how far the model predicts in this answer, in cycles; ``FREE`` for simulation.
+        offsets: what the sensors show at zero, as far as the recordings ask for it.
+        iterations: steps of the search, all rounds together.
+        converged: whether the last round came to rest.
+        notes: what a user should know.
+    """
+
+    oscillator: Oscillator
+    names: tuple[str, ...]
+    covariance: np.ndarray
+    log_likelihood: float
+    segments: tuple[SegmentFit, ...]
+    noise: tuple[NoiseSpectrum, ...]
+    memory: float
+    offsets: tuple[FoundOffset, ...]
+    iterations: int
+    converged: bool
+    notes: tuple[str, ...]
+
+
+def delivered(
+    start: Oscillator,
+    data: Data,
+    fixed: Sequence[str] = (),
+    *,
+    initial: np.ndarray | None = None,
+    memory: float = FREE,
+    doubted: bool = True,
+) -> Fit:
+    """The fit next to where a search that compares structures has left it, simulated as finely as it is delivered.
+
+    Such a search takes longer steps, and the force in fewer pieces: an error far below any noise, by which a parameter
+    may yet be off by more than its standard error where a record is long and clean.
+
+    Args:
+        start: structure and values.
+        data: the recordings of one rig, cut with ``coarse=False``.
+        fixed: names of parameters that keep their values.
+        initial: (segments, states) of each segment; None where they are to be found.
+        memory: how far the model predicts, in cycles; see ``prediction``.
+        doubted: see ``maximum_likelihood``.
+
+    Raises:
+        BadInput: where nothing in the recordings can be simulated.
+    """
+    recordings = data.recordings
+    structure = Structure(start, data, fixed, zeros_of(data, recordings, start))
+    problem = structure.problem.predicting(memory)
+    state = structure.state(initial)
+    if initial is None and memory == FREE:
+        state = settled(problem, state)
+    # what the sensors show at zero was taken off by that search, or it guesses here what the motion itself explains
+    bare = replace(state, offsets=np.zeros_like(state.offsets))
+    if plain_cost(problem.residuals(bare)) <= plain_cost(problem.residuals(state)):
+        state = bare
+    problem, state = kept_offsets(problem, state, start)
+    return ended(problem, state, start, recordings, {}, np.inf, [], doubted=doubted, most=_LAST_STEPS)
+
+
+def ended(
+    problem: OutputError,
+    state: State,
+    start: Oscillator,
+    recordings: Sequence[Recording],
+    rungs: Mapping[float, State],
+    plain: float,
+    notes: Sequence[str],
+    *,
+    doubted: bool = True,
+    most: int = MOST_STEPS,
+) -> Fit:
+    """The fit from a place near it: weighed by the noise, and held against what predictions say.
+
+    Args:
+        problem: the model over the segments.
+        state: its least squares.
+        start: structure.
+        recordings: of the segments.
+        rungs: where the search came through each memory on its way to ``state``.
+        plain: cost of a linear rig, which the answer must not exceed.
+        notes: what a user should know.
+        doubted: see ``maximum_likelihood``.
+        most: steps that each search may take.
+    """
+    answer, iterations = weighed(problem, state, start, recordings, plain, most)
+    if doubted:  # what was smooth where the search came from may jump where it ended
+        smooth, begun = smooth_stretches(problem, answer.outcome.state)
+        jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
+        if jumps:
+            shorter = problem.over(smooth)
+            without, steps = weighed(shorter, begun, start, recordings, plain, most)
+            iterations += steps
+            if np.isfinite(without.likelihood):  # at the reach of a spring that gives way it may run away from there
+                problem, answer, notes, rungs = shorter, without, [*notes, *jumps], {}  # those are of other segments
+    doubt = np.zeros(answer.outcome.state.values.size)
+    in_step = keeps_step(problem.segments, answer.outcome.residuals)
+    above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE
+    if above and not in_step:
+        problem, answer, doubt, steps = _most_likely(problem.coarsely(), answer, rungs, start, plain, most)
+        iterations += steps
+    elif above and doubted:
+        doubt, steps = _said_otherwise(problem.coarsely(), answer, rungs, start, most)
+        iterations += steps
+    if not np.isfinite(answer.likelihood):
+        raise BadInput(
+            "no model of this structure simulates along these recordings; check signs and units of force and response"
+        )
+    used = {segment.recording for segment in problem.segments}
+    notes = [*notes] + [
+        f"{recording.name}: nothing in it that could be fitted; it was left out"
+        for i, recording in enumerate(recordings)
+        if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
+    ]
+    names = tuple(name for i, name in enumerate(start.parameters()) if i in problem.free)
+    return _result(start, names, problem, answer, doubt, recordings, iterations, notes)
+
+
+def _most_likely(
+    problem: OutputError, free: Answer, rungs: Mapping[float, State], start: Oscillator, plain: float, most: int
+) -> tuple[OutputError, Answer, np.ndarray, int]:
+    """Where no simulation keeps step: the answer of the most likely memory with its problem, the doubt, the steps.
+
+    The simulation's stays where that one's free run is no better than a linear rig's, whose cost is ``plain``, and
+    where the model runs away within every memory, as beyond the reach of a spring that gives way.
+    """
+    answers, steps = [], 0
+    for memory in memories(problem.segments):
+        predicting = problem.predicting(memory)
+        answer, taken = whitened(predicting, _nearest(predicting, rungs, free.outcome.state, start), start, most=most)
+        answers.append((memory, answer))
+        steps += taken
+    answers.sort(key=lambda pair: -pair[1].likelihood)
+    memory, likeliest = answers[0]
+    if not np.isfinite(likeliest.likelihood):
+        return problem, free, np.zeros(free.outcome.state.values.size), steps
+    if plain_cost(_simulated(problem, likeliest.outcome.state)) > plain:
+        return problem, free, _apart(likeliest, free), steps
+    return problem.predicting(memory), likeliest, _apart(answers[min(1, len(answers) - 1)][1], likeliest), steps
+
+
+def _said_otherwise(
+    problem: OutputError, answer: Answer, rungs: Mapping[float, State], start: Oscillator, most: int
+) -> tuple[np.ndarray, int]:
+    """(parameters,) by how much the most likely prediction differs from a simulation that keeps step, and the steps.
+
+    0 where none is decisively more likely.
+    """
+    predicted, steps = [], 0
+    for memory in memories(problem.segments):
+        predicting = problem.predicting(memory)
+        state = _nearest(predicting, rungs, answer.outcome.state, start)
+        other, taken = whitened(predicting, state, start, tolerance=_NEAR_ENOUGH, most=most, informed=False)
+        predicted.append(other)
+        steps += taken
+    likeliest = max(predicted, key=lambda other: other.likelihood)
+    decisive = likeliest.likelihood > answer.likelihood + DECISIVE
+    return _apart(likeliest, answer if decisive else likeliest), steps
+
+
+def _nearest(problem: OutputError, rungs: Mapping[float, State], state: State, start: Oscillator) -> State:
+    """Where a memory's search begins: where the search came through it on its way to ``state``, or there."""
+    points = [state]
+    if problem.memory in rungs:
+        points.append(replace(rungs[problem.memory], offsets=state.offsets))
+    return max(points, key=lambda point: concentrated(problem, point, start))
+
+
+def _apart(answer: Answer, other: Answer) -> np.ndarray:
+    return answer.outcome.state.values - other.outcome.state.values
+
+
+def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
+    """What the model leaves when it is simulated freely, from the initial states that suit that best."""
+    alone = problem.predicting(FREE).keeping(state)
+    state = settled(alone, replace(state, offsets=np.zeros(0)))
+    if not simulates(alone, state):
+        return alone.residuals(state)
+    return alone.search(state, tolerance=1.0, most=EARLY_STEPS).residuals
+
+
+def _result(
+    start: Oscillator,
+    names: tuple[str, ...],
+    problem: OutputError,
+    answer: Answer,
+    doubt: np.ndarray,
+    recordings: Sequence[Recording],
+    iterations: int,
+    remarks: Sequence[str],
+) -> Fit:
+    outcome, noise = answer.outcome, answer.noise
+    levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
+    spread = scatter(
+        problem.coarsely(), outcome.state, noise, levels, _DRAWS, remainders=answer.remainders, recordings=recordings
+    )
+    inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
+    doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)
+    covariance = inverse @ spread @ inverse + np.outer(doubt, doubt)  # Huber (1967): right where the weights are not
+    errors = dict(zip(names, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
+    old = start.parameters()
+    values = dict(zip(old, map(float, outcome.state.values), strict=True))
+    identified = start.with_parameters(
+        {name: replace(old[name], value=value, std=_std(name, names, lost, errors)) for name, value in values.items()}
+    )
+    free_run = outcome.residuals if problem.memory == FREE else _simulated(problem, outcome.state)
+    fits = tuple(
+        SegmentFit(segment, initial, segment.response - residual, nrmse_of(residual, segment.response), ratio)
+        for segment, initial, residual, ratio in zip(
+            problem.segments,
+            outcome.state.initial,
+            free_run,
+            over_noise(problem, outcome.residuals, outcome.state, start, recordings),
+            strict=True,
+        )
+    )
+    points = sum(segment.n for segment in problem.segments)
+    log_likelihood = -outcome.cost + concentrated_likelihood(noise) - 0.5 * points * np.log(2 * np.pi)
+    notes = [*remarks, *(f"{names[i]} is not identifiable from these recordings" for i in lost)]
+    notes += _at_bounds(problem, outcome.state.values, names)
+    if not outcome.converged:
+        notes.append("the search for the maximum of the likelihood stopped at its limit of steps")
+    return Fit(
+        identified,
+        names,
+        covariance,
+        float(log_likelihood),
+        fits,
+        tuple(noise),
+        problem.memory,
+        found_offsets(problem, outcome.state, outcome.residuals, answer.remainders or noise),
+        iterations,
+        outcome.converged,
+        tuple(notes),
+    )
+
+
+def _std(name: str, names: Sequence[str], lost: Sequence[int], errors: dict[str, float]) -> float | None:
+    return None if name not in names or names.index(name) in lost or not errors[name] > 0 else float(errors[name])
+
+
+def _at_bounds(problem: OutputError, values: np.ndarray, names: Sequence[str]) -> list[str]:
+    """One sentence for each parameter that the search wanted beyond its bound."""
+    if problem.bounds is None:
+        return []
+    low, high = problem.bounds
+    return [
+        f"{name} came to rest at its bound ({values[place]:.4g}): the recordings ask for more than the law allows"
+        for name, place in zip(names, problem.free, strict=True)
+        if values[place] in (low[place], high[place])
+    ]
+
+
+def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
+    """Covariance, and which parameters the information does not reach."""
+    size = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
+    lost = tuple(int(i) for i in np.flatnonzero(size * scale < 1e-6))
+    return pseudo_inverse(information), lost

@@ -1,0 +1,151 @@
+"""The maximum of the likelihood with every frequency weighed by what is left there, as long as that is noise."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...model import Oscillator
+from ...recording.recording import Recording
+from ..problem.data import equivalent_resonance, expected_noise, noise_of
+from ..problem.output_error import MOST_STEPS, Outcome, OutputError, State
+from ..problem.prediction import FREE
+from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, white
+from ..signals.odds import ABOVE_NOISE
+from ..signals.signals import noise_levels
+from .choose_noise_model import by_chance, plain_cost
+
+
+@dataclass(frozen=True, eq=False)
+class Answer:
+    """A maximum with the noise that it was weighed by, and its log-likelihood but for a constant.
+
+    ``remainders`` are the spectra of what it leaves, where it was weighed by others.
+    """
+
+    outcome: Outcome
+    noise: list[NoiseSpectrum]
+    likelihood: float
+    remainders: list[NoiseSpectrum] | None = None
+
+
+def weighed(
+    problem: OutputError,
+    state: State,
+    start: Oscillator,
+    recordings: Sequence[Recording],
+    linear: float = np.inf,
+    most: int = MOST_STEPS,
+) -> tuple[Answer, int]:
+    """The maximum with every frequency weighed, or unweighed least squares where that has led away from the motion.
+
+    What a wrong model leaves is no noise. Weighed by it, what is explained least counts least, the more so the fewer
+    frequencies the motion has: a search may buy some noise elsewhere with the motion itself.
+
+    Args:
+        problem: the model over the segments.
+        state: its least squares.
+        start: structure.
+        recordings: of the segments.
+        linear: ``plain_cost`` of a linear rig, which the answer must not exceed.
+        most: steps that each search may take.
+    """
+    answer, steps = whitened(problem, state, start, most=most)
+    residuals = problem.residuals(state)
+    if not np.isfinite(answer.likelihood):
+        return answer, steps
+    if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
+        return answer, steps
+    nearer = min(
+        (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda point: plain_cost(point[1])
+    )
+    plain = problem.search(nearer[0], tolerance=1e-3, most=most)
+    steps += plain.iterations
+    remainders = _remainders(problem, plain, start, recordings)
+    cost = plain_cost(answer.outcome.residuals)
+    if cost <= linear and cost - plain_cost(plain.residuals) < by_chance(problem, plain, remainders):
+        return answer, steps
+    flat = [white(residual) for residual in plain.residuals]
+    remainders = _noise(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
+    plain = replace(plain, cost=0.5 * sum(residual.size for residual in plain.residuals))  # that under flat spectra
+    return Answer(plain, flat, concentrated_likelihood(remainders), remainders), steps
+
+
+def whitened(
+    problem: OutputError,
+    state: State,
+    start: Oscillator,
+    *,
+    tolerance: float = 1e-3,
+    most: int = MOST_STEPS,
+    informed: bool = True,
+) -> tuple[Answer, int]:
+    """The maximum with every frequency weighed by the noise that is left there, and the steps to it.
+
+    ``tolerance``, ``most`` and ``informed`` are as in ``OutputError.search``.
+    """
+    residuals, steps = problem.residuals(state), 0
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        nothing = np.zeros((len(problem.free), len(problem.free)))
+        return Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
+    noise = _noise(problem, residuals, state, start)
+    outcome = problem.search(state, noise, tolerance=100.0 * tolerance, most=most, informed=False)
+    state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
+    noise = _noise(problem, residuals, state, start)
+    outcome = problem.search(state, noise, tolerance=tolerance, most=most, informed=informed)
+    likelihood = concentrated_likelihood(_noise(problem, outcome.residuals, outcome.state, start))
+    return Answer(outcome, noise, likelihood), steps + outcome.iterations
+
+
+def concentrated(problem: OutputError, state: State, start: Oscillator) -> float:
+    """Log-likelihood at a point, concentrated over the noise spectra, but for a constant; -inf where not finite."""
+    residuals = problem.residuals(state)
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        return -np.inf
+    return concentrated_likelihood(_noise(problem, residuals, state, start))
+
+
+def over_noise(
+    problem: OutputError,
+    residuals: Sequence[np.ndarray],
+    state: State,
+    start: Oscillator,
+    recordings: Sequence[Recording],
+) -> list[float]:
+    """For each segment the rms of what is left over that of the noise."""
+    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
+    ratios = []
+    for segment, residual in zip(problem.segments, residuals, strict=True):
+        sensor, force = noise_levels(recordings[segment.recording])
+        level = expected_noise(segment, values, sensor, force)
+        ratio = float(np.sqrt(np.mean(residual**2))) / level
+        ratios.append(ratio if np.isfinite(ratio) else np.inf)
+    return ratios
+
+
+def _remainders(
+    problem: OutputError, plain: Outcome, start: Oscillator, recordings: Sequence[Recording]
+) -> list[NoiseSpectrum]:
+    """Spectra of what least squares leave: as they show, and no less than sensors' noise makes through the model.
+
+    Not of the form that a fit weighs by: noise on the force that nobody saw there would explain all of a motion.
+    """
+    values = dict(zip(start.parameters(), map(float, plain.state.values), strict=True))
+    spectra = []
+    for segment, residual in zip(problem.segments, plain.residuals, strict=True):
+        shown = estimate(residual)
+        density = np.full(shown.density.size, noise_levels(recordings[segment.recording])[0] ** 2)
+        if segment.force is not None and problem.memory == FREE:
+            force = noise_levels(recordings[segment.recording])[1] / values["mass"]
+            density = density + force**2 * equivalent_resonance(segment, values)
+        spectra.append(replace(shown, density=np.maximum(shown.density, density)))
+    return spectra
+
+
+def _noise(
+    problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
+) -> list[NoiseSpectrum]:
+    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
+    return noise_of(problem.segments, residuals, values, problem.memory)

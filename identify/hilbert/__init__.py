@@ -1,0 +1,1 @@
+"""FREEVIB and FORCEVIB: what the Hilbert transform says of a recording."""

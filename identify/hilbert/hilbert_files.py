@@ -1,0 +1,196 @@
+"""FREEVIB's and FORCEVIB's results as files: the curves as CSV, the fitted laws as JSON."""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ... import __version__
+from .hilbert_result import HilbertAnalysis
+from .modal_result import LawFit, ModalCurve, ModalFit
+
+if TYPE_CHECKING:
+    from ...recording.recording import Recording
+
+
+#: Units of Eq. 17 per unit mass, with X for that of the displacement, and of what follows from them.
+UNITS = {
+    "mass": "kg",
+    "omega0": "rad/s",
+    "cubic": "1/(X2.s2)",
+    "preload": "X/s2",
+    "viscous": "1/s",
+    "dry": "X/s2",
+    "k": "Q/X",
+    "F0": "Q",
+    "F0/k": "X",
+}
+#: Rows of the CSV file a cycle: the curves are smooth over several.
+_A_CYCLE = 8
+_HEAD = (
+    "recording,method,stretch,time_s,amplitude_{x},frequency_Hz,phase_rad,omega0_rad_s,omega0_std_rad_s,"
+    "damping_1_s,damping_std_1_s,decrement,force_{f},omega0_within_rad_s,hysteresis_1_s2,congruent_amplitude_{x},"
+    "congruent_restoring_{x}_s2,congruent_restoring_std_{x}_s2,peak_above_{x},peak_below_{x},frequency_above_Hz,"
+    "frequency_below_Hz\n"
+)
+
+
+def curves_csv(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
+    """All curves over time, eight rows a cycle, as CSV with a header that names columns and units."""
+    from ...model import Response
+
+    unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
+    out = io.StringIO()
+    out.write(_HEAD.format(x=unit, f=next((r.force_unit for r in recordings if r.force is not None), "N")))
+    for i, curve in enumerate(analysis.curves):
+        step = _step(curve)
+        numbers = np.column_stack(
+            [
+                curve.time,
+                curve.amplitude,
+                curve.omega / (2 * np.pi),
+                curve.phase,
+                curve.omega0,
+                curve.omega0_std,
+                curve.damping,
+                curve.damping_std,
+                curve.decrement,
+                curve.force,
+                *_within(curve),
+            ]
+        )[::step]
+        name = '"' + curve.recording.replace('"', '""') + '"'
+        for row in numbers:
+            cells = ",".join(f"{value:.9g}" if math.isfinite(value) else "" for value in row)
+            out.write(f"{name},{curve.method},{i + 1},{cells}\n")
+    return out.getvalue()
+
+
+def _within(curve: ModalCurve) -> list[np.ndarray]:
+    """Eq. 5, congruent curve and half-waves of a decay, as the header has them; not a number under a force."""
+    cycle = curve.within
+    if cycle is None:
+        return [np.full(curve.time.size, np.nan)] * 9
+    halves = (*cycle.peaks, *(cycle.omega / (2 * np.pi)))
+    return [cycle.omega0, cycle.hysteresis, cycle.amplitude, cycle.restoring, cycle.restoring_std, *halves]
+
+
+def _step(curve: ModalCurve) -> int:
+    if curve.time.size < 2:
+        return 1
+    sample = float(np.median(np.diff(curve.time)))
+    return max(1, int(2 * np.pi / (float(np.median(curve.omega)) * sample * _A_CYCLE)))
+
+
+def as_json(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> dict[str, Any]:
+    """The laws, their errors and what they come from, for a strict JSON file: what is not known is null."""
+    from ...model import Response
+    from ...model.units import compose
+
+    unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
+    curves = []
+    for i, curve in enumerate(analysis.curves):
+        low, high = int(np.argmin(curve.amplitude)), int(np.argmax(curve.amplitude))
+        curves.append(
+            {
+                "stretch": i + 1,
+                "recording": curve.recording,
+                "method": curve.method,
+                "samples": [curve.start, curve.stop],
+                "time_s": [float(curve.time[0]), float(curve.time[-1])],
+                "amplitude": {"min": float(curve.amplitude[low]), "max": float(curve.amplitude[high]), "unit": unit},
+                "decrement": {
+                    "at_min_amplitude": _finite(curve.decrement[low]),
+                    "at_max_amplitude": _finite(curve.decrement[high]),
+                },
+                "within_the_cycle": _largest(curve, unit, high),
+                "fit": None if curve.fit is None else _fit(curve.fit, unit, compose),
+            }
+        )
+    result: dict[str, Any] = {
+        "format": "dashpot-hilbert/1",
+        "software": f"dashpot {__version__}",
+        "recordings": [{"file": r.name, "sha256": r.sha256} for r in recordings],
+        "stretches": curves,
+    }
+    for method in ("freevib", "forcevib"):
+        fit = getattr(analysis, method)
+        result[method] = None if fit is None else _fit(fit, unit, compose) | {"spread": analysis.spread(method)}
+    return result | {"notes": list(analysis.notes)}
+
+
+def _largest(curve: ModalCurve, unit: str, at: int) -> dict[str, Any] | None:
+    """What is within a cycle where the amplitude is largest; the CSV file has it at every instant."""
+    cycle = curve.within
+    if cycle is None:
+        return None
+    sizes = np.abs(cycle.harmonics[:, at])
+    return {
+        "at_amplitude": float(curve.amplitude[at]),
+        "harmonics": {str(n): float(size) for n, size in zip(cycle.orders, sizes, strict=True)},
+        "harmonics_std": float(cycle.harmonics_std[at]),
+        "congruent": {
+            "amplitude": {"value": float(cycle.amplitude[at]), "unit": unit},
+            "restoring": {
+                "value": float(cycle.restoring[at]),
+                "std": float(cycle.restoring_std[at]),
+                "unit": f"{unit}/s2",
+            },
+        },
+        "half_waves": {
+            side: {"peak": float(peak[at]), "frequency_hz": float(omega[at] / (2 * np.pi))}
+            for side, peak, omega in zip(("above", "below"), cycle.peaks, cycle.omega, strict=True)
+        },
+    }
+
+
+def _fit(fit: ModalFit, unit: str, compose: Any) -> dict[str, Any]:
+    laws = [law for law in (fit.preload, fit.polynomial, fit.both, fit.damping) if law is not None]
+    mass = {} if fit.mass is None else _values({"mass": fit.mass}, {"mass": fit.mass_std}, unit, compose)
+    return {
+        **mass,
+        **_values(fit.derived, fit.derived_std, unit, compose),
+        "laws": [_law(law, unit, compose) for law in laws],
+    }
+
+
+def _law(law: LawFit, unit: str, compose: Any) -> dict[str, Any]:
+    return {
+        "law": law.law,
+        "parameters": _values(law.values, law.stds, unit, compose),
+        "misfit": _finite(law.misfit),
+    }
+
+
+def _values(values: Mapping[str, float], stds: Mapping[str, float], unit: str, compose: Any) -> dict[str, Any]:
+    return {
+        name: {"value": _finite(value), "std": _finite(stds[name]), "unit": compose(UNITS[name], unit)}
+        for name, value in values.items()
+    }
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if math.isfinite(value) else None
+
+
+def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
+    """The parameters of both methods as text, one line each."""
+    from ...model import Response
+    from ...model.parameter import Parameter
+    from ...model.units import compose
+
+    unit = Response(recordings[0].quantity, recordings[0].unit).displacement_unit
+    lines = []
+    for method, words in (("freevib", "free decays"), ("forcevib", "driven stretches")):
+        fit = getattr(analysis, method)
+        if fit is None:
+            continue
+        lines.append(f"{method.upper()}, {len(analysis.of(method))} {words}")
+        values, stds = {**fit.values, **fit.derived}, {**fit.stds, **fit.derived_std}
+        lines += [f"  {n:8} {Parameter(v, stds[n], compose(UNITS[n], unit))}" for n, v in values.items()]
+        lines.append(f"  Eqs. 1, 6 and 7 leave {np.sqrt(fit.misfit):.2g} times the noise.")
+    return "\n".join(lines)

@@ -1,0 +1,214 @@
+"""FREEVIB and FORCEVIB as results: curves over time, laws fitted to them, errors; one call for a rig's recordings."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ...errors import BadInput
+from ...recording.given import recordings_of
+from ..motion.decays import find_free_motion
+from ..motion.displacement import displacement
+from ..motion.excitation import kind_of
+from ..motion.force_off import zero_of
+from ..signals.signals import Signal, drive_of
+from .mass_by_laws import driven_mass
+from .modal_curve import modal_curve
+from .modal_fit import modal_fit
+from .modal_mass import MassFit, agreed
+from .modal_result import ModalCurve, ModalFit
+from .modal_stretch import Stretch, decay_stretch, forced_stretch
+
+if TYPE_CHECKING:
+    from ...recording.recording import Recording
+
+#: So many decays show a spread that means something.
+_SEVERAL = 3
+#: A force beyond so many standard deviations of its noise pushes: noise alone gets there once in 5e8 samples.
+_LOUD = 6.0
+#: What a sensor of force resolves of its largest reading.
+_RESOLVED = 1e-6
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class HilbertAnalysis:
+    """What the Hilbert transform alone says of a rig.
+
+    Attributes:
+        curves: one of each decay (FREEVIB) and of each driven stretch (FORCEVIB), in order of the recordings.
+        freevib: Eqs. 1, 6, 7 fitted to all decays together; None without one.
+        forcevib: the same of all driven stretches, with the mass; None without one.
+        notes: one sentence each on what was left aside and why.
+    """
+
+    curves: tuple[ModalCurve, ...]
+    freevib: ModalFit | None
+    forcevib: ModalFit | None
+    notes: tuple[str, ...]
+
+    def __repr__(self) -> str:
+        counts = f"{len(self.of('freevib'))} decays, {len(self.of('forcevib'))} driven stretches"
+        return f"<HilbertAnalysis of {counts}>"
+
+    def of(self, method: str) -> tuple[ModalCurve, ...]:
+        """The curves of ``freevib`` or ``forcevib``."""
+        return tuple(curve for curve in self.curves if curve.method == method)
+
+    def of_one_mode(self, told: Sequence[str], isolated: bool) -> HilbertAnalysis:
+        """The same with what was said of the recordings' modes; a band that isolated one left no harmonics of it."""
+        curves = tuple(replace(curve, within=None) for curve in self.curves) if isolated else self.curves
+        return replace(self, curves=curves, notes=(*told, *self.notes))
+
+    def spread(self, method: str) -> dict[str, float]:
+        """Standard deviation of each parameter from stretch to stretch; empty below three of them.
+
+        It owes nothing to what is known of the noise: beside the standard error of a single stretch it shows whether
+        that error is right, and whether the rig stays the same.
+        """
+        fits = [curve.fit.values for curve in self.of(method) if curve.fit is not None]
+        if len(fits) < _SEVERAL:
+            return {}
+        return {name: float(np.std([fit[name] for fit in fits], ddof=1)) for name in fits[0]}
+
+
+def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
+    """FREEVIB on every free decay and FORCEVIB on every driven stretch of recordings of one rig.
+
+    Feldman, Bucher, Rotberg 2009: Eqs. 9-12 for the curves, Eqs. 1, 6, 7 for the laws; with a force Feldman 1994.
+    Arrays make a recording: ``hilbert_analysis([Recording("decay", 1000.0, x)])`` with x (n,) in m, sampled at 1000 Hz.
+
+    Args:
+        recordings: displacement, velocity or acceleration, free or forced, in any mixture; or what
+            ``recordings_of`` reads.
+
+    Returns:
+        Curves with arrays of shape (n,) in SI, and the laws fitted to them with standard errors.
+
+    Raises:
+        BadInput: no recording is given, or none holds a decay or a driven stretch that can be evaluated.
+    """
+    recordings = recordings_of(recordings)
+    if not recordings:
+        raise BadInput("No recording given; give at least one free decay or forced record.")
+    notes: list[str] = []
+    free: list[_Evaluated] = []
+    forced: list[_Evaluated] = []
+    for r in recordings:
+        try:
+            x = displacement(r)
+        except BadInput as problem:
+            notes.append(f"{r.name}: {problem}")
+            continue
+        motion = find_free_motion(r)
+        notes += motion.notes
+        for d in motion.decays:
+            _evaluate(r, x, None, (d.start, d.stop), free, notes)
+        drive = drive_of(r)
+        if drive is None or np.ptp(drive.samples) == 0 or drive.is_silent:
+            if not motion.decays:
+                notes.append(f"{r.name}: no force and no free decay found in it; it was left aside.")
+            continue
+        if motion.blows:
+            notes.append(f"{r.name}: the blows are too short for FORCEVIB; what rings after them is evaluated.")
+        elif kind_of(r, motion.decays, drive.noise) == "broadband":
+            notes.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
+        else:
+            for samples in _between(motion.decays, r.n):
+                _evaluate(r, x, drive, samples, forced, notes)
+    if not free and not forced:
+        raise BadInput("Nothing can be evaluated by the Hilbert transform. " + " ".join(notes))
+    return HilbertAnalysis(
+        curves=tuple(stretch.curve for stretch in (*free, *forced)),
+        freevib=_together(free, notes),
+        forcevib=_together(forced, notes),
+        notes=tuple(dict.fromkeys(notes)),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class _Evaluated:
+    """A stretch with its curve; with its mass where it is driven."""
+
+    stretch: Stretch
+    curve: ModalCurve
+    mass: MassFit | None
+
+
+def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
+    """What lies between the decays: start and stop of each driven stretch."""
+    edges = [0, *(edge for d in decays for edge in (d.start, d.stop)), n]
+    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
+
+
+def _pushed(drive: Signal, start: int, stop: int) -> tuple[int, int]:
+    """Of these samples those from the first to the last at which the force is not its zero; none: both the same."""
+    zero, _ = zero_of(drive.samples, max(2, round(drive.fs / drive.frequency)))
+    beyond = max(_LOUD * drive.noise, _RESOLVED * float(np.max(np.abs(drive.samples - zero))))
+    loud = np.flatnonzero(np.abs(drive.samples[start:stop] - zero) > beyond)
+    return (start + int(loud[0]), start + int(loud[-1]) + 1) if loud.size else (start, start)
+
+
+def _evaluate(
+    r: Recording,
+    x: Signal,
+    drive: Signal | None,
+    samples: tuple[int, int],
+    found: list[_Evaluated],
+    notes: list[str],
+) -> None:
+    begin = r.start + samples[0] / r.fs
+    try:
+        if drive is not None:
+            samples = _pushed(drive, *samples)
+            if samples[0] == samples[1]:
+                return
+            begin = r.start + samples[0] / r.fs
+        part = x.part(*samples)
+        mass = driven = None
+        if drive is None:
+            stretch = decay_stretch(part)
+        else:
+            driven = driven_mass(forced_stretch(part, drive.part(*samples)))
+            stretch, mass = driven.stretch, driven.mass
+            if driven.by_laws:
+                notes.append(
+                    f"{r.name}, driven stretch at {begin:.4g} s: it meets no amplitude at two frequencies, so that its "
+                    "mass leans on Eqs. 1, 6 and 7; drive it through its resonance for one that does not."
+                )
+        curve = modal_curve(stretch, mass, r.name, samples, begin, part.samples)
+        if driven is not None and not driven.hold:
+            notes.append(f"{r.name}, driven stretch at {begin:.4g} s: {_why_not(curve, driven.misfit)}")
+        found.append(_Evaluated(stretch, curve, mass))
+    except BadInput as problem:
+        what = "decay" if drive is None else "driven stretch"
+        notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
+
+
+def _why_not(curve: ModalCurve, misfit: float) -> str:
+    """Why the laws miss a driven motion: it is swept so fast that the rig rings beside the drive, or other physics.
+
+    What rings at a frequency that is passed dies as exp(-h t): the half-power width, h/pi, is to take longer than 1/h.
+    """
+    rate = float(np.ptp(curve.omega)) / (2 * np.pi) / float(np.ptp(curve.time))
+    slow = float(np.median(curve.damping)) ** 2 / np.pi
+    how = f"Eqs. 1, 6 and 7 leave {np.sqrt(misfit):.2g} times its noise, and its parameters hold no better than that; "
+    if slow > 0 and rate > slow:
+        return (
+            f"{how}it is swept at {rate:.2g} Hz/s, so that the rig rings beside its drive: sweep no faster than "
+            f"{slow:.2g} Hz/s"
+        )
+    return f"{how}other physics moves it: see dashpot diagnose"
+
+
+def _together(found: Sequence[_Evaluated], notes: list[str]) -> ModalFit | None:
+    if len(found) < 2 and all(f.curve.fit is not None for f in found):
+        return found[0].curve.fit if found else None  # one alone is all
+    masses = [f.mass for f in found if f.mass is not None]
+    try:
+        return modal_fit([f.stretch for f in found], agreed(masses) if masses else None)
+    except BadInput as problem:
+        notes.append(str(problem))
+        return None

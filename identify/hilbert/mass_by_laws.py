@@ -1,0 +1,127 @@
+"""FORCEVIB's mass where no two instants show one amplitude: that with which the laws hold.
+
+Below its resonance a rig moves the more the faster it is driven. Each amplitude is then met once, and any mass has some
+smooth backbone and damping curve that go with it (``modal_mass``): only laws, Eqs. 1, 6 and 7, tell them apart.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import BadInput
+from .frequency_of_the_ringing import rung_in
+from .further_harmonics import further_harmonics
+from .modal_fit import EQ17, spring_and_friction
+from .modal_mass import MassFit, Slopes, mass_fit, moving, regressed
+from .modal_stretch import Stretch
+
+#: Part of the stretch over which the columns are smoothed: far more cycles than the noise of a curve lasts.
+_SMOOTHED = 1 / 4
+#: The laws' own harmonics move the mass, and it them.
+_FITS = 3
+
+
+_ADVICE = (
+    "It meets no amplitude twice, and what it meets hardly tells the mass: drive it through the resonance, or nearer "
+    "to it."
+)
+#: The same where smooth functions are all there is, which are more: less, or nothing is left to tell them by.
+_ASKED_ALONE = 1 / 12
+#: A mass is told where 1/m is so many standard errors above zero.
+_TOLD = 3.0
+
+
+@dataclass(frozen=True, eq=False)
+class DrivenMass:
+    """A driven stretch without its ringing, with its mass.
+
+    Attributes:
+        stretch: without its ringing.
+        mass: of it alone.
+        by_laws: whether the laws were needed for it.
+        hold: whether they leave noise.
+        misfit: mean square of what they leave over that of the noise, of stiffness or damping, whichever is larger.
+    """
+
+    stretch: Stretch
+    mass: MassFit
+    by_laws: bool
+    hold: bool
+    misfit: float
+
+
+def driven_mass(whole: Stretch) -> DrivenMass:
+    """The mass of a driven stretch by smooth functions, or by the laws where it meets no amplitude twice.
+
+    Raises:
+        BadInput: neither way leads to a mass.
+    """
+    found: list[DrivenMass] = []
+    problem: BadInput | None = None
+    for way in (mass_fit, mass_by_laws):
+        try:
+            found.append(_found(whole, way))
+        except BadInput as p:
+            problem = problem or p
+        else:
+            if found[-1].hold:
+                return found[-1]
+        if _meets_amplitudes_twice(whole):
+            break
+    if _meets_amplitudes_twice(whole):
+        if problem is not None:
+            raise problem
+        return found[0]
+    # no law says whether the smooth functions took the noise for the mass: how far it may be off without their help
+    alone = mass_fit(whole, _ASKED_ALONE)
+    if not found or not found[0].mass.inverse > _TOLD * alone.std:
+        raise BadInput(_ADVICE)
+    return replace(found[0], mass=replace(found[0].mass, std=max(alone.std, found[0].mass.std)))
+
+
+def _meets_amplitudes_twice(stretch: Stretch) -> bool:
+    """Whether the motion passes a resonance: down to its half-power points on either side of its peak."""
+    amplitude = stretch.amplitude[stretch.keep][moving(stretch)]
+    peak = int(np.argmax(amplitude))
+    valleys = float(np.min(amplitude[: peak + 1])), float(np.min(amplitude[peak:]))
+    return float(amplitude[peak]) > np.sqrt(2.0) * max(valleys)
+
+
+def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
+    stretch = rung_in(whole, way)
+    mass = way(stretch)
+    if not mass.inverse > _TOLD * mass.std:
+        raise BadInput("The noise of force and motion hides the mass; force it harder, longer or nearer its resonance.")
+    fits = spring_and_friction([stretch], mass)  # no positive stiffness: that mass is none
+    hold = all(fit.holds for fit in fits)
+    return DrivenMass(stretch, mass, way is mass_by_laws, hold, max(fit.misfit for fit in fits))
+
+
+def mass_by_laws(stretch: Stretch) -> MassFit:
+    """1/m beside Eqs. 1, 6 and 7 in one regression, with the harmonics that these make.
+
+    Raises:
+        BadInput: too little motion above the noise, or no positive mass.
+    """
+    clear, first = moving(stretch), stretch.signal.equation_first
+    a = np.maximum(stretch.amplitude, 1e-4 * float(np.max(stretch.amplitude[stretch.keep][clear])))
+    springs = np.stack([np.ones_like(a), 0.75 * a**2, 4 / (np.pi * a)])
+    dampers = np.stack([np.ones_like(a), 4 / (np.pi * a * np.abs(first))])
+    # noise lasts as long as the kernels: smoothed over less than that, the columns would share it still
+    lasts = stretch.signal.kernel + stretch.low_pass_kernel.size
+    smoothed, slopes = _SMOOTHED, None
+    if _SMOOTHED * np.count_nonzero(clear) < lasts:
+        none = np.zeros_like(dampers)
+        slopes = Slopes(springs * np.array([[0.0], [2.0], [-1.0]]), none, dampers * np.array([[0.0], [-1.0]]))
+        smoothed = 0.0
+    mass, value = regressed(stretch, springs, dampers, smoothed=smoothed, slopes=slopes)
+    for _ in range(_FITS - 1):
+        if not value[0] > 0:
+            raise BadInput("FORCEVIB finds no positive stiffness: this is not the motion of one oscillator.")
+        names = dict(zip(EQ17, [np.sqrt(value[0]), *value[1:]], strict=True))
+        stiff, damping = further_harmonics(stretch, names)
+        mass, value = regressed(stretch, springs, dampers, stiff + damping * first, smoothed, slopes)
+    return mass

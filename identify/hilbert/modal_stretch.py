@@ -1,0 +1,309 @@
+"""A stretch of motion as the Hilbert transform sees it, and how its sensors' noise reaches what is fitted to it.
+
+Every number that is fitted to the instantaneous modal parameters is, to first order, a weighted sum of the noise of the
+samples. The weights are followed backwards through both low-passes to the samples themselves; the covariance is then
+that of white noise, with no guess at how many independent points a smooth curve holds.
+
+To first order a disturbance dX of the analytic signal (and dF of the force's) leaves in the equation of motion
+
+    de = (dX'' + 2 h dX' + omega0² dX - dF/m) / X,
+    d(omega0²) = -Re de + (A'/A) Im de / omega,    d(2h) = -Im de / omega.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ...errors import BadInput
+from ..signals.hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
+from ..signals.signals import Signal
+from .ends import with_ends
+
+CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
+#: Of the line that the kernels are made for: a motion no slower than that has its negative frequency, at twice its own,
+#: behind the first zero of both low-passes, of three cycles and of two, where less than 1e-6 passes them.
+_LEAST_FREQUENCY = 0.75
+_ADVICE = "let it ring longer or release it from a larger amplitude"
+#: A motion this many times its low-passed noise has an amplitude and a phase that follow the noise linearly.
+_CLEAR = 20.0
+#: Degree of the polynomial in time that the logarithm of a decay's amplitude follows closely enough to weigh with.
+_SMOOTH = 6
+#: White noise below this part of the largest amplitude is rounding.
+_LEAST_NOISE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """A decay or a driven stretch; `inside` are its samples but for the ends, `keep` those that are left low-passed."""
+
+    signal: AnalyticSignal  # of the displacement
+    fs: float
+    noise: float  # standard deviation, unit of the displacement
+    low_pass_kernel: np.ndarray
+    inside: slice
+    ratio: np.ndarray | None = None  # F/X, complex
+    force_noise: float = 0.0
+    rung_in: int = 0  # so many low-passed values at the beginning hold the rig's own ringing beside the driven motion
+
+    @property
+    def keep(self) -> slice:
+        """The samples at which low-passed values are known."""
+        half = self.low_pass_kernel.size // 2
+        return slice(self.inside.start + half, self.inside.stop - half)
+
+    def low_pass(self, values: np.ndarray) -> np.ndarray:
+        """(..., n) by sample to (..., k) at `keep`."""
+        from scipy.signal import oaconvolve
+
+        kernel = self.low_pass_kernel.reshape((1,) * (values.ndim - 1) + (-1,))
+        return np.asarray(oaconvolve(values[..., self.inside], kernel, mode="valid", axes=-1))
+
+    def before_low_pass(self, weights: np.ndarray) -> np.ndarray:
+        """Weights (..., k) of low-passed values as weights (..., n) of the values by sample."""
+        from scipy.signal import oaconvolve
+
+        kernel = self.low_pass_kernel.reshape((1,) * (weights.ndim - 1) + (-1,))
+        out = np.zeros((*weights.shape[:-1], self.signal.time.size), weights.dtype)
+        out[..., self.inside] = oaconvolve(weights, kernel, mode="full", axes=-1)
+        return out
+
+    @cached_property
+    def clear(self) -> np.ndarray:
+        """Where, of `keep`, the motion stands clear of its noise: (k,) of bool.
+
+        A decay that came down to its noise is not clear again.
+        """
+        s, keep = self.signal, self.keep
+        level = _CLEAR * self.noise * float(np.sqrt(2 * np.sum(blackman(s.kernel)[0] ** 2)))
+        clear = (s.amplitude[keep] > level) & (s.omega[keep] > 0)
+        if self.ratio is None and not np.all(clear):
+            first = int(np.argmax(clear))
+            clear[first + int(np.argmin(clear[first:])) :] = False
+        clear[: self.rung_in] = False
+        return clear
+
+    @cached_property
+    def width(self) -> float:
+        """Mean square width, s², of the kernel that the analytic signal was low-passed with."""
+        w = blackman(self.signal.kernel)[0]
+        return float(np.sum(w * (np.arange(w.size) - w.size // 2) ** 2)) / self.fs**2
+
+    @cached_property
+    def _unbent(self) -> np.ndarray:
+        """(n,) what the low-pass took off the motion by its (un-decayed) curvature, as a factor to put it back."""
+        s = self.signal
+        bent = s.curvature + 2 * s.undecay * s.growth + s.undecay**2
+        smooth = self.low_pass(bent)  # the second derivative is the noisiest of all
+        if self.ratio is None:  # a decay bends at its ends as it does beside them
+            bent = np.pad(smooth, (self.keep.start, bent.size - self.keep.stop), mode="edge")
+        else:
+            bent[self.keep] = smooth
+        return 1 - 0.5 * self.width * bent
+
+    @cached_property
+    def amplitude(self) -> np.ndarray:
+        """(n,) envelope by sample, before the low-pass."""
+        return self.signal.amplitude * np.maximum(self._unbent, 0.5)
+
+    @cached_property
+    def smooth_amplitude(self) -> np.ndarray:
+        """(n,) envelope without the noise of its neighbours: a polynomial of its logarithm over the clear motion.
+
+        What weighs the points must not share their noise: 1/A, noisy, is off to the same side as the point itself.
+        """
+        if self.ratio is not None or not np.any(self.clear):
+            return self.amplitude
+        clear = np.flatnonzero(self.clear) + self.keep.start
+        asked = clear[:: max(1, int(self.signal.period / 4))]
+        fit = np.polynomial.Polynomial.fit(asked, np.log(self.amplitude[asked]), _SMOOTH, w=self.amplitude[asked])
+        half = self.low_pass_kernel.size // 2
+        place = np.clip(np.arange(self.amplitude.size), clear[0] - half, clear[-1] + half)
+        return np.exp(fit(place))
+
+    @cached_property
+    def smooth_motion(self) -> tuple[np.ndarray, np.ndarray]:
+        """Envelope and phase (k,) at `keep`, low-passed: without the ripple that the negative frequencies leave."""
+        s, keep = self.signal, self.keep
+        level, beside = self.low_pass(np.stack([self.amplitude * np.exp(s.undecay * s.time), s.phase - s.carrier]))
+        return level * np.exp(-s.undecay * s.time[keep]), beside + s.carrier[keep]
+
+    def passed(self, factor: np.ndarray, motion: np.ndarray | float = 1.0) -> np.ndarray:
+        """What passes the first low-pass of `factor` (p, n) times X times `motion` (n,), over what passes of X.
+
+        Of `motion` itself what passes is known: 1, or `equation_first`. Only the factor's variation is asked here.
+        """
+        from scipy.signal import oaconvolve
+
+        s = self.signal
+        moving = np.broadcast_to(motion * s.slow * self._unbent, s.slow.shape)
+        rows = np.concatenate([factor * moving, moving[None]])
+        whole = np.asarray(oaconvolve(rows, blackman(s.kernel)[0][None], mode="same", axes=-1))
+        return whole[:-1] / whole[-1] * motion
+
+    def point_variance(
+        self, squared: np.ndarray, damping: np.ndarray, inverse_mass: float, slope: np.ndarray | float = 0.0
+    ) -> np.ndarray:
+        """Variance (k,) of low-passed omega0² at `keep` from the sensors' noise; of 2 h it is this over omega².
+
+        Args:
+            squared, damping: omega0² (n,) and h (n,), by sample.
+            inverse_mass: 1/kg; 0 without a force.
+            slope: d(omega0²)/d ln A, or 1j omega d(2 h)/d ln A, (n,) of the law to which the value is to be compared.
+        """
+        first, zeroth = (values[self.keep] for values in self.of_displacement(squared, damping))
+        zeroth = zeroth + (slope[self.keep] if isinstance(slope, np.ndarray) else slope)
+        w, dw, ddw = blackman(self.signal.kernel)
+        w, dw, ddw = (np.convolve(kernel, self.low_pass_kernel) for kernel in (w, dw * self.fs, ddw * self.fs**2))
+        moved = np.sum(ddw**2) + np.abs(first) ** 2 * np.sum(dw**2) + np.abs(zeroth) ** 2 * np.sum(w**2)
+        moved = moved + 2 * np.real(zeroth) * np.sum(ddw * w)
+        drive = (self.force_noise * inverse_mass) ** 2 * np.sum(w**2)
+        return 2 * (self.noise**2 * moved + drive) / self.signal.amplitude[self.keep] ** 2
+
+    def shared_noise(self, squared: np.ndarray, damping: np.ndarray, inverse_mass: float) -> np.ndarray:
+        """What the low-passed equation of motion over X shares of its noise with what is put into it, (4, k) complex.
+
+        Means at `keep` of the equation's error times the conjugate of the noise of low-passed dX/X, d(X'/X) and dF/X,
+        and of dX/X by sample, which makes the weights; arguments as `point_variance` has them.
+        """
+        first, zeroth = (values[self.keep] for values in self.of_displacement(squared, damping))
+        kernels, low = blackman(self.signal.kernel), self.low_pass_kernel
+        w, dw, ddw = (np.convolve(kernel, low) for kernel in kernels)
+        dw, ddw = dw * self.fs, ddw * self.fs**2
+        by_sample = np.pad(kernels[0], low.size // 2)
+        over = 2 / self.signal.amplitude[self.keep] ** 2
+        place, weight = (over * self.noise**2 * (np.sum(ddw * k) + zeroth * np.sum(w * k)) for k in (w, by_sample))
+        growth = self.signal.growth[self.keep] + self.signal.undecay
+        speed = over * self.noise**2 * first * np.sum(dw**2) - growth * place
+        return np.stack([place, speed, -over * inverse_mass * self.force_noise**2 * np.sum(w**2), weight])
+
+    def of_displacement(self, squared: np.ndarray, damping: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The factors (n,) of the un-decayed z' and z itself in the equation of motion, that of z'' being 1."""
+        s = self.signal
+        u, w = s.undecay, s.omega
+        first = 2j * w - 2 * u + 2 * damping
+        zeroth = -(w**2) + 1j * s.chirp + u**2 - 2j * w * u + 2 * damping * (1j * w - u) + squared
+        return first, zeroth
+
+    def noise_weights(
+        self,
+        equation: np.ndarray,
+        amplitude: np.ndarray,
+        squared: np.ndarray,
+        damping: np.ndarray,
+        inverse_mass: float = 0.0,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """How the noise of each sample of displacement and force, (p, n) both, enters p numbers.
+
+        Args:
+            equation: (p, n), complex; each number changes by the real part of its sum with de.
+            amplitude: (p, n), real; and by its sum with dA/A.
+            squared, damping: omega0² (n,) and h (n,), by sample.
+            inverse_mass: 1/kg.
+        """
+        s = self.signal
+        first, zeroth = self.of_displacement(squared, damping)
+        kernels = blackman(s.kernel)
+        back = np.exp(s.undecay * s.time - 1j * s.carrier)
+
+        def to_samples(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+            from scipy.signal import oaconvolve
+
+            return np.asarray(oaconvolve(weights / s.slow, kernel[None, ::-1], mode="same", axes=-1))
+
+        moved = to_samples(equation * zeroth + amplitude, kernels[0])
+        moved = moved + to_samples(equation * first, kernels[1]) * self.fs
+        moved = moved + to_samples(equation, kernels[2]) * self.fs**2
+        drive = np.zeros(equation.shape)
+        if self.ratio is not None:
+            drive = 2 * np.real(to_samples(-inverse_mass * equation, kernels[0]) * back)
+        return 2 * np.real(moved * back), drive
+
+
+def free_stretch(decay: Signal, *, undecay: float | None = None, low_pass_cycles: float = 2.0) -> Stretch:
+    """The displacement of a free decay.
+
+    Args:
+        decay: displacement.
+        undecay: 1/s, see ``analytic_signal``.
+        low_pass_cycles: length of the kernel of the last low-pass.
+
+    Raises:
+        BadInput: fewer than eight cycles, or fewer than five samples a cycle.
+    """
+    signal = analytic_signal(decay.samples, decay.fs, undecay=undecay, frequency=decay.frequency)
+    return _stretch(signal, decay, low_pass_cycles, "FREEVIB", _ADVICE)
+
+
+def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: float = 2.0) -> Stretch:
+    """The displacement of a driven stretch and the force on it, sampled alike; arguments and errors as above.
+
+    Where the motion is never much slower than the line that the kernels are made for, they keep the negative
+    frequencies out by themselves, and half a kernel is cut from the ends as of a decay: a burst is short.
+    """
+    if np.ptp(drive.samples) == 0:
+        raise BadInput("FORCEVIB needs a force; this record has none: treat it as a free decay.")
+    x, fs = displacement.samples, displacement.fs
+    signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
+    inner = slice(signal.kernel, -signal.kernel)
+    by_kernel = bool(np.min(signal.omega[inner], initial=np.inf) > _LEAST_FREQUENCY * 2 * np.pi * fs / signal.period)
+    cut = CUT_CYCLES
+    if by_kernel:
+        signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency, by_kernel=True)
+        cut = KERNEL_CYCLES / 2
+    stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer", cut)
+    force_noise = max(drive.noise, _LEAST_NOISE * float(np.max(np.abs(drive.samples))))
+    return replace(stretch, ratio=turned_alike(drive.samples, fs, signal, by_kernel), force_noise=force_noise)
+
+
+def decay_stretch(decay: Signal, cut: float = KERNEL_CYCLES / 2) -> Stretch:
+    """A free decay from as near its beginning as the kernel allows to where it sinks into its noise: FREEVIB's results.
+
+    Nothing but the recording is in its values: half a kernel is cut from each end and no more, the Hilbert transform's
+    tails do not reach the continuation (``analytic_signal``), and what the laws ask of the ends is extrapolated
+    (``with_ends``). Of the noise behind the decay no more is kept than the last values ask for: un-decayed it is the
+    larger part of the recording, and its wandering phase pulls at the whole carrier. The last low-pass is the shortest
+    smooth one without transmission at twice the frequency, where the signal itself, in the place of its analytic one,
+    leaves a ripple: Hann's window over a cycle.
+
+    Args:
+        decay: displacement.
+        cut: cycles left out at each end.
+
+    Raises:
+        BadInput: as ``free_stretch``.
+    """
+    whole = free_stretch(decay)
+    part = decay
+    if np.any(whole.clear):
+        last = whole.keep.start + int(np.max(np.flatnonzero(whole.clear)))
+        part = decay.part(0, min(decay.n, last + int(np.ceil((CUT_CYCLES + 1) * whole.signal.period))))
+    signal = analytic_signal(part.samples, decay.fs, frequency=part.frequency, by_kernel=True)
+    stretch = _stretch(signal, part, 1.0, "FREEVIB", _ADVICE, cut)
+    kernel = np.hanning(stretch.low_pass_kernel.size + 2)[1:-1]
+    kernel = kernel / np.sum(kernel)
+    return replace(stretch, signal=with_ends(signal, decay.fs), noise=whole.noise, low_pass_kernel=kernel)
+
+
+def _stretch(
+    signal: AnalyticSignal,
+    displacement: Signal,
+    cycles: float,
+    method: str,
+    advice: str,
+    cut_cycles: float = CUT_CYCLES,
+) -> Stretch:
+    n, fs = displacement.n, displacement.fs
+    middle = float(np.median(signal.omega))
+    period = 2 * np.pi / middle * fs if middle > 0 else float("inf")
+    cut = int(np.ceil(cut_cycles * period)) if np.isfinite(period) else n
+    if n - 2 * cut < 4 * period:
+        what = "decay" if method == "FREEVIB" else "driven stretch"
+        raise BadInput(
+            f"The {what} has {n / period:.1f} cycles; {method} needs at least {4 + 2 * cut_cycles:.0f}, of which "
+            f"{cut_cycles:g} are cut from each end: {advice}."
+        )
+    noise = max(displacement.noise, _LEAST_NOISE * float(np.max(np.abs(signal.amplitude))))
+    return Stretch(signal, fs, noise, blackman(int(cycles * period))[0], slice(cut, n - cut))

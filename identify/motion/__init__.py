@@ -1,0 +1,1 @@
+"""Where the motion is free, struck or driven, and which of several modes it shows."""

@@ -1,0 +1,146 @@
+"""Blows of a hammer in a recorded force: contacts that are over before the mass has swung back."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...simulate.force import Force
+from .decay import Blow, Decay
+from .envelope import SHORTEST_CYCLES, Envelope
+from .force_off import runs
+
+#: A contact is over within half a cycle: the mass has its momentum before the spring takes it away (Ewins 2000, 3.4).
+_LONGEST = 0.5
+#: Contacts stand out of the force's noise by so many standard deviations, or it is no hammer.
+_STANDS_OUT = 10.0
+#: What falls back below this part of the highest peak is over but for its flanks ...
+_OVER = 0.02
+#: ... and its flanks below that are within this fraction of its length, on either side.
+_FLANK = 8
+#: The noise that ends a contact: of a thousand samples of white noise none is beyond so many standard deviations.
+_NOISE = 4.0
+#: A blow much weaker than the strongest says nothing beside the ringing.
+_WEAK = 0.05
+#: Cycles after a blow that show how far it moved the mass; three are the shortest stretch that is fitted.
+_SHOWN = 4.0
+#: Samples whose median is the sensor's zero.
+_FEWEST_QUIET = 8
+#: So many equal samples at the range's end: two astride a smooth peak are common (`recording.clipping`).
+_FLAT = 3
+
+
+def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
+    """Blows in a force (n,) upon a motion of so many samples a cycle; none where it pushes in any other way as well.
+
+    Contacts that follow one another before five cycles have rung are one blow that hit several times.
+    """
+    force = force - np.median(force)
+    size = np.abs(force)
+    peak = float(np.max(size))
+    noise = 1.4826 * float(np.median(size))
+    if not peak > _STANDS_OUT * noise:
+        return ()
+    flanks = [(a, b) for a, b in runs(size > max(_NOISE * noise, _OVER * peak))]
+    join = max(2, period // 20)
+    contacts: list[tuple[int, int]] = []
+    for a, b in flanks:
+        if contacts and a - contacts[-1][1] <= join:
+            contacts[-1] = (contacts[-1][0], b)
+        else:
+            contacts.append((a, b))
+    contacts = [(a, b) for a, b in contacts if np.max(size[a:b]) > _WEAK * peak]
+    contacts = [(max(0, a - (b - a) // _FLANK), min(size.size, b + (b - a) // _FLANK)) for a, b in contacts]
+    if any(b - a > _LONGEST * period for a, b in contacts):
+        return ()
+    # not a few contacts but a train of them: a drive in pulses
+    if len(contacts) > 3 and np.median(np.diff([a for a, _ in contacts])) < SHORTEST_CYCLES * period / 2:
+        return ()
+    largest = float(np.max(force)) if abs(np.max(force)) >= abs(np.min(force)) else float(np.min(force))
+    blows: list[Blow] = []
+    for a, b in contacts:
+        clipped = int(np.sum(np.abs(force[a:b] - largest) <= 1e-9 * peak)) >= _FLAT
+        if blows and a - blows[-1].stop < SHORTEST_CYCLES * period:
+            last = blows[-1]
+            blows[-1] = Blow(last.start, b, last.clipped or clipped, last.contacts + 1)
+        else:
+            blows.append(Blow(a, b, clipped))
+    return tuple(blows)
+
+
+def ringing(blows: tuple[Blow, ...], envelope: Envelope) -> list[Decay]:
+    """Decays after blows: from the end of each to the noise or to the next one."""
+    size, floor, n = envelope.size, envelope.floor, envelope.size.size
+    decays: list[Decay] = []
+    ends = [blow.start for blow in blows[1:]] + [n]
+    for blow, end in zip(blows, ends, strict=True):
+        risen = min(blow.stop + envelope.period, end)  # the envelope's kernel reaches a cycle back
+        low = np.flatnonzero(size[risen:end] < floor)
+        stop = risen + int(low[0]) if low.size else end
+        if stop > risen and size[risen] > 2 * floor:
+            decays.append(Decay(blow.stop, stop))
+    first = blows[0].start
+    if first >= SHORTEST_CYCLES * envelope.period and size[0] > 2 * floor:  # it rang before
+        low = np.flatnonzero(size[:first] < floor)
+        decays.insert(0, Decay(0, int(low[0]) if low.size else first))
+    return decays
+
+
+@dataclass(frozen=True)
+class ContactForce(Force):
+    """A force that is known to be zero but for contacts, so that its sensor's noise counts during these alone."""
+
+    def coarser(self, times: int, dt: float) -> Force:
+        """The same: a contact is shorter than the pieces that suit the motion."""
+        return self
+
+    def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
+        """The same force with white noise of that standard deviation on the samples of its contacts."""
+        noisy = super().disturbed(std, random, dt)
+        size = np.abs(self.pieces[:, 0])
+        contact = size > _OVER * np.max(size, initial=0.0)
+        return replace(self, pieces=np.where(contact[:, None], noisy.pieces, self.pieces))
+
+
+def contact_force(force: np.ndarray, blows: Sequence[Blow], period: int) -> np.ndarray:
+    """The force (n,) during the contacts, about what the sensor read just before each, and zero elsewhere.
+
+    After a blow the hammer is in the air: what the sensor shows then is its offset and its noise (the force window of
+    impact testing, Ewins 2000, 3.7).
+    """
+    alone = np.zeros_like(force)
+    for blow in blows:
+        before = force[max(0, blow.start - period) : blow.start]
+        after = force[blow.stop : blow.stop + period]
+        quiet = before if before.size >= _FEWEST_QUIET else after
+        zero = float(np.median(quiet)) if quiet.size else 0.0
+        alone[blow.start : blow.stop] = force[blow.start : blow.stop] - zero
+    return alone
+
+
+def through(blows: Sequence[Blow], decays: Sequence[Decay], period: int) -> list[tuple[int, int, bool]]:
+    """Stretches (start, stop, forced) of a struck recording: each blow with cycles that it set going.
+
+    The mass is in how far a blow moves it; a contact alone is over before it has moved, so some cycles go with it. The
+    rest of the ringing is a free decay, to which the force's noise does nothing. All of it is where a blow was clipped
+    or its response goes against it.
+    Each begins a quarter of a cycle before its blow, still at rest where it was.
+    """
+    parts: list[tuple[int, int, bool]] = []
+    for decay in decays:
+        blow = next((blow for blow in blows if blow.stop == decay.start and blow.is_known), None)
+        start = decay.start if blow is None else max(0, blow.start - period // 4)
+        if parts and parts[-1][1] > start:
+            parts[-1] = (parts[-1][0], start, parts[-1][2])
+        if blow is None:
+            parts.append((start, decay.stop, False))
+            continue
+        shown = blow.stop + round(_SHOWN * period)
+        if decay.stop - shown < SHORTEST_CYCLES * period:
+            shown = decay.stop
+        parts.append((start, shown, True))
+        if shown < decay.stop:
+            parts.append((shown, decay.stop, False))
+    return parts

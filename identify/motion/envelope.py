@@ -1,0 +1,111 @@
+"""How large a recording's motion is at each sample, how fast it swings, and how loud its noise is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...errors import BadInput
+from ...recording.oscillation import strongest_line, without_slow
+from ..signals.hilbert import blackman, dominant_frequency
+from ..signals.signals import response_of
+
+if TYPE_CHECKING:
+    from ...recording.recording import Recording
+
+#: Fewer cycles than this are no decay: its rate and its frequency could not be told from one another's change.
+SHORTEST_CYCLES = 5.0
+#: A decay ends where its envelope has come down to this many times that of the noise.
+ABOVE_FLOOR = 2.0
+#: A swing has to be seen: samples a cycle.
+_LEAST_SAMPLES = 5
+
+
+@dataclass(frozen=True, eq=False)
+class Envelope:
+    """Motion of one recording, by sample.
+
+    Attributes:
+        size: (n,) amplitude, unit of the recording; an offset or slow drift does not count.
+        period: samples a cycle, where the motion is strongest.
+        floor: the level at which a decay ends, twice the envelope of the noise.
+        noise: standard deviation of the white noise.
+    """
+
+    size: np.ndarray
+    period: int
+    floor: float
+    noise: float
+
+
+def envelope_of(recording: Recording) -> Envelope | None:
+    """The envelope of a recording; None where it holds no five cycles of any motion, or too few samples a cycle."""
+    response = response_of(recording)
+    x, fs, noise = response.samples, response.fs, response.noise
+    frequency = motion_frequency(x, fs)
+    if frequency is None:
+        return None
+    period = max(2, round(fs / frequency))
+    if x.size < SHORTEST_CYCLES * period or period < _LEAST_SAMPLES:
+        return None
+    size = _size(x, period)
+    return Envelope(size, period, ABOVE_FLOOR * _floor(noise, size, period), noise)
+
+
+def motion_frequency(x: np.ndarray, fs: float) -> float | None:
+    """Frequency in Hz of the strongest motion of (n,) samples; None where nothing moves.
+
+    A sensor's offset, a rest position that changed and a drift are stronger than many a motion; they are left out.
+    """
+    swinging = without_slow(x)
+    try:
+        frequency = dominant_frequency(swinging, fs)
+    except BadInput:
+        return None
+    if frequency * x.size / fs < SHORTEST_CYCLES:  # its ends, where something was held, tilt the whole record
+        return strongest_line(swinging) * fs / x.size
+    return frequency
+
+
+def smooth(signal: np.ndarray, length: int) -> np.ndarray:
+    """(n,) signal under a Blackman kernel of `length` samples, its ends mirrored."""
+    from scipy.signal import fftconvolve
+
+    kernel = np.maximum(blackman(length)[0], 0)
+    half = kernel.size // 2
+    return np.asarray(fftconvolve(np.pad(signal, half, mode="symmetric"), kernel, mode="valid"))
+
+
+def _size(x: np.ndarray, period: int) -> np.ndarray:
+    """Amplitude (n,) from the local variance under a kernel of two cycles: an offset or slow drift does not count."""
+    kernel = np.maximum(blackman(2 * period)[0], 0)
+    half = kernel.size // 2
+    padded = np.pad(x - np.median(x), half, mode="symmetric")
+    mean = np.convolve(padded, kernel, mode="valid")
+    square = np.convolve(padded**2, kernel, mode="valid")
+    return np.sqrt(2 * np.maximum(square - mean**2, 0))
+
+
+def _floor(noise: float, envelope: np.ndarray, period: int) -> float:
+    """Envelope of the noise: of the white noise, or of the recording where it is at rest, whichever is larger."""
+    top = float(np.max(envelope))
+    white = np.sqrt(2) * noise
+    # within a cycle of either end the kernel sees its own mirror image, which may be lower than any motion there is
+    low = period + int(np.argmin(envelope[period:-period]))
+    level = 1.5 * float(envelope[low])
+    a, b = _run(envelope <= level, low)
+    rest = 0.0
+    if b - a >= 8 * period and b - a < envelope.size:  # what fills the record is its motion
+        first, last = np.median(envelope[a : a + 2 * period]), np.median(envelope[b - 2 * period : b])
+        if abs(first - last) < 0.25 * max(first, last):
+            rest = float(np.median(envelope[a:b]))
+    return max(white, rest, 1e-6 * top)
+
+
+def _run(mask: np.ndarray, inside: int) -> tuple[int, int]:
+    """The run of True in `mask` around the sample `inside`, as a slice."""
+    after = np.flatnonzero(~mask[inside:])
+    before = np.flatnonzero(~mask[: inside + 1])
+    return (int(before[-1]) + 1 if before.size else 0), (inside + int(after[0]) if after.size else mask.size)

@@ -1,0 +1,133 @@
+"""Several modes in one recording: the wanted one alone, in a zero-phase band that does not bend its backbone.
+
+Which modes there are is found in ``mode_lines``. Where the strongest has others beside it that no law stands for, it is
+isolated without being asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from ...errors import BadInput
+from ...model.oscillator import Band, Oscillator
+from ...recording.recording import Recording
+from .band import in_band
+from .mode_lines import Mode, modes_of
+
+#: A law stands for one further mode within an octave: something sprung on the mass (``attached-resonator``).
+_OCTAVE = 2.0
+#: Of the way to the next mode (of the logarithm of the frequency) where a band ends at half its height.
+_EDGE = 0.72
+
+#: Other modes that a note lists.
+_TOLD = 3
+
+
+def isolated(recordings: Sequence[Recording], wanted: str | None = None) -> tuple[list[Recording], Band | None, str]:
+    """The recordings with one mode alone, by a zero-phase band; as they are where there is nothing to take away.
+
+    Args:
+        recordings: of one rig.
+        wanted: which mode, as ``mode_of``; where None the strongest, and only where the others are more than
+            a law of the library can stand for.
+
+    Returns:
+        recordings, the band (None where nothing was taken away), and a note; empty where there is one mode.
+    """
+    modes = modes_of(recordings, whole=wanted is not None)
+    if wanted is None and len(modes) < 2:
+        return list(recordings), None, ""
+    mode = mode_of(modes, wanted)
+    others = [other for other in modes if other is not mode]
+    told = f"the mode at {_hz(mode.frequency)} holds {100 * mode.share:.3g} % of the motion"
+    if others:
+        told += f" beside {_listed(others)}"
+    if not others:
+        return list(recordings), None, f"{told}; no other was found, and nothing was taken away"
+    nearest = min(max(o.frequency / mode.frequency, mode.frequency / o.frequency) for o in others)
+    if wanted is None and len(others) == 1 and nearest < _OCTAVE:
+        return list(recordings), None, f"{told}; both were kept, --mode {modes.index(mode) + 1} isolates it"
+    band = band_around(mode, others)
+    if band is None:
+        if wanted is not None:
+            raise BadInput(
+                f"{told}, but its frequency moves from {_hz(mode.low)} to {_hz(mode.high)} with its amplitude: a band "
+                "that leaves the others out would bend it; record at a lower level, or where the others move less"
+            )
+        return list(recordings), None, f"{told}; they lie too near to it to be taken away"
+    return [in_band(r, band) for r in recordings], band, f"{told}; it was isolated {_between(band)}"
+
+
+def mode_alone(
+    recordings: Sequence[Recording], wanted: str | None, model: Oscillator | None, say: Callable[[str], None]
+) -> tuple[list[Recording], Band | None]:
+    """The recordings in the band of a model where one is given and no mode wanted, else as ``isolated``; notes said."""
+    if wanted is None and model is not None:
+        return in_the_same_band(recordings, model.identified.band), model.identified.band
+    alone, band, note = isolated(recordings, wanted)
+    if note:
+        say(f"note: {note}")
+    return alone, band
+
+
+def in_the_same_band(recordings: Sequence[Recording], band: Band | None) -> list[Recording]:
+    """Recordings in a band; as they are without one."""
+    return list(recordings) if band is None else [in_band(recording, band) for recording in recordings]
+
+
+def in_band_of(model: Oscillator, band: Band | None) -> Oscillator:
+    """The model with the band that its recordings were looked at in."""
+    return replace(model, identified=replace(model.identified, band=band))
+
+
+def mode_of(modes: Sequence[Mode], wanted: str | None) -> Mode:
+    """The strongest mode, or that of a number (in order of frequency, from 1) or of a frequency in Hz.
+
+    Raises BadInput where there is none such.
+    """
+    if wanted is None:
+        return max(modes, key=lambda mode: (mode.strongest, mode.share))
+    there = ", ".join(f"{i} at {_hz(mode.frequency)}" for i, mode in enumerate(modes, 1)) or "none"
+    text = wanted.strip().lower()
+    try:
+        value = float(text.removesuffix("hz"))
+    except ValueError:
+        raise BadInput(
+            f"--mode {wanted}: give the number of a mode or its frequency in Hz; there are: {there}"
+        ) from None
+    if text.isdigit() and len(text) < 9 and 1 <= int(text) <= len(modes):
+        return modes[int(text) - 1]
+    near = min(modes, key=lambda mode: abs(mode.frequency - value), default=None)
+    if near is None or not near.low / 1.05 <= value <= near.high * 1.05:
+        raise BadInput(f"--mode {wanted}: there is no such mode in the recordings; there are: {there}")
+    return near
+
+
+def band_around(mode: Mode, others: Sequence[Mode]) -> Band | None:
+    """The band that holds a mode and none of the others; None where it is not flat over all that the mode moves."""
+    below = max((o.high for o in others if o.frequency < mode.frequency), default=None)
+    above = min((o.low for o in others if o.frequency > mode.frequency), default=None)
+    f = mode.frequency
+    band = Band(
+        f, 0.0 if below is None else f * (below / f) ** _EDGE, None if above is None else f * (above / f) ** _EDGE
+    )
+    low, high = band.flat
+    return band if low < mode.low and mode.high < high else None
+
+
+def _listed(others: Sequence[Mode]) -> str:
+    """The strongest of other modes with their shares."""
+    loud = sorted(others, key=lambda mode: -mode.share)[:_TOLD]
+    words = ", ".join(f"{_hz(o.frequency)} ({100 * o.share:.2g} %)" for o in sorted(loud, key=lambda m: m.frequency))
+    return words + (f" and {len(others) - _TOLD} more" if len(others) > _TOLD else "")
+
+
+def _hz(frequency: float) -> str:
+    return f"{frequency:.4g} Hz"
+
+
+def _between(band: Band) -> str:
+    if band.high is None:
+        return f"above {_hz(band.low)}"
+    return f"below {_hz(band.high)}" if band.low == 0.0 else f"between {_hz(band.low)} and {_hz(band.high)}"

@@ -1,0 +1,1 @@
+"""The nonlinear least-squares problem: segments, unknowns, residuals, derivatives and the step."""

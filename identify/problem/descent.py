@@ -1,0 +1,196 @@
+"""The Levenberg-Marquardt search, one step at a time: it can be left, and gone on with where it was left.
+
+Levenberg (1944), Marquardt (1963). Every step knows beforehand what the linearised response expects of it, so that of
+many searches those that promise nothing can be left alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..signals.noise_spectrum import NoiseSpectrum, white
+from .normal_equations import Block, held_at, products, promise, solve
+from .state_from_previous_segment import handed_over
+
+if TYPE_CHECKING:
+    from .output_error import OutputError, State
+
+#: A step is shortened at most this often, each time by more damping.
+_SHORTENED = 14
+
+
+class Descent:
+    """A search of one problem and where it has come to.
+
+    Args:
+        problem: simulates, and knows its derivatives.
+        state: where it starts.
+        noise: one spectrum per segment; None takes each segment's noise for white, with the level that the residual
+            itself shows (the likelihood concentrated over the levels).
+        residuals: at ``state``, where they are known already.
+
+    Attributes:
+        state, residuals, cost: the best so far; ``cost`` is the negative log-likelihood but for what does not depend
+            on the parameters.
+        taken: steps tried.
+        resting: whether it has come to rest: no step promises, or keeps, more than the tolerance.
+    """
+
+    def __init__(
+        self,
+        problem: OutputError,
+        state: State,
+        noise: Sequence[NoiseSpectrum] | None = None,
+        residuals: tuple[np.ndarray, ...] | None = None,
+    ) -> None:
+        self.problem = problem
+        self.noise = noise
+        self.state = state
+        self.residuals = problem.residuals(state) if residuals is None else residuals
+        self.cost = cost_of(self.residuals, noise)
+        self.taken, self.resting = 0, False
+        self._damping = 1e-4
+        names = problem.core.parameter_names
+        self._natural_frequency = names.index("omega0") if "omega0" in names else None
+        self._blocks: list[Block] | None = None
+        self._expected: tuple[np.ndarray, ...] | None = None
+
+    @property
+    def blocks(self) -> list[Block]:
+        """Normal matrix and gradient of each segment, here."""
+        if self._blocks is None:
+            rows = self.problem.derivatives(self.state, self.residuals, single=True)
+            self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise, consumed=True)
+        return self._blocks
+
+    @property
+    def expected(self) -> tuple[np.ndarray, ...]:
+        """What the whole next step would leave if the response were linear: one (n,) array a segment."""
+        if self._expected is None:
+            rows = self.problem.derivatives(self.state, self.residuals)
+            if self._blocks is None:
+                self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise)
+            shared, own = self._solved(0.0)
+            self._expected = tuple(
+                residual - np.concatenate([shared, initial]) @ row
+                for residual, initial, row in zip(self.residuals, own, rows, strict=True)
+            )
+        return self._expected
+
+    def weigh_by(self, noise: Sequence[NoiseSpectrum]) -> None:
+        """Go on with other noise."""
+        self.noise, self.cost, self.resting = noise, cost_of(self.residuals, noise), False
+        self._blocks = self._expected = None
+
+    def step(self, tolerance: float) -> bool:
+        """Take one step; gives whether it led anywhere.
+
+        A step that leads nowhere is tried once more, with the natural frequency's part taken in its square
+        (``State.stepped``), before it is shortened.
+
+        Args:
+            tolerance: the search rests when the next step promises a smaller gain of log-likelihood; a gain of 0.5 is
+                a step of one standard error.
+        """
+        self.taken += 1
+        problem = self.problem
+        for _ in range(_SHORTENED):
+            shared, own = self._solved(self._damping)
+            if not (np.all(np.isfinite(shared)) and np.all(np.isfinite(own))):
+                self._damping *= 8.0  # derivatives too large to be solved for, which nothing can be simulated with
+                continue
+            gain = 0.5 * promise(self.blocks, shared, own)
+            if gain < tolerance:
+                self.resting = True
+                return False
+            trial, residuals, cost = self._tried(shared, own)
+            if not cost < self.cost and self._natural_frequency in problem.free:
+                trial, residuals, cost = self._tried(shared, own, self._natural_frequency)
+            if cost < self.cost:
+                better = self.cost - cost > 0.25 * gain
+                self._damping = max(self._damping / 10.0, 1e-12) if better else self._damping * 2.0
+                self.state, self.residuals, self.cost = trial, residuals, cost
+                self._blocks = self._expected = None
+                return True
+            self._damping *= 8.0
+        self.resting = True  # no step in any direction helps: the maximum, to the precision of the derivatives
+        return False
+
+    def _tried(
+        self, shared: np.ndarray, own: np.ndarray, squared: int | None = None
+    ) -> tuple[State, tuple[np.ndarray, ...], float]:
+        """Where a step leads, within the bounds, what it leaves there, and its cost."""
+        problem = self.problem
+        state = self.state.stepped(problem.free, shared, own, squared)
+        if problem.bounds is not None:
+            state = replace(state, values=np.clip(state.values, *problem.bounds))
+        state = handed_over(problem, state)
+        residuals = problem.residuals(state)
+        return state, residuals, cost_of(residuals, self.noise)
+
+    def _solved(self, damping: float) -> tuple[np.ndarray, np.ndarray]:
+        """The next step, without those parameters that would leave their bounds from where they are."""
+        blocks = self.blocks
+        problem = self.problem
+        shared, own = solve(blocks, damping, problem.shared)
+        if problem.bounds is None:
+            return shared, own
+        places = list(problem.free)
+        low, high = problem.bounds[:, places]
+        here = self.state.values[places]
+        step = shared[: len(places)]
+        stopped = ((here <= low) & (step < 0)) | ((here >= high) & (step > 0))
+        if not np.any(stopped):
+            return shared, own
+        return solve([held_at(block, np.flatnonzero(stopped)) for block in blocks], damping, problem.shared)
+
+
+def blocks_of(
+    problem: OutputError,
+    rows: Sequence[np.ndarray],
+    residuals: Sequence[np.ndarray],
+    noise: Sequence[NoiseSpectrum] | None,
+    *,
+    consumed: bool = False,
+) -> list[Block]:
+    """Normal matrix and gradient of each segment, from its derivatives and residuals, whitened by the noise.
+
+    With ``consumed`` the derivatives' own memory is used: they are derivatives no more.
+    """
+    spectra = [white(residual) for residual in residuals] if noise is None else noise
+    made = rows if consumed else [own.copy() for own in rows]
+    in_lines(problem, made, spectra)
+    blocks = []
+    for lines, residual, spectrum in zip(made, residuals, spectra, strict=True):
+        blocks.append((products(lines, lines), products(lines, spectrum.lines(residual))))
+    return blocks
+
+
+def in_lines(problem: OutputError, rows: Sequence[np.ndarray], spectra: Sequence[NoiseSpectrum]) -> None:
+    """Turn each segment's derivatives, in their own place and row by row, into their whitened lines."""
+    each = [(row, spectrum) for own, spectrum in zip(rows, spectra, strict=True) for row in own]
+    problem.map(lambda k: _in_lines(*each[k]), range(len(each)))
+
+
+def _in_lines(row: np.ndarray, spectrum: NoiseSpectrum) -> None:
+    if not np.any(row):
+        return
+    made = spectrum.lines(row, overwrite=True)
+    if made is not row:
+        row[:] = made
+
+
+def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None) -> float:
+    """Negative log-likelihood but for what does not depend on the parameters; inf where a residual is not finite.
+
+    Concentrated over a white level of each segment where ``noise`` is None.
+    """
+    if not all(np.all(np.isfinite(residual)) for residual in residuals):
+        return np.inf
+    if noise is None:
+        return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
+    return sum(0.5 * float(np.vdot(lines := s.lines(r), lines)) for r, s in zip(residuals, noise, strict=True))

@@ -1,0 +1,144 @@
+"""What a converter of few levels does to the parameters: its rounding keeps step with a smooth signal.
+
+The error of rounding is white where a signal crosses many levels from sample to sample, or where noise of half a step
+lies on it (Widrow and Kollar 2008, chapters 7 and 19); as such it is part of the noise. Of a sine of few levels it is
+a sine too, that counts for a larger or smaller force throughout: no residual shows that, and it goes into the mass.
+How much it is depends on where the peaks lie between two levels, which nobody knows to better than a step. So the
+signal is rounded again, its size changed by up to half a step at its peak, and what that does is in the errors.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from ...recording.checks import LEVELS
+from ...recording.fact import fact
+from ...recording.recording import Recording
+from ...recording.resolution import converter_step
+from ..motion.blows import ContactForce
+from ..signals.signals import Signal, drive_of, response_of
+from .normal_equations import products
+from .output_error import OutputError, State
+
+#: Physical limit: noise of this many steps makes the error of rounding white, its mean over a cycle being
+#: exp(-2 pi²/4) = 0.7 % of what it is without noise (Widrow and Kollar 2008, chapter 19).
+_DITHERS = 0.5
+#: The signal is what lies below so many times its highest frequency; its rounding lies mostly above.
+_BELOW = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class Rounding:
+    """A signal of few levels, as it was before it was rounded.
+
+    Attributes:
+        step: between levels, in the signal's unit.
+        level: one of the levels.
+        smooth: (n,) the signal, as far as it is known.
+        noise: standard deviation of what else was rounded with it.
+    """
+
+    step: float
+    level: float
+    smooth: np.ndarray
+    noise: float
+
+    @cached_property
+    def _middle(self) -> float:
+        return float(np.mean(self.smooth))
+
+    @cached_property
+    def _peak(self) -> float:
+        return max(float(np.max(np.abs(self.smooth - self._middle))), self.step)
+
+    def error(self, random: np.random.Generator, within: slice = slice(None)) -> np.ndarray:
+        """What rounding may have done to the samples ``within``, of which there is one for each: a draw."""
+        size = 1.0 + self.step * random.uniform(-0.5, 0.5) / self._peak
+        before = self._middle + size * (self.smooth[within] - self._middle) - self.level
+        before = before + self.noise * random.standard_normal(before.size)
+        return self.step * np.round(before / self.step) - before
+
+
+def rounding_of(signal: Signal) -> Rounding | None:
+    """The rounding of a signal that keeps step with it; None where it has levels enough, or noise."""
+    samples, step = signal.samples, converter_step(signal.samples)
+    if not step or float(np.ptp(samples)) >= LEVELS * step:
+        return None
+    noise = np.sqrt(max(signal.noise**2 - step**2 / 12.0, 0.0))
+    if noise >= _DITHERS * step:
+        return None
+    return Rounding(step, float(samples[0]), _below(samples, _BELOW * signal.band[1] / signal.fs), float(noise))
+
+
+@fact("response", "fs")
+def _of_response(recording: Recording) -> Rounding | None:
+    return rounding_of(response_of(recording))
+
+
+@fact("force", "fs")
+def _of_force(recording: Recording) -> Rounding | None:
+    drive = drive_of(recording)
+    return None if drive is None else rounding_of(drive)
+
+
+def measure_rounding(recording: Recording) -> None:
+    """Know from here on what ``scatter_of_rounding`` asks of a recording."""
+    _of_response(recording)
+    _of_force(recording)
+
+
+def _below(samples: np.ndarray, highest: float) -> np.ndarray:
+    """(n,) samples without what lies above ``highest`` cycles a sample; continued by point reflection at its ends."""
+    n = samples.size
+    wide = np.concatenate([2 * samples[0] - samples[:0:-1], samples, 2 * samples[-1] - samples[-2::-1]])
+    spectrum = np.fft.rfft(wide - np.mean(samples))
+    spectrum[np.fft.rfftfreq(wide.size) > highest] = 0.0
+    return np.fft.irfft(spectrum, wide.size)[n - 1 : 2 * n - 1] + np.mean(samples)
+
+
+def scatter_of_rounding(
+    problem: OutputError,
+    state: State,
+    i: int,
+    weighed: np.ndarray,
+    base: np.ndarray,
+    recordings: Sequence[Recording],
+    draws: int,
+    seed: int = 0,
+) -> np.ndarray | float:
+    """(k, k) scatter of the shared parameters' score by the rounding of one segment's signals; 0 where it is fine.
+
+    Args:
+        problem: what was fitted.
+        state: the maximum of the likelihood.
+        i: place of the segment.
+        weighed: (k, n) derivatives as the score weighs a residual by them.
+        base: (n,) the simulated response.
+        recordings: of the segments.
+        draws: how many times.
+        seed: of the random numbers.
+    """
+    segment = problem.segments[i]
+    recording = recordings[segment.recording]
+    within = slice(segment.start, segment.stop)
+    shown, force = _of_response(recording), problem.force(segment)
+    driven = None if force is None or isinstance(force, ContactForce) else _of_force(recording)
+    if shown is None and driven is None:
+        return 0.0
+
+    def score(draw: int) -> np.ndarray:
+        random = np.random.default_rng([seed, i, draw, 1])
+        error = np.zeros(segment.n)
+        if shown is not None:
+            error += shown.error(random, within)
+        if driven is not None and force is not None:
+            error += problem.simulate(i, state, added=driven.error(random, within)) - base
+        return products(weighed, error)
+
+    scores = np.array(problem.map(score, range(draws)))
+    scores = scores[np.all(np.isfinite(scores), axis=1)]
+    return scores.T @ scores / len(scores) if len(scores) else 0.0

@@ -1,0 +1,215 @@
+"""Recordings cut where the physics changes hands: free decays, and what the recorded force drives."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from ...recording.recording import QUANTITIES, Recording
+from ...recording.short_decay import LEAST_CYCLES
+from ...simulate.force import Force, force_between
+from ..motion.blows import ContactForce, contact_force, through
+from ..motion.decays import find_free_motion, force_is_silent
+from ..motion.first_motion import starts_at_rest
+from ..motion.quiet import quiet_noise
+from ..signals.hilbert import noise_level
+from ..signals.signals import response_of
+
+#: A recording of so many natural periods is one of a rig that swings ...
+_SWINGS = 10.0
+#: ... and so is a motion no faster than this many times its natural frequency: driven, but near it.
+_DRIVEN = 2.0
+#: A stretch shorter than this many cycles says less than the two initial values it costs.
+_SHORTEST_CYCLES = 3.0
+#: ... but a slide's motion is not its own, and a cycle of it is worth its initial values.
+_SHORTEST_SLIDE = 1.0
+#: A stretch that moves less than this many times its noise says at most that friction held the mass.
+_MOVES = 1.5
+#: Force above this multiple of the natural frequency hardly moves the mass (1/9 of its static effect).
+FORCE_BAND = 3.0
+#: A search that only compares laws, or leads to where a fit begins, interpolates the force more coarsely: to 1e-5 up to
+#: the resonance, to 1e-4 at twice that.
+COARSE_FORCE_BAND = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Segment:
+    """A stretch of one recording that is simulated in one go from an initial state of its own.
+
+    Attributes:
+        recording: index of the recording.
+        start, stop: samples of the recording, as a Python slice.
+        response: (n,) measured response.
+        force: what drives it, None for a free decay.
+        dt: sample interval, s.
+        time: time of the first sample, s.
+        pace: angular frequency of the motion, rad/s, by which times are judged: see ``pace_of``.
+        slide: whether that is the force's and not the rig's own.
+        rests: whether it begins at rest; its initial state is then known (where friction holds the mass, an initial
+            state has no derivative to find it by).
+        quantity: what the response shows of the motion.
+        after: sample of the recording at which the stretch before it ended; None where it is the first. From there goes
+            on what no sensor shows (``handed_on``).
+    """
+
+    recording: int
+    start: int
+    stop: int
+    response: np.ndarray
+    force: Force | None
+    dt: float
+    time: float
+    pace: float
+    rests: bool = False
+    slide: bool = False
+    quantity: str = "displacement"
+    after: int | None = None
+
+    @property
+    def order(self) -> int:
+        """How often the response is the displacement's derivative."""
+        return QUANTITIES.index(self.quantity)
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return self.stop - self.start
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation of the response's white noise, from these samples alone."""
+        return noise_level(self.response, 1.0 / self.dt)
+
+    @cached_property
+    def coarse_force(self) -> Force | None:
+        """The force as a search may take it that only leads to where a fit begins."""
+        return None if self.force is None else self.force.coarser(int(FORCE_BAND / COARSE_FORCE_BAND), self.dt)
+
+    def part(self, begin: int, end: int) -> Segment:
+        """The samples from ``begin`` to ``end`` of this segment."""
+        force = self.force
+        if force is not None:
+            force = force.part(begin, end)
+        return replace(
+            self,
+            start=self.start + begin,
+            stop=self.start + end,
+            response=self.response[begin:end],
+            force=force,
+            time=self.time + begin * self.dt,
+            rests=self.rests and begin == 0,
+            after=self.start + begin if begin else self.after,
+        )
+
+
+def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORCE_BAND) -> tuple[Segment, ...]:
+    """Segments of all recordings.
+
+    A free decay is simulated without force, whatever noise the force channel shows meanwhile; a recording without a
+    force, or with a silent one, contributes its decays alone. The rest of a recording with force is forced; a hammer's
+    blow is simulated together with the ringing after it. Where nothing moves there is
+    nothing to fit. What is too short to be worth its initial values is all there is of some recordings: it is taken
+    where nothing else is.
+
+    Args:
+        recordings: with or without force.
+        omega0: natural frequency, rad/s, to judge lengths and the force's interpolation.
+        force_band: the force is interpolated finely enough up to this multiple of the natural frequency.
+    """
+    pace = pace_of(recordings, omega0)
+    found = _cut(recordings, pace, pace > omega0, force_band, _SHORTEST_CYCLES)
+    return found or _cut(recordings, pace, pace > omega0, force_band, LEAST_CYCLES)
+
+
+def _cut(
+    recordings: Sequence[Recording], pace: float, slide: bool, force_band: float, cycles: float
+) -> tuple[Segment, ...]:
+    """Segments of at least so many cycles."""
+    segments: list[Segment] = []
+    for index, recording in enumerate(recordings):
+        shortest = (_SHORTEST_SLIDE if slide else cycles) * 2 * np.pi / pace * recording.fs
+        least = _SHORTEST_SLIDE * 2 * np.pi / pace * recording.fs
+        force = recording.force
+        motion = find_free_motion(recording)
+        decays = motion.decays
+        ends = [(decay.start, decay.stop, False) for decay in decays]
+        period = round(2 * np.pi / pace * recording.fs)
+        if motion.blows and force is not None:
+            ends = through(motion.blows, decays, period)
+            force = contact_force(np.asarray(force, float), motion.blows, period)
+        elif force is not None and np.any(force) and not (decays and force_is_silent(recording)):
+            edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
+            ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        highest = force_band * pace / (2 * np.pi)
+        quiet, slow = quiet_noise(response_of(recording).samples, motion.blows, recording.dt, pace)
+        for start, stop, forced in sorted(ends):
+            # what a force drives all through a recording says more than it costs once it has gone through a cycle; so
+            # does a free recording that was let in for its fall, and a blow upon a mass at rest costs nothing
+            costs = (start, stop) != (0, recording.n) and not (forced and motion.blows)
+            if stop - start < (shortest if costs else least):
+                continue
+            driven = None
+            if forced and force is not None and np.any(force[start:stop]):
+                samples = np.asarray(force[start:stop], float)
+                driven = force_between(samples, recording.dt, recording.hold or "smooth", highest)
+                driven = ContactForce(driven.pieces, driven.fine, driven.hold) if motion.blows else driven
+            signal = response_of(recording).part(start, stop)
+            response, noise = signal.samples, signal.noise
+            if not np.std(response) > _MOVES * max(noise, quiet):
+                continue
+            whole = Segment(
+                recording=index,
+                start=start,
+                stop=stop,
+                response=response,
+                force=driven,
+                dt=recording.dt,
+                time=recording.start + start * recording.dt,
+                pace=pace,
+                rests=forced and starts_at_rest(response, recording.dt, pace, max(noise, slow)),
+                slide=slide,
+                quantity=recording.quantity,
+                after=segments[-1].stop if segments and segments[-1].recording == index else None,
+            )
+            segments += _pieces(whole) if slide else [whole]
+    return tuple(segments)
+
+
+def _pieces(whole: Segment) -> list[Segment]:
+    """A cycle of the motion each: no spring holds a slide near its place, and what little its model lacks adds up.
+
+    Multiple shooting (Bock, 1981) with initial states that are free.
+    """
+    count = max(1, round(whole.n * whole.dt * whole.pace / (2 * np.pi)))
+    edges = np.linspace(0, whole.n, count + 1).round().astype(int)
+    return [whole.part(int(begin), int(end)) for begin, end in pairwise(edges)]
+
+
+def stretches(segments: Sequence[Segment]) -> list[tuple[int, ...]]:
+    """Indices of segments that follow one another without a gap, each such stretch together."""
+    runs: list[list[int]] = []
+    for i, segment in enumerate(segments):
+        last = segments[runs[-1][-1]] if runs else None
+        follows = last is not None and (last.recording, last.stop) == (segment.recording, segment.start)
+        if follows and last is not None and (last.force is None) == (segment.force is None):
+            runs[-1].append(i)
+        else:
+            runs.append([i])
+    return [tuple(run) for run in runs]
+
+
+def pace_of(recordings: Sequence[Recording], omega0: float) -> float:
+    """Angular frequency of the motion, rad/s: a rig swings at its natural frequency.
+
+    One with a spring so soft that no recording holds ten swings (a slide, a positioning table) moves as it is driven.
+    """
+    longest = max(recording.n * recording.dt for recording in recordings)
+    driven = [recording for recording in recordings if recording.force is not None and np.any(recording.force)]
+    if longest * omega0 > 2 * np.pi * _SWINGS or not driven:
+        return omega0
+    pace = max(2 * np.pi * response_of(recording).frequency for recording in driven)
+    return pace if pace > _DRIVEN * omega0 else omega0

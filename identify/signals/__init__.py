@@ -1,0 +1,1 @@
+"""Pure functions of arrays: spectra, noise, the analytic signal, odds."""

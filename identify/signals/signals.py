@@ -1,0 +1,101 @@
+"""The two signals of a recording, each with what is measured of it: noise, largest line, band."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from ...recording.fact import fact
+from ...recording.recording import Recording
+from .excited_band import excited_band
+from .hilbert import dominant_frequency, noise_level
+
+#: White noise of a standard deviation above this part of the signal's own is all that is in it.
+_SILENT = 0.7
+
+
+@dataclass(frozen=True, eq=False)
+class Signal:
+    """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once."""
+
+    samples: np.ndarray
+    fs: float
+    _parts: dict[tuple[int, int], Signal] = field(default_factory=dict, init=False, repr=False)
+
+    @property
+    def n(self) -> int:
+        """Number of samples."""
+        return self.samples.size
+
+    @cached_property
+    def noise(self) -> float:
+        """Standard deviation of its white noise: see ``noise_level``."""
+        return noise_level(self.samples, self.fs)
+
+    @cached_property
+    def frequency(self) -> float:
+        """Its largest line, Hz; raises BadInput where it does not oscillate: see ``dominant_frequency``."""
+        return dominant_frequency(self.samples, self.fs)
+
+    @cached_property
+    def band(self) -> tuple[float, float]:
+        """Lowest and highest frequency in Hz of what has power in it: see ``excited_band``."""
+        return excited_band(self.samples, self.fs, 0.0 if self.is_silent else self.noise)
+
+    @cached_property
+    def is_silent(self) -> bool:
+        """Whether it holds nothing but an offset and white noise."""
+        return bool(np.ptp(self.samples) == 0 or self.noise > _SILENT * float(np.std(self.samples)))
+
+    def thinned(self, factor: int) -> Signal:
+        """Every so manieth sample: see ``thinned``."""
+        thin = Signal(thinned(self.samples, factor), self.fs / factor)
+        # as measured where all samples are: near its highest frequency the thinned one has lost some of its noise
+        known = {name: self.__dict__[name] for name in ("band", "frequency", "is_silent") if name in self.__dict__}
+        thin.__dict__.update(known, noise=self.noise / np.sqrt(factor))
+        return thin
+
+    def part(self, start: int, stop: int) -> Signal:
+        """The samples from `start` to `stop`, the same ones the same signal."""
+        if (start, stop) == (0, self.n):
+            return self
+        if (start, stop) not in self._parts:
+            self._parts[start, stop] = Signal(self.samples[start:stop], self.fs)
+        return self._parts[start, stop]
+
+
+def thinned(samples: np.ndarray, factor: int) -> np.ndarray:
+    """Every so manieth of (n,) samples, without what these would not tell; what counts must lie well below that."""
+    from scipy.signal import resample_poly
+
+    middle = float(np.mean(samples))
+    return np.asarray(resample_poly(samples - middle, 1, factor)) + middle
+
+
+@fact("response", "fs")
+def response_of(recording: Recording) -> Signal:
+    """The recorded response."""
+    return Signal(np.asarray(recording.response, float), recording.fs)
+
+
+@fact("force", "fs")
+def drive_of(recording: Recording) -> Signal | None:
+    """The recorded force, None without one."""
+    return None if recording.force is None else Signal(np.asarray(recording.force, float), recording.fs)
+
+
+def noise_levels(recording: Recording) -> tuple[float, float]:
+    """Standard deviations of the white noise on response and force, the latter 0 without a force."""
+    drive = drive_of(recording)
+    return response_of(recording).noise, 0.0 if drive is None else drive.noise
+
+
+def resting(x: np.ndarray, sigma: float, period: int) -> np.ndarray:
+    """Where `x` (n,) moves no more than its noise `sigma` over a period: at rest or stuck, where signs mean nothing."""
+    period = min(period, x.size)
+    kernel = np.ones(period) / period
+    mean = np.convolve(x, kernel, mode="same")
+    spread = np.convolve((x - mean) ** 2, kernel, mode="same") * x.size / np.convolve(np.ones(x.size), kernel, "same")
+    return spread / x.size < (3 * sigma) ** 2
