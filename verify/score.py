@@ -19,6 +19,7 @@ from ..errors import BadInput
 from ..identify.fit.offsets import kept_offsets, zeros_of
 from ..identify.fit.scatter import scatter
 from ..identify.problem.data import data_of, noise_of
+from ..identify.problem.descent import search
 from ..identify.problem.jumps import smooth_stretches
 from ..identify.problem.normal_equations import pseudo_inverse, shared_information, solve
 from ..identify.problem.output_error import OutputError, State
@@ -188,7 +189,7 @@ def _beside(problem: OutputError, state: State) -> State:
     """The point with initial states and the sensors' zeros that suit the recording best, the parameters kept."""
     kept = problem.with_offsets(problem.offsets)
     kept.free, kept.shared = (), len(problem.offsets)
-    return kept.search(state, tolerance=1e-3, most=_STEPS).state
+    return search(kept, state, tolerance=1e-3, most=_STEPS).state
 
 
 def _score(

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...identify.problem.data import Data, equivalent_resonance
+from ...identify.problem.descent import search
 from ...identify.problem.output_error import OutputError, State
 from ...identify.problem.segments import FORCE_BAND, Segment
 from ...identify.problem.structure import parameter_bounds, parameter_sizes
@@ -48,7 +49,7 @@ class Played:
         p = self.problem
         alone = OutputError(p.core, (segment,), p.free, p.scale, p.state_scale, p.max_step, p.bounds)
         start = State(self.state.values, self.state.initial[i : i + 1])
-        return float(np.sqrt(2.0 * alone.search(start, (noise,), tolerance=0.5, most=_STEPS).cost))
+        return float(np.sqrt(2.0 * search(alone, start, (noise,), tolerance=0.5, most=_STEPS).cost))
 
 
 def rehearse(

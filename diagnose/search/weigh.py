@@ -10,8 +10,7 @@ import numpy as np
 
 from ...identify.fit.evidence import Prior, Told, cross_validated, evidence, predictive, told
 from ...identify.problem.data import Data, likelihood
-from ...identify.problem.descent import blocks_of
-from ...identify.problem.output_error import State
+from ...identify.problem.output_error import State, blocks_of
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure
 from ...model import Oscillator

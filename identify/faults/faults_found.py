@@ -21,6 +21,7 @@ from ..fit.from_prediction import from_prediction, keeps_step, simulates
 from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import concentrated, over_noise
 from ..problem.data import noise_of
+from ..problem.descent import search
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
@@ -107,7 +108,7 @@ def faults_found(
         (best, point), likelihood = tried[top], odds[top]
         found = list(best.faults)
         finest = best.coarsely(False)
-        where = finest.search(point, tolerance=0.1, most=_STEPS, informed=False).state
+        where = search(finest, point, tolerance=0.1, most=_STEPS, informed=False).state
         if _noise_alone(finest, where, fit, recordings):
             told = _told(finest, where, gains, fit, recordings)
             return told if _is_one_cause(told) and all(fault.stands for fault in told) else ()
@@ -185,7 +186,7 @@ def _round(faulty: FaultyFit, point: State) -> tuple[FaultyFit, State]:
     """Sizes of the faults where they are, with the parameters, then the last one's place; nothing where none runs."""
     if not simulates(faulty, point):
         return faulty, point
-    return _placed(faulty, faulty.search(point, tolerance=0.5, most=_STEPS, informed=False).state)
+    return _placed(faulty, search(faulty, point, tolerance=0.5, most=_STEPS, informed=False).state)
 
 
 def _fitted(begun: tuple[FaultyFit, State], start: Oscillator) -> tuple[FaultyFit, State]:
@@ -199,7 +200,7 @@ def _fitted(begun: tuple[FaultyFit, State], start: Oscillator) -> tuple[FaultyFi
         if faulty.faults == before or likelihood < known + _PASSED_OVER:
             break
         known = likelihood
-    return faulty, faulty.search(point, tolerance=0.1, most=_STEPS, informed=False).state
+    return faulty, search(faulty, point, tolerance=0.1, most=_STEPS, informed=False).state
 
 
 def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:

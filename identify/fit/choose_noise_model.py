@@ -8,7 +8,9 @@ from copy import copy
 import numpy as np
 
 from ...model import Oscillator
-from ..problem.output_error import Outcome, OutputError, State
+from ..problem.descent import search
+from ..problem.output_error import OutputError, State
+from ..problem.search_point import Outcome
 from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.odds import BY_CHANCE
 from ..start.linear_fit import linear_fit
@@ -68,7 +70,7 @@ def linear_state(problem: OutputError, state: State, start: Oscillator) -> State
     point = State(values, initial, shown)
     if not np.isfinite(plain_cost(problem.residuals(point))):
         return None
-    return _only(problem, linear).search(point, tolerance=0.1, most=_STEPS, informed=False).state
+    return search(_only(problem, linear), point, tolerance=0.1, most=_STEPS, informed=False).state
 
 
 def _only(problem: OutputError, free: Sequence[int]) -> OutputError:

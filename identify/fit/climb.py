@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model import Oscillator
+from ..problem.descent import search
 from ..problem.output_error import OutputError, State
 from ..problem.settle import settled
 from .from_prediction import from_prediction, growing, simulates
@@ -68,7 +69,7 @@ def from_near(problem: OutputError, state: State) -> Climb | None:
     state = settled(problem, state)
     if not simulates(problem, state):
         return None
-    outcome = problem.search(state, tolerance=1.0)
+    outcome = search(problem, state, tolerance=1.0)
     return Climb(problem, outcome.state, {}, outcome.iterations, True, 0.0, False)
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...errors import BadInput
+from ..problem.descent import search
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..problem.settle import IN_STEP, LEAST, follows, settled
@@ -46,7 +47,7 @@ def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[flo
     for memory in memories(problem.segments, first):
         if keeps_step_throughout(problem.segments, problem.residuals(state)):
             break
-        outcome = problem.predicting(memory).search(state, tolerance=1.0, most=EARLY_STEPS)
+        outcome = search(problem.predicting(memory), state, tolerance=1.0, most=EARLY_STEPS)
         state, iterations = outcome.state, iterations + outcome.iterations
         rungs[memory] = state
     if not simulates(problem, state):
@@ -76,7 +77,7 @@ def _followed(problem: OutputError, state: State) -> tuple[float, State | None]:
 def _searched(
     problem: OutputError, state: State, rungs: dict[float, State], iterations: int
 ) -> tuple[State, dict[float, State], int]:
-    outcome = problem.search(state, tolerance=1.0)
+    outcome = search(problem, state, tolerance=1.0)
     return outcome.state, rungs, iterations + outcome.iterations
 
 

@@ -24,11 +24,12 @@ from ...recording.recording import HOLDS, Recording
 from ...simulate.force import force_between, smooth_force
 from ..motion.blows import ContactForce
 from ..problem.data import measured, noise_of
-from ..problem.descent import cost_of, in_lines
+from ..problem.descent import cost_of, search
 from ..problem.normal_equations import products, promise, pseudo_inverse, solve
 from ..problem.offset import Offset
-from ..problem.output_error import Outcome, OutputError, State
+from ..problem.output_error import OutputError, State, in_lines
 from ..problem.release_memory import give_back
+from ..problem.search_point import Outcome
 from ..problem.segments import FORCE_BAND, Segment
 from ..problem.structure import Structure
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
@@ -245,8 +246,8 @@ def _tried(
     hold: str, problem: OutputError, state: State, noise: Sequence[NoiseSpectrum], oscillator: Oscillator
 ) -> _Trial:
     """The fit under a hold, weighed anew on the way: each hold's alike, for weights of its own make any likelier."""
-    first = problem.search(state, noise, tolerance=0.1, most=_STEPS)
-    again = problem.search(first.state, _noise(problem, first.residuals, oscillator), tolerance=0.1, most=_STEPS)
+    first = search(problem, state, noise, tolerance=0.1, most=_STEPS)
+    again = search(problem, first.state, _noise(problem, first.residuals, oscillator), tolerance=0.1, most=_STEPS)
     return _Trial(hold, problem, again, oscillator)
 
 

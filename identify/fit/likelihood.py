@@ -22,6 +22,7 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...recording.recording import Recording
 from ..problem.data import Data, data_of
+from ..problem.descent import search
 from ..problem.jumps import left_out, smooth_stretches
 from ..problem.last_swings import with_last_swings
 from ..problem.output_error import OutputError, State
@@ -120,7 +121,7 @@ def _beside_linear(
     cost = plain_cost(problem.residuals(plain))
     if not cost < plain_cost(residuals):
         return state, cost, 0
-    outcome = problem.search(plain, tolerance=1.0)
+    outcome = search(problem, plain, tolerance=1.0)
     return outcome.state, cost, outcome.iterations
 
 

@@ -16,10 +16,11 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...recording.recording import Recording
 from ..problem.data import Data
+from ..problem.descent import MOST_STEPS, search
 from ..problem.jumps import left_out, smooth_stretches
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.offset import FoundOffset
-from ..problem.output_error import MOST_STEPS, OutputError, State
+from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
 from ..problem.segments import Segment
 from ..problem.settle import settled
@@ -249,7 +250,7 @@ def _simulated(problem: OutputError, state: State) -> tuple[np.ndarray, ...]:
     state = settled(alone, replace(state, offsets=np.zeros(0)))
     if not simulates(alone, state):
         return alone.residuals(state)
-    return alone.search(state, tolerance=1.0, most=EARLY_STEPS).residuals
+    return search(alone, state, tolerance=1.0, most=EARLY_STEPS).residuals
 
 
 def _result(

@@ -10,8 +10,10 @@ import numpy as np
 from ...model import Oscillator
 from ...recording.recording import Recording
 from ..problem.data import equivalent_resonance, expected_noise, noise_of
-from ..problem.output_error import MOST_STEPS, Outcome, OutputError, State
+from ..problem.descent import MOST_STEPS, search
+from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
+from ..problem.search_point import Outcome
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, white
 from ..signals.odds import ABOVE_NOISE
 from ..signals.signals import noise_levels
@@ -61,7 +63,7 @@ def weighed(
     nearer = min(
         (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda point: plain_cost(point[1])
     )
-    plain = problem.search(nearer[0], tolerance=1e-3, most=most)
+    plain = search(problem, nearer[0], tolerance=1e-3, most=most)
     steps += plain.iterations
     remainders = _remainders(problem, plain, start, recordings)
     cost = plain_cost(answer.outcome.residuals)
@@ -91,10 +93,10 @@ def whitened(
         nothing = np.zeros((len(problem.free), len(problem.free)))
         return Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
     noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=100.0 * tolerance, most=most, informed=False)
+    outcome = search(problem, state, noise, tolerance=100.0 * tolerance, most=most, informed=False)
     state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
     noise = _noise(problem, residuals, state, start)
-    outcome = problem.search(state, noise, tolerance=tolerance, most=most, informed=informed)
+    outcome = search(problem, state, noise, tolerance=tolerance, most=most, informed=informed)
     likelihood = concentrated_likelihood(_noise(problem, outcome.residuals, outcome.state, start))
     return Answer(outcome, noise, likelihood), steps + outcome.iterations
 

@@ -11,9 +11,8 @@ from ...recording.recording import Recording
 from ...simulate.force import Force
 from ..motion.blows import ContactForce
 from ..problem.data import equivalent_of
-from ..problem.descent import in_lines
 from ..problem.normal_equations import products, pseudo_inverse, shared_information
-from ..problem.output_error import OutputError, State
+from ..problem.output_error import OutputError, State, in_lines
 from ..problem.prediction import FREE
 from ..problem.release_memory import give_back
 from ..problem.rounding import measure_rounding, scatter_of_rounding

@@ -8,19 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..signals.noise_spectrum import NoiseSpectrum, white
-from .normal_equations import Block, held_at, products, promise, solve
+from ..signals.noise_spectrum import NoiseSpectrum
+from .normal_equations import Block, held_at, promise, shared_information, solve
+from .output_error import OutputError, blocks_of
+from .search_point import Outcome, State
 from .state_from_previous_segment import handed_over
-
-if TYPE_CHECKING:
-    from .output_error import OutputError, State
 
 #: A step is shortened at most this often, each time by more damping.
 _SHORTENED = 14
+MOST_STEPS = 40
 
 
 class Descent:
@@ -149,41 +148,6 @@ class Descent:
         return solve([held_at(block, np.flatnonzero(stopped)) for block in blocks], damping, problem.shared)
 
 
-def blocks_of(
-    problem: OutputError,
-    rows: Sequence[np.ndarray],
-    residuals: Sequence[np.ndarray],
-    noise: Sequence[NoiseSpectrum] | None,
-    *,
-    consumed: bool = False,
-) -> list[Block]:
-    """Normal matrix and gradient of each segment, from its derivatives and residuals, whitened by the noise.
-
-    With ``consumed`` the derivatives' own memory is used: they are derivatives no more.
-    """
-    spectra = [white(residual) for residual in residuals] if noise is None else noise
-    made = rows if consumed else [own.copy() for own in rows]
-    in_lines(problem, made, spectra)
-    blocks = []
-    for lines, residual, spectrum in zip(made, residuals, spectra, strict=True):
-        blocks.append((products(lines, lines), products(lines, spectrum.lines(residual))))
-    return blocks
-
-
-def in_lines(problem: OutputError, rows: Sequence[np.ndarray], spectra: Sequence[NoiseSpectrum]) -> None:
-    """Turn each segment's derivatives, in their own place and row by row, into their whitened lines."""
-    each = [(row, spectrum) for own, spectrum in zip(rows, spectra, strict=True) for row in own]
-    problem.map(lambda k: _in_lines(*each[k]), range(len(each)))
-
-
-def _in_lines(row: np.ndarray, spectrum: NoiseSpectrum) -> None:
-    if not np.any(row):
-        return
-    made = spectrum.lines(row, overwrite=True)
-    if made is not row:
-        row[:] = made
-
-
 def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None) -> float:
     """Negative log-likelihood but for what does not depend on the parameters; inf where a residual is not finite.
 
@@ -194,3 +158,33 @@ def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | No
     if noise is None:
         return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
     return sum(0.5 * float(np.vdot(lines := s.lines(r), lines)) for r, s in zip(residuals, noise, strict=True))
+
+
+def search(
+    problem: OutputError,
+    state: State,
+    noise: Sequence[NoiseSpectrum] | None = None,
+    *,
+    tolerance: float = 1e-3,
+    most: int = MOST_STEPS,
+    informed: bool = True,
+) -> Outcome:
+    """Minimise the negative log-likelihood from ``state``.
+
+    Args:
+        problem: what is fitted.
+        state: where to start.
+        noise: one spectrum per segment; None takes each segment's noise for white, with the level that the residual
+            itself shows (the likelihood concentrated over the levels).
+        tolerance: the search is over when the next step promises a smaller gain of log-likelihood; a gain of
+            0.5 is a step of one standard error.
+        most: steps it may take.
+        informed: whether the information at the end is wanted where the last step was the last allowed.
+    """
+    descent = Descent(problem, state, noise)
+    while descent.taken < most and not descent.resting:
+        descent.step(tolerance)
+    information = np.zeros((len(problem.free), len(problem.free)))
+    if informed or descent.resting:
+        information = problem.of_parameters(shared_information(descent.blocks, problem.shared))
+    return Outcome(descent.state, descent.cost, information, descent.residuals, descent.taken, descent.resting)

@@ -1,6 +1,6 @@
-"""Prediction error: the response of all segments, its derivatives, and the Levenberg-Marquardt search.
+"""Prediction error: the response of all segments and its derivatives.
 
-Levenberg (1944), Marquardt (1963). The parameters are shared by all segments, offsets of the sensors by those of one
+The parameters are shared by all segments, offsets of the sensors by those of one
 recording; each segment has an initial state of its own, which is eliminated from the normal equations, so that many
 decays cost no more than their own simulation. The memory says how far the model predicts (``prediction``): with an
 endless one the response is simulated freely, and this is output error.
@@ -18,15 +18,14 @@ import numpy as np
 from ...simulate.core import Core
 from ...simulate.force import Force
 from ..signals.hilbert import LONG
-from ..signals.noise_spectrum import NoiseSpectrum
-from .descent import Descent, blocks_of
+from ..signals.noise_spectrum import NoiseSpectrum, white
 from .jump_sides import nearer_sides
 from .known_quotients import Kept, KnownAtPoint, kept, put_quotient, restore, without_impossible
-from .normal_equations import Block, pseudo_inverse, shared_information, solve
+from .normal_equations import Block, products, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .release_memory import give_back
-from .search_point import Outcome, State
+from .search_point import State
 from .segments import Segment
 from .simulating import pool
 
@@ -35,7 +34,6 @@ T = TypeVar("T")
 
 #: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
 _STEP = 1e-5
-MOST_STEPS = 40
 #: Harmonics and a motion beside its pace may add this much to what a parameter can do.
 _MOST_TURN = 2.0
 
@@ -353,38 +351,10 @@ class OutputError:
         initial[i, k - self.shared] += step
         return replace(state, initial=initial)
 
-    def search(
-        self,
-        state: State,
-        noise: Sequence[NoiseSpectrum] | None = None,
-        *,
-        tolerance: float = 1e-3,
-        most: int = MOST_STEPS,
-        informed: bool = True,
-    ) -> Outcome:
-        """Minimise the negative log-likelihood from ``state``.
-
-        Args:
-            state: where to start.
-            noise: one spectrum per segment; None takes each segment's noise for white, with the level that the residual
-                itself shows (the likelihood concentrated over the levels).
-            tolerance: the search is over when the next step promises a smaller gain of log-likelihood; a gain of
-                0.5 is a step of one standard error.
-            most: steps it may take.
-            informed: whether the information at the end is wanted where the last step was the last allowed.
-        """
-        descent = Descent(self, state, noise)
-        while descent.taken < most and not descent.resting:
-            descent.step(tolerance)
-        information = np.zeros((len(self.free), len(self.free)))
-        if informed or descent.resting:
-            information = self._of_parameters(shared_information(descent.blocks, self.shared))
-        return Outcome(descent.state, descent.cost, information, descent.residuals, descent.taken, descent.resting)
-
     def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
         """(k, k) information of the free parameters, initial states eliminated."""
         blocks = blocks_of(self, derivatives, [np.zeros(rows.shape[1]) for rows in derivatives], noise)
-        return self._of_parameters(shared_information(blocks, self.shared))
+        return self.of_parameters(shared_information(blocks, self.shared))
 
     def score(
         self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
@@ -394,7 +364,37 @@ class OutputError:
         covariance = pseudo_inverse(shared_information(blocks, self.shared))
         return solve(blocks, 0.0, self.shared)[0], np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
-    def _of_parameters(self, shared: np.ndarray) -> np.ndarray:
+    def of_parameters(self, shared: np.ndarray) -> np.ndarray:
         """(k, k) information on the free parameters, the offsets eliminated."""
         k = len(self.free)
         return shared_information([(shared, np.zeros(self.shared))], k) if self.offsets else shared
+
+
+def blocks_of(
+    problem: OutputError,
+    rows: Sequence[np.ndarray],
+    residuals: Sequence[np.ndarray],
+    noise: Sequence[NoiseSpectrum] | None,
+    *,
+    consumed: bool = False,
+) -> list[Block]:
+    """Normal matrix and gradient of each segment, from its derivatives and residuals, whitened by the noise.
+
+    With ``consumed`` the derivatives' own memory is used: they are derivatives no more.
+    """
+    spectra = [white(residual) for residual in residuals] if noise is None else noise
+    made = rows if consumed else [own.copy() for own in rows]
+    in_lines(problem, made, spectra)
+    each = zip(made, residuals, spectra, strict=True)
+    return [(products(lines, lines), products(lines, spectrum.lines(residual))) for lines, residual, spectrum in each]
+
+
+def in_lines(problem: OutputError, rows: Sequence[np.ndarray], spectra: Sequence[NoiseSpectrum]) -> None:
+    """Turn each segment's derivatives, in their own place and row by row, into their whitened lines."""
+
+    def whiten(pair: tuple[np.ndarray, NoiseSpectrum]) -> None:
+        row, spectrum = pair
+        if np.any(row) and (made := spectrum.lines(row, overwrite=True)) is not row:
+            row[:] = made
+
+    problem.map(whiten, [(row, spectrum) for own, spectrum in zip(rows, spectra, strict=True) for row in own])

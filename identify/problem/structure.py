@@ -20,6 +20,7 @@ from ...simulate.core import Core, core_of, internal_step
 from ..motion.first_motion import starts_at_rest
 from ..signals.noise_spectrum import NoiseSpectrum
 from .data import Data, likelihood
+from .descent import search
 from .initial_motion import initial_states
 from .offset import Offset
 from .output_error import OutputError, State
@@ -223,7 +224,7 @@ class Structure:
 
         Args:
             initial: (segments, states) where the initial states start; found from the first motion where None.
-            noise: as in ``OutputError.search``; with None the noise is white with a level of its own per segment.
+            noise: as in ``descent.search``; with None the noise is white with a level of its own per segment.
             tolerance: gain of log-likelihood at which the search is over.
             most: steps it may take.
             settle: whether to improve the initial states first.
@@ -233,7 +234,7 @@ class Structure:
             state = settled(self.problem, state)
         if not all(np.all(np.isfinite(residual)) for residual in self.problem.residuals(state)):
             raise BadInput("the model does not simulate with its start values; check the units of force and response")
-        outcome = self.problem.search(state, noise, tolerance=tolerance, most=most, informed=False)
+        outcome = search(self.problem, state, noise, tolerance=tolerance, most=most, informed=False)
         model = with_values(self.model, outcome.state.values)
         return Fitted(
             model,

@@ -10,6 +10,7 @@ from dashpot.errors import BadInput
 from dashpot.identify.fit import climb as module
 from dashpot.identify.fit.climb import Climb, best_climb, from_near, nrmse_of
 from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.output_error import State
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
@@ -194,10 +195,10 @@ def test_segments_count_by_their_length_and_no_further_than_a_thousand(monkeypat
 # From near by --------------------------------------------------------------------------------------------------------
 
 
-def test_from_near_is_one_search():
+def test_from_near_is_one_search(monkeypatch):
     problem, state, _ = problem_of(decay(), omega0=59.9)
-    asked, search = [], problem.search
-    problem.search = lambda state, **how: asked.append(how) or search(state, **how)
+    asked = []
+    monkeypatch.setattr(module, "search", lambda *what, **how: asked.append(how) or search(*what, **how))
     climb = from_near(problem, state)
     assert climb is not None
     assert asked == [{"tolerance": 1.0}]

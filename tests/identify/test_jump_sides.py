@@ -11,6 +11,7 @@ from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify.fit.choose_noise_model import plain_cost
 from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.jump_sides import nearer_sides
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.settle import settled
@@ -86,7 +87,7 @@ def test_the_likelihood_of_an_accelerometer_decay_has_no_large_steps(noise):
     model = Oscillator.from_values(values, response=Response("acceleration", "m/s2"))
     structure = Structure(model, data_of([recording], model, coarse=False))
     problem = structure.problem
-    state = problem.search(settled(problem, structure.state(None)), tolerance=1e-3).state
+    state = search(problem, settled(problem, structure.state(None)), tolerance=1e-3).state
     place = list(model.parameters()).index("omega0")
     moves = np.linspace(-1.0, 1.0, 41) * 10 * noise
     costs = []

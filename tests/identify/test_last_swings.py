@@ -11,6 +11,7 @@ from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem import last_swings
 from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.last_swings import with_last_swings
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
@@ -34,7 +35,7 @@ def lengthened(response, model=MODEL, found_in=None):
         data = replace(data, segments=(replace(segment, response=response[segment.start : segment.stop]),))
     structure = Structure(model, data, (), ())
     problem, state = structure.problem, structure.state(None)
-    state = problem.keeping(state).search(replace(state, offsets=np.zeros(0))).state
+    state = search(problem.keeping(state), replace(state, offsets=np.zeros(0))).state
     (after,) = with_last_swings(problem, state, [recording])
     assert np.array_equal(after.response, response[after.start : after.stop])
     return data.segments[0].stop, after.stop

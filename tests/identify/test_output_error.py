@@ -7,6 +7,7 @@ import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
@@ -116,7 +117,7 @@ def test_a_parameter_that_is_not_free_has_no_derivative_and_no_information():
     structure, state = problem_of(LINEAR, [decay()], fixed=("cubic", "preload", "dry", "viscous"))
     problem = structure.problem
     assert "viscous" not in structure.free
-    outcome = problem.search(state, tolerance=1e-6)
+    outcome = search(problem, state, tolerance=1e-6)
     assert outcome.information.shape == (len(structure.free),) * 2
     assert outcome.state.values[list(structure.model.parameters()).index("viscous")] == LINEAR["viscous"]
     assert outcome.converged

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.structure import (
     Fitted,
@@ -257,20 +258,20 @@ def test_a_mass_at_rest_where_the_sensor_shows_another_place(sweep):
     assert nowhere.segments is nowhere.data.segments
 
 
-def watched(structure):
-    asked, search = [], structure.problem.search
+def watched(monkeypatch):
+    asked = []
 
-    def noted(state, noise=None, **how):
+    def noted(problem, state, noise=None, **how):
         asked.append((state, noise, how))
-        return search(state, noise, **how)
+        return search(problem, state, noise, **how)
 
-    structure.problem.search = noted
+    monkeypatch.setattr("dashpot.identify.problem.structure.search", noted)
     return asked
 
 
-def test_a_fit_finds_the_rig_in_closed_form():
+def test_a_fit_finds_the_rig_in_closed_form(monkeypatch):
     structure = structure_of(decay(), model=Oscillator.from_values(LINEAR | {"omega0": 57.0, "viscous": 6.0}))
-    asked = watched(structure)
+    asked = watched(monkeypatch)
     fit = structure.fit()
     values = fit.model.values()
     assert values["omega0"] == pytest.approx(np.hypot(60.0, 2.0), rel=1e-3)
@@ -284,9 +285,9 @@ def test_a_fit_finds_the_rig_in_closed_form():
 
 
 @pytest.mark.parametrize("settle", [False, True])
-def test_a_given_beginning_is_kept_unless_it_is_to_be_settled(settle):
+def test_a_given_beginning_is_kept_unless_it_is_to_be_settled(settle, monkeypatch):
     structure = structure_of(decay())
-    asked = watched(structure)
+    asked = watched(monkeypatch)
     structure.fit(np.array([[5e-3, 0.0]]), settle=settle, most=1, tolerance=2.0)
     assert np.array_equal(asked[0][0].initial, [[5e-3, 0.0]]) is not settle
     assert asked[0][2]["most"] == 1

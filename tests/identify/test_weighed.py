@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dashpot.identify.fit import reweighted_fit as module
 from dashpot.identify.fit.choose_noise_model import plain_cost
 from dashpot.identify.fit.reweighted_fit import _remainders, concentrated, over_noise, weighed, whitened
 from dashpot.identify.problem.data import data_of
-from dashpot.identify.problem.output_error import Outcome, State
+from dashpot.identify.problem.descent import search
+from dashpot.identify.problem.output_error import State
 from dashpot.identify.problem.prediction import FREE
+from dashpot.identify.problem.search_point import Outcome
 from dashpot.identify.problem.structure import Structure
 from dashpot.identify.signals.noise_spectrum import concentrated_likelihood
 from dashpot.identify.signals.signals import noise_levels
@@ -42,15 +45,15 @@ def problem_of(*recordings, **changed):
     return structure.problem, structure.state(None), model
 
 
-def watched(problem):
-    """The problem, with what each of its searches was asked for and found."""
-    searches, search = [], problem.search
+def watched(monkeypatch):
+    """What each search was asked for and found."""
+    searches = []
 
-    def noted(state, noise=None, **how):
-        searches.append((state, noise, how, search(state, noise, **how)))
+    def noted(problem, state, noise=None, **how):
+        searches.append((state, noise, how, search(problem, state, noise, **how)))
         return searches[-1][-1]
 
-    problem.search = noted
+    monkeypatch.setattr(module, "search", noted)
     return searches
 
 
@@ -111,11 +114,11 @@ def test_remainders_of_a_decay_know_no_force(right):
     assert spectrum.density == pytest.approx(np.full(N // 2 + 1, noise_levels(recordings[0])[0] ** 2))
 
 
-def test_the_right_model_is_weighed_in_two_searches(right):
+def test_the_right_model_is_weighed_in_two_searches(right, monkeypatch):
     recordings, *_ = right
     problem, state, model = problem_of(*recordings, omega0=59.0)
-    state = problem.search(state, tolerance=1.0).state
-    searches = watched(problem)
+    state = search(problem, state, tolerance=1.0).state
+    searches = watched(monkeypatch)
     answer, steps = weighed(problem, state, model, recordings, most=30)
     assert answer.remainders is None
     assert steps == sum(found.iterations for *_, found in searches)
@@ -131,10 +134,10 @@ def test_the_right_model_is_weighed_in_two_searches(right):
     assert answer.likelihood == pytest.approx(concentrated(problem, answer.outcome.state, model), rel=1e-9)
 
 
-def test_how_exactly_and_whether_with_information_is_the_callers(right):
+def test_how_exactly_and_whether_with_information_is_the_callers(right, monkeypatch):
     recordings, *_ = right
     problem, state, model = problem_of(*recordings, omega0=59.0)
-    searches = watched(problem)
+    searches = watched(monkeypatch)
     answer, steps = whitened(problem, state, model, tolerance=1e-4, most=5, informed=False)
     assert min(found.iterations for *_, found in searches) > 0
     assert steps == sum(found.iterations for *_, found in searches)
@@ -164,9 +167,9 @@ def wrong():
     return recordings
 
 
-def test_where_more_than_noise_is_left_least_squares_answer(wrong):
+def test_where_more_than_noise_is_left_least_squares_answer(wrong, monkeypatch):
     problem, state, model = problem_of(*wrong)
-    searches = watched(problem)
+    searches = watched(monkeypatch)
     answer, steps = weighed(problem, state, model, wrong)
     assert len(searches) == 3
     first, plain = searches[1][3], searches[2]
