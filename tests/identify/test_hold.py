@@ -240,10 +240,10 @@ def compared(
     problem = SimpleNamespace(
         forget=lambda: None,
         residuals=lambda _: (),
-        search=lambda *_, **__: point,
         segments=(),
         derivatives=lambda *_, **how: [],
     )
+    monkeypatch.setattr(module, "search", lambda *_, **__: point)
     linearised = chain([0.0], repeat(-ahead))
     monkeypatch.setattr(module, "in_lines", lambda *_: None)
     monkeypatch.setattr(module, "_reached", lambda *_: (next(linearised), point))
