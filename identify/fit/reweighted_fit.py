@@ -86,7 +86,7 @@ def whitened(
 ) -> tuple[Answer, int]:
     """The maximum with every frequency weighed by the noise that is left there, and the steps to it.
 
-    ``tolerance``, ``most`` and ``informed`` are as in ``OutputError.search``.
+    ``tolerance``, ``most`` and ``informed`` are as in ``descent.search``.
     """
     residuals, steps = problem.residuals(state), 0
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
