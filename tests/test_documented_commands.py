@@ -37,6 +37,13 @@ COPIED = {
     *("bursts.csv.gz", "sweep_low.csv.gz", "sweep_high.csv.gz", "multisine.csv.gz"),
     *("play_bursts.csv.gz", "play_sweep_low.csv.gz", "play_sweep_high.csv.gz"),
 }
+#: Pages with a worked example, which makes its recordings in Python, and what these are.
+WORKED = {
+    "docs/noise.md": {"bursts.csv.gz", "sweep_low.csv.gz", "sweep_high.csv.gz", "multisine.csv.gz"}
+    | {"play_bursts.csv.gz", "play_sweep_low.csv.gz"},
+    "docs/diagnosis.md": {"sweep_high.csv.gz", "sweep_low.csv.gz", "ringdown.csv.gz"}
+    | {"holdout_multisine.csv.gz", "holdout_sweep.csv.gz"},
+}
 #: Models that a page speaks of as there already.
 MODELS = {"rig.yaml", "roll.yaml"}
 
@@ -89,6 +96,7 @@ def typed(words: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
 def test_there_are_commands_to_run():
     assert {page for page in PAGES if commands(page)} == {
         *TYPED,
+        *WORKED,
         "README.md",
         "docs/fleets.md",
         HOUSE,
@@ -103,7 +111,7 @@ def test_there_are_commands_to_run():
 
 @pytest.mark.parametrize("page", [page for page in PAGES if commands(page)])
 def test_commands_and_options_exist_and_inputs_are_there_when_they_are_read(page):
-    there = {*RECORDED, "magnet.py", "fleet.yaml"} if page != TUTORIAL else set(COPIED)
+    there = set(COPIED) if page == TUTORIAL else {*WORKED.get(page, {*RECORDED, "magnet.py", "fleet.yaml"})}
     there |= MODELS if page in TYPED and not makes_its_model(page) else set()
     for words in commands(page):
         if words[0] == "make":
@@ -223,6 +231,36 @@ def test_the_tutorial_does_what_it_says(tmp_path, monkeypatch):
     assert {path.name for path in tmp_path.iterdir()} >= COPIED
     diagnosis = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text("utf-8"))
     assert [row["effect"] for row in diagnosis["effects"]] == ["actuator-backlash"]
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("page", WORKED)
+def test_a_worked_example_gives_what_the_page_says(page, tmp_path, monkeypatch):
+    """In an empty folder; the figures that the page's text takes from the answers."""
+    monkeypatch.chdir(tmp_path)
+    for kind, block in re.findall(r"```(python|console)\n(.*?)```", PAGES[page], re.DOTALL):
+        if kind == "python":
+            exec(compile(block, page, "exec"), {})
+        for words in map(shlex.split, block.splitlines()) if kind == "console" else ():
+            done(words, tmp_path)
+    assert {path.name for path in tmp_path.iterdir()} >= WORKED[page]
+    if page == "docs/noise.md":
+        check_identified(tmp_path, ["-o", "rig.yaml"])
+        over_noise = {name: left_of(tmp_path / name) for name in ("rig.yaml", "play.yaml")}
+        assert max(over_noise["rig.yaml"]) < 1.1
+        assert over_noise["play.yaml"] == pytest.approx([31, 20], rel=0.1)
+    else:
+        diagnosis = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text("utf-8"))
+        assert [row["effect"] for row in diagnosis["effects"]] == ["quadratic-drag"]
+        coefficient = diagnosis["effects"][0]["parameters"]["coefficient"]
+        assert abs(coefficient["value"] - 17.579) < 4 * coefficient["std"]
+        for row in diagnosis["fit"]["holdout"]:
+            assert row["nrmse_after"] < 1.05 * row["noise_floor"] < 0.3 * row["nrmse_before"], row["file"]
+
+
+def left_of(model: Path) -> list[float]:
+    """What an identified model leaves of each of its recordings, in times the noise."""
+    return [float(row["over_noise"]) for row in load(model).identified.recordings]
 
 
 @pytest.mark.parametrize("page", ["docs/howto/control.md"])
