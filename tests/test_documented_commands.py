@@ -105,7 +105,7 @@ def test_there_are_commands_to_run():
         TUTORIAL,
     }
     assert [words[1] for words in commands("README.md") if words[0] == "make"] == ["demo", "test"]
-    assert sum(words[0] == "dashpot" for words in commands("README.md")) == 13
+    assert sum(words[0] == "dashpot" for words in commands("README.md")) == 9
     assert sum(words[0] == "dashpot" for words in commands("docs/laws.md")) == 3
 
 

@@ -1,4 +1,4 @@
-"""The README's Python and C blocks run, and its two commands exist."""
+"""The README's Python runs, and that on its exports and the program in C; its two commands exist; it stays short."""
 
 from __future__ import annotations
 
@@ -14,18 +14,25 @@ from dashpot.simulate.compiler import find_compiler
 
 ROOT = Path(__file__).resolve().parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
-BLOCKS = re.findall(r"```python\n(.*?)```", README, re.DOTALL)
-PROGRAMS = re.findall(r"```c\n(.*?)```", README, re.DOTALL)
+PAGES = {page: (ROOT / page).read_text(encoding="utf-8") for page in ("README.md", "docs/control.md", "docs/fmu.md")}
+BLOCKS = {page: re.findall(r"```python\n(.*?)```", text, re.DOTALL) for page, text in PAGES.items()}
+PROGRAMS = re.findall(r"```c\n(.*?)```", PAGES["docs/fmu.md"], re.DOTALL)
+#: Lines of two screens.
+TWO_SCREENS = 110
 
 
 def test_there_are_blocks_to_run():
-    assert len(BLOCKS) == 3
+    assert {page: len(blocks) for page, blocks in BLOCKS.items()} == dict.fromkeys(PAGES, 1)
     assert len(PROGRAMS) == 1
 
 
-@pytest.mark.parametrize("block", BLOCKS, ids=["identify", "casadi", "ssp"])
-def test_the_block_runs(block, capsys):
-    exec(compile(block, "README.md", "exec"), {})
+def test_it_fits_two_screens():
+    assert len(README.splitlines()) <= TWO_SCREENS
+
+
+@pytest.mark.parametrize("page", BLOCKS)
+def test_the_block_runs(page, capsys):
+    exec(compile(BLOCKS[page][0], page, "exec"), {})
     assert capsys.readouterr().out.strip()
 
 
