@@ -1,0 +1,134 @@
+"""The benchmark of first recordings: its recordings are of its truth, its bound and its scores are right."""
+
+from __future__ import annotations
+
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+
+BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
+sys.path.append(str(BENCHMARKS))
+
+import first_recordings  # noqa: E402  (it lies beside the package)
+from first_bound import bound, plain_errors  # noqa: E402
+from first_population import DRIVEN, FREE, IN_TURN, NAMES, Case, Stretch, case, moved  # noqa: E402
+from first_recordings import Stated, judged, mode_taken, refusal, score, table  # noqa: E402
+
+LINEAR = dict.fromkeys(NAMES, 0.0) | {"mass": 2.0, "omega0": 20.0, "viscous": 0.8}
+TRUE = {"omega0": 20.0, "viscous": 0.8}
+
+
+def ringing(n: int, noise: float, modes: tuple[dict[str, float], ...] = (LINEAR,)) -> Case:
+    begin = ((1e-3, 0.0),) * len(modes)
+    return Case(0, "release", modes, 100.0, "displacement", (Stretch(0, n, "free", begin),), (0, n), noise)
+
+
+@pytest.mark.parametrize("kind", sorted(set(IN_TURN)))
+def test_a_seed_is_always_the_same_recording(kind):
+    first, again = case(7, kind).recorded(), case(7, kind).recorded()
+    assert first.keys() == again.keys()
+    assert all(np.array_equal(first[name], again[name]) for name in first)
+    assert ("force_N" in first) == (kind in DRIVEN)
+
+
+def test_the_kinds_are_all_there():
+    assert set(IN_TURN) == {*FREE, *DRIVEN}
+    with pytest.raises(ValueError, match="is no kind"):
+        case(0, "walk")
+
+
+def test_free_linear_motion_is_that_of_the_integrator():
+    stretch = Stretch(0, 400, "free", ((1e-3, 0.02),))
+    nearly = LINEAR | {"cubic": 1e-9}  # which is not linear: integrated
+    assert moved([LINEAR], stretch, 100.0) == pytest.approx(moved([nearly], stretch, 100.0), abs=1e-10)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_velocity_and_acceleration_are_derivatives(seed):
+    drawn = case(seed, "releases")
+    clean, fs = drawn.clean(), drawn.fs
+    for stretch in drawn.stretches:
+        part = clean[stretch.start : stretch.stop]
+        if part.shape[0] < 9 or fs < 200 * drawn.modes[0]["omega0"] / (2 * np.pi):
+            continue
+        slope = np.gradient(part[:, 0], 1 / fs)[2:-2]
+        assert slope == pytest.approx(part[2:-2, 1], abs=2e-3 * max(np.max(np.abs(part[:, 1])), 1e-9))
+
+
+def test_the_bound_of_a_decay_is_the_closed_form():
+    """Of a long decay with little damping, phase and size eliminated: the weighted spread of the times (Kay 1993)."""
+    noise, n = 1e-6, 4000
+    found = bound(ringing(n, noise), ["omega0", "viscous"])[0]
+    t = np.arange(n) / 100.0
+    power = (1e-3 * np.exp(-0.4 * t)) ** 2 / 2
+    spread = np.sum(power * t**2) - np.sum(power * t) ** 2 / np.sum(power)
+    assert found[NAMES.index("omega0")] == pytest.approx(noise / np.sqrt(spread), rel=0.01)
+    assert found[NAMES.index("viscous")] == pytest.approx(2 * noise / np.sqrt(spread), rel=0.01)
+
+
+def test_what_is_cut_away_is_not_known():
+    whole = ringing(4000, 1e-6)
+    tail = replace(whole, cut=(3900, 4000))
+    assert max(plain_errors(whole)) < 1e-3
+    assert plain_errors(tail)[1] > 1 / 3
+    assert not max(plain_errors(replace(whole, stretches=(replace(whole.stretches[0], kind="held"),)))) < np.inf
+
+
+@pytest.mark.parametrize(
+    ("values", "has_word", "least", "outcome"),
+    [
+        ({"omega0": (20.3, 0.1), "viscous": (0.7, 0.1)}, False, {"omega0": 0.09, "viscous": 0.09}, "right"),
+        ({"omega0": (20.3, 0.1), "viscous": (0.7, 0.1)}, False, {"omega0": 0.05, "viscous": 0.09}, "wide"),
+        ({"omega0": (20.4, 0.1), "viscous": (0.7, 0.1)}, False, {"omega0": 0.05}, "wrong"),
+        ({"omega0": (20.4, 0.1), "viscous": (0.7, 0.1)}, True, {}, "told"),
+        ({"omega0": (20.0, 0.0), "viscous": (0.8, 0.1)}, False, {}, "right"),
+        ({"omega0": (20.1, 0.0), "viscous": (0.8, 0.1)}, False, {}, "wrong"),
+    ],
+)
+def test_an_answer_is_judged_by_its_own_errors_and_by_the_bound(values, has_word, least, outcome):
+    assert judged(Stated(values, has_word), TRUE, least)[0] == outcome
+
+
+def test_a_refusal_is_right_where_nobody_could_know():
+    assert refusal((0.4, 0.1)) == "refused"
+    assert refusal((np.inf, np.inf)) == "refused"
+    assert refusal((0.1, 0.3)) == "not taken"
+
+
+def test_of_two_modes_the_nearest_is_compared():
+    two = ringing(400, 1e-6, (LINEAR, LINEAR | {"omega0": 30.0}))
+    assert mode_taken(two, Stated({"omega0": (29.0, 1.0)}, False)) == 1
+    assert mode_taken(two, Stated({"omega0": (21.0, 1.0)}, False)) == 0
+
+
+def _answers(outcome):
+    def identify(_):
+        if isinstance(outcome, Exception):
+            raise outcome
+        time.sleep(outcome)
+
+    return identify
+
+
+@pytest.mark.parametrize(
+    ("answer", "outcome"),
+    [(BadInput("too short"), "not taken"), (KeyError("a defect"), "failed"), (5.0, "late")],
+)
+def test_what_ends_a_command_is_told_apart(monkeypatch, answer, outcome):
+    monkeypatch.setattr(first_recordings, "identify", _answers(answer))
+    monkeypatch.setattr(first_recordings, "LIMIT", 2.0)
+    assert score(15).outcome == outcome
+
+
+def test_a_plain_decay_is_taken_and_counted():
+    one = score(15, "release")
+    assert one.outcome in first_recordings.OUTCOMES
+    assert one.work > 0
+    row = table([one]).splitlines()[-1].split()
+    assert row[:2] == ["all", "1"]
+    assert row[2 + first_recordings.OUTCOMES.index(one.outcome)] == "1"
