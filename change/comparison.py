@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -84,39 +82,6 @@ class Comparison:
     def differs(self) -> bool:
         """Whether the models differ by more than chance, whatever moved."""
         return self.moved.nothing.chance <= BY_CHANCE
-
-    def as_json(self) -> dict[str, Any]:
-        """``dashpot-comparison/1``."""
-        from .wording import sentence
-
-        return {
-            "format": "dashpot-comparison/1",
-            "first": self.first,
-            "second": self.second,
-            "sentence": sentence(self),
-            "moved": list(self.moved.best.moved),
-            "or_else": [list(rival.moved) for rival in self.moved.rivals],
-            "explained": {
-                name: [{"value": value, "std": error} for value, error in pair] for name, pair in self.explained.items()
-            },
-            "chance_of_nothing_moved": self.moved.nothing.chance,
-            "chance_of_what_is_left": self.moved.best.chance,
-            "appeared": list(self.appeared),
-            "vanished": list(self.vanished),
-            "judged_by": self.repeatability.source,
-            "degrees_of_freedom": self.repeatability.learnt,
-            "errors_inflated_by": math.sqrt(self.repeatability.inflation * self.moved.inflation),
-            "parameters": {
-                shift.name: {
-                    **{"unit": shift.unit, "first": shift.first, "second": shift.second, "change": shift.change},
-                    **{"first_std": shift.first_error, "second_std": shift.second_error},
-                    **{"in_errors": shift.errors, "in_repeatability": shift.repeats, "chance": shift.chance},
-                    **{"moved": shift.moved, "seen_from": shift.seen_from},
-                }
-                for shift in self.shifts
-            },
-            "notes": list(self.notes),
-        }
 
 
 def compare(

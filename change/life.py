@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
@@ -103,47 +101,6 @@ class Life:
             place = list(self.groups[0])
             return self.estimates.values[place, j] * scale, np.sqrt(self.estimates.covariance[place, j, j]) * scale
         return self.found.values[:, j] * scale, self.found.errors[:, j] * scale
-
-    def as_json(self) -> dict[str, Any]:
-        """``dashpot-watch/1``."""
-        from .life_wording import sentences
-
-        scale = self.estimates.scale
-        return {
-            "format": "dashpot-watch/1",
-            "rig": self.name,
-            "sentences": sentences(self),
-            "moved": [] if self.moved is None else list(self.moved.best.moved),
-            "or_else": [] if self.moved is None else [list(rival.moved) for rival in self.moved.rivals],
-            "judged_by": self.repeatability.source,
-            "degrees_of_freedom": self.repeatability.learnt,
-            "repeatability": {
-                name: float(self.repeatability.spread[j] * scale[j]) for j, name in enumerate(self.estimates.names)
-            },
-            "errors_inflated_by": math.sqrt(
-                self.repeatability.inflation * (1.0 if self.moved is None else self.moved.inflation)
-            ),
-            "changes": [
-                {
-                    **{"parameter": step.parameter, "after": self.label(step.state - 1), "at": self.label(step.state)},
-                    **{"from": step.before, "to": step.after, "std": step.error},
-                }
-                for step in self.steps
-            ],
-            "drifts": {name: {"per_state": slope, "std": error} for name, (slope, error) in self.drifts.items()},
-            "laws": [
-                {"at": self.label(state), "appeared": list(new), "vanished": list(gone)}
-                for state, new, gone in self.laws
-            ],
-            "points": [
-                {
-                    **{"name": point.name, "state": point.state, "when": point.when},
-                    "parameters": {n: {"value": p.value, "std": p.std} for n, p in point.model.parameters().items()},
-                }
-                for point in self.points
-            ],
-            "notes": list(self.notes),
-        }
 
 
 def watch(

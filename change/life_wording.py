@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Any
 
 from ..model.parameter import Parameter
 from ..model.show import value_and_error
+from .life import Life
 from .wording import percent_change, spoken, verdict
-
-if TYPE_CHECKING:
-    from .life import Life
 
 _MOST = 8  # steps that are told one by one
 
@@ -94,3 +92,42 @@ def plus_minus(parameter: Parameter) -> str:
     """``1.0480 ± 0.0028``."""
     value, error = value_and_error(parameter)
     return f"{value} ± {error}" if error else value
+
+
+def as_json(life: Life) -> dict[str, Any]:
+    """``dashpot-watch/1``."""
+    scale = life.estimates.scale
+    return {
+        "format": "dashpot-watch/1",
+        "rig": life.name,
+        "sentences": sentences(life),
+        "moved": [] if life.moved is None else list(life.moved.best.moved),
+        "or_else": [] if life.moved is None else [list(rival.moved) for rival in life.moved.rivals],
+        "judged_by": life.repeatability.source,
+        "degrees_of_freedom": life.repeatability.learnt,
+        "repeatability": {
+            name: float(life.repeatability.spread[j] * scale[j]) for j, name in enumerate(life.estimates.names)
+        },
+        "errors_inflated_by": math.sqrt(
+            life.repeatability.inflation * (1.0 if life.moved is None else life.moved.inflation)
+        ),
+        "changes": [
+            {
+                **{"parameter": step.parameter, "after": life.label(step.state - 1), "at": life.label(step.state)},
+                **{"from": step.before, "to": step.after, "std": step.error},
+            }
+            for step in life.steps
+        ],
+        "drifts": {name: {"per_state": slope, "std": error} for name, (slope, error) in life.drifts.items()},
+        "laws": [
+            {"at": life.label(state), "appeared": list(new), "vanished": list(gone)} for state, new, gone in life.laws
+        ],
+        "points": [
+            {
+                **{"name": point.name, "state": point.state, "when": point.when},
+                "parameters": {n: {"value": p.value, "std": p.std} for n, p in point.model.parameters().items()},
+            }
+            for point in life.points
+        ],
+        "notes": list(life.notes),
+    }

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
+from .comparison import Comparison
 from .moved import Hypothesis, Moved
-
-if TYPE_CHECKING:
-    from .comparison import Comparison
 
 
 def spoken(words: Sequence[str], last: str = "and") -> str:
@@ -102,3 +100,36 @@ def judged_by(comparison: Comparison) -> str:
     else:
         words += f"repeats add ({known.learnt} degrees of freedom)"
     return f"{words}; p: by that, for one of {len(comparison.shifts)} parameters"
+
+
+def as_json(comparison: Comparison) -> dict[str, Any]:
+    """``dashpot-comparison/1``."""
+    return {
+        "format": "dashpot-comparison/1",
+        "first": comparison.first,
+        "second": comparison.second,
+        "sentence": sentence(comparison),
+        "moved": list(comparison.moved.best.moved),
+        "or_else": [list(rival.moved) for rival in comparison.moved.rivals],
+        "explained": {
+            name: [{"value": value, "std": error} for value, error in pair]
+            for name, pair in comparison.explained.items()
+        },
+        "chance_of_nothing_moved": comparison.moved.nothing.chance,
+        "chance_of_what_is_left": comparison.moved.best.chance,
+        "appeared": list(comparison.appeared),
+        "vanished": list(comparison.vanished),
+        "judged_by": comparison.repeatability.source,
+        "degrees_of_freedom": comparison.repeatability.learnt,
+        "errors_inflated_by": math.sqrt(comparison.repeatability.inflation * comparison.moved.inflation),
+        "parameters": {
+            shift.name: {
+                **{"unit": shift.unit, "first": shift.first, "second": shift.second, "change": shift.change},
+                **{"first_std": shift.first_error, "second_std": shift.second_error},
+                **{"in_errors": shift.errors, "in_repeatability": shift.repeats, "chance": shift.chance},
+                **{"moved": shift.moved, "seen_from": shift.seen_from},
+            }
+            for shift in comparison.shifts
+        },
+        "notes": list(comparison.notes),
+    }

@@ -134,13 +134,14 @@ def compare(first: Path, second: Path, repeats: tuple[Path, ...], as_json: bool)
     Exit code 1 where something did.
     """
     from ..change import compare as changed
+    from ..change.wording import as_json as comparison_json
     from ..change.wording import describe
     from ..fleet.lives_of_rigs import repeats_of
     from ..model.file import load
 
     found = changed(load(first), load(second), repeats_of(repeats))
     if as_json:
-        print_json(found.as_json())
+        print_json(comparison_json(found))
     else:
         click.echo(describe(found))
     if found.changed:
@@ -161,6 +162,7 @@ def watch(
 
     Exit code 1 where something did.
     """
+    from ..change.life_wording import as_json as life_json
     from ..change.life_wording import describe
     from ..fleet.lives_of_rigs import lives_of
 
@@ -173,7 +175,7 @@ def watch(
 
         write(report, life_page(lives))
     if as_json:
-        print_json([life.as_json() for life in lives])
+        print_json([life_json(life) for life in lives])
     else:
         click.echo("\n\n".join(describe(life) for life in lives))
     if report is not None:

@@ -150,9 +150,9 @@ def export(
 def linearise(model: Path, step: float | None, as_json: bool, **about: float | None) -> None:
     """A, B, C, D of the linear model about a motion (--amplitude) or about a point, the middle by default."""
     from ..model.file import load
+    from ..model.linear import as_json as linear_json
+    from ..model.linear import describe
     from ..model.linear import linearise as linear
-    from ..model.show_linear import as_json as linear_json
-    from ..model.show_linear import describe
 
     found = linear(load(model), **about)
     if as_json:

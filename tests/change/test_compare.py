@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from dashpot.change import compare
 from dashpot.change.comparison import holm
-from dashpot.change.wording import describe, sentence
+from dashpot.change.wording import as_json, describe, sentence
 from dashpot.errors import BadInput
 from dashpot.identify import identify
 from dashpot.model.file import dumps, loads
@@ -95,7 +95,7 @@ def test_the_same_model_has_not_changed(model):
     assert not found.changed
     assert sentence(found).startswith("Nothing moved")
     assert all(shift.chance == 1.0 for shift in found.shifts)
-    assert json.loads(json.dumps(found.as_json(), allow_nan=False))["moved"] == []
+    assert json.loads(json.dumps(as_json(found), allow_nan=False))["moved"] == []
     assert "viscous" in describe(found)
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dashpot.change import Point, compare, watch
-from dashpot.change.life_wording import describe, sentences
+from dashpot.change.life_wording import as_json, describe, sentences
 from dashpot.change.steps import drift_of, steps_of
 from dashpot.errors import BadInput
 from dashpot.identify import identify
@@ -55,7 +55,7 @@ def test_marked_repeats_tell_scatter_from_change(drawn):
         ("new", "worn"),
         ("worn", "mended"),
     ]
-    told = found.as_json()
+    told = as_json(found)
     assert json.loads(json.dumps(told, allow_nan=False))["changes"][0]["at"] == "worn"
     assert "viscous *" in describe(found)
 
