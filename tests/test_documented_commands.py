@@ -174,7 +174,7 @@ def test_the_commands_of_the_readme_do_what_it_says(stand):
     said = []
     for words in commands("README.md"):
         if words[0] == "make":
-            continue  # tests/test_demo.py, tests/test_readme.py
+            continue  # tests/face/test_demo.py, tests/test_readme.py
         said.append(done(words, stand))
         if words[1] == "identify":
             check_identified(stand, words)

@@ -10,7 +10,7 @@ from dashpot.examples.truth import TRUTH
 from dashpot.face import demo
 from dashpot.model.file import load
 
-ROOT = Path(__file__).resolve().parents[1]
+ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_the_target_calls_the_command():

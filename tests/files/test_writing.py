@@ -122,7 +122,7 @@ def test_a_full_disk_leaves_the_former_file(here, monkeypatch, fault):
 
 FULL = """
 import resource, signal, sys
-from dashpot import cli
+from dashpot.commands import cli
 signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 import dashpot.files.writing as writing
 plain = writing.fill

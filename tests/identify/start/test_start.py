@@ -17,7 +17,7 @@ from dashpot.identify.motion.displacement import displacement
 from dashpot.identify.start.start import hilbert_start, plain_starts
 from dashpot.recording.recording import Recording
 
-DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[3] / "shared" / "data"))
+DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[4] / "shared" / "data"))
 
 
 def record(case, name="record", noise=0.0, seed=0):

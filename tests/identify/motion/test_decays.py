@@ -10,7 +10,7 @@ import pytest
 from dashpot.identify.motion.decays import find_decays
 from dashpot.recording.recording import Recording
 
-DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[3] / "shared" / "data"))
+DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[4] / "shared" / "data"))
 
 
 def real(name):
