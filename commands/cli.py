@@ -37,6 +37,7 @@ from .waiting import waiting_told
 
 if TYPE_CHECKING:
     from ..model.fit_state import MostLeft
+    from ..verify.verification import Verification
 
 
 class _Commands(click.Group):
@@ -326,20 +327,23 @@ def verify(
     printed = json_file == Path("-")
     outputs = [path for path in (None if printed else json_file, report) if path is not None]
     outputs_checked(outputs, [fmu, *recordings])
-    result = check(fmu, read_all(recordings, options, say), limit=time_limit, progress=say)
-    with together():
-        if json_file is not None and not printed:
-            write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
-        if report is not None:
-            from ..report.verification_page import verification_page
 
-            write(report, verification_page(result))
-    if outputs:
-        say(f"written: {', '.join(str(path) for path in outputs)}")
-    if printed:
-        print_json(result.as_json())
-    if not printed:
-        click.echo(result.sentence())
+    def keep(result: Verification) -> None:
+        with together():
+            if json_file is not None and not printed:
+                write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
+            if report is not None:
+                from ..report.verification_page import verification_page
+
+                write(report, verification_page(result))
+        if outputs:
+            say(f"written: {', '.join(str(path) for path in outputs)}")
+        if printed:
+            print_json(result.as_json())
+        else:
+            click.echo(result.sentence())
+
+    result = check(fmu, read_all(recordings, options, say), limit=time_limit, progress=say, keep=keep)
     if not result.passed:
         sys.exit(1)
 

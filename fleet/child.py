@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -67,7 +68,9 @@ class Children:
         if self._ended:
             raise BadInput("the run was ended")
         with contextlib.suppress(ValueError):
-            answer = json.loads(process.stdout.read())
+            if os.name == "posix":  # what it started may hold the pipe open; all that it said itself is in there
+                os.set_blocking(process.stdout.fileno(), False)
+            answer = json.loads(process.stdout.read() or b"")
             if "refused" in answer:
                 raise BadInput(answer["refused"])
             return answer

@@ -9,12 +9,14 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
 from ..errors import BadInput
 from ..files import process_group
-from .messages import receive, send
+from .messages import packed, receive
+from .pipe_ends import MOMENT, Reader, Writer
 
 #: Longest time without a step that the FMU finished, s; ``dashpot verify --time-limit`` sets another.
 TIME_LIMIT = 30.0
@@ -44,20 +46,27 @@ class FmuProcess:
             stderr=subprocess.DEVNULL,
             start_new_session=True,  # so that all it starts can be ended with it
         )
+        asked, said = cast(BinaryIO, self._process.stdin), cast(BinaryIO, self._process.stdout)
+        self._asked = Writer(os.dup(asked.fileno()), lambda: self._process.poll() is not None)
+        self._said = Reader(os.dup(said.fileno()))
+        for stream in (asked, said):  # of which a buffered one is locked while it is read
+            stream.close()
         self._answers: queue.Queue[tuple[dict[str, Any], bytes] | None] = queue.Queue(maxsize=4)
         self._fresh = True
-        threading.Thread(target=self._listen, daemon=True).start()
+        threading.Thread(target=self._listen, daemon=True, name="fmu listener").start()
 
     def _listen(self) -> None:
-        stream = cast(BinaryIO, self._process.stdout)
+        """Hand on what is said, until the pipe is closed, ``close`` ends it, or no message comes."""
         message: tuple[dict[str, Any], bytes] | None = ({}, b"")
         while message is not None:
-            with contextlib.suppress(OSError, ValueError):
-                message = receive(stream)
-                self._answers.put(message)
-                continue
-            self._answers.put(None)
-            break
+            message = None
+            with contextlib.suppress(OSError, ValueError, RecursionError):
+                message = receive(self._said)
+            while not self._said.ended:
+                with contextlib.suppress(queue.Full):
+                    self._answers.put(message, timeout=MOMENT)
+                    break
+        self._said.close()
 
     def ask(self, head: dict[str, Any], numbers: bytes = b"", *, doing: str) -> tuple[dict[str, Any], bytes]:
         """The answer to a question.
@@ -70,18 +79,12 @@ class FmuProcess:
         Raises:
             BadInput: where the FMU refuses, ends or breaks its process, or takes longer than the limit.
         """
-        with contextlib.suppress(OSError, ValueError):  # it has gone: the answer says so
-            send(cast(BinaryIO, self._process.stdin), head, numbers)
         wait = max(self.limit, _START) if self._fresh else self.limit
+        with contextlib.suppress(OSError):  # it has gone: the answer says so
+            if not self._asked.write(packed(head, numbers), wait) and self._process.poll() is None:
+                raise self._too_long(wait, doing)
         while True:
-            try:
-                answer = self._answers.get(timeout=wait)
-            except queue.Empty:
-                process_group.end(self._process)
-                raise BadInput(
-                    f"{self.shown}: the FMU did not get on for {wait:g} s {doing}; mend it, or give it more "
-                    "time with --time-limit"
-                ) from None
+            answer = self._next(wait, doing)
             self._fresh = False
             if answer is None:
                 raise BadInput(f"{self.shown}: {self._gone()} {doing}; such an FMU cannot be used")
@@ -91,6 +94,27 @@ class FmuProcess:
             if "refused" in answer[0]:
                 raise BadInput(str(answer[0]["refused"]))
             return answer
+
+    def _next(self, wait: float, doing: str) -> tuple[dict[str, Any], bytes] | None:
+        """The next message; None where there is none to come, also because the process is over.
+
+        The pipe alone does not tell that: a process that the FMU left may hold the other end of it open.
+        """
+        until = time.monotonic() + wait
+        while (left := until - time.monotonic()) > 0:
+            over = self._process.poll() is not None  # before the look: what it said until then is there by now
+            with contextlib.suppress(queue.Empty):
+                return self._answers.get(timeout=2 * MOMENT if over else min(left, MOMENT))
+            if over:
+                return None
+        raise self._too_long(wait, doing)
+
+    def _too_long(self, wait: float, doing: str) -> BadInput:
+        process_group.end(self._process)
+        return BadInput(
+            f"{self.shown}: the FMU did not get on for {wait:g} s {doing}; mend it, or give it more "
+            "time with --time-limit"
+        )
 
     def _gone(self) -> str:
         """How the process ended, in words."""
@@ -112,6 +136,5 @@ class FmuProcess:
                 self.ask({"do": "end"}, doing="at its end")
             self.limit = limit
         process_group.end(self._process)
-        for stream in (self._process.stdin, self._process.stdout):
-            with contextlib.suppress(OSError, ValueError):
-                cast(BinaryIO, stream).close()
+        self._asked.close()
+        self._said.end()

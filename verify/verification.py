@@ -152,6 +152,7 @@ def verify(
     noise_ratio: float = NOISE_RATIO,
     limit: float = TIME_LIMIT,
     progress: Callable[[str], None] = lambda _: None,
+    keep: Callable[[Verification], None] = lambda _: None,
 ) -> Verification:
     """Run the FMU with the force of each recording and compare response, backbone and parameters.
 
@@ -162,6 +163,7 @@ def verify(
         noise_ratio: how many times what chance makes of the NRMSE may be left, for the noise is not known exactly.
         limit: longest time, s, that the FMU may take without finishing a step.
         progress: called with one line per recording.
+        keep: called with the result before the FMU is ended, which may take it seconds.
 
     Raises:
         BadInput: where the file is no such FMU, or it cannot simulate, or none of its outputs has a recording's unit.
@@ -180,7 +182,9 @@ def verify(
             for words in run.heard():
                 progress(f"{recording.name}: the FMU says: {words}")
             checks.append(check)
-    return Verification(Path(fmu).name, tuple(checks))
+        result = Verification(Path(fmu).name, tuple(checks))
+        keep(result)
+    return result
 
 
 def _check(run: FmuRun, recording: Recording, noise_ratio: float) -> RecordingCheck:

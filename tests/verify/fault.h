@@ -14,6 +14,7 @@ static double clock_now;
 
 static int fault(const char *here) {
     const char *at = getenv("AT"), *what = getenv("FAULT");
+    if (what && !strcmp(what, "detach-farewell") && strstr(here, "FreeInstance")) pause();
     if (!at || !what || strcmp(at, here)) return 0;
     if (!strcmp(what, "exit")) exit(0);
     if (!strcmp(what, "exit7")) _exit(7);
@@ -45,6 +46,22 @@ static int fault(const char *here) {
     }
     if (!strcmp(what, "child") && fork() == 0) {
         for (;;) sleep(60);
+    }
+    if (!strncmp(what, "detach", 6)) { /* a process in a session of its own that holds all that is open */
+        static int done;
+        if (!done++ && fork() == 0) {
+            setsid();
+            if (fork() != 0) _exit(0);
+            FILE *file = fopen(getenv("DETACHED"), "w");
+            fprintf(file, "%d", (int)getpid());
+            fclose(file);
+            sleep(60);
+            remove(getenv("DETACHED")); /* which says that it was waited for */
+            _exit(0);
+        }
+        while (access(getenv("DETACHED"), R_OK) != 0) usleep(1000);
+        if (!strcmp(what, "detach-crash")) *(volatile int *)8 = 1;
+        if (!strcmp(what, "detach-stop")) raise(SIGSTOP);
     }
     if (!strcmp(what, "close")) {
         int i;

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
+import sys
 import tempfile
+import threading
 import time
 import zipfile
 from pathlib import Path
@@ -123,6 +126,13 @@ def lane(fault):
     return pytest.param(*given, marks=() if always else pytest.mark.long, id=f"{given[0]} in {given[1]}")
 
 
+def write_sweep(n):
+    t = np.arange(n) * DT
+    x = 1e-3 * np.sin(80 * t) + 1e-7 * np.random.default_rng(0).standard_normal(t.size)
+    table = np.column_stack([t, 0.1 * np.sin(80 * t), 1.1 * x])
+    np.savetxt("sweep.csv", table, "%.9g", ",", header="time_s,force_N,x_m", comments="")
+
+
 @pytest.mark.parametrize(("what", "at", "says"), [lane(fault) for fault in FAULTS])
 def test_a_fault_in_the_binary_is_one_sentence(hostile, here, monkeypatch, what, at, says):
     is_one_sentence(hostile, here, monkeypatch, what, at, says)
@@ -198,10 +208,7 @@ def test_mischief_stays_where_it_is(hostile, here, monkeypatch, capfd, what, at)
 
 def test_verify_passes_only_what_it_saw(hostile, here, monkeypatch, capsys):
     """A gate that runs `verify` must not be opened by the binary's own exit(0)."""
-    t = np.arange(2000) * DT
-    x = 1e-3 * np.sin(80 * t) + 1e-7 * np.random.default_rng(0).standard_normal(t.size)
-    table = np.column_stack([t, 0.1 * np.sin(80 * t), 1.1 * x])
-    np.savetxt("sweep.csv", table, "%.9g", ",", header="time_s,force_N,x_m", comments="")
+    write_sweep(2000)
     for what, code in (("exit", 2), ("none", 1)):
         monkeypatch.setenv("FAULT", what)
         monkeypatch.setenv("AT", "fmi2DoStep")
@@ -213,6 +220,79 @@ def test_verify_passes_only_what_it_saw(hostile, here, monkeypatch, capsys):
         assert (out == "") == (code == 2)
     assert not Path("exit.json").exists()
     assert json.loads(Path("none.json").read_text(), parse_constant=pytest.fail)["pass"] is False
+
+
+@pytest.fixture
+def detached(tmp_path, monkeypatch):
+    """The number of the process that an FMU leaves in a session of its own; its file goes when it is over."""
+    file = tmp_path / "temporary" / "detached"
+    monkeypatch.setenv("DETACHED", str(file))
+    monkeypatch.setenv("AT", "fmi2DoStep")
+
+    def is_there():
+        number = int(file.read_text())
+        os.kill(number, 0)
+        return number
+
+    yield is_there
+    os.kill(is_there(), signal.SIGKILL)
+
+
+@pytest.mark.parametrize(
+    ("what", "says"),
+    [
+        ("detach", None),
+        ("detach-crash", r"crashed \(SIGSEGV\) while it ran"),
+        ("detach-stop", r"did not get on for 1 s while it ran"),
+    ],
+)
+def test_a_process_that_outlives_the_fmu_is_not_waited_for(hostile, here, detached, monkeypatch, what, says):
+    monkeypatch.setenv("FAULT", what)
+    threads = threading.active_count()
+    if says is None:
+        run_twice(hostile)
+    else:
+        with pytest.raises(BadInput, match=says):
+            run_twice(hostile, 1.0)
+    detached()
+    for thread in threading.enumerate():
+        if thread.name.startswith("fmu"):
+            thread.join(10.0)
+    assert threading.active_count() == threads  # none is left that reads
+
+
+def test_what_is_found_is_written_before_the_fmu_is_ended(hostile, here, detached, monkeypatch):
+    """Its last words may take for ever; a signal meanwhile ends the command."""
+    write_sweep(400)
+    monkeypatch.setenv("FAULT", "detach-farewell")
+    line = [sys.executable, "-P", "-m", "dashpot", "verify", str(hostile), "sweep.csv", "--json", "out.json"]
+    with subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as command:
+        while not Path("out.json").exists():
+            assert command.poll() is None, command.stderr.read()
+            time.sleep(0.01)
+        assert json.loads(Path("out.json").read_text())["pass"] in (True, False)
+        command.send_signal(signal.SIGTERM)
+        command.wait(30)
+    detached()
+    assert command.returncode in (0, 1, 130)
+
+
+def test_a_command_that_waits_for_an_fmu_hears_a_signal(hostile, here, detached, monkeypatch):
+    write_sweep(400)
+    monkeypatch.setenv("FAULT", "detach-stop")
+    line = [sys.executable, "-P", "-m", "dashpot", "verify", str(hostile), "sweep.csv", "--time-limit", "600"]
+    for number in (signal.SIGINT, signal.SIGTERM):
+        Path(os.environ["DETACHED"]).unlink(missing_ok=True)
+        with subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as command:
+            while not Path(os.environ["DETACHED"]).exists() or not Path(os.environ["DETACHED"]).read_text():
+                assert command.poll() is None
+                time.sleep(0.01)
+            command.send_signal(number)
+            command.wait(30)
+        left = detached()
+        assert command.returncode == 130
+        if number == signal.SIGINT:
+            os.kill(left, signal.SIGKILL)
 
 
 def archive(path, entries):
