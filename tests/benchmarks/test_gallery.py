@@ -35,10 +35,11 @@ EFFECTS = {law.partition("/")[0] for law in LIBRARY}
 
 
 @needs_data
-def test_every_recording_is_in_the_catalogue_and_the_other_way_round() -> None:
+def test_every_recording_of_the_catalogue_is_there() -> None:
     here = {path.name for path in DATA.glob("*.csv.gz")}
     named = {piece.source for entry in ENTRIES.values() for piece in entry.pieces if "/" not in piece.source}
-    assert here == named
+    assert named
+    assert named <= here, "a recording that no entry names is welcome; an entry without its recording is not"
 
 
 @pytest.mark.parametrize("entry", ENTRIES.values(), ids=ENTRIES)

@@ -148,7 +148,7 @@ def test_what_a_sensor_shows_needs_no_simulation_and_has_the_same_derivative(mon
 @pytest.mark.parametrize(("times", "kept"), [(3.71, False), (3.72, True), (-3.72, True)])
 def test_a_zero_stands_out_at_odds_of_a_thousand(monkeypatch, times, kept):
     """Half the square of 3.717 errors is the logarithm of a thousand."""
-    monkeypatch.setattr("dashpot.identify.fit.offsets.zero_of", lambda *_: (2e-3 * times, 2e-3))
+    monkeypatch.setattr("dashpot.identify.problem.offset.zero_of", lambda *_: (2e-3 * times, 2e-3))
     assert zero_of_load_cell(np.zeros(100), 100.0, 10.0) == (2e-3 * times if kept else 0.0)
 
 
