@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 from ..errors import BadInput
+from ..files.computed_once import computed_once
 from ..model.describing import HarmonicMotion
 from ..model.equations import Equations, equations
 from ..simulate.core import internal_step
@@ -28,17 +28,17 @@ class Facts:
 
     oscillator: Oscillator
 
-    @cached_property
+    @computed_once
     def equations(self) -> Equations:
         """The equations of motion."""
         return equations(self.oscillator)
 
-    @cached_property
+    @computed_once
     def loaded(self) -> Equations:
         """The same of a rig that may carry a payload: an FMU's."""
         return equations(self.oscillator, payload=True)
 
-    @cached_property
+    @computed_once
     def values(self) -> dict[str, float]:
         """Plain values of the parameters by their names."""
         return self.oscillator.values()
@@ -48,12 +48,12 @@ class Facts:
         """Largest amplitude that the model was identified for, in the displacement's unit."""
         return amplitude_of(self.oscillator)
 
-    @cached_property
+    @computed_once
     def longest(self) -> float:
         """Longest internal step within that amplitude, s; raises BadInput where the model has no motion."""
         return internal_step(self.oscillator, self.values, self.amplitude)
 
-    @cached_property
+    @computed_once
     def max_step(self) -> float:
         """The same, s, for a model without any motion too: there any step will do."""
         try:
@@ -61,17 +61,17 @@ class Facts:
         except BadInput:
             return _STILL_STEP
 
-    @cached_property
+    @computed_once
     def sample(self) -> Sample:
         """A motion from the largest amplitude on; raises BadInput where it is too fast to be followed."""
         return sample_motion(self.oscillator, self.equations, self.longest)
 
-    @cached_property
+    @computed_once
     def size(self) -> MotionSize:
         """How large surfaces and states become in the model's own motion."""
         return motion_size(self.oscillator, self.equations, lambda: self.sample)
 
-    @cached_property
+    @computed_once
     def harmonic(self) -> HarmonicMotion:
         """The laws in a harmonic motion: natural frequency and damping at any amplitude."""
         return HarmonicMotion(self.oscillator)

@@ -9,13 +9,13 @@ from __future__ import annotations
 import difflib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
+from ..files.computed_once import computed_once
 from ..model import Oscillator, Response
 from ..model.fit_state import FOLLOWS, LACKING, left_over
 from ..model.oscillator import Band
@@ -70,7 +70,7 @@ class Identification:
     def __repr__(self) -> str:
         return f"<Identification of {self.oscillator!r} from {', '.join(r.name for r in self.recordings)}>"
 
-    @cached_property
+    @computed_once
     def measured(self) -> HilbertAnalysis:
         """What FREEVIB and FORCEVIB say of the same recordings; empty, with a note, where they cannot be used."""
         try:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
+from ..files.computed_once import computed_once
 from .units import parse_unit
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -95,7 +95,7 @@ class Recording:
         """Length in s: n samples last n intervals."""
         return self.n / self.fs
 
-    @cached_property
+    @computed_once
     def known(self) -> dict[str, tuple[Any, frozenset[str]]]:
         """What was measured of it, by name, and the fields that it rests on: see ``fact``."""
         return {}

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Mapping
-from functools import cache, cached_property
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from .. import engine
 from ..errors import BadInput
+from ..files.computed_once import computed_once
 from ..model.equations import Equations, Structure, equations, equations_of, structure_of
 from ..model.law import Expression
 from .compiler import loaded_library
@@ -78,7 +79,7 @@ class Core:
         """(states,) how far each inner state goes at these parameters; 0 where nothing limits it."""
         return np.concatenate([np.zeros(2), np.array(self._reaches(values)).ravel()])
 
-    @cached_property
+    @computed_once
     def _reaches(self) -> Expression:
         import casadi as ca
 

@@ -213,6 +213,11 @@ def test_no_file_is_long() -> None:
     assert {str(path): lines for path, lines in lengths.items() if lines > LONGEST} == {}
 
 
+def test_no_property_takes_a_lock_that_a_fork_would_find_taken() -> None:
+    """That of functools does in Python 3.11: see files/computed_once.py."""
+    assert [path for path in MODULES if "cached_" + "property" in (ROOT / path).read_text(encoding="utf-8")] == []
+
+
 def test_nothing_is_named_after_nothing() -> None:
     vague = {"utils", "util", "helpers", "helper", "common", "misc"}
     named = [path for path in FILES if vague & {*path.parts[:-1], path.stem}]

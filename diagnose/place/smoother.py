@@ -15,10 +15,10 @@ the likelihood (Rue and Held 2005, section 2.4).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from ...files.computed_once import computed_once
 from ...identify.motion.displacement import displacement
 from ...identify.problem.data import Data
 from ...identify.signals.signals import resting
@@ -166,7 +166,7 @@ class Smoother:
             total += ((sides[1] - sides[0]) * self.dt * doubt) ** 2
         return total * max(_LASTING * self.period / self.dt, 1.0)
 
-    @cached_property
+    @computed_once
     def input(self) -> np.ndarray:
         """(n - 1, 3) what the excess adds to displacement and velocity deviation over a sample, exact to order dt³."""
         weights = np.array([7.0, 32.0, 12.0, 32.0, 7.0]) / 90.0  # Boole's rule

@@ -13,11 +13,11 @@ To first order a disturbance dX of the analytic signal (and dF of the force's) l
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
 from ...errors import BadInput
+from ...files.computed_once import computed_once
 from ..signals.hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
 from ..signals.signals import Signal
 from .ends import with_ends
@@ -70,7 +70,7 @@ class Stretch:
         out[..., self.inside] = oaconvolve(weights, kernel, mode="full", axes=-1)
         return out
 
-    @cached_property
+    @computed_once
     def clear(self) -> np.ndarray:
         """Where, of `keep`, the motion stands clear of its noise: (k,) of bool.
 
@@ -85,13 +85,13 @@ class Stretch:
         clear[: self.rung_in] = False
         return clear
 
-    @cached_property
+    @computed_once
     def width(self) -> float:
         """Mean square width, s², of the kernel that the analytic signal was low-passed with."""
         w = blackman(self.signal.kernel)[0]
         return float(np.sum(w * (np.arange(w.size) - w.size // 2) ** 2)) / self.fs**2
 
-    @cached_property
+    @computed_once
     def _unbent(self) -> np.ndarray:
         """(n,) what the low-pass took off the motion by its (un-decayed) curvature, as a factor to put it back."""
         s = self.signal
@@ -103,12 +103,12 @@ class Stretch:
             bent[self.keep] = smooth
         return 1 - 0.5 * self.width * bent
 
-    @cached_property
+    @computed_once
     def amplitude(self) -> np.ndarray:
         """(n,) envelope by sample, before the low-pass."""
         return self.signal.amplitude * np.maximum(self._unbent, 0.5)
 
-    @cached_property
+    @computed_once
     def smooth_amplitude(self) -> np.ndarray:
         """(n,) envelope without the noise of its neighbours: a polynomial of its logarithm over the clear motion.
 
@@ -123,7 +123,7 @@ class Stretch:
         place = np.clip(np.arange(self.amplitude.size), clear[0] - half, clear[-1] + half)
         return np.exp(fit(place))
 
-    @cached_property
+    @computed_once
     def smooth_motion(self) -> tuple[np.ndarray, np.ndarray]:
         """Envelope and phase (k,) at `keep`, low-passed: without the ripple that the negative frequencies leave."""
         s, keep = self.signal, self.keep

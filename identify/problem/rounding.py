@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
+from ...files.computed_once import computed_once
 from ...recording.checks import LEVELS
 from ...recording.fact import fact
 from ...recording.recording import Recording
@@ -47,11 +47,11 @@ class Rounding:
     smooth: np.ndarray
     noise: float
 
-    @cached_property
+    @computed_once
     def _middle(self) -> float:
         return float(np.mean(self.smooth))
 
-    @cached_property
+    @computed_once
     def _peak(self) -> float:
         return max(float(np.max(np.abs(self.smooth - self._middle))), self.step)
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
 
+from ...files.computed_once import computed_once
 from ...recording.recording import QUANTITIES, Recording
 from ...recording.short_decay import LEAST_CYCLES
 from ...simulate.force import Force, force_between
@@ -79,12 +79,12 @@ class Segment:
         """Number of samples."""
         return self.stop - self.start
 
-    @cached_property
+    @computed_once
     def noise(self) -> float:
         """Standard deviation of the response's white noise, from these samples alone."""
         return noise_level(self.response, 1.0 / self.dt)
 
-    @cached_property
+    @computed_once
     def coarse_force(self) -> Force | None:
         """The force as a search may take it that only leads to where a fit begins."""
         return None if self.force is None else self.force.coarser(int(FORCE_BAND / COARSE_FORCE_BAND), self.dt)

@@ -1,4 +1,7 @@
-"""The threads that simulate: the core releases the interpreter's lock."""
+"""The threads that simulate: the core releases the interpreter's lock.
+
+A forked process has none of its parent's threads, and begins with a set of its own.
+"""
 
 from __future__ import annotations
 
@@ -11,3 +14,7 @@ from functools import cache
 def pool() -> ThreadPoolExecutor:
     """One set for all searches of the process."""
     return ThreadPoolExecutor(max_workers=os.cpu_count() or 1)
+
+
+if hasattr(os, "register_at_fork"):  # which Windows lacks, as it lacks forks
+    os.register_at_fork(after_in_child=pool.cache_clear)

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
+
+from ...files.computed_once import computed_once
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,11 +92,11 @@ class NoiseSpectrum:
             lines[..., -1] *= factors[-1]
         return lines
 
-    @cached_property
+    @computed_once
     def _weights(self) -> np.ndarray:
         return np.sqrt(self._counted / (self.n * self.density))
 
-    @cached_property
+    @computed_once
     def _flat(self) -> bool:
         return bool(np.all(self.density == self.density[0]))
 

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from functools import cached_property
 
 import numpy as np
 
+from ...files.computed_once import computed_once
 from ...recording.fact import fact
 from ...recording.recording import Recording
 from .excited_band import excited_band
@@ -29,22 +29,22 @@ class Signal:
         """Number of samples."""
         return self.samples.size
 
-    @cached_property
+    @computed_once
     def noise(self) -> float:
         """Standard deviation of its white noise: see ``noise_level``."""
         return noise_level(self.samples, self.fs)
 
-    @cached_property
+    @computed_once
     def frequency(self) -> float:
         """Its largest line, Hz; raises BadInput where it does not oscillate: see ``dominant_frequency``."""
         return dominant_frequency(self.samples, self.fs)
 
-    @cached_property
+    @computed_once
     def band(self) -> tuple[float, float]:
         """Lowest and highest frequency in Hz of what has power in it: see ``excited_band``."""
         return excited_band(self.samples, self.fs, 0.0 if self.is_silent else self.noise)
 
-    @cached_property
+    @computed_once
     def is_silent(self) -> bool:
         """Whether it holds nothing but an offset and white noise."""
         return bool(np.ptp(self.samples) == 0 or self.noise > _SILENT * float(np.std(self.samples)))
