@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 import time
 from collections.abc import Callable, Sequence
@@ -10,11 +9,12 @@ from dataclasses import asdict
 from pathlib import Path
 
 from ..errors import BadInput
-from ..files.writing import together, write
+from ..files.writing import together, write, written_below
 from ..fleet.engine import Engine, Task
 from ..fleet.key import key_of
 from ..fleet.manifest import Entry, Manifest
 from ..fleet.outcome import TRIED_AGAIN, Outcome, from_json
+from ..fleet.sealed_json import digest, sealed
 from ..fleet.store import FLEET, Store
 from ..fleet.table import Row, as_json, csv_text, parquet
 
@@ -57,8 +57,11 @@ def run(
     """
     store = Store(folder)
     store.begin()
-    keyed = [_keyed(entry) for entry in manifest.entries]
+    keyed = [_keyed(store, entry) for entry in manifest.entries]
     mine = [(entry, key) for entry, key in keyed[shard[0] - 1 :: shard[1]] if isinstance(key, str)]
+    for entry, key in mine:
+        if why := store.changed(entry.name, key):
+            say(f"{entry.name}: what was kept is not as it was written ({why}); it is done again")
     failed = {entry.name for entry, key in mine if again and _failed(store.outcome(entry.name, key))}
     tried: set[tuple[str, str]] = set()
     for stage in ("identify", "diagnose"):
@@ -81,17 +84,25 @@ def write_tables(manifest: Manifest, folder: Path, rows: Sequence[Row], *, with_
     """Write what stands in the store as CSV, JSON and a page, all or none of them."""
     from ..report.fleet_page import fleet_page
 
+    contents: dict[str, str | bytes] = {CSV: csv_text(rows), PAGE: fleet_page(manifest.path.name, rows)}
+    if with_parquet:
+        contents[PARQUET] = parquet(rows)
     with together():
-        write(folder / FLEET, json.dumps(as_json(rows), ensure_ascii=False, allow_nan=False) + "\n")
-        write(folder / CSV, csv_text(rows))
-        write(folder / PAGE, fleet_page(manifest.path.name, rows))
-        if with_parquet:
-            write(folder / PARQUET, parquet(rows))
+        for name, content in contents.items():
+            write(folder / name, content)
+        write(folder / FLEET, sealed({**as_json(rows), "files": _digests(folder)}))
 
 
-def _keyed(entry: Entry) -> tuple[Entry, str | BadInput]:
+def _digests(folder: Path) -> dict[str, str]:
+    """Hash of each table that is written beside."""
+    return {name: digest(content) for name, content in written_below(folder).items() if content is not None}
+
+
+def _keyed(store: Store, entry: Entry) -> tuple[Entry, str | BadInput]:
     try:
-        return entry, key_of(entry)
+        key = key_of(entry)
+        store.check_writable(entry.name, key)
+        return entry, key
     except BadInput as problem:  # a file that is not there spoils one row, and is looked for again
         return entry, problem
 

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING, Any
 from ..errors import BadInput, Unwritable
 from ..files.exit_codes import out_of_memory, sentence
 from ..files.writing import together, write
+from ..fleet.kept_files import DIAGNOSIS
 from ..fleet.manifest import Entry
 from ..fleet.outcome import Outcome
 from ..fleet.store import Busy, Store
@@ -33,7 +34,7 @@ if TYPE_CHECKING:
     from ..model import Oscillator
     from ..recording import Recording
 
-MODEL, REPORT, DIAGNOSIS = "model.yaml", "report.html", "diagnosis"
+MODEL, REPORT = "model.yaml", "report.html"
 #: Parts of a picture of the motion.
 _PARTS = 60
 _READ = {"max_size": 500.0, "calibration": {}} | dict.fromkeys(
@@ -119,8 +120,7 @@ def _kept(store: Store, entry: Entry, key: str, stage: str, before: Outcome | No
     outcome = replace(outcome, seconds=seconds)
     with together():
         files(place)
-        store.keep(outcome)
-    return outcome
+        return store.keep(outcome)
 
 
 def _recordings(entry: Entry, files: tuple[str, ...], say: Callable[[str], None]) -> list[Recording]:

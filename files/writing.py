@@ -134,6 +134,18 @@ def write(target: Path, content: str | bytes) -> None:
         pending.add(Path(target), data)
 
 
+def written_below(folder: Path) -> dict[str, bytes | None]:
+    """What the block that this is called in will have written below a folder, by its name there; None: taken away."""
+    pending, below = _pending.get(), _place(folder / "file").parent
+    if pending is None:
+        return {}
+    return {
+        place.relative_to(below).as_posix(): content
+        for place, content in pending.contents.items()
+        if place.is_relative_to(below)
+    }
+
+
 def fill(path: Path, content: str | bytes, shown: Path | None = None) -> None:
     """Write a file for our own use, at once, and read it back; ``shown`` is its name in messages.
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from itertools import takewhile
 from pathlib import Path
 from typing import Any
@@ -14,7 +13,10 @@ from ..files.reading import content_of
 from ..model import Oscillator
 from ..model.consistency import suggestion
 from ..model.file import load
-from .store import FLEET, FORMAT
+from .kept_files import changed_file
+from .manifest import instant
+from .sealed_json import unsealed
+from .store import FLEET, FORMAT, Store
 
 _MOST_BYTES = 100_000_000
 
@@ -42,11 +44,11 @@ def lives_of(
         raise BadInput("name model files in order, or folders that dashpot batch wrote, but not both")
     rigs: dict[str, list[Point]] = {}
     for folder in folders:
-        for entry in _entries(folder):
+        for entry in _entries(folder, say):
             if entry["model"] is None:
                 say(f"note: {entry['name']} has no model ({entry['result']}) and is left out")
                 continue
-            model = load(folder / entry["model"])
+            model = load(entry["model"])
             point = Point(entry["name"], model, entry.get("state"), entry.get("when"))
             rigs.setdefault(entry["rig"], []).append(point)
     if not rigs:
@@ -77,7 +79,7 @@ def repeats_of(places: Sequence[Path]) -> list[list[Oscillator]]:
         for entry in _entries(place):
             if entry["model"] is not None and entry.get("state") is not None:
                 key = (str(place), entry["rig"], entry["state"])
-                groups.setdefault(key, []).append(load(place / entry["model"]))
+                groups.setdefault(key, []).append(load(entry["model"]))
     found = [group for group in groups.values() if len(group) > 1]
     if places and not found:
         raise BadInput(
@@ -100,11 +102,64 @@ def _common(places: Sequence[Path]) -> str:
     return "".join(letters[0] for letters in alike).strip(" -_.") or "rig"
 
 
-def _entries(folder: Path) -> list[dict[str, Any]]:
+def _entries(folder: Path, say: Callable[[str], None] = lambda _: None) -> list[dict[str, Any]]:
+    """The rows of a fleet's results, ``model`` as a Path; what else lies there and was changed is said.
+
+    Raises:
+        BadInput: there are none, or what is read here is not as it was written.
+    """
     try:
-        told = json.loads(content_of(folder / FLEET, _MOST_BYTES))
-    except (OSError, ValueError):
-        told = None
-    if not isinstance(told, dict) or told.get("format") != FORMAT:
-        raise BadInput(f"{folder}: holds no {FLEET}; name the folder that dashpot batch wrote, or model files")
+        told = unsealed(content_of(folder / FLEET, _MOST_BYTES))
+    except (OSError, ValueError) as problem:
+        why = getattr(problem, "strerror", None) or problem
+        raise BadInput(
+            f"{folder}: holds no {FLEET} that can be used ({why}); name the folder that dashpot batch wrote and run "
+            "dashpot batch again, or name model files"
+        ) from None
+    if told.get("format") != FORMAT or not isinstance(told.get("files"), dict) or not _are_rows(told.get("entries")):
+        raise BadInput(
+            f"{folder}: its {FLEET} is no table of a fleet; name the folder that dashpot batch wrote, or model files"
+        )
+    for name, known in told["files"].items():
+        if why := changed_file(folder, {name: known}):
+            say(f"note: {folder}: {why} since dashpot batch wrote it; it is not used here")
+    store = Store(folder)
+    for entry in told["entries"]:
+        entry["model"] = _model_of(store, entry) if entry["key"] else None
     return told["entries"]
+
+
+def _model_of(store: Store, entry: Mapping[str, Any]) -> Path | None:
+    """The file of an entry's model, which is as it was written; None where it has none."""
+    outcome = store.outcome(entry["name"], entry["key"])
+    if outcome is None and (why := store.changed(entry["name"], entry["key"])):
+        raise BadInput(
+            f"{store.folder}: {entry['name']}: what was kept is not as it was written ({why}); run dashpot batch again"
+        )
+    if outcome is None and entry["model"] is not None:
+        raise BadInput(f"{store.folder}: {entry['name']}: its model is gone; run dashpot batch again")
+    model = None if outcome is None else outcome.model
+    return None if model is None else store.place(entry["name"], entry["key"]) / model
+
+
+def _are_rows(told: Any) -> bool:
+    """Whether it is a list of rows as ``table.as_json`` makes them, as far as they are used here."""
+    return isinstance(told, list) and all(
+        isinstance(row, dict)
+        and all(isinstance(row.get(name), str) for name in ("name", "rig", "result", "key"))
+        and all(row.get(name) is None or isinstance(row[name], str) for name in ("state", "model"))
+        and "model" in row
+        and _is_when(row.get("when"))
+        for row in told
+    )
+
+
+def _is_when(told: Any) -> bool:
+    """A number, a time, or nothing."""
+    if isinstance(told, str):
+        try:
+            instant(told)
+        except ValueError:
+            return False
+        return True
+    return told is None or type(told) in (int, float)

@@ -222,6 +222,11 @@ def _files(given: str | list[str], folder: Path, place: tuple[str | int, ...], d
         if not _PATTERN.search(path) or (folder / path).exists():
             found.append(str(folder / name))
             continue
+        if _searches_all(path):
+            document.report(
+                place, f"{name!r} would search every folder of the disk; begin the pattern with the recordings' folder"
+            )
+            continue
         matches = sorted(_matching(folder, path), key=_natural)
         if not matches:
             document.report(place, f"no file matches {name!r} in {folder or Path()}; check the pattern")
@@ -229,6 +234,12 @@ def _files(given: str | list[str], folder: Path, place: tuple[str | int, ...], d
     if len(set(found)) < len(found):
         document.report(place, "names a recording twice; name each once")
     return tuple(found)
+
+
+def _searches_all(pattern: str) -> bool:
+    """Whether ``**`` stands at the root of a disk, where nobody waits for the end of the search."""
+    first, *rest = Path(pattern).parts
+    return first == Path(pattern).anchor and rest[:1] == ["**"]
 
 
 def _matching(folder: Path, pattern: str) -> list[str]:

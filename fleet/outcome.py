@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any, get_args
 from typing import Literal as _Literal
@@ -38,6 +39,7 @@ class Outcome:
         verdict, effects: of the diagnosis.
         picture: size of the motion over time, 0 to 1, and ``left``: of what the model leaves, in the same scale.
         notes: what a user should know.
+        files: hash of each of the entry's other files by its name below the entry's folder.
     """
 
     key: str
@@ -57,6 +59,7 @@ class Outcome:
     picture: tuple[float, ...] = ()
     left: tuple[float, ...] = ()
     notes: tuple[str, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def finished(self) -> bool:
@@ -69,14 +72,67 @@ class Outcome:
 
 
 def from_json(told: Any) -> Outcome | None:
-    """The outcome in plain data; None where it is none, or of another version."""
+    """The outcome in plain data; None where it is none, of another version, or not of its form."""
     if not isinstance(told, dict) or told.get("format") != FORMAT or told.get("state") not in STATES:
         return None
     try:
-        return Outcome(**{name: _frozen(value) for name, value in told.items() if name != "format"})
+        outcome = Outcome(**{name: _frozen(value) for name, value in told.items() if name != "format"})
     except TypeError:
         return None
+    return outcome if _of_form(outcome) else None
 
 
 def _frozen(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
+
+
+def _of_form(told: Outcome) -> bool:
+    """Whether each attribute is of its kind, each number finite, and model and page are files of the entry."""
+    return (
+        all(isinstance(text, str) for text in (told.key, told.name, told.sentence))
+        and told.stage in ("identify", "diagnose")
+        and isinstance(told.wanted, bool)
+        and type(told.attempts) is int
+        and told.attempts >= 0
+        and all(text is None or isinstance(text, str) for text in (told.model, told.page, told.verdict))
+        and all(_texts(texts) for texts in (told.effects, told.notes))
+        and all(isinstance(numbers, tuple) and _numbers(numbers) for numbers in (told.picture, told.left))
+        and _each(told.seconds, _is_number)
+        and _each(told.files, lambda value: isinstance(value, str))
+        and _each(told.parameters, _is_parameter)
+        and isinstance(told.recordings, tuple)
+        and all(
+            _each(one, lambda _: True) and _numbers(map(one.get, ("nrmse", "over_noise"))) for one in told.recordings
+        )
+        and all(name is None or name in told.files for name in (told.model, told.page))
+    )
+
+
+def _each(told: Any, holds: Callable[[Any], bool]) -> bool:
+    return isinstance(told, Mapping) and all(isinstance(name, str) and holds(value) for name, value in told.items())
+
+
+def _texts(told: Any) -> bool:
+    return isinstance(told, tuple) and all(isinstance(text, str) for text in told)
+
+
+def _numbers(told: Iterable[Any]) -> bool:
+    """Numbers, or None where one is not known."""
+    return all(value is None or _is_number(value) for value in told)
+
+
+def _is_number(value: Any) -> bool:
+    return type(value) in (int, float) and math.isfinite(value)
+
+
+def _is_recording(told: Any) -> bool:
+    return _each(told, lambda _: True) and _numbers(map(told.get, ("nrmse", "over_noise")))
+
+
+def _is_parameter(told: Any) -> bool:
+    return (
+        isinstance(told, Mapping)
+        and set(told) == {"value", "std", "unit"}
+        and _numbers((told["value"], told["std"]))
+        and isinstance(told["unit"], str)
+    )

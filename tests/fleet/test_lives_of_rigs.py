@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
+from dashpot.face.batch import write_tables
+from dashpot.files.writing import together
 from dashpot.fleet.lives_of_rigs import lives_of, repeats_of
+from dashpot.fleet.manifest import Entry, Manifest
+from dashpot.fleet.outcome import Outcome
+from dashpot.fleet.store import Store
+from dashpot.fleet.table import Row
 from dashpot.model import Oscillator, Provenance
 from dashpot.model.file import save
 
@@ -20,7 +25,7 @@ def fleet(tmp_path):
     """``fleet(("rig", "state", viscous), ...)``: a folder as batch leaves it, an entry each; None: without a model."""
 
     def make(*entries):
-        told = []
+        rows = []
         for i, (rig, state, viscous) in enumerate(entries):
             name, model = f"e{i}", None
             if viscous is not None:
@@ -30,12 +35,22 @@ def fleet(tmp_path):
                     Oscillator.from_values(values, name=name),
                     identified=Provenance(parameters=("omega0", "viscous"), covariance=covariance),
                 )
-                model = f"{name}.yaml"
-                save(oscillator, tmp_path / model)
-            told.append({"name": name, "rig": rig, "state": state, "when": None, "result": "good", "model": model})
-        text = json.dumps({"format": "dashpot-fleet-results/1", "entries": told})
-        (tmp_path / "fleet.json").write_text(text)
-        return tmp_path
+                save(oscillator, tmp_path / f"{name}.yaml")
+                model = "model.yaml"
+            key, store = f"{i:032}", Store(tmp_path / "fleet")
+            store.begin()
+            with together():
+                if model is not None:
+                    save(oscillator, store.place(name, key) / model)
+                store.keep(Outcome(key, name, "good", "", model=model))
+            outcome = store.outcome(name, key)
+            assert outcome is not None
+            rows.append(
+                Row(Entry(name, rig, state, None, ()), outcome, store.place(name, key).relative_to(store.folder))
+            )
+        manifest = Manifest(tmp_path / "fleet.yaml", tuple(row.entry for row in rows))
+        write_tables(manifest, tmp_path / "fleet", rows)
+        return tmp_path / "fleet"
 
     return make
 
@@ -57,21 +72,21 @@ def test_a_fleet_of_one_test_each_is_one_life(fleet):
     assert (life.name, len(life.points), life.moved.best.moved) == ("fleet", 3, ("viscous",))
 
 
-def test_model_files_are_one_rig_named_by_what_their_names_share(fleet):
-    folder = fleet(("a", None, 5.0), ("a", None, 6.0))
-    files = [(folder / f"e{i}.yaml").rename(folder / f"stand-{day}.yaml") for i, day in enumerate(("mon", "tue"))]
+def test_model_files_are_one_rig_named_by_what_their_names_share(fleet, tmp_path):
+    fleet(("a", None, 5.0), ("a", None, 6.0))
+    files = [(tmp_path / f"e{i}.yaml").rename(tmp_path / f"stand-{day}.yaml") for i, day in enumerate(("mon", "tue"))]
     (life,) = lives_of(files, None, print)
     assert life.name == "stand"
     assert [point.name for point in life.points] == ["e0", "e1"]
 
 
-def test_repeats_are_entries_of_one_rig_in_one_state(fleet):
+def test_repeats_are_entries_of_one_rig_in_one_state(fleet, tmp_path):
     folder = fleet(("a", "new", 5.0), ("a", "new", 5.1), ("a", "old", 6.0), ("b", "new", 5.0), ("a", None, 5.0))
     assert [[model.name for model in group] for group in repeats_of([folder])] == [["e0", "e1"]]
-    assert [len(group) for group in repeats_of([folder / "e0.yaml", folder / "e3.yaml"])] == [2]
+    assert [len(group) for group in repeats_of([tmp_path / "e0.yaml", tmp_path / "e3.yaml"])] == [2]
     assert repeats_of([]) == []
     with pytest.raises(BadInput, match="nothing repeats there"):
-        repeats_of([folder / "e0.yaml"])
+        repeats_of([tmp_path / "e0.yaml"])
 
 
 def test_repeats_of_another_rig_teach_what_is_scatter(fleet):
@@ -89,11 +104,11 @@ def test_what_cannot_be_watched_is_said(fleet, tmp_path):
     with pytest.raises(BadInput, match="did you mean stand"):
         lives_of([folder], "stnd", print)
     with pytest.raises(BadInput, match="but not both"):
-        lives_of([folder, folder / "e0.yaml"], None, print)
+        lives_of([folder, tmp_path / "e0.yaml"], None, print)
     with pytest.raises(BadInput, match="--rig chooses"):
-        lives_of([folder / "e0.yaml", folder / "e1.yaml"], "stand", print)
+        lives_of([tmp_path / "e0.yaml", tmp_path / "e1.yaml"], "stand", print)
     with pytest.raises(BadInput, match="holds no model yet"):
         lives_of([fleet(("a", None, None))], None, lambda _: None)
-    (tmp_path / "fleet.json").write_text("[]")
-    with pytest.raises(BadInput, match=r"holds no fleet.json"):
-        lives_of([tmp_path], None, print)
+    (folder / "fleet.json").write_text("[]")
+    with pytest.raises(BadInput, match=r"holds no fleet.json that can be used"):
+        lives_of([folder], None, print)

@@ -62,6 +62,7 @@ def test_parts_are_repeats_of_one_state(written):
         ("rigs: [{recordngs: a.csv, name: x}]", r"$.rigs[0].recordings: is missing"),
         ("defaults: {forse: a}\nrigs: [{recordings: a.csv}]", "$.defaults.forse: unknown key; did you mean force?"),
         ("rig: [{recordings: a.csv}]", "$.rig: unknown key; did you mean rigs?"),
+        ("rigs: [{recordings: '/**/*.csv', name: x}]", "'/**/*.csv' would search every folder of the disk; begin"),
         ("rigs: [{recordings: 'no/*.csv', name: x}]", "no file matches 'no/*.csv'"),
         ("rigs: [{recordings: [a.csv, b.csv]}]", "needs a name"),
         ("rigs: [{recordings: a.csv}, {name: A, recordings: b.csv}]", "two entries are called"),
