@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
+from .plain_numbers import numbers_of
 from .table import Table
 
 #: Names of numbers that are a sampling rate in Hz, or an interval in s, in lower case.
@@ -16,6 +17,7 @@ _RATES = ("fs", "fsample", "samplerate", "samplingrate", "samplingfrequency", "s
 _INTERVALS = ("dt", "ts", "samplinginterval", "samplinginterval_s", "increment")
 _MOST_COLUMNS = 1024  # of a matrix, whose longer side is the time
 _DEEPEST = 16  # groups within groups
+_ALIKE = 1e-4  # relative: an interval of four digits says a rate no better
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,8 @@ def tables_of_tree(where: str, tree: Mapping[str, Any], units: Mapping[str, str]
     """The records of named arrays, in groups within groups: the arrays of one group are the channels of one record.
 
     A single number named fs, dt or the like is the rate of its group and those below. A matrix is as many channels as
-    its shorter side. What holds no real numbers is passed over.
+    its shorter side. What is masked is missing. What holds no real numbers is passed over; where it is as long as the
+    record, that is said.
 
     Args:
         where: name of the file.
@@ -67,59 +70,90 @@ def tables_of_tree(where: str, tree: Mapping[str, Any], units: Mapping[str, str]
     Raises:
         BadInput: a rate is no positive number.
     """
-    records = [
-        (path, channels, fs) for path, channels, fs in _records(where, tree, units or {}, "", None, 0) if channels
-    ]
+    records = [found for found in _records(where, tree, units or {}, "", None, 0) if found[1]]
     several = len(records) > 1
     made = []
-    for path, channels, fs in records:
+    for path, channels, passed, fs in records:
         name = (path or "top") if several else ""
-        made.append(table_of(f"{where}#{name}" if name else where, channels, fs, name))
+        place = f"{where}#{name}" if name else where
+        made.append(table_of(place, channels, fs, name, passed_over(place, passed)))
     return made
+
+
+def passed_over(where: str, passed: Mapping[str, str]) -> list[str]:
+    """The sentence on columns that are no channels, by what they hold; none where there are none."""
+    if not passed:
+        return []
+    named = [f"'{name[:80]}' ({kind})" for name, kind in passed.items()]
+    names = ", ".join(named[:5]) + (f" and {len(named) - 5} more" if len(named) > 5 else "")
+    return [f"{where}: passed over, as no real numbers: {names}"]
 
 
 def _records(
     where: str, tree: Mapping[str, Any], units: Mapping[str, str], path: str, fs: float | None, depth: int
-) -> Iterator[tuple[str, list[Channel], float | None]]:
+) -> Iterator[tuple[str, list[Channel], dict[str, str], float | None]]:
     if depth > _DEEPEST:
         raise BadInput(f"{where}: has groups more than {_DEEPEST} deep at '{path[:80]}'; export the record as CSV")
     values = {str(name): value for name, value in tree.items() if not isinstance(value, Mapping)}
-    fs = next((rate for name, value in values.items() if (rate := _rate(where, name, value)) is not None), fs)
-    channels = [
-        channel
-        for name, value in values.items()
-        for channel in _channels(name, value, units.get(f"{path}/{name}" if path else name, ""))
-    ]
-    yield path, channels, fs
+    fs = _one_rate(where, values) or fs
+    channels, others = [], {}
+    for name, value in values.items():
+        found = _channels(name, value, units.get(f"{path}/{name}" if path else name, ""))
+        if isinstance(found, list):
+            channels += found
+        else:
+            others[name] = found
+    longest = max((channel.values.size for channel in channels), default=0)
+    passed = {name: kind for name, (kind, shape) in others.items() if longest in shape}
+    yield path, channels, passed, fs
     for name, value in tree.items():
         if isinstance(value, Mapping):
             yield from _records(where, value, units, f"{path}/{name}" if path else str(name), fs, depth + 1)
 
 
+def _one_rate(where: str, values: Mapping[str, Any]) -> float | None:
+    """The rate that numbers of one group state, Hz; raises BadInput where two state rates that differ."""
+    stated = {name: rate for name, value in values.items() if (rate := _rate(where, name, value)) is not None}
+    if stated and max(stated.values()) > min(stated.values()) * (1.0 + _ALIKE):
+        told = ", ".join(f"'{name}' {rate:.6g} Hz" for name, rate in stated.items())
+        raise BadInput(f"{where}: states several sampling rates: {told}; take out those that are wrong")
+    return next(iter(stated.values()), None)
+
+
 def _rate(where: str, name: str, value: Any) -> float | None:
     plain = name.lower().replace("_", "").removesuffix("hz")
-    if plain not in (*_RATES, *_INTERVALS) or not _real(value) or np.size(value) != 1:
+    if plain not in (*_RATES, *_INTERVALS) or np.size(value) != 1:
         return None
-    number = float(np.asarray(value).reshape(()))
+    numbers = numbers_of(value).values
+    if numbers is None:
+        return None
+    number = float(numbers.reshape(()))
     if not (np.isfinite(number) and number > 0):
         raise BadInput(f"{where}: '{name}' is {number:g}, which is no sampling rate; mend it, or give --fs")
     return 1.0 / number if plain in _INTERVALS else number
 
 
-def _real(value: Any) -> bool:
-    return np.asarray(value).dtype.kind in "iuf"
-
-
-def _channels(name: str, value: Any, unit: str) -> list[Channel]:
-    array = np.asarray(value)
-    if array.dtype.names:  # a table with named columns
-        return [c for field in array.dtype.names for c in _channels(field, array[field], "")]
-    if array.dtype.kind not in "iuf" or array.size < 2:
+def _channels(name: str, value: Any, unit: str) -> list[Channel] | tuple[str, tuple[int, ...]]:
+    """The channels of an array, or of what cannot be one the kind and the shape."""
+    array = value if isinstance(value, np.ndarray) else None
+    if array is not None and array.dtype.names:  # a table with named columns
+        fields = [(field, _channels(field, array[field], "")) for field in array.dtype.names]
+        made = [channel for _, found in fields if isinstance(found, list) for channel in found]
+        return made or ("records of several values", array.shape)
+    numbers = numbers_of(value)
+    if numbers.values is None:
+        return numbers.kind, np.shape(array) if array is not None else _shape(value)
+    if numbers.values.size < 2:
         return []
-    array = array.squeeze()
+    unit, array = unit or numbers.unit, numbers.values.squeeze()
     if array.ndim == 1:
         return [Channel(name, array, unit)]
     if array.ndim != 2 or min(array.shape) > _MOST_COLUMNS:
-        return []
+        return f"{array.ndim} dimensions" if array.ndim != 2 else f"more than {_MOST_COLUMNS} columns", array.shape
     columns = array if array.shape[0] >= array.shape[1] else array.T
     return [Channel(f"{name}_{i + 1}", columns[:, i], unit) for i in range(columns.shape[1])]
+
+
+def _shape(value: Any) -> tuple[int, ...]:
+    """The length of a list; of text, none."""
+    return () if isinstance(value, str | bytes) else (len(value),) if hasattr(value, "__len__") else ()

@@ -124,6 +124,6 @@ def _named(signal: np.ndarray, name: str, how: dict[str, Any]) -> tuple[dict[str
         raise BadInput(f"{name}: an array says nothing of time; give its sampling frequency with fs, in Hz")
     arrays, force = {"response": signal}, how.get("force")
     if force is not None and not isinstance(force, str | int):
-        arrays["force"] = np.asarray(force)
+        arrays["force"] = force if isinstance(force, np.ndarray) else np.asarray(force)
         how = how | {"force": "force"}
     return arrays, how | {"response": "response"}

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from .channels import Channel, table_of, tables_of_tree
+from .channels import Channel, passed_over, table_of, tables_of_tree
+from .plain_numbers import Numbers, numbers_of
 from .table import Table
 
 
@@ -50,14 +51,17 @@ def is_sep5(data: Any) -> bool:
 
 
 def _of_frame(data: Any, name: str) -> Table:
-    channels = [Channel(str(label), np.asarray(data[label])) for label in dict.fromkeys(data.columns)]
-    index = np.asarray(data.index)
-    if index.dtype.kind in "mM":
-        seconds = (index - index[0]) / np.timedelta64(1, "s")
-        channels.insert(0, Channel("time", seconds.astype(float), "s"))
-    elif index.dtype.kind == "f" or (index.dtype.kind in "iu" and data.index.name):
-        channels.insert(0, Channel(str(data.index.name or "time"), index))
-    return _of_numbers(name, channels)
+    found = {str(label): numbers_of(data[label]) for label in dict.fromkeys(data.columns)}
+    index = numbers_of(data.index)
+    if index.values is not None and (index.unit or index.values.dtype.kind == "f" or data.index.name):
+        found = {"time" if index.unit else str(data.index.name or "time"): _since_first(index), **found}
+    return _of_numbers(name, found)
+
+
+def _since_first(index: Numbers) -> Numbers:
+    """An index of times or durations, from its first on."""
+    values = index.values
+    return index if values is None or not index.unit or not values.size else index._replace(values=values - values[0])
 
 
 def _of_xarray(data: Any, name: str) -> Table:
@@ -67,34 +71,57 @@ def _of_xarray(data: Any, name: str) -> Table:
         }  # fmt: skip
     variables = dict(getattr(data, "data_vars", data))
     arrays = {**{str(k): v for variable in variables.values() for k, v in variable.coords.items()}, **variables}
-    channels = []
+    channels: dict[str, Numbers] = {}
     for key, array in arrays.items():
         if array.ndim != 1:
             continue
-        values, unit = np.asarray(array), str(array.attrs.get("units") or array.attrs.get("unit") or "")
-        if values.dtype.kind in "mM":
-            values, unit = ((values - values[0]) / np.timedelta64(1, "s")).astype(float), "s"
-        channels.append(Channel(str(key), values, unit))
+        unit = str(array.attrs.get("units") or array.attrs.get("unit") or "")
+        numbers = numbers_of(array.values)
+        channels[str(key)] = _since_first(numbers) if numbers.unit else numbers._replace(unit=unit)
     return _of_numbers(name, channels)
 
 
 def _of_sep5(data: Sequence[Mapping[str, Any]], name: str) -> Table:
-    channels = [
-        Channel(str(series["name"]), np.asarray(series["data"]), str(series.get("unit_str") or "")) for series in data
-    ]
-    if any(channel.values.ndim != 1 or channel.values.shape != channels[0].values.shape for channel in channels):
+    made = [(str(series["name"]), numbers_of(series["data"]), str(series.get("unit_str") or "")) for series in data]
+    shapes = {np.shape(numbers.values) for _, numbers, _ in made if numbers.values is not None}
+    if any(len(shape) != 1 for shape in shapes) or len(shapes) > 1:
         raise BadInput(f"{name}: the SEP 5 'data' must be vectors of one length; give records one by one")
-    rates = {float(series["fs"]) for series in data if series.get("fs") is not None}
+    rates = {_stated_rate(series["fs"], name) for series in data if series.get("fs") is not None}
     if len(rates) > 1:
         raise BadInput(f"{name}: the SEP 5 dictionaries have the rates {sorted(rates)} Hz; give records one by one")
     stamps = next((series[key] for series in data for key in ("time", "t") if series.get(key) is not None), None)
+    channels = [Channel(label, numbers.values, unit) for label, numbers, unit in made if numbers.values is not None]
+    passed = {label: numbers.kind for label, numbers, _ in made if numbers.values is None}
     if stamps is not None:
-        channels.insert(0, Channel("time", np.asarray(stamps, float), "s"))
-    return _of_numbers(name, channels, rates.pop() if rates else None)
-
-
-def _of_numbers(name: str, channels: Sequence[Channel], fs: float | None = None) -> Table:
-    numeric = [channel for channel in channels if channel.values.dtype.kind in "iuf" and channel.values.ndim == 1]
-    if not numeric:
+        times = numbers_of(stamps)
+        if times.values is None or times.values.ndim != 1:
+            raise BadInput(
+                f"{name}: the time of the SEP 5 dictionaries holds {times.kind or 'no vector'}; give seconds"
+            )
+        channels.insert(0, Channel("time", times.values, "s"))
+    if not channels or not shapes:
         raise BadInput(f"{name}: holds no vector of numbers; give arrays by name")
-    return table_of(name, numeric, fs)
+    return table_of(name, channels, rates.pop() if rates else None, notes=passed_over(name, passed))
+
+
+def _stated_rate(given: Any, name: str) -> float:
+    numbers = numbers_of(given).values
+    if numbers is None or numbers.size != 1 or not (np.isfinite(numbers) & (numbers > 0)).all():
+        raise BadInput(f"{name}: 'fs' is {str(given)[:40]!r}, which is no sampling rate; give it in Hz")
+    return float(numbers.reshape(()))
+
+
+def _of_numbers(name: str, found: Mapping[str, Numbers]) -> Table:
+    channels = [
+        Channel(label, numbers.values, numbers.unit)
+        for label, numbers in found.items()
+        if numbers.values is not None and numbers.values.ndim == 1
+    ]
+    passed = {
+        label: numbers.kind or "several dimensions"
+        for label, numbers in found.items()
+        if numbers.values is None or numbers.values.ndim != 1
+    }
+    if not channels:
+        raise BadInput(f"{name}: holds no vector of numbers; give arrays by name")
+    return table_of(name, channels, notes=passed_over(name, passed))

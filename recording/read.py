@@ -139,21 +139,22 @@ def _recording(
         numbers = numbers[:-missing]
         notes.append(f"{table.where}: a channel ends before the others, {missing} row(s) behind its end were left out")
     signals = numbers[:, : 1 if choice.force is None else 2]
-    stamps = None
+    stamps, rate = None, table.fs if fs is None else fs
     if choice.time is not None:
         stamps, said = _stamps(table, choice.time, numbers[:, -1], fs, calibration)
         notes += said
-        empty = np.any(np.isnan(signals), axis=1)
-        if (
-            stamps is not None and np.any(empty) and not np.all(empty)
-        ):  # like samples that a recorder lost: bridged where they are few
+    empty = np.any(np.isnan(signals), axis=1)
+    if np.any(empty) and not np.all(empty):  # like samples that a recorder lost: bridged where they are few
+        if stamps is None and rate is not None and np.isfinite(rate) and rate > 0:
+            stamps, rate = np.arange(len(signals)) / rate, None
+        if stamps is not None:
             stamps, signals = stamps[~empty], signals[~empty]
             notes.append(f"{table.where}: {np.sum(empty)} row(s) hold no number in a channel and were left out")
     if part is not None and stamps is not None:
         rows, said = rows_of(table.where, stamps, part)
         stamps, signals = stamps[rows], signals[rows]
         notes += said
-    sampling = uniform_sampling(table.where, stamps, table.fs if fs is None else fs, signals)
+    sampling = uniform_sampling(table.where, stamps, rate, signals)
     columns = sampling.columns
     recording = Recording(
         name=table.where,

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..files.computed_once import computed_once
+from .plain_numbers import numbers_of
 from .units import parse_unit
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -133,16 +134,19 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
     name = str(response.get("name", "recording"))
     if "data" not in response:
         raise BadInput(f"{name}: the SEP 5 dictionary has no 'data'")
-    columns = [np.asarray(series["data"], dtype=float) for series in (response, force) if series is not None]
+    columns = [_plain(series["data"], f"{name}: 'data'") for series in (response, force) if series is not None]
     if any(column.shape != columns[0].shape or column.ndim != 1 for column in columns):
         raise BadInput(f"{name}: the SEP 5 'data' of response and force must be vectors of the same length")
     time, fs = response.get("time"), response.get("fs")
-    sampling = uniform_sampling(
-        name,
-        None if time is None else np.asarray(time, dtype=float),
-        None if fs is None else float(fs),
-        np.column_stack(columns),
-    )
+    stamps = None if time is None else _plain(time, f"{name}: 'time'")
+    rate = None if fs is None else float(_plain([fs], f"{name}: 'fs'")[0])
+    signals = np.column_stack(columns)
+    empty = np.any(np.isnan(signals), axis=1)
+    if np.any(empty) and not np.all(empty) and (stamps is not None or (rate is not None and rate > 0)):
+        # samples that were lost are bridged where they are few
+        stamps = (np.arange(len(signals)) / rate if stamps is None and rate else np.asarray(stamps))[~empty]
+        signals, rate = signals[~empty], None
+    sampling = uniform_sampling(name, stamps, rate, signals)
     unit = parse_unit(str(response.get("unit_str", "m")), where=name)
     force_unit = parse_unit(str(force.get("unit_str", "N")) if force else "N", where=name)
     for which, measured, allowed in (("response", unit, (*QUANTITIES, "any")), ("force", force_unit, ("force", "any"))):
@@ -164,11 +168,21 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
     )
 
 
+def _plain(given: Any, what: str) -> np.ndarray:
+    """Numbers as floats, NaN where one is masked; raises BadInput where there are none."""
+    numbers = numbers_of(given)
+    if numbers.values is None:
+        raise BadInput(f"{what} holds {numbers.kind}; give an array of numbers")
+    return np.asarray(numbers.values, float)
+
+
 def _frozen(values: np.ndarray, what: str) -> np.ndarray:
-    try:
-        copy = np.array(values, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise BadInput(f"{what} is not an array of numbers") from None
+    numbers = numbers_of(values)
+    if numbers.values is None:
+        raise BadInput(f"{what} is not an array of numbers, but of {numbers.kind}")
+    copy = np.array(numbers.values, dtype=np.float64)
+    if np.ma.is_masked(values):
+        raise BadInput(f"{what} has masked samples, which are missing; hand it over as an array by name to bridge them")
     if copy.ndim != 1:
         raise BadInput(f"{what} has shape {copy.shape}; it must be one column of samples")
     copy.setflags(write=False)
