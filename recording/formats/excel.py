@@ -25,6 +25,7 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     opened(where, content, most).close()
     book = load_workbook(io.BytesIO(content), read_only=True, data_only=True)
     texts = {}
+    hidden = [sheet.title for sheet in book.worksheets if sheet.sheet_state != "visible"]
     for sheet in book.worksheets:
         sheet.reset_dimensions()  # what the sheet declares may be a million empty rows
         texts[sheet.title] = _text(where, sheet, most)
@@ -37,7 +38,8 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
         except BadInput as problem:  # a sheet of remarks beside those of numbers
             problems.append(problem)
             continue
-        tables.append(replace(table, record=title if len(texts) > 1 else ""))
+        said = (f"{name}: the sheet '{title}' is hidden in the workbook",) if title in hidden else ()
+        tables.append(replace(table, record=title if len(texts) > 1 else "", notes=(*table.notes, *said)))
     if not tables and problems:
         raise problems[0]
     return tables

@@ -5,6 +5,9 @@ from __future__ import annotations
 import io
 from typing import Any
 
+import numpy as np
+
+from ...errors import BadInput
 from ..channels import tables_of_tree
 from ..content import too_large
 from ..table import Table
@@ -38,7 +41,7 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
             branch[name] = {key: node.attrs[key] for key in _RATE if key in node.attrs}
             return
         matlab = _text(node.attrs.get("MATLAB_class", ""))
-        if node.dtype.kind not in "iuf" or matlab in ("char", "cell", "logical") or node.external or node.is_virtual:
+        if node.dtype.kind not in "iufcbV" or matlab in ("char", "cell", "logical") or node.external or node.is_virtual:
             return
         total += node.size * max(node.dtype.itemsize, 8)
         if total > most * 1e6:
@@ -46,8 +49,10 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
         branch[name] = node[()]
         units[path] = next((_text(node.attrs[key]) for key in _UNIT if key in node.attrs), "")
         for key in _RATE:
-            if key in node.attrs:
-                branch.setdefault(key, node.attrs[key])
+            if key in node.attrs and np.any(branch.setdefault(key, node.attrs[key]) != node.attrs[key]):
+                raise BadInput(
+                    f"{where}: '{path}' states another {key} than what lies beside it; export the records one by one"
+                )
 
     with h5py.File(io.BytesIO(content), "r") as file:
         tree.update({key: file.attrs[key] for key in _RATE if key in file.attrs})

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from ..channels import Channel, table_of
+from ..channels import Channel, passed_over, table_of
 from ..content import too_large
+from ..plain_numbers import numbers_of
 from ..table import Table
 
 
@@ -20,13 +21,17 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     file = parquet.ParquetFile(pyarrow.BufferReader(content))
     if file.metadata.num_rows * max(file.metadata.num_columns, 1) * 8 > most * 1e6:
         raise too_large(where, most)
-    channels = []
+    channels, passed = [], {}
     for i, field in enumerate(file.schema_arrow):
-        kind = field.type
-        if not (pyarrow.types.is_floating(kind) or pyarrow.types.is_integer(kind)):
+        name = file.schema_arrow.names[i]
+        if pyarrow.types.is_string(field.type) or pyarrow.types.is_large_string(field.type):
+            passed[name] = "text"  # which takes more memory than all the numbers
             continue
         metadata = field.metadata or {}
         unit = (metadata.get(b"unit") or metadata.get(b"units") or b"").decode("utf-8", "replace")
-        values = file.read(columns=[field.name]).column(0).to_numpy()
-        channels.append(Channel(file.schema_arrow.names[i], values, unit))
-    return [table_of(where, channels)] if channels else []
+        numbers = numbers_of(file.read(columns=[field.name]).column(0).to_numpy())
+        if numbers.values is None or numbers.values.ndim != 1:
+            passed[name] = numbers.kind or str(field.type)
+            continue
+        channels.append(Channel(name, numbers.values, unit or numbers.unit))
+    return [table_of(where, channels, notes=passed_over(where, passed))] if channels else []

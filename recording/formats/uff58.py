@@ -10,7 +10,8 @@ from typing import Any
 
 import numpy as np
 
-from ..channels import Channel, table_of
+from ...errors import BadInput
+from ..channels import Channel, passed_over, table_of
 from ..table import Table
 
 _TIME_RESPONSE = 1  # function type of data set 58
@@ -26,8 +27,15 @@ _DIRECTIONS = {1: "+X", 2: "+Y", 3: "+Z", -1: "-X", -2: "-Y", -3: "-Z", 4: "+RX"
 
 
 def read_tables(where: str, content: bytes, most: float) -> list[Table]:
-    """The records of a file; a channel that comes a second time, or at another rate, begins a further record."""
+    """The records of a file; a channel that comes a second time, or at another rate, begins a further record.
+
+    Raises:
+        BadInput: a data set holds another number of values, or of bytes, than it declares, or is not closed.
+        ModuleNotFoundError: without pyuff.
+    """
     import pyuff
+
+    _check_closed(where, content)
 
     with tempfile.TemporaryDirectory() as folder, contextlib.redirect_stdout(io.StringIO()):
         path = Path(folder) / "content.uff"  # the library reads files by name
@@ -36,11 +44,14 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
         kinds = [int(kind) for kind in np.atleast_1d(file.get_set_types())]
         sets: list[Any] = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
     groups: list[tuple[tuple[int, float], list[Channel]]] = []
-    for data in sets:
+    passed: dict[str, str] = {}
+    for number, data in enumerate(sets, start=1):
         values = np.asarray(data["data"])
-        if int(data["func_type"]) != _TIME_RESPONSE or values.dtype.kind not in "iuf":
-            continue
+        _check_size(f"{where}, data set {number} of kind 58", data, values.size)
         name, unit = _named(data)
+        if int(data["func_type"]) != _TIME_RESPONSE or values.dtype.kind not in "iuf":
+            passed[name] = "complex numbers" if values.dtype.kind == "c" else f"function type {int(data['func_type'])}"
+            continue
         channel = Channel(name, values, unit)
         key = (values.size, _interval(data))
         if groups and groups[-1][0] == key and channel.name not in [other.name for other in groups[-1][1]]:
@@ -51,8 +62,43 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     for number, ((_, interval), channels) in enumerate(groups, start=1):
         record = str(number) if len(groups) > 1 else ""
         fs = 1.0 / interval if interval > 0 else None
-        tables.append(table_of(f"{where}#{record}" if record else where, channels, fs, record))
+        place = f"{where}#{record}" if record else where
+        tables.append(table_of(place, channels, fs, record, passed_over(place, passed)))
     return tables
+
+
+def _check_closed(where: str, content: bytes) -> None:
+    """Raises BadInput where a data set begins before the one before it has ended, or the last one has no end.
+
+    A line of -1 stands before and behind each; between two there is nothing.
+    """
+    lines = [line.strip() for line in content.split(b"\n")]
+    open_, cut = False, False
+    for line in lines:
+        if line == b"-1":
+            open_ = not open_
+        elif line.strip(b"\x1a\0") and not open_:
+            cut = True
+    if open_ or cut:
+        raise BadInput(f"{where} is cut short or damaged, a data set in it has no end (-1); copy it again")
+
+
+def _check_size(where: str, data: dict[str, Any], count: int) -> None:
+    """Raises BadInput where the values read are not as many as the data set declares."""
+    declared = int(data["num_pts"])
+    if count != declared:
+        raise BadInput(
+            f"{where}: holds {count} values and declares {declared}: it is cut short or damaged; copy it again"
+        )
+    if not data.get("binary") or not data.get("n_bytes") or int(data["abscissa_spacing"]) == 0:
+        return  # as text, not stated, or with abscissas of a width that writers do not agree in
+    kind = int(data["ord_data_type"])
+    size = declared * (8 if kind in (4, 6) else 4) * (2 if kind in (5, 6) else 1)
+    if int(data["n_bytes"]) != size:
+        raise BadInput(
+            f"{where}: declares {int(data['n_bytes'])} bytes where its {declared} values take {size}: it is damaged; "
+            "export it again"
+        )
 
 
 def _interval(data: dict[str, Any]) -> float:

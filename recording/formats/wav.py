@@ -28,8 +28,23 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     if data.dtype == np.uint8:
         data = data.astype(float) - 128.0  # eight bits are stored from 0 to 255
         full = 128
+    elif data.dtype.kind == "f":
+        full = 1
     else:
-        full = 1 if data.dtype.kind == "f" else 2 ** (8 * data.dtype.itemsize - 1)
+        stored = 8 * _stored_bytes(content)  # of three bytes scipy makes four, the lowest 0
+        data = data >> 8 * data.dtype.itemsize - stored
+        full = 2 ** (stored - 1)
     data = data[:, None] if data.ndim == 1 else data
     note = f"{where}: holds counts of a converter, full scale {full}; --calibration says what a count is"
     return [table_of(where, [Channel("", column, "counts") for column in data.T], float(fs), notes=[note])]
+
+
+def _stored_bytes(content: bytes) -> int:
+    """Bytes of one sample of one channel, by the chunk ``fmt`` ("Multimedia Programming Interface", IBM, Microsoft)."""
+    order = "big" if content[:4] == b"RIFX" else "little"
+    at = 12
+    while content[at : at + 4] != b"fmt ":
+        size = int.from_bytes(content[at + 4 : at + 8], order)
+        at += 8 + size + size % 2
+    channels, block = (int.from_bytes(content[at + 8 + k : at + 10 + k], order) for k in (2, 12))
+    return block // channels
