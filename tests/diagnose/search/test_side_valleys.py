@@ -36,13 +36,13 @@ def test_what_short_bursts_hide_from_the_regression_a_prediction_shows(bursts):
     fitted, data = bursts
     regression = Regression(data, fitted.model)
     guess = regression.best(PLAY)
-    assert guess is None or guess.values["actuator-backlash.gap"] < 0.1 * ACTUATOR["half_gap"]  # it sees none
+    assert guess is None or guess.values["actuator-backlash.gap"] < 0.5 * ACTUATOR["half_gap"]  # the play is not seen
     proposals = by_probing(fitted, fitted, data, [PLAY])
     assert 1 <= len(proposals) <= side_valleys._KEPT
     assert all(p.law == PLAY.name and p.gain > 1000.0 and p.initial is None for p in proposals)
     found = max(proposals, key=lambda proposal: proposal.gain).model.values()
     assert found["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.15)
-    assert found["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.02)
+    assert found["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.05)  # a start, not a fit
     assert found["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.01)
 
 
