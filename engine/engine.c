@@ -1,6 +1,9 @@
 /* Event-exact integration of one oscillator over a communication step; see engine.h. Included behind the generated law. */
 #include "flow.c"
 #include "events.c"
+#ifdef DP_CARRIES
+#include "carried.c"
+#endif
 
 #define DP_EVENT_BUDGET 400 /* events in one internal step; beyond it the motion is no longer physical */
 
@@ -12,7 +15,9 @@ static int dp_substep(dp_engine *e, const dp_line *l, double tau, double h) {
         const double at = tau + (h - left);
         if (n > DP_EVENT_BUDGET) return DP_TOO_MANY_EVENTS;
         if (e->hold >= 0 && dp_excess(e, l, at, e->z) > 0.0) {
+            DP_BEFORE(e, l, at);
             dp_release(e, l, at);
+            DP_AFTER(e, l, at);
             e->node_ready = 0;
         }
         if (!e->node_ready) dp_surfaces_at(e, l, at, e->z, e->f, e->g, e->gd);
@@ -22,11 +27,15 @@ static int dp_substep(dp_engine *e, const dp_line *l, double tau, double h) {
         event = dp_locate(e, l, at, left, g1, gd1, &where, z1);
         gone = breaks ? dp_break_away(e, l, at, left, e->f, z2) : 2.0;
         if (breaks && (event < 0 || gone <= where)) {
+            DP_FLOWN(e, l, at, gone * left, e->f);
             memcpy(e->z, z2, sizeof z2);
             left = gone < 1.0 ? left * (1.0 - gone) : 0.0;
+            DP_BREAKING(e, l, tau + (h - left));
             dp_release(e, l, tau + (h - left));
+            DP_AFTER(e, l, tau + (h - left));
             continue;
         }
+        DP_FLOWN(e, l, at, event < 0 ? left : where * left, e->f);
         memcpy(e->z, z1, sizeof z1);
         if (event < 0) {
             memcpy(e->f, f1, sizeof f1);
@@ -37,7 +46,9 @@ static int dp_substep(dp_engine *e, const dp_line *l, double tau, double h) {
         }
         left *= 1.0 - where;
         if (left < 1e-14 * h) left = 0.0;
+        DP_CROSSING(e, l, tau + (h - left), event);
         dp_cross(e, l, tau + (h - left), event, h);
+        DP_AFTER(e, l, tau + (h - left));
     }
     return DP_OK;
 }
@@ -68,6 +79,7 @@ static int dp_glide(dp_engine *e, const dp_line *l, double dt) {
     if (dp_may_cross(e, gd, g1, gd1)) return 0;
     for (i = 0; i < DP_NZ; ++i) finite += z1[i] - z1[i];
     if (finite != 0.0) return 0;
+    DP_FLOWN(e, l, 0.0, dt, f);
     memcpy(e->z, z1, sizeof z1);
     memcpy(e->f, f1, sizeof f1);
     memcpy(e->g, g1, sizeof g1);

@@ -59,6 +59,14 @@ static void dp_signs(const dp_engine *e, const dp_line *l, double *s) {
         memcpy(s, e->s, sizeof e->s);
 }
 
+/* Takes signs that were kept. */
+static void dp_take_signs(dp_engine *e, const signed char *kept) {
+    int i;
+    for (i = 0; i < DP_NS; ++i) e->s[i] = kept[i];
+    e->hold = kept[DP_NS];
+    e->modes_ready = 1;
+}
+
 /* Signs s put right after a jump of the force. */
 static void dp_after_jump(const dp_engine *e, const dp_line *l, double *s) {
     double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];

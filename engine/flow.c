@@ -78,19 +78,22 @@ static void dp_surfaces_at(const dp_engine *e, const dp_line *l, double tau, con
     if (e->hold >= 0) dp_hold_rates(e, l, tau, z, f);
 }
 
+/* The coefficients of Dormand and Prince (1980), order five: row i makes stage i + 1 of the rates before it, the last row
+ * the state at the end; dp_node says where in the step a stage lies. */
+static const double dp_node[6] = {0.0, 1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1.0};
+static const double dp_weight[6][6] = {
+    {1.0 / 5},
+    {3.0 / 40, 9.0 / 40},
+    {44.0 / 45, -56.0 / 15, 32.0 / 9},
+    {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
+    {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
+    {35.0 / 384, 0.0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84},
+};
+
 /* One Dormand-Prince step of length h from z (right-hand side k1) to out. Nearly all time goes here, so that the law is
  * put in place where nothing can hold the motion. */
 DP_INLINE void dp_pair(const dp_engine *e, const dp_line *l, double tau, double h, const double *z, const double *k1,
                        double *out, int held) {
-    static const double c[5] = {1.0 / 5, 3.0 / 10, 4.0 / 5, 8.0 / 9, 1.0};
-    static const double a[6][6] = {
-        {1.0 / 5},
-        {3.0 / 40, 9.0 / 40},
-        {44.0 / 45, -56.0 / 15, 32.0 / 9},
-        {19372.0 / 6561, -25360.0 / 2187, 64448.0 / 6561, -212.0 / 729},
-        {9017.0 / 3168, -355.0 / 33, 46732.0 / 5247, 49.0 / 176, -5103.0 / 18656},
-        {35.0 / 384, 0.0, 500.0 / 1113, 125.0 / 192, -2187.0 / 6784, 11.0 / 84},
-    };
     double k[6][DP_NZ], y[DP_NZ];
     int i, j, n;
     memcpy(k[0], k1, sizeof k[0]);
@@ -100,15 +103,18 @@ DP_INLINE void dp_pair(const dp_engine *e, const dp_line *l, double tau, double 
         for (n = 0; n < DP_NZ; ++n) {
             double sum = 0.0;
             DP_UNROLL
-            for (j = 0; j < i; ++j) sum += a[i][j] * k[j][n];
-            y[n] = z[n] + h * sum + h * a[i][i] * k[i][n]; /* the latest rate last: all else is ready before it */
+            for (j = 0; j < i; ++j) sum += dp_weight[i][j] * k[j][n];
+            y[n] = z[n] + h * sum + h * dp_weight[i][i] * k[i][n]; /* the latest rate last: all else is ready before it */
         }
         if (i == 5) break;
+        DP_STAGE(e, i + 1, y);
         if (held)
-            dp_field_at(e, l, tau + c[i] * h, y, k[i + 1]);
+            dp_field_at(e, l, tau + dp_node[i + 1] * h, y, k[i + 1]);
         else
-            dp_field_here(y, l->t0 + (tau + c[i] * h), dp_force(l, tau + c[i] * h), e->p, e->s, k[i + 1]);
+            dp_field_here(y, l->t0 + (tau + dp_node[i + 1] * h), dp_force(l, tau + dp_node[i + 1] * h), e->p, e->s,
+                          k[i + 1]);
     }
+    DP_STAGES(e, tau, h);
     memcpy(out, y, sizeof y);
 }
 

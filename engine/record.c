@@ -24,10 +24,7 @@ static void dp_keep_signs(const dp_engine *e, signed char *kept) {
  * same samples, so that a difference of the two is a derivative also where the acceleration jumps. */
 static void dp_outputs_under(const dp_engine *e, const signed char *kept, double u, double *out) {
     dp_engine now = *e;
-    int i;
-    for (i = 0; i < DP_NS; ++i) now.s[i] = kept[i];
-    now.hold = kept[DP_NS];
-    now.modes_ready = 1;
+    dp_take_signs(&now, kept);
     dp_outputs(&now, u, out);
 }
 
@@ -64,53 +61,89 @@ static void dp_joined(const double *piece, int joined, double step, double *one)
     one[3] = (piece[1] + slope - 2.0 * rise / whole) / (whole * whole);
 }
 
-/* n samples dt apart; the force is a cubic in each of `fine` equal parts of a sample interval (force: 4 coefficients a
- * part, `parts` of them, at least (n - 1) * fine, or null for a free motion), `joined` of which are taken as one. A force that jumps at a sample has its new
- * value there. Writes the response y (n) and, where not null, the states z (n * DP_NZ, sample by sample) and the signs at
- * each sample, kept (n * (DP_NS + 1)). With signs given (the same shape) the response is what the states give under
- * these. Of the outputs it is the one at index `shown`. With measured (n) and gain (DP_NZ) the state is corrected after
- * each sample: y is then the prediction from one sample to the next. To the force is added, all along, `load` and, where
- * not null, the samples added (n): held from each to the next, or in straight lines (`lines`, one part an interval).
- * Returns the number of samples written; fewer than n: it failed there. */
-DP_EXPORT long dp_record(const double *p, const double *z0, double t0, const double *force, long parts, long n, int fine,
-                         double dt, double max_step, double *y, double *z, const double *measured, const double *gain,
-                         const signed char *given, signed char *kept, int shown, const double *added, int lines,
-                         double load, int joined) {
+/* A recording to be made: n samples dt apart, the first at t0, from z0 with the parameters p. The force is a cubic in each
+ * of `fine` equal parts of a sample interval (force: 4 coefficients a part, `parts` of them, at least (n - 1) * fine, or
+ * null for a free motion), `joined` of which are taken as one. A force that jumps at a sample has its new value there. To
+ * it is added, all along, `load` and, where not null, the samples added (n): held from each to the next, or in straight
+ * lines (`lines`, one part an interval). With measured (n) and gain (DP_NZ) the state is corrected after each sample: the
+ * response is then the prediction from one sample to the next. */
+typedef struct {
+    const double *p, *z0, *force, *added, *measured, *gain;
+    const signed char *given; /* signs (n * (DP_NS + 1)) under which the states give the response; null: their own */
+    double *y;                /* the response (n): of the outputs the one at index `shown` */
+    double *z;                /* the states (n * DP_NZ), sample by sample, or null */
+    signed char *kept;        /* the signs at each sample, as `given`, or null */
+    long parts, n;
+    double t0, dt, max_step, load;
+    int fine, joined, lines, shown;
+} dp_recording;
+
+/* Returns the number of samples written; fewer than n: it failed there. */
+static long dp_record_by(dp_engine *e, const dp_recording *r) {
     static const double none[4] = {0.0, 0.0, 0.0, 0.0};
-    dp_engine e;
     double out[DP_NY], now[4], u = 0.0;
-    const double piece_step = dt / fine, step = joined * piece_step;
-    const double most = DP_MORE + n * fmin(DP_CHATTER, fine / joined * ceil(step / max_step));
-    const double *piece = force ? force : none, *end = force ? force + 4 * parts : none;
+    const double piece_step = r->dt / r->fine, step = r->joined * piece_step;
+    const double most = DP_MORE + r->n * fmin(DP_CHATTER, r->fine / r->joined * ceil(step / r->max_step));
+    const double *piece = r->force ? r->force : none, *end = r->force ? r->force + 4 * r->parts : none;
     long i;
     int j;
-    dp_start(&e, p, z0, t0, max_step);
-    for (i = 0; i < n; ++i) {
-        for (j = 0; i > 0 && j < fine; j += joined, piece += force ? 4 * joined : 0) {
-            if (joined > 1)
-                dp_joined(piece, joined, piece_step, now);
+    for (i = 0; i < r->n; ++i) {
+        const signed char *given = r->given ? r->given + i * (DP_NS + 1) : 0;
+        for (j = 0; i > 0 && j < r->fine; j += r->joined, piece += r->force ? 4 * r->joined : 0) {
+            if (r->joined > 1)
+                dp_joined(piece, r->joined, piece_step, now);
             else
                 memcpy(now, piece, sizeof now);
-            if (added) {
-                now[0] += added[i - 1];
-                if (lines) now[1] += (added[i] - added[i - 1]) / step;
+            if (r->added) {
+                now[0] += r->added[i - 1];
+                if (r->lines) now[1] += (r->added[i] - r->added[i - 1]) / step;
             }
-            now[0] += load;
-            if (dp_advance_along(&e, now, step) != DP_OK || e.events > most) return i;
-            u = e.node_u;
+            now[0] += r->load;
+            if (dp_advance_along(e, now, step) != DP_OK || e->events > most) return i;
+            u = e->node_u;
         }
-        if (piece < end) u = (added ? *piece + added[i] : *piece) + load;
+        if (piece < end) u = (r->added ? *piece + r->added[i] : *piece) + r->load;
         if (given)
-            dp_outputs_under(&e, given + i * (DP_NS + 1), u, out);
+            dp_outputs_under(e, given, u, out);
         else
-            dp_outputs(&e, u, out);
-        y[i] = out[shown];
-        if (z) memcpy(z + i * DP_NZ, e.z, sizeof e.z);
-        if (kept) dp_keep_signs(&e, kept + i * (DP_NS + 1));
-        if (measured) dp_correct(&e, gain, measured[i] - y[i], u);
+            dp_outputs(e, u, out);
+        r->y[i] = out[r->shown];
+        DP_SHOWN(e, given, u, r->shown, i);
+        if (r->z) memcpy(r->z + i * DP_NZ, e->z, sizeof e->z);
+        if (r->kept) dp_keep_signs(e, r->kept + i * (DP_NS + 1));
+        if (!r->measured) continue;
+        DP_CORRECTING(e, r->gain, u, i);
+        dp_correct(e, r->gain, r->measured[i] - r->y[i], u);
     }
-    return n;
+    return r->n;
 }
+
+#ifdef DP_CARRIES
+/* The same with `count` derivatives of the response (count * n): of the state at the start in `dz`, in blocks of DP_LANES
+ * by `which`, places among the parameters, nothing, and the force. Where `sensed` is 1 what was measured moves with the
+ * unknown, by `profile` (n) at each sample or, where that is null, by as much as it. `room`: twice DP_LANES for each block. */
+DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, double *dz, const int *which,
+                                 const double *sensed, const double *profile, double *room, double *derivatives) {
+    dp_engine e;
+    dp_carried c;
+    memset(&c, 0, sizeof c);
+    c.blocks = blocks, c.count = count, c.n = r->n, c.y = derivatives, c.profile = profile;
+    c.dz = (double(*)[DP_NZ][DP_LANES])dz;
+    c.which = (const int(*)[DP_LANES])which;
+    c.sensed = (const double(*)[DP_LANES])sensed;
+    c.shift = (double(*)[DP_LANES])room;
+    c.shown = c.shift + blocks;
+    dp_start(&e, r->p, r->z0, r->t0, r->max_step);
+    e.carried = &c;
+    return dp_record_by(&e, r);
+}
+#else
+DP_EXPORT long dp_record(const dp_recording *r) {
+    dp_engine e;
+    dp_start(&e, r->p, r->z0, r->t0, r->max_step);
+    return dp_record_by(&e, r);
+}
+#endif
 
 /* The right-hand side at the present signs, for tests that hold the renderings against one another. */
 DP_EXPORT void dp_rates(const double *p, const double *z, double t, double u, double *f) {

@@ -91,13 +91,13 @@ def shared_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, .
     return build(compiler, sources, main, f"core{SUFFIX}", flags=flags)[0]
 
 
-def loaded_library(sources: Mapping[str, str], main: str) -> ctypes.CDLL:
+def loaded_library(sources: Mapping[str, str], main: str, *, flags: tuple[str, ...] = ()) -> ctypes.CDLL:
     """The same, loaded into this process.
 
     Raises:
         ToolchainMissing: as ``shared_library``, and where the library does not load.
     """
-    path = shared_library(sources, main)
+    path = shared_library(sources, main, flags=flags)
     try:
         return ctypes.CDLL(str(path))
     except OSError as problem:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -17,14 +17,33 @@ from ..model.law import Expression
 from .compiler import loaded_library
 from .force import Force, straight_lines
 from .law_source import law_source
+from .slopes_source import LANES
 
 if TYPE_CHECKING:
     from ..model import Oscillator
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 _BYTES = ctypes.POINTER(ctypes.c_byte)
+#: Further flags of the compiler where derivatives go along: loops over unknowns side by side become vectors, in which
+#: each number is what it would be alone.
+CARRYING = ("-ftree-vectorize",)
 #: Internal steps per period of the fastest motion: Dormand-Prince then errs by about 1e-10 of the amplitude a step.
 STEPS_PER_PERIOD = 75.0
+
+
+class _Recording(ctypes.Structure):
+    """``dp_recording`` of engine/record.c."""
+
+    _fields_: ClassVar = [
+        *((name, _DOUBLES) for name in ("p", "z0", "force", "added", "measured", "gain")),
+        ("given", _BYTES),
+        ("y", _DOUBLES),
+        ("z", _DOUBLES),
+        ("kept", _BYTES),
+        *((name, ctypes.c_long) for name in ("parts", "n")),
+        *((name, ctypes.c_double) for name in ("t0", "dt", "max_step", "load")),
+        *((name, ctypes.c_int) for name in ("fine", "joined", "lines", "shown")),
+    ]
 
 
 class Core:
@@ -35,37 +54,42 @@ class Core:
         self.quantity = oscillator.response.quantity
         self.parameter_names = self.equations.parameter_names
         self.states = len(self.equations.state_names)
-        sources = {
-            "law.c": law_source(self.equations),
-            **engine.engine_texts(),
-            engine.RECORD: engine.text(engine.RECORD),
-            "core.c": engine.included("law.c", engine.ENGINE[-1], engine.RECORD),
-        }
-        self._library = loaded_library(sources, "core.c")
+        self._library = self._built(carried=False)
         self._record = self._library.dp_record
         self._record.restype = ctypes.c_long
-        self._record.argtypes = [
-            _DOUBLES,
-            _DOUBLES,
-            ctypes.c_double,
-            _DOUBLES,
+        self._record.argtypes = [ctypes.POINTER(_Recording)]
+
+    def _built(self, carried: bool) -> ctypes.CDLL:
+        """The compiled engine behind these equations, with derivatives that go along or without."""
+        files = (*engine.ENGINE, engine.RECORD, *(engine.CARRIED if carried else ()))
+        sources = {
+            "law.c": law_source(self.equations, carried=carried),
+            **{name: engine.text(name) for name in files},
+            "core.c": engine.included("law.c", engine.ENGINE[-1], engine.RECORD),
+        }
+        return loaded_library(sources, "core.c", flags=CARRYING if carried else ())
+
+    @computed_once
+    def unknowns(self) -> tuple[str, ...]:
+        """What ``record_with_derivatives`` can take derivatives by: the parameters, the initial states, ``load`` and
+        ``measured``, a constant added to what was measured."""
+        states = (f"initial {name}" for name in self.equations.state_names)
+        return (*self.parameter_names, *states, "load", "measured")
+
+    @computed_once
+    def _carried(self) -> Any:
+        """``dp_record_carried``, compiled where it is first asked for."""
+        record = self._built(carried=True).dp_record_carried
+        record.restype = ctypes.c_long
+        record.argtypes = [
+            ctypes.POINTER(_Recording),
+            ctypes.c_int,
             ctypes.c_long,
-            ctypes.c_long,
-            ctypes.c_int,
-            ctypes.c_double,
-            ctypes.c_double,
             _DOUBLES,
-            _DOUBLES,
-            _DOUBLES,
-            _DOUBLES,
-            _BYTES,
-            _BYTES,
-            ctypes.c_int,
-            _DOUBLES,
-            ctypes.c_int,
-            ctypes.c_double,
-            ctypes.c_int,
+            ctypes.POINTER(ctypes.c_int),
+            *[_DOUBLES] * 4,
         ]
+        return record
 
     def begin(self, initial: np.ndarray) -> np.ndarray:
         """(states,) at the start, from displacement, velocity and what the inner states differ by."""
@@ -141,42 +165,123 @@ class Core:
             (n,) response as recorded, or (n, states); NaN from where the simulation failed (the motion grew beyond
             bounds or chattered without end).
         """
-        values = np.ascontiguousarray(values, float)
-        begin = self.begin(initial)
+        y = np.empty(n) if out is None else out
+        y.fill(np.nan)
+        z = np.full((n, self.states), np.nan) if states else None
+        asked, kept = self._recording(
+            values, initial, force, n, dt, max_step, start, measured, gain, signs, added, load
+        )
+        asked.y, asked.z, asked.kept = _pointer(y), _pointer(z), _bytes(keep)
+        asked.shown = self.equations.output(quantity or self.quantity)
+        self._record(ctypes.byref(asked))
+        del kept
+        return y if z is None else z
+
+    def record_with_derivatives(
+        self,
+        values: np.ndarray,
+        initial: np.ndarray,
+        force: Force | np.ndarray | None,
+        n: int,
+        dt: float,
+        max_step: float,
+        *,
+        by: Sequence[int],
+        start: float = 0.0,
+        measured: np.ndarray | None = None,
+        gain: np.ndarray | None = None,
+        profile: np.ndarray | None = None,
+        signs: np.ndarray | None = None,
+        keep: np.ndarray | None = None,
+        quantity: str | None = None,
+        added: np.ndarray | None = None,
+        load: float = 0.0,
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """The response of ``record``, to the bit, and its derivatives from the same run.
+
+        At an event the derivatives of the state jump by the saltation matrix (Aizerman and Gantmacher 1958; Hiskens and
+        Pai 2000). A sample of a response that jumps itself has the derivative of the side that it shows.
+
+        Args:
+            values, initial, force, n, dt, max_step, start, measured, gain, signs, keep, quantity, added, load: as for
+                ``record``.
+            by: what to take derivatives by, as places in ``unknowns``.
+            profile: (n,) how much of the unknown ``measured`` is in each sample of what was measured; None: all.
+
+        Returns:
+            (n,) response, and (len(by), n) its derivatives; NaN from where the simulation failed. Where the motion
+            grazes a surface the derivatives grow beyond bounds.
+        """
+        y, derivatives = np.full(n, np.nan), np.full((len(by), n), np.nan)
+        asked, kept = self._recording(
+            values, initial, force, n, dt, max_step, start, measured, gain, signs, added, load
+        )
+        asked.y, asked.kept = _pointer(y), _bytes(keep)
+        asked.shown = self.equations.output(quantity or self.quantity)
+        count, blocks = len(self.parameter_names), -(-len(by) // LANES)
+        which = np.full(blocks * LANES, count, np.int32)
+        directions, sensed = np.zeros((blocks, self.states, LANES)), np.zeros(blocks * LANES)
+        for k, unknown in enumerate(by):
+            if unknown < count:
+                which[k] = unknown
+            elif unknown < count + self.states:
+                moved = np.zeros(self.states)
+                moved[unknown - count] = 1.0
+                directions[k // LANES, :, k % LANES] = self.begin(moved)
+            elif unknown == count + self.states:
+                which[k] = count + 1
+            else:
+                sensed[k] = 1.0
+        profile = None if profile is None else np.ascontiguousarray(profile, float)
+        self._carried(
+            ctypes.byref(asked),
+            blocks,
+            len(by),
+            _pointer(directions),
+            which.ctypes.data_as(ctypes.POINTER(ctypes.c_int)),
+            _pointer(sensed),
+            _pointer(profile),
+            _pointer(np.zeros(2 * blocks * LANES)),
+            _pointer(derivatives),
+        )
+        del kept
+        return y, derivatives
+
+    def _recording(
+        self,
+        values: np.ndarray,
+        initial: np.ndarray,
+        force: Force | np.ndarray | None,
+        n: int,
+        dt: float,
+        max_step: float,
+        start: float,
+        measured: np.ndarray | None,
+        gain: np.ndarray | None,
+        signs: np.ndarray | None,
+        added: np.ndarray | None,
+        load: float,
+    ) -> tuple[_Recording, list[np.ndarray | None]]:
+        """What the engine is asked for, and the arrays that it points to."""
         if isinstance(force, np.ndarray):
             force = straight_lines(force, dt)
         if force is not None and force.pieces.shape[0] < (n - 1) * force.fine:
             raise BadInput(f"the force covers {force.pieces.shape[0] // force.fine + 1} samples where {n} are needed")
-        if added is not None:
-            added = np.ascontiguousarray(added[:n], float)
-        y = np.empty(n) if out is None else out
-        y.fill(np.nan)
-        z = np.full((n, self.states), np.nan) if states else None
-        if measured is not None:
-            measured, gain = np.ascontiguousarray(measured, float), np.ascontiguousarray(gain, float)
-        self._record(
-            _pointer(values),
-            _pointer(begin),
-            start,
-            None if force is None else _pointer(force.pieces),
-            0 if force is None else force.pieces.shape[0],
-            n,
-            1 if force is None else force.fine,
-            dt,
-            max_step,
-            _pointer(y),
-            _pointer(z),
-            _pointer(measured),
-            _pointer(gain if measured is not None else None),
-            None if signs is None else signs.ctypes.data_as(_BYTES),
-            None if keep is None else keep.ctypes.data_as(_BYTES),
-            self.equations.output(quantity or self.quantity),
-            _pointer(added),
-            force is not None and force.hold != "zero" and force.fine == force.joined,
-            load,
-            1 if force is None else force.joined,
-        )
-        return y if z is None else z
+        pieces = None if force is None else force.pieces
+        arrays = [
+            np.ascontiguousarray(values, float),
+            self.begin(initial),
+            pieces,
+            None if added is None else np.ascontiguousarray(added[:n], float),
+            None if measured is None else np.ascontiguousarray(measured, float),
+            None if measured is None else np.ascontiguousarray(gain, float),
+        ]
+        asked = _Recording(*(_pointer(array) for array in arrays), _bytes(signs))
+        asked.n, asked.parts = n, 0 if pieces is None else pieces.shape[0]
+        asked.t0, asked.dt, asked.max_step, asked.load = start, dt, max_step, load
+        asked.fine, asked.joined = (1, 1) if force is None else (force.fine, force.joined)
+        asked.lines = force is not None and force.hold != "zero" and force.fine == force.joined
+        return asked, [*arrays, signs]
 
     def signs(self, n: int) -> np.ndarray:
         """(n, surfaces + 1) room for the signs of a run; see ``record``."""
@@ -185,6 +290,10 @@ class Core:
 
 def _pointer(values: np.ndarray | None) -> Any:
     return None if values is None else values.ctypes.data_as(_DOUBLES)
+
+
+def _bytes(values: np.ndarray | None) -> Any:
+    return None if values is None else values.ctypes.data_as(_BYTES)
 
 
 _cores: dict[Structure, Core] = {}

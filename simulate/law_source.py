@@ -6,6 +6,7 @@ from ..model.equations import Equations, rates_feel_rest
 from ..model.law import Expression
 from ..model.physical import physical
 from .generated_c import generated_c
+from .slopes_source import carried_source, further_functions, slopes_of
 
 _HEADER = """\
 /* Generated: the equation of motion of one oscillator. */
@@ -117,7 +118,7 @@ DP_APART void dp_tangent(const double *z, double t, double u, const double *p, c
 """
 
 
-def law_source(eq: Equations, *, exported: bool = False) -> str:
+def law_source(eq: Equations, *, exported: bool = False, carried: bool = False) -> str:
     """C text that defines the sizes, the kinds of the surfaces and the functions that the engine calls.
 
     No text of a model file reaches it: names stay outside, parameters are an argument.
@@ -127,6 +128,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
         exported: with what an importer asks for beyond the motion: ``dp_power`` writes energy and dissipated power, two
             values in ``Oscillator.energy_units``, ``dp_physical`` the machine in its own units, and ``dp_tangent``
             gives directional derivatives; a fit does without.
+        carried: with the slopes that derivatives carried along a motion take (``slopes_source``).
     """
     import casadi as ca
 
@@ -144,6 +146,10 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
             ("dp_law_physical", [eq.p], [physical(eq)]),
             ("dp_law_tangent", *_tangent(eq, state)),
         ]
+    slopes = slopes_of(eq) if carried else ()
+    functions += [(part.function, state, [part.entries]) for part in slopes]
+    if carried:
+        functions += further_functions(eq, state)
     for name, inputs, outputs in functions:
         # dense: a structural zero would otherwise be left out of the result array
         generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
@@ -163,6 +169,7 @@ def law_source(eq: Equations, *, exported: bool = False) -> str:
             kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
         )
         + (f"#define DP_NM {physical(eq).numel()}\n{_POWER}{_TANGENT}" if exported else "")
+        + (carried_source(slopes) if carried else "")
     )
 
 
