@@ -132,7 +132,7 @@ static void dp_carry_block_held(const dp_engine *e, const dp_line *l, double tau
 /* The motion has flown over h from e->z at tau, where its right-hand side was k1. */
 DP_APART void dp_carry_flow(const dp_engine *e, const dp_line *l, double tau, double h, const double *k1) {
     dp_carried *c = e->carried;
-    double slopes[6][DP_FIELD_SLOPES];
+    double slopes[6][DP_FIELD_SLOPES], sides[DP_SIDES];
     int i, b;
     if (h <= 0.0) return;
     if (c->stage_tau != tau || c->stage_h != h) { /* what was tried last was another length */
@@ -148,9 +148,11 @@ DP_APART void dp_carry_flow(const dp_engine *e, const dp_line *l, double tau, do
         }
         return;
     }
+    i = 2; /* within the step; its ends may be on a kink */
+    dp_sides(c->stage[i], l->t0 + (tau + dp_node[i] * h), dp_force(l, tau + dp_node[i] * h), e->p, e->s, sides);
     for (i = 0; i < 6; ++i) {
         const double at = tau + dp_node[i] * h;
-        dp_field_slopes_here(c->stage[i], l->t0 + at, dp_force(l, at), e->p, e->s, slopes[i]);
+        dp_field_slopes_here(c->stage[i], l->t0 + at, dp_force(l, at), e->p, e->s, sides, slopes[i]);
     }
     for (b = 0; b < c->blocks; ++b) dp_carry_block(slopes, c->which[b], h, c->dz[b]);
 }

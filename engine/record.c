@@ -81,7 +81,7 @@ typedef struct {
 /* Returns the number of samples written; fewer than n: it failed there. */
 static long dp_record_by(dp_engine *e, const dp_recording *r) {
     static const double none[4] = {0.0, 0.0, 0.0, 0.0};
-    double out[DP_NY], now[4], u = 0.0;
+    double out[DP_NY], now[4], u = r->force ? 0.0 : r->load;
     const double piece_step = r->dt / r->fine, step = r->joined * piece_step;
     const double most = DP_MORE + r->n * fmin(DP_CHATTER, r->fine / r->joined * ceil(step / r->max_step));
     const double *piece = r->force ? r->force : none, *end = r->force ? r->force + 4 * r->parts : none;

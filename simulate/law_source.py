@@ -146,10 +146,10 @@ def law_source(eq: Equations, *, exported: bool = False, carried: bool = False) 
             ("dp_law_physical", [eq.p], [physical(eq)]),
             ("dp_law_tangent", *_tangent(eq, state)),
         ]
-    slopes = slopes_of(eq) if carried else ()
-    functions += [(part.function, state, [part.entries]) for part in slopes]
     if carried:
-        functions += further_functions(eq, state)
+        slopes, kinks = slopes_of(eq)
+        functions += [(part.function, [*state, kinks.sides], [part.entries]) for part in slopes]
+        functions += [("dp_law_sides", state, [kinks.values]), *further_functions(eq, state)]
     for name, inputs, outputs in functions:
         # dense: a structural zero would otherwise be left out of the result array
         generator.add(ca.Function(name, inputs, [ca.densify(output) for output in outputs]))
@@ -169,7 +169,7 @@ def law_source(eq: Equations, *, exported: bool = False, carried: bool = False) 
             kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
         )
         + (f"#define DP_NM {physical(eq).numel()}\n{_POWER}{_TANGENT}" if exported else "")
-        + (carried_source(slopes) if carried else "")
+        + (carried_source(slopes, kinks) if carried else "")
     )
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from ..model.equations import Equations
 from ..model.law import Expression
+from .kinks import Sided, sided
 
 #: Unknowns side by side: two vectors of the widest registers that many machines have.
 LANES = 8
@@ -44,19 +45,28 @@ class Slopes:
         return f"dp_law_{self.name}_slopes"
 
 
-def slopes_of(eq: Equations) -> tuple[Slopes, ...]:
-    """Of the right-hand side, the surfaces and the outputs."""
-    return (_slopes("field", eq, eq.zdot), _slopes("surface", eq, eq.surfaces), _slopes("output", eq, eq.y))
-
-
-def _slopes(name: str, eq: Equations, vector: Expression) -> Slopes:
+def slopes_of(eq: Equations) -> tuple[list[Slopes], Sided]:
+    """Of the right-hand side, the surfaces and the outputs; and the sides of their kinks."""
     import casadi as ca
 
-    by_state = ca.sparsify(ca.jacobian(vector, eq.z))
-    by_push = ca.sparsify(ca.jacobian(vector, ca.vertcat(eq.p, eq.u)))
+    parts = {"field": eq.zdot, "surface": eq.surfaces, "output": eq.y}
+    arguments, by = [eq.z, eq.t, eq.u, eq.p, eq.s], ca.vertcat(eq.z, eq.p, eq.u)
+    whole = sided(ca.densify(ca.vertcat(*parts.values())), arguments, ca.vertcat(eq.z, eq.t, eq.u), by)
+    made, begin = [], 0
+    for name, vector in parts.items():
+        end = begin + vector.numel()
+        made.append(_slopes(name, eq, whole.jacobian[begin:end, :]))
+        begin = end
+    return made, whole
+
+
+def _slopes(name: str, eq: Equations, jacobian: Expression) -> Slopes:
+    import casadi as ca
+
+    by_state, by_push = jacobian[:, : eq.z.numel()], jacobian[:, eq.z.numel() :]
     entries: list[Expression] = []
     places: list[tuple[tuple[int, int | None], ...]] = []
-    for row in range(vector.numel()):
+    for row in range(jacobian.shape[0]):
         own: list[tuple[int, int | None]] = []
         for column in range(eq.z.numel()):
             if not by_state.sparsity().has_nz(row, column):
@@ -69,7 +79,7 @@ def _slopes(name: str, eq: Equations, vector: Expression) -> Slopes:
                 entries.append(entry)
         places.append(tuple(own))
     first, count = len(entries), eq.p.numel()
-    pushed = tuple(row for row in range(vector.numel()) if by_push[row, :].nnz())
+    pushed = tuple(row for row in range(jacobian.shape[0]) if by_push[row, :].nnz())
     for row in pushed:
         entries += [*ca.vertsplit(ca.densify(by_push[row, :count]).T), ca.SX(0), ca.densify(by_push[row, count])]
     return Slopes(name, ca.vertcat(ca.SX(0, 1), *entries), tuple(places), pushed, first, count + 2)
@@ -91,21 +101,35 @@ def further_functions(eq: Equations, state: list[Expression]) -> list[tuple[str,
 _CALLS = """
 #define DP_CARRIES 1
 #define DP_LANES {lanes}
+#define DP_SIDES {sides}
 {sizes}
+"""
+
+_SIDES = """
+/* On which sides of its kinks the motion is. */
+DP_INLINE void dp_sides(const double *z, double t, double u, const double *p, const double *s, double *sides) {{
+    const double *arg[5];
+    double *res[1];
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
+    res[0] = sides;
+    dp_law_sides(arg, res, 0, 0, 0);
+}}
 """
 
 _SLOPES = """
 DP_INLINE void dp_{name}_slopes_here(const double *z, double t, double u, const double *p, const double *s,
-                                     double *j) {{
-    const double *arg[5];
+                                     const double *sides, double *j) {{
+    const double *arg[6];
     double *res[1];
-    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s;
+    arg[0] = z, arg[1] = &t, arg[2] = &u, arg[3] = p, arg[4] = s, arg[5] = sides;
     res[0] = j;
     {function}(arg, res, 0, 0, 0);
 }}
 
 DP_APART void dp_{name}_slopes(const double *z, double t, double u, const double *p, const double *s, double *j) {{
-    dp_{name}_slopes_here(z, t, u, p, s, j);
+    double sides[DP_SIDES];
+    dp_sides(z, t, u, p, s, sides);
+    dp_{name}_slopes_here(z, t, u, p, s, sides, j);
 }}
 
 /* What each unknown of a block pushes by itself; which: its place among parameters, nothing, force. */
@@ -156,7 +180,7 @@ DP_APART void dp_drift(const double *z, double t, double u, const double *p, con
 """
 
 
-def carried_source(slopes: Sequence[Slopes]) -> str:
+def carried_source(slopes: Sequence[Slopes], sides: Sided) -> str:
     """C text of the functions that ``engine/carried.c`` calls, behind those that CasADi made."""
     sizes = "\n".join(
         f"#define DP_{part.name.upper()}_SLOPES {max(1, part.entries.numel())}\n"
@@ -165,7 +189,8 @@ def carried_source(slopes: Sequence[Slopes]) -> str:
     )
     return (
         "#include <string.h>\n"
-        + _CALLS.format(lanes=LANES, sizes=sizes)
+        + _CALLS.format(lanes=LANES, sizes=sizes, sides=max(1, sides.sides.numel()))
+        + _SIDES.format()
         + "".join(
             _SLOPES.format(name=part.name, function=part.function, pushes=_pushes(part), rows=_rows(part))
             for part in slopes
