@@ -1,0 +1,289 @@
+"""Derivatives carried along a run against central differences of plain runs, across every kind of event."""
+
+from __future__ import annotations
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+from dashpot.examples.truth import TRUTH
+from dashpot.identify.problem.prediction import prediction_gain
+from dashpot.model import Oscillator, Response
+from dashpot.model.laws import LIBRARY
+from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.force import smooth_force, staircase, straight_lines
+from hypothesis import strategies as st
+
+DT, N, START = 1e-3, 400, 0.4
+T = np.arange(N) * DT
+CHIRP = np.sin(2 * np.pi * (8 * T + 8 * T**2))
+HOLDS = {
+    "none": lambda size: None,
+    "zero": lambda size: staircase(size * CHIRP),
+    "linear": lambda size: straight_lines(size * CHIRP, DT),
+    "smooth": lambda size: smooth_force(size * CHIRP, DT, 100.0),
+}
+UNITS = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+GAINS = {name: prediction_gain(3.0, TRUTH["omega0"], DT, name) for name in UNITS}
+
+
+class Run:
+    """A run of one model from one beginning: plain with one unknown moved, or with derivatives."""
+
+    def __init__(self, model, begin, force, n=N, measured=None, step=None, initial_scales=None):
+        self.core, self.n = core_of(model), n
+        self.values, self.begin = np.array(list(model.values().values())), np.array(begin, float)
+        self.step, self.force = step or internal_step(model, model.values(), 8e-3), force
+        self.measured, self.gain = measured, None
+        self.by = list(range(len(self.core.unknowns) - (measured is None)))
+        if measured is not None:
+            self.gain = np.zeros(self.core.states)
+            self.gain[:2] = GAINS[model.response.quantity]
+        #: Natural sizes of the unknowns.
+        initial = [8e-3, 0.6, *(initial_scales or [1.0] * (self.core.states - 2))]
+        self.scales = [*np.maximum(np.abs(self.values), 1e-3), *initial, 0.1, 8e-3]
+
+    def plain(self, unknown=0, by=0.0, **more):
+        values, begin, count = self.values.copy(), self.begin.copy(), self.values.size
+        measured = self.measured
+        if unknown < count:
+            values[unknown] += by
+        elif unknown < count + self.core.states:
+            begin[unknown - count] += by
+        elif unknown == count + self.core.states:
+            more["load"] = by
+        else:
+            measured = measured + by
+        return self.core.record(
+            values, begin, self.force, self.n, DT, self.step, start=START, measured=measured, gain=self.gain, **more
+        )
+
+    def carried(self, **more):
+        arguments = (self.values, self.begin, self.force, self.n, DT, self.step)
+        options = {"by": self.by, "start": START, "measured": self.measured, "gain": self.gain}
+        return self.core.record_with_derivatives(*arguments, **options, **more)
+
+    def errors(self, steps):
+        """How far the derivatives are from the best of Richardson's differences with these steps, largest to largest.
+
+        A sample that shows another side of an event in the neighbouring runs, and the one behind it, is left out: there
+        the response jumps and has no derivative.
+        """
+        own = self.core.signs(self.n)
+        response = self.plain(keep=own)
+        shown, derivatives = self.carried()
+        assert np.array_equal(shown, response, equal_nan=True)
+        return {
+            self.core.unknowns[unknown]: min(self._error(unknown, size, derivatives[k], own) for size in steps)
+            for k, unknown in enumerate(self.by)
+        }
+
+    def _error(self, unknown, size, derivative, own):
+        differences, same = [], np.ones(self.n, bool)
+        for h in (size * self.scales[unknown], 0.5 * size * self.scales[unknown]):
+            sides = []
+            for by in (h, -h):
+                signs = self.core.signs(self.n)
+                sides.append(self.plain(unknown, by, keep=signs))
+                same &= np.all(signs == own, axis=1)
+            differences.append((sides[0] - sides[1]) / (2 * h))
+        apart = np.abs((4 * differences[1] - differences[0]) / 3 - derivative)
+        same[1:] &= same[:-1].copy()
+        largest = np.max(np.abs(derivative))
+        if np.mean(same) < 0.5 or largest == 0.0:
+            return np.inf if np.any(apart) else 0.0
+        return np.max(apart[same]) / largest
+
+
+def rig(quantity="displacement", **changed):
+    return Oscillator.from_values(TRUTH | changed, response=Response(quantity, UNITS[quantity]))
+
+
+@pytest.mark.parametrize("hold", HOLDS)
+@pytest.mark.parametrize("quantity", UNITS)
+def test_of_a_smooth_motion_they_are_those_of_fine_differences(quantity, hold):
+    """Without dry friction and preload no surface is felt, and a difference by Richardson is good to 1e-9."""
+    errors = Run(rig(quantity, dry=0.0, preload=0.0), (6e-3, 0.1), HOLDS[hold](1.0)).errors([3e-3, 1e-3, 3e-4])
+    felt = {name: error for name, error in errors.items() if name not in ("dry", "preload")}  # which are felt in jumps
+    assert max(felt.values()) < 1e-8, felt
+
+
+@pytest.mark.parametrize("hold", HOLDS)
+@pytest.mark.parametrize("quantity", UNITS)
+def test_across_crossings_sticking_and_breaking_away(quantity, hold):
+    run = Run(rig(quantity, dry=4.0, preload=1.0, viscous=60.0), (6e-3, 0.1), HOLDS[hold](1.5))
+    signs = run.core.signs(N)
+    run.plain(keep=signs)
+    held = signs[:, -1] >= 0
+    assert np.sum(held[1:] != held[:-1]) >= (1 if hold == "none" else 10)  # where it is driven it breaks away again
+    errors = run.errors([1e-2, 1e-4, 1e-5, 1e-6])
+    assert max(errors.values()) < 1e-7, errors
+
+
+@pytest.mark.parametrize("quantity", UNITS)
+def test_of_a_prediction_with_a_memory(quantity):
+    measured = Run(rig(quantity, omega0=81.0), (5e-3, 0.0), HOLDS["smooth"](1.5)).plain()
+    run = Run(rig(quantity, dry=2.0, preload=1.0), (6e-3, 0.1), HOLDS["smooth"](1.5), measured=measured)
+    assert run.core.unknowns[run.by[-1]] == "measured"
+    errors = run.errors([1e-2, 1e-4, 1e-5, 1e-6])
+    assert max(errors.values()) < 1e-7, errors
+
+
+def test_what_was_measured_may_move_by_a_profile():
+    measured = Run(rig(omega0=81.0), (5e-3, 0.0), None).plain()
+    run, shape, h = Run(rig(), (6e-3, 0.1), None, measured=measured), np.linspace(0.0, 1.0, N), 1e-6
+    run.by = [run.by[-1]]
+    derivative = run.carried(profile=shape)[1][0]
+    sides = [Run(rig(), (6e-3, 0.1), None, measured=measured + by * shape).plain() for by in (h, -h)]
+    assert np.max(np.abs((sides[0] - sides[1]) / (2 * h) - derivative)) < 1e-7 * np.max(np.abs(derivative))
+
+
+#: An inner state that decays within few internal steps is itself integrated to 1e-5: its derivatives are no better.
+COARSE = 1e-4
+
+
+@pytest.mark.parametrize("hold", ["none", "smooth"])
+@pytest.mark.parametrize("effect", LIBRARY)
+def test_of_every_law(effect, hold, with_law, offsets):
+    model = with_law(effect, quantity="acceleration", dry=0.5)
+    inner = offsets(model)
+    run = Run(model, (6e-3, 0.1, *inner), HOLDS[hold](1.0), initial_scales=inner)
+    errors = run.errors([100.0, 1.0, 1e-2, 1e-4, 1e-5, 1e-6])
+    assert max(errors.values()) < COARSE, errors
+
+
+def test_of_a_sensor_that_follows_the_acceleration_of_a_mass_at_rest(with_law, offsets):
+    """While friction holds the mass, the sensor's state feels what each surface carries."""
+    model = with_law("sensor-lag", quantity="acceleration", dry=4.0, viscous=60.0, **{"sensor-lag.time": 0.02})
+    inner = offsets(model)
+    run = Run(model, (1e-3, 0.02, *inner), HOLDS["smooth"](1.5))
+    signs = run.core.signs(N)
+    run.plain(keep=signs)
+    assert 0.1 < np.mean(signs[:, -1] >= 0) < 0.9
+    errors = run.errors([1e-3, 1e-4, 1e-5])
+    assert max(errors.values()) < 1e-7, errors
+
+
+structures = st.fixed_dictionaries(
+    {
+        "effects": st.lists(st.sampled_from(list(LIBRARY)), min_size=0, max_size=3, unique=True),
+        "quantity": st.sampled_from(list(UNITS)),
+        "dry": st.sampled_from([0.0, 0.015, 0.5, 3.0, 8.0]),
+        "preload": st.sampled_from([0.0, 0.07, 1.0, 5.0]),
+        "hold": st.sampled_from(list(HOLDS)),
+        "size": st.sampled_from([0.3, 1.0, 2.0]),
+        "predicts": st.booleans(),
+    }
+)
+
+
+def test_of_any_structure(every, with_law, offsets):
+    def holds(drawn):
+        model = with_law(*drawn["effects"], quantity=drawn["quantity"], dry=drawn["dry"], preload=drawn["preload"])
+        inner, force = offsets(model), HOLDS[drawn["hold"]](drawn["size"])
+        begin, measured = (6e-3, 0.1, *inner), None
+        if drawn["predicts"]:
+            measured = 1.02 * Run(model, begin, force).plain()
+        run = Run(model, begin, force, measured=measured, initial_scales=inner)
+        if np.all(np.isfinite(run.plain())):
+            errors = run.errors([100.0, 1.0, 1e-2, 1e-4, 1e-5, 1e-6])
+            assert max(errors.values()) < COARSE, errors
+
+    every(structures, holds, usual=60)
+
+
+def test_under_signs_that_were_kept_a_sample_has_the_derivative_of_its_side():
+    """Beside a jump of the acceleration a sample under the signs of the other side has the derivative of that side."""
+    run = Run(rig("acceleration", preload=3.0), (6e-3, 0.1), None)
+    signs = run.core.signs(N)
+    run.plain(keep=signs)
+    across = signs.copy()
+    before = np.flatnonzero(np.any(signs[1:] != signs[:-1], axis=1))
+    assert before.size >= 4
+    across[before] = signs[before + 1]
+    response, derivatives = run.carried(signs=across)
+    assert np.array_equal(response, run.plain(signs=across))
+    place, h = run.core.unknowns.index("preload"), 1e-6
+    quotient = (run.plain(place, h, signs=across) - run.plain(place, -h, signs=across)) / (2 * h)
+    assert np.max(np.abs(quotient - derivatives[place])) < 1e-5 * np.max(np.abs(quotient))
+    own = run.carried()[1][place]
+    assert np.max(np.abs((own - derivatives[place])[before])) > 1.0  # of sgn x one each side
+
+
+def test_at_rest_they_rest():
+    """A mass that friction holds keeps what it came to rest with, and has no velocity by any unknown."""
+    run = Run(rig("velocity", dry=8.0, preload=0.0), (6e-3, 0.0), None)
+    response, derivatives = run.carried()
+    rests = np.flatnonzero(response != 0.0)[-1] + 1
+    assert rests < N - 50
+    assert np.all(derivatives[:, rests:] == 0.0)
+    run = Run(rig("displacement", dry=8.0, preload=0.0), (6e-3, 0.0), None)
+    derivatives = run.carried()[1]
+    assert np.all(derivatives[:, rests:] == derivatives[:, rests : rests + 1])
+    assert np.any(derivatives[:, rests])
+
+
+def test_a_motion_at_rest_that_nothing_holds_is_moved_by_a_load():
+    """Without friction a rig at rest under no force rests by balance alone: a load moves it as a linear rig."""
+    model = rig(dry=0.0, preload=0.0, cubic=0.0, viscous=0.0, mass=2.0)
+    run = Run(model, (0.0, 0.0), np.zeros(N))
+    response, derivatives = run.carried()
+    assert np.all(response == 0.0)
+    w = model.values()["omega0"]
+    expected = (1 - np.cos(w * T)) / (2.0 * w**2)
+    assert derivatives[run.core.unknowns.index("load")] == pytest.approx(expected, abs=1e-7 * np.max(expected))
+    place = run.core.unknowns.index("initial displacement")
+    assert derivatives[place] == pytest.approx(np.cos(w * T), abs=1e-7)
+
+
+def test_a_bounce_mirrors_them():
+    """At a stop so stiff that its contact takes no time, displacement and derivative go back as they came."""
+    values = {"omega0": 10.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.0, "dry": 0.0}
+    stop = {"one-sided-stop.stiffness": 1e10, "one-sided-stop.position": -1e-9, "one-sided-stop.damping": 0.0}
+    model = Oscillator.from_values({**values, **stop}, effects=("one-sided-stop",))
+    run = Run(model, (8e-3, 0.0), None, step=1e-6)
+    response, derivatives = run.carried()
+    expected = np.abs(np.cos(10.0 * T))
+    away = expected > 0.05
+    assert np.max(np.abs(response - 8e-3 * expected)[away]) < 1e-3 * 8e-3
+    assert np.max(np.abs(derivatives[run.core.unknowns.index("initial displacement")] - expected)[away]) < 1e-3
+
+
+def test_near_a_grazing_contact_they_grow_with_the_root_of_the_distance():
+    """A motion reaches the seat of a preload at its turning point, where the force jumps at no velocity: how long it is
+    beyond goes with the root of how far, and the derivative with the inverse of that."""
+    values = {"mass": 1.0, "omega0": 80.0, "cubic": 0.0, "preload": 5.0, "viscous": 0.0, "dry": 0.0}
+    middle, sizes = 5e-3, []
+    for beyond in (1e-2, 1e-4, 1e-6):
+        force = np.full(N, middle * 80.0**2 + 5.0)
+        run = Run(Oscillator.from_values(values), (2 * middle * (1 + beyond), 0.0), force)
+        sizes.append(np.max(np.abs(run.carried()[1][run.core.unknowns.index("initial displacement")])))
+    assert sizes[1] / sizes[0] == pytest.approx(10.0, rel=0.1)
+    assert sizes[2] / sizes[1] == pytest.approx(10.0, rel=0.1)
+
+
+def test_a_simulation_that_fails_has_no_derivatives_from_there_on():
+    run = Run(rig(cubic=-4.6e8), (1e-2, 0.0), None)
+    response, derivatives = run.carried()
+    assert np.isnan(response[-1])
+    assert np.array_equal(np.isnan(derivatives), np.broadcast_to(np.isnan(response), derivatives.shape))
+
+
+def test_more_unknowns_than_go_side_by_side_and_fewer():
+    run = Run(rig(dry=0.5, preload=1.0), (6e-3, 0.1), HOLDS["smooth"](1.0))
+    derivatives = run.carried()[1]
+    run.by = [*run.by, *run.by, *run.by[::-1]]
+    assert np.array_equal(run.carried()[1], np.concatenate([derivatives, derivatives, derivatives[::-1]]))
+    run.by = [3]
+    assert np.array_equal(run.carried()[1], derivatives[3:4])
+    run.by = []
+    assert run.carried()[1].shape == (0, N)
+
+
+def test_threads_do_not_meet():
+    run = Run(rig("acceleration", dry=2.0, preload=1.0), (6e-3, 0.1), HOLDS["smooth"](1.5))
+    alone = run.carried()
+    with ThreadPoolExecutor(4) as pool:
+        for response, derivatives in pool.map(lambda _: run.carried(), range(16)):
+            assert np.array_equal(response, alone[0])
+            assert np.array_equal(derivatives, alone[1])
