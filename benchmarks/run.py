@@ -13,6 +13,7 @@ import tempfile
 import time
 from pathlib import Path
 
+import derivatives_time
 import fmu_speed
 import numpy as np
 from dashpot.examples import recordings
@@ -139,6 +140,12 @@ def main() -> None:
         for line in fmu_speed.rows(Path(folder), fmu_speed.reference_fmus()):
             row(*line)
         rig(Path(folder))
+    for what, cost in derivatives_time.rows():
+        row(
+            f"{derivatives_time.COUNT} derivatives in one run: {what}",
+            f"{derivatives_time.AIM:.0f} plain runs",
+            f"{cost:.1f}",
+        )
     data = Path(os.environ.get("DASHPOT_DATA") or Path(__file__).resolve().parents[2] / "shared" / "data")
     if data.is_dir():
         real(data)

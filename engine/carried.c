@@ -2,10 +2,10 @@
  *
  * Between events they are those of the step itself: each stage of Dormand and Prince's pair takes the slopes of the
  * right-hand side at the stage of the motion. At an event of surface g the time of the event moves by
- * dt = -dg / (dg/dt) and the derivative jumps by (f- - f+) dt (the saltation matrix: Aizerman and Gantmacher 1958; Hiskens
- * and Pai 2000); where the motion stops on the surface its velocity is put to zero before it goes on with f+. While the motion is held
- * displacement and velocity have no rate; the inner states go on. Changes at an instant that is given (a force that
- * jumps, a correction) have dt = 0. */
+ * dt = -dg / (dg/dt) and the derivative jumps by (f- - f+) dt (the saltation matrix: Aizerman and Gantmacher 1958;
+ * Hiskens and Pai 2000); where the motion stops on the surface its velocity is put to zero before it goes on with f+.
+ * While the motion is held displacement and velocity have no rate; the inner states go on. Changes at an instant that is
+ * given (a force that jumps, a correction) have dt = 0. */
 
 /* Held by nothing: a motion at rest without friction and force, which any unknown would move. */
 static int dp_carry_loose(const dp_engine *e, const dp_line *l, double tau) {
@@ -129,8 +129,16 @@ static void dp_carry_block_held(const dp_engine *e, const dp_line *l, double tau
     memcpy(c->dz[block], y, sizeof y);
 }
 
+/* Compiled for wide registers too, where the loader can choose: the same bits, for no product is fused with a sum. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
+#define DP_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define DP_WIDE
+#endif
+
 /* The motion has flown over h from e->z at tau, where its right-hand side was k1. */
-DP_APART void dp_carry_flow(const dp_engine *e, const dp_line *l, double tau, double h, const double *k1) {
+DP_WIDE DP_APART void dp_carry_flow(const dp_engine *e, const dp_line *l, double tau, double h,
+                                    const double *k1) {
     dp_carried *c = e->carried;
     double slopes[6][DP_FIELD_SLOPES], sides[DP_SIDES];
     int i, b;
@@ -236,17 +244,37 @@ static void dp_carry_after(const dp_engine *e, const dp_line *l, double tau) {
                                                  : c->dz[b][n][k] + (c->before[n] - after[n]) * c->shift[b][k];
 }
 
+/* The derivatives of a block of the output that was shown, at sample i, among those of the response. */
+static void dp_carry_put(const dp_carried *c, int block, long i) {
+    double *y = c->y + block * DP_LANES * c->n + i;
+    const long count = c->count - block * DP_LANES;
+    int k;
+    for (k = 0; k < DP_LANES && k < count; ++k) y[k * c->n] = c->shown[block][k];
+}
+
 /* Derivatives of the output at index `shown`, at sample i, under the present signs or those given. */
 static void dp_carry_shown(const dp_engine *e, const signed char *given, double u, int shown, long i) {
     dp_carried *c = e->carried;
     const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
-    dp_engine now = *e;
     double s[DP_NS + 1], slopes[DP_OUTPUT_SLOPES], pushed[DP_OUTPUT_PUSHED][DP_LANES], by[DP_NY * DP_NS + 1];
+    dp_engine under;
     int b, j, k, held;
-    if (given) dp_take_signs(&now, given);
-    dp_signs(&now, &line, s);
-    if (DP_SURFACES_USE_FORCE) dp_after_jump(&now, &line, s);
-    held = dp_carry_held(&now, &line, 0.0);
+    if (dp_output_is_state[shown]) {
+        memset(pushed, 0, sizeof pushed);
+        for (b = 0; b < c->blocks; ++b) {
+            dp_output_along(slopes, pushed, (const double(*)[DP_LANES])c->dz[b], shown, c->shown[b]);
+            dp_carry_put(c, b, i);
+        }
+        return;
+    }
+    if (given) {
+        under = *e;
+        dp_take_signs(&under, given);
+        e = &under;
+    }
+    dp_signs(e, &line, s);
+    if (DP_SURFACES_USE_FORCE) dp_after_jump(e, &line, s);
+    held = dp_carry_held(e, &line, 0.0);
     dp_output_slopes(e->z, e->t, u, e->p, s, slopes);
     if (held) dp_output_by_signs(e->z, e->t, u, e->p, s, by);
     for (b = 0; b < c->blocks; ++b) {
@@ -254,12 +282,11 @@ static void dp_carry_shown(const dp_engine *e, const signed char *given, double 
         dp_output_along(slopes, pushed, (const double(*)[DP_LANES])c->dz[b], shown, c->shown[b]);
         if (held) {
             dp_balance w;
-            dp_carry_balance(&now, &line, 0.0, e->z, (const double(*)[DP_LANES])c->dz[b], c->which[b], &w);
+            dp_carry_balance(e, &line, 0.0, e->z, (const double(*)[DP_LANES])c->dz[b], c->which[b], &w);
             for (j = 0; j < DP_NS; ++j)
                 for (k = 0; w.joined[j] && k < DP_LANES; ++k) c->shown[b][k] += by[shown + DP_NY * j] * w.dshare[k];
         }
-        for (k = 0; k < DP_LANES && b * DP_LANES + k < c->count; ++k)
-            c->y[(b * DP_LANES + k) * c->n + i] = c->shown[b][k];
+        dp_carry_put(c, b, i);
     }
 }
 

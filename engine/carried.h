@@ -4,19 +4,19 @@
 #define DASHPOT_CARRIED_H
 
 typedef struct dp_carried {
-    int blocks;                 /* unknowns go side by side, DP_LANES of them in a block */
+    int blocks;                   /* unknowns go side by side, DP_LANES of them in a block */
     double (*dz)[DP_NZ][DP_LANES]; /* derivatives of the state */
-    double (*shift)[DP_LANES];  /* how much later the event of this very instant comes; 0 once the motion has flown on */
+    double (*shift)[DP_LANES];    /* how much later the event of this instant comes; 0 once the motion has flown on */
     const int (*which)[DP_LANES]; /* place of each unknown among what pushes: parameters, nothing, force */
-    double stage[6][DP_NZ];     /* the stages of the latest step that was tried, where it began and how long it was */
+    double stage[6][DP_NZ];       /* the stages of the latest step that was tried, where it began and how long it was */
     double stage_tau, stage_h;
-    double before[DP_NZ];       /* right-hand side before the event */
-    int held;                   /* whether the motion was held before it */
-    int stops;                  /* whether it has v = 0 there */
-    double (*shown)[DP_LANES];  /* derivatives of the latest output */
+    double before[DP_NZ];         /* right-hand side before the event */
+    int held;                     /* whether the motion was held before it */
+    int stops;                    /* whether it has v = 0 there */
+    double (*shown)[DP_LANES];    /* derivatives of the latest output */
     const double (*sensed)[DP_LANES]; /* whether an unknown is in what was measured */
-    const double *profile;      /* (n) ... and how much of it at each sample; null: all */
-    double *y;                  /* (count, n) derivatives of the response */
+    const double *profile;        /* (n) ... and how much of it at each sample; null: all */
+    double *y;                    /* (count, n) derivatives of the response */
     long count, n;
 } dp_carried;
 

@@ -146,8 +146,10 @@ def law_source(eq: Equations, *, exported: bool = False, carried: bool = False) 
             ("dp_law_physical", [eq.p], [physical(eq)]),
             ("dp_law_tangent", *_tangent(eq, state)),
         ]
+    carrying = ""
     if carried:
         slopes, kinks = slopes_of(eq)
+        carrying = carried_source(slopes, kinks)
         functions += [(part.function, [*state, kinks.sides], [part.entries]) for part in slopes]
         functions += [("dp_law_sides", state, [kinks.values]), *further_functions(eq, state)]
     for name, inputs, outputs in functions:
@@ -169,7 +171,7 @@ def law_source(eq: Equations, *, exported: bool = False, carried: bool = False) 
             kinds=", ".join([*(str(int(kind)) for kind in eq.kinds), "0"]),
         )
         + (f"#define DP_NM {physical(eq).numel()}\n{_POWER}{_TANGENT}" if exported else "")
-        + (carried_source(slopes, kinks) if carried else "")
+        + carrying
     )
 
 

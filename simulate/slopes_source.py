@@ -103,6 +103,8 @@ _CALLS = """
 #define DP_LANES {lanes}
 #define DP_SIDES {sides}
 {sizes}
+/* Whether an output is a state, whose derivatives are known. */
+static const int dp_output_is_state[] = {{{plain}}};
 """
 
 _SIDES = """
@@ -187,9 +189,16 @@ def carried_source(slopes: Sequence[Slopes], sides: Sided) -> str:
         f"#define DP_{part.name.upper()}_PUSHED {max(1, len(part.pushed))}"
         for part in slopes
     )
+    output = slopes[-1]
+    plain = (
+        row not in output.pushed and all(place is None for _, place in places)
+        for row, places in enumerate(output.places)
+    )
     return (
         "#include <string.h>\n"
-        + _CALLS.format(lanes=LANES, sizes=sizes, sides=max(1, sides.sides.numel()))
+        + _CALLS.format(
+            lanes=LANES, sizes=sizes, plain=", ".join(str(int(one)) for one in plain), sides=max(1, sides.sides.numel())
+        )
         + _SIDES.format()
         + "".join(
             _SLOPES.format(name=part.name, function=part.function, pushes=_pushes(part), rows=_rows(part))
