@@ -5,7 +5,10 @@
  * dt = -dg / (dg/dt) and the derivative jumps by (f- - f+) dt (the saltation matrix: Aizerman and Gantmacher 1958;
  * Hiskens and Pai 2000); where the motion stops on the surface its velocity is put to zero before it goes on with f+.
  * While the motion is held displacement and velocity have no rate; the inner states go on. Changes at an instant that is
- * given (a force that jumps, a correction) have dt = 0. */
+ * given (a force that jumps, a correction) have dt = 0, and what an event brings about at once has its dt. */
+
+/* Events so close together, in internal steps, are one: an event is located to 1e-13 of a step. */
+#define DP_SAME 1e-9
 
 /* Held by nothing: a motion at rest without friction and force, which any unknown would move. */
 static int dp_carry_loose(const dp_engine *e, const dp_line *l, double tau) {
@@ -148,7 +151,7 @@ DP_WIDE DP_APART void dp_carry_flow(const dp_engine *e, const dp_line *l, double
         dp_step(e, l, tau, h, e->z, k1, end);
     }
     memcpy(c->stage[0], e->z, sizeof e->z);
-    memset(c->shift, 0, c->blocks * sizeof *c->shift);
+    if (h > DP_SAME * e->max_step) memset(c->shift, 0, c->blocks * sizeof *c->shift);
     if (e->hold >= 0 && dp_carry_held(e, l, tau)) {
         for (b = 0; b < c->blocks; ++b) {
             memset(c->dz[b][1], 0, sizeof c->dz[b][1]);
@@ -179,7 +182,8 @@ static void dp_carry_before(const dp_engine *e, const dp_line *l, double tau, in
     c->stops = stops;
 }
 
-/* The motion, on a surface, is about to cross it. */
+/* The motion, on a surface, is about to cross it. Where it is beyond the surface already, this has jumped in an event
+ * (as the force of a contact does that a saturation takes in) and comes with that event, when that comes. */
 static void dp_carry_crossing(const dp_engine *e, const dp_line *l, double tau, int surface) {
     dp_carried *c = e->carried;
     double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1], slopes[DP_SURFACE_SLOPES], pushed[DP_SURFACE_PUSHED][DP_LANES];
@@ -193,6 +197,7 @@ static void dp_carry_crossing(const dp_engine *e, const dp_line *l, double tau, 
     for (n = 0; n < DP_NZ; ++n) beside[n][0] = c->before[n] - f[n]; /* of a held motion, whose rates are others */
     dp_surface_along(slopes, pushed, (const double(*)[DP_LANES])beside, surface, dg);
     rate = gd[surface] + dg[0];
+    if (dp_kind[surface] == DP_OTHER && fabs(g[surface]) > DP_SAME * e->max_step * fabs(rate)) return;
     for (b = 0; b < c->blocks; ++b) {
         dp_surface_pushes(slopes, c->which[b], pushed);
         dp_surface_along(slopes, pushed, (const double(*)[DP_LANES])c->dz[b], surface, dg);

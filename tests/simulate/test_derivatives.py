@@ -166,6 +166,15 @@ def test_of_a_sensor_that_follows_the_acceleration_of_a_mass_at_rest(with_law, o
     assert max(errors.values()) < 1e-7, errors
 
 
+def test_of_an_event_that_another_brings_about_at_once(with_law, offsets):
+    """The contact of a backlash begins with the force of its damper, which a saturation behind it takes in: the force is
+    beyond the limit from the same instant on."""
+    model = with_law("actuator-backlash", "actuator-saturation", dry=0.0, preload=0.0)
+    inner = offsets(model)
+    errors = Run(model, (6e-3, 0.1, *inner), None, initial_scales=inner).errors([1e-2, 1e-4, 1e-5, 1e-6])
+    assert max(errors.values()) < 1e-6, errors
+
+
 structures = st.fixed_dictionaries(
     {
         "effects": st.lists(st.sampled_from(list(LIBRARY)), min_size=0, max_size=3, unique=True),
