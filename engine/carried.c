@@ -132,6 +132,40 @@ static void dp_carry_block_held(const dp_engine *e, const dp_line *l, double tau
     memcpy(c->dz[block], y, sizeof y);
 }
 
+/* A motion that is held on the seat of a position surface, from beside which the forces would push it back: no unknown
+ * moves it off, it goes with the seat. */
+static void dp_carry_seats(const dp_engine *e, const dp_line *l, double tau) {
+    const dp_carried *c = e->carried;
+    const double t = l->t0 + tau, u = dp_force(l, tau);
+    double s[DP_NS + 1], f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1], rest, slopes[DP_SURFACE_SLOPES], slope[DP_LANES];
+    double pushed[DP_SURFACE_PUSHED][DP_LANES], aside[DP_NZ][DP_LANES], dg[DP_LANES];
+    const double capacity = dp_capacity(e, l, tau, e->z, e->hold, &rest);
+    int b, j, k;
+    dp_surface(e->z, t, u, dp_force_rate(l, tau), e->p, e->s, f, g, gd);
+    for (j = 0; j < DP_NS; ++j) {
+        double part;
+        if (dp_kind[j] != DP_POSITION || g[j] != 0.0) continue;
+        memcpy(s, e->s, sizeof s); /* those that the motion rests on are zero in it */
+        s[j] = 1.0;
+        dp_field(e->z, t, u, e->p, s, f);
+        s[j] = -1.0;
+        part = -f[1];
+        dp_field(e->z, t, u, e->p, s, f);
+        part = 0.5 * (part + f[1]);
+        if (part <= 0.0 || fabs(rest) + part <= capacity - part) continue; /* friction would hold it beside the seat */
+        dp_surface_slopes(e->z, t, u, e->p, e->s, slopes);
+        memset(aside, 0, sizeof aside);
+        memset(pushed, 0, sizeof pushed);
+        aside[0][0] = 1.0;
+        dp_surface_along(slopes, pushed, (const double(*)[DP_LANES])aside, j, slope);
+        for (b = 0; b < c->blocks; ++b) {
+            dp_surface_pushes(slopes, c->which[b], pushed);
+            dp_surface_along(slopes, pushed, (const double(*)[DP_LANES])c->dz[b], j, dg);
+            for (k = 0; k < DP_LANES; ++k) c->dz[b][0][k] -= dg[k] / slope[0];
+        }
+    }
+}
+
 /* Compiled for wide registers too, where the loader can choose: the same bits, for no product is fused with a sum. */
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
 #define DP_WIDE __attribute__((target_clones("avx2", "default")))
@@ -153,6 +187,7 @@ DP_WIDE DP_APART void dp_carry_flow(const dp_engine *e, const dp_line *l, double
     memcpy(c->stage[0], e->z, sizeof e->z);
     if (h > DP_SAME * e->max_step) memset(c->shift, 0, c->blocks * sizeof *c->shift);
     if (e->hold >= 0 && dp_carry_held(e, l, tau)) {
+        dp_carry_seats(e, l, tau);
         for (b = 0; b < c->blocks; ++b) {
             memset(c->dz[b][1], 0, sizeof c->dz[b][1]);
             if (DP_NZ > 2) dp_carry_block_held(e, l, tau, h, b);

@@ -167,11 +167,22 @@ def test_of_a_sensor_that_follows_the_acceleration_of_a_mass_at_rest(with_law, o
 
 
 def test_of_an_event_that_another_brings_about_at_once(with_law, offsets):
-    """The contact of a backlash begins with the force of its damper, which a saturation behind it takes in: the force is
-    beyond the limit from the same instant on."""
+    """The contact of a backlash begins with the force of its damper, which a saturation behind it takes in: the force
+    is beyond the limit from the same instant on."""
     model = with_law("actuator-backlash", "actuator-saturation", dry=0.0, preload=0.0)
     inner = offsets(model)
     errors = Run(model, (6e-3, 0.1, *inner), None, initial_scales=inner).errors([1e-2, 1e-4, 1e-5, 1e-6])
+    assert max(errors.values()) < 1e-6, errors
+
+
+def test_of_a_prediction_that_rests_on_the_seat_of_a_preload():
+    """What was measured there would move it off, but that the preload pushes it back at once."""
+    measured = 1.02 * Run(rig(dry=3.0, preload=5.0), (6e-3, 0.1), None).plain()
+    run = Run(rig(dry=3.0, preload=5.0), (6e-3, 0.1), None, measured=measured)
+    response, derivatives = run.carried()
+    assert np.all(response[-100:] == 0.0)
+    assert np.all(derivatives[:, -100:] == 0.0)
+    errors = run.errors([1e-2, 1e-3, 1e-4, 1e-5, 1e-6])
     assert max(errors.values()) < 1e-6, errors
 
 
