@@ -20,7 +20,9 @@ static int dp_carry_held(const dp_engine *e, const dp_line *l, double tau) {
     return e->hold >= 0 && !dp_carry_loose(e, l, tau);
 }
 
-/* What the motion that is held weighs, its derivatives, and those of what each surface carries of it. */
+/* What the motion that is held weighs, its derivatives, and those of what each surface carries of it. A motion that
+ * flies held to where it breaks away is beyond what holds it at the last stages, by rounding: the share has its slope
+ * there too. */
 typedef struct {
     double rest, capacity;
     double drest[DP_LANES], dcapacity[DP_LANES], dshare[DP_LANES];
@@ -60,7 +62,7 @@ static void dp_carry_balance(const dp_engine *e, const dp_line *l, double tau, c
         }
         s[j] = 0.0;
     }
-    if (b->capacity > 0.0 && fabs(b->rest) <= b->capacity)
+    if (b->capacity > 0.0)
         for (k = 0; k < DP_LANES; ++k)
             b->dshare[k] = (b->drest[k] - b->rest / b->capacity * b->dcapacity[k]) / b->capacity;
 }
@@ -323,7 +325,7 @@ static void dp_carry_shown(const dp_engine *e, const signed char *given, double 
         if (held) {
             dp_balance w;
             dp_carry_balance(e, &line, 0.0, e->z, (const double(*)[DP_LANES])c->dz[b], c->which[b], &w);
-            for (j = 0; j < DP_NS; ++j)
+            for (j = 0; j < DP_NS && fabs(w.rest) <= w.capacity; ++j) /* beyond, after a jump of the force, each is one */
                 for (k = 0; w.joined[j] && k < DP_LANES; ++k) c->shown[b][k] += by[shown + DP_NY * j] * w.dshare[k];
         }
         dp_carry_put(c, b, i);

@@ -166,6 +166,21 @@ def test_of_a_sensor_that_follows_the_acceleration_of_a_mass_at_rest(with_law, o
     assert max(errors.values()) < 1e-7, errors
 
 
+def test_of_a_sensor_on_a_mass_that_breaks_away_from_time_to_time(with_law, offsets):
+    """At the last stages before it does the forces are beyond what holds it by rounding, and the share that a surface
+    carries has a slope there as well."""
+    effects = ("quadratic-stiffness", "actuator-backlash", "sensor-lag")
+    model = with_law(*effects, quantity="acceleration", dry=3.0, preload=0.07)
+    inner = offsets(model)
+    run = Run(model, (6e-3, 0.1, *inner), HOLDS["zero"](0.3), initial_scales=inner)
+    signs = run.core.signs(N)
+    run.plain(keep=signs)
+    held = signs[:, -1] >= 0
+    assert np.sum(held[1:] != held[:-1]) >= 10
+    errors = run.errors([1.0, 1e-2, 1e-4, 1e-5, 1e-6])
+    assert max(errors.values()) < 1e-6, errors
+
+
 def test_of_an_event_that_another_brings_about_at_once(with_law, offsets):
     """The contact of a backlash begins with the force of its damper, which a saturation behind it takes in: the force
     is beyond the limit from the same instant on."""
