@@ -91,10 +91,10 @@ class Run:
             differences.append((sides[0] - sides[1]) / (2 * h))
         apart = np.abs((4 * differences[1] - differences[0]) / 3 - derivative)
         same[1:] &= same[:-1].copy()
-        largest = np.max(np.abs(derivative))
-        if np.mean(same) < 0.5 or largest == 0.0:
-            return np.inf if np.any(apart) else 0.0
-        return np.max(apart[same]) / largest
+        if np.mean(same) < 0.5:
+            return np.inf
+        felt = 1e-7 * np.max(np.abs(self.plain())) / self.scales[unknown]  # less is rounding in any difference
+        return np.max(apart[same]) / max(np.max(np.abs(derivative)), felt)
 
 
 def rig(quantity="displacement", **changed):
@@ -224,7 +224,8 @@ def test_of_any_structure(every, with_law, offsets):
         fine = 0.25 * internal_step(model, model.values(), 8e-3)  # a lag that decays in one step and a half is coarse
         run = Run(model, begin, force, measured=measured, initial_scales=inner, step=fine)
         if np.all(np.isfinite(run.plain())):
-            errors = run.errors([100.0, 1.0, 1e-2, 1e-4, 1e-5, 1e-6])
+            # the short ones for a motion that nearly grazes a surface: beyond, it does in the neighbouring run
+            errors = run.errors([100.0, 1.0, 1e-2, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8])
             assert max(errors.values()) < COARSE, errors
 
     every(structures, holds, usual=60)
