@@ -7,7 +7,7 @@ from importlib import resources
 
 #: The event-exact engine, behind the generated law: ``engine.c`` includes the other three.
 ENGINE = ("engine.h", "flow.c", "events.c", "engine.c")
-#: What the engine includes where derivatives go along.
+#: Before and behind the engine where derivatives go along.
 CARRIED = ("carried.h", "carried.c")
 #: Behind the engine: a whole recording in one call, for fits and simulations.
 RECORD = "record.c"

@@ -1,4 +1,4 @@
-/* Derivatives of the motion by several unknowns, carried along with it. Included behind events.c.
+/* Derivatives of the motion by several unknowns, carried along with it. Included behind engine.c.
  *
  * Between events they are those of the step itself: each stage of Dormand and Prince's pair takes the slopes of the
  * right-hand side at the stage of the motion. At an event of surface g the time of the event moves by
@@ -117,7 +117,7 @@ DP_INLINE void dp_carry_block(double (*slopes)[DP_FIELD_SLOPES], const int *whic
 
 /* The same while the motion is held. */
 static void dp_carry_block_held(const dp_engine *e, const dp_line *l, double tau, double h, int block) {
-    const dp_carried *c = e->carried;
+    const dp_carried *c = DP_CARRIED(e);
     double k[6][DP_NZ][DP_LANES], y[DP_NZ][DP_LANES];
     int i, j, n, m;
     memcpy(y, c->dz[block], sizeof y);
@@ -137,7 +137,7 @@ static void dp_carry_block_held(const dp_engine *e, const dp_line *l, double tau
 /* A motion that is held on the seat of a position surface, from beside which the forces would push it back: no unknown
  * moves it off, it goes with the seat. */
 static void dp_carry_seats(const dp_engine *e, const dp_line *l, double tau) {
-    const dp_carried *c = e->carried;
+    const dp_carried *c = DP_CARRIED(e);
     const double t = l->t0 + tau, u = dp_force(l, tau);
     double s[DP_NS + 1], f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1], rest, slopes[DP_SURFACE_SLOPES], slope[DP_LANES];
     double pushed[DP_SURFACE_PUSHED][DP_LANES], aside[DP_NZ][DP_LANES], dg[DP_LANES];
@@ -168,17 +168,10 @@ static void dp_carry_seats(const dp_engine *e, const dp_line *l, double tau) {
     }
 }
 
-/* Compiled for wide registers too, where the loader can choose: the same bits, for no product is fused with a sum. */
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
-#define DP_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define DP_WIDE
-#endif
-
 /* The motion has flown over h from e->z at tau, where its right-hand side was k1. */
 DP_WIDE DP_APART void dp_carry_flow(const dp_engine *e, const dp_line *l, double tau, double h,
                                     const double *k1) {
-    dp_carried *c = e->carried;
+    dp_carried *c = DP_CARRIED(e);
     double slopes[6][DP_FIELD_SLOPES], sides[DP_SIDES];
     int i, b;
     if (h <= 0.0) return;
@@ -213,7 +206,7 @@ static void dp_carry_rates(const dp_engine *e, const dp_line *l, double tau, dou
 
 /* Something changes at the present instant. */
 static void dp_carry_before(const dp_engine *e, const dp_line *l, double tau, int stops) {
-    dp_carried *c = e->carried;
+    dp_carried *c = DP_CARRIED(e);
     dp_carry_rates(e, l, tau, c->before);
     c->held = e->hold >= 0;
     c->stops = stops;
@@ -222,7 +215,7 @@ static void dp_carry_before(const dp_engine *e, const dp_line *l, double tau, in
 /* The motion, on a surface, is about to cross it. Where it is beyond the surface already, this has jumped in an event
  * (as the force of a contact does that a saturation takes in) and comes with that event, when that comes. */
 static void dp_carry_crossing(const dp_engine *e, const dp_line *l, double tau, int surface) {
-    dp_carried *c = e->carried;
+    dp_carried *c = DP_CARRIED(e);
     double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1], slopes[DP_SURFACE_SLOPES], pushed[DP_SURFACE_PUSHED][DP_LANES];
     double beside[DP_NZ][DP_LANES], dg[DP_LANES], rate;
     int b, k, n;
@@ -244,7 +237,7 @@ static void dp_carry_crossing(const dp_engine *e, const dp_line *l, double tau, 
 
 /* The held motion is about to break away, for the forces have grown to what holds it. */
 static void dp_carry_breaking(const dp_engine *e, const dp_line *l, double tau) {
-    dp_carried *c = e->carried;
+    dp_carried *c = DP_CARRIED(e);
     const double t = l->t0 + tau, u = dp_force(l, tau), way = dp_force_rate(l, tau);
     double s[DP_NS + 1], base = 0.0, one, rate = 0.0;
     int b, j, k;
@@ -274,7 +267,7 @@ static void dp_carry_breaking(const dp_engine *e, const dp_line *l, double tau) 
 
 /* It has happened. */
 static void dp_carry_after(const dp_engine *e, const dp_line *l, double tau) {
-    dp_carried *c = e->carried;
+    dp_carried *c = DP_CARRIED(e);
     double after[DP_NZ];
     int b, k, n, stops = c->stops || (!c->held && e->hold >= 0);
     if (stops && e->hold >= 0 && dp_carry_loose(e, l, tau)) stops = 0;
@@ -296,7 +289,7 @@ static void dp_carry_put(const dp_carried *c, int block, long i) {
 
 /* Derivatives of the output at index `shown`, at sample i, under the present signs or those given. */
 static void dp_carry_shown(const dp_engine *e, const signed char *given, double u, int shown, long i) {
-    dp_carried *c = e->carried;
+    dp_carried *c = DP_CARRIED(e);
     const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
     double s[DP_NS + 1], slopes[DP_OUTPUT_SLOPES], pushed[DP_OUTPUT_PUSHED][DP_LANES], by[DP_NY * DP_NS + 1];
     dp_engine under;
@@ -334,7 +327,7 @@ static void dp_carry_shown(const dp_engine *e, const signed char *given, double 
 
 /* The state is about to be moved by the gain times what was measured at sample i beyond the output. */
 static void dp_carry_correction(const dp_engine *e, const double *gain, double u, long i) {
-    dp_carried *c = e->carried;
+    dp_carried *c = DP_CARRIED(e);
     const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
     const int moved = dp_carry_held(e, &line, 0.0) ? 1 : DP_NZ;
     const double weight = c->profile ? c->profile[i] : 1.0;

@@ -1,9 +1,12 @@
 /* Derivatives of the motion by several unknowns that go along with it: what they need to know of it. See carried.c.
- * Included by engine.h where the generated law has slopes (DP_CARRIES). */
+ * Included behind a generated law that has slopes (DP_CARRIES), before engine.c; carried.c comes behind that. */
 #ifndef DASHPOT_CARRIED_H
 #define DASHPOT_CARRIED_H
 
-typedef struct dp_carried {
+#include "engine.h"
+
+typedef struct {
+    dp_engine engine;             /* first, so that its address is that of the whole */
     int blocks;                   /* unknowns go side by side, DP_LANES of them in a block */
     double (*dz)[DP_NZ][DP_LANES]; /* derivatives of the state */
     double (*shift)[DP_LANES];    /* how much later the event of this instant comes; 0 once the motion has flown on */
@@ -20,8 +23,25 @@ typedef struct dp_carried {
     long count, n;
 } dp_carried;
 
-#define DP_STAGE(e, i, z) memcpy((e)->carried->stage[i], z, sizeof (e)->carried->stage[i])
-#define DP_STAGES(e, tau, h) (e)->carried->stage_tau = tau, (e)->carried->stage_h = h
+#define DP_CARRIED(e) ((dp_carried *)(e))
+
+/* Compiled for wide registers too, where the loader can choose: the same bits, for no product is fused with a sum. */
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__GLIBC__)
+#define DP_WIDE __attribute__((target_clones("avx2", "default")))
+#else
+#define DP_WIDE
+#endif
+
+struct dp_line;
+DP_WIDE DP_APART void dp_carry_flow(const dp_engine *e, const struct dp_line *l, double tau, double h,
+                                    const double *k1);
+static void dp_carry_before(const dp_engine *e, const struct dp_line *l, double tau, int stops);
+static void dp_carry_crossing(const dp_engine *e, const struct dp_line *l, double tau, int surface);
+static void dp_carry_breaking(const dp_engine *e, const struct dp_line *l, double tau);
+static void dp_carry_after(const dp_engine *e, const struct dp_line *l, double tau);
+
+#define DP_STAGE(e, i, z) memcpy(DP_CARRIED(e)->stage[i], z, sizeof DP_CARRIED(e)->stage[i])
+#define DP_STAGES(e, tau, h) DP_CARRIED(e)->stage_tau = tau, DP_CARRIED(e)->stage_h = h
 #define DP_FLOWN(e, l, tau, h, k1) dp_carry_flow(e, l, tau, h, k1)
 #define DP_CROSSING(e, l, tau, surface) dp_carry_crossing(e, l, tau, surface)
 #define DP_BREAKING(e, l, tau) dp_carry_breaking(e, l, tau)

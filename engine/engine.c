@@ -1,9 +1,6 @@
 /* Event-exact integration of one oscillator over a communication step; see engine.h. Included behind the generated law. */
 #include "flow.c"
 #include "events.c"
-#ifdef DP_CARRIES
-#include "carried.c"
-#endif
 
 #define DP_EVENT_BUDGET 400 /* events in one internal step; beyond it the motion is no longer physical */
 

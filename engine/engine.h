@@ -31,20 +31,15 @@ typedef struct {
     double widest;        /* largest of them since somebody looked and set it to zero */
     int modes_ready;      /* 0 after a state or parameter was set: signs are found again at the next step */
     long events;          /* events located so far */
-#ifdef DP_CARRIES
-    struct dp_carried *carried; /* derivatives that go along, or null */
-#endif
 } dp_engine;
 
-/* What the engine tells whoever follows the motion (carried.c: derivatives that go along); nothing where nobody does.
+/* What the engine tells whoever follows the motion (carried.h: derivatives that go along); nothing where nobody does.
  * DP_STAGE: the state at a stage of a step that is tried; DP_STAGES: where that step began, and its length. DP_FLOWN: the
  * motion has flown from e->z, where its right-hand side was k1. DP_CROSSING, DP_BREAKING, DP_BEFORE: it is about to cross
  * a surface, to break away because the forces have grown, or to change at an instant that is given; DP_AFTER: it has.
  * DP_SHOWN: the output at sample i was taken, under the signs given or, where null, its own; DP_CORRECTING: the state is
  * about to be moved by what was measured there. */
-#ifdef DP_CARRIES
-#include "carried.h"
-#else
+#ifndef DP_CARRIES
 #define DP_STAGE(e, stage, z)
 #define DP_STAGES(e, tau, h)
 #define DP_FLOWN(e, l, tau, h, k1)

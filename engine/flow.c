@@ -5,7 +5,7 @@
 
 #include "engine.h"
 
-typedef struct {
+typedef struct dp_line {
     double c[4]; /* force within the step: c0 + c1 tau + c2 tau^2 + c3 tau^3 */
     double t0;   /* time at tau = 0 */
 } dp_line;

@@ -124,7 +124,6 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
  * unknown, by `profile` (n) at each sample or, where that is null, by as much as it. `room`: twice DP_LANES for each block. */
 DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, double *dz, const int *which,
                                  const double *sensed, const double *profile, double *room, double *derivatives) {
-    dp_engine e;
     dp_carried c;
     memset(&c, 0, sizeof c);
     c.blocks = blocks, c.count = count, c.n = r->n, c.y = derivatives, c.profile = profile;
@@ -133,9 +132,8 @@ DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, 
     c.sensed = (const double(*)[DP_LANES])sensed;
     c.shift = (double(*)[DP_LANES])room;
     c.shown = c.shift + blocks;
-    dp_start(&e, r->p, r->z0, r->t0, r->max_step);
-    e.carried = &c;
-    return dp_record_by(&e, r);
+    dp_start(&c.engine, r->p, r->z0, r->t0, r->max_step);
+    return dp_record_by(&c.engine, r);
 }
 #else
 DP_EXPORT long dp_record(const dp_recording *r) {

@@ -61,11 +61,12 @@ class Core:
 
     def _built(self, carried: bool) -> ctypes.CDLL:
         """The compiled engine behind these equations, with derivatives that go along or without."""
-        files = (*engine.ENGINE, engine.RECORD, *(engine.CARRIED if carried else ()))
+        before, behind = (engine.CARRIED[:1], engine.CARRIED[1:]) if carried else ((), ())
+        files = (*engine.ENGINE, engine.RECORD, *before, *behind)
         sources = {
             "law.c": law_source(self.equations, carried=carried),
             **{name: engine.text(name) for name in files},
-            "core.c": engine.included("law.c", engine.ENGINE[-1], engine.RECORD),
+            "core.c": engine.included("law.c", *before, engine.ENGINE[-1], *behind, engine.RECORD),
         }
         return loaded_library(sources, "core.c", flags=CARRYING if carried else ())
 

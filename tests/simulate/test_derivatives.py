@@ -52,7 +52,7 @@ class Run:
             begin[unknown - count] += by
         elif unknown == count + self.core.states:
             more["load"] = by
-        else:
+        elif measured is not None:
             measured = measured + by
         return self.core.record(
             values, begin, self.force, self.n, DT, self.step, start=START, measured=measured, gain=self.gain, **more
