@@ -36,7 +36,7 @@ def verdict(moved: Moved, *, differs: bool) -> str:
     if not best:
         return "The models differ by more than their errors, but no parameter stands out from the rest"
     several = "moved together" if len(best) > 1 else "moved"
-    rivals = f", or else {_rivals(moved.rivals)}, which cannot be told from that" if moved.rivals else ""
+    rivals = f", or else {_rivals(moved.rivals)}, which explains it as well" if moved.rivals else ""
     stays = ", and nothing else" if moved.best.freedom else ": all that both estimate"
     return f"{spoken(best)} {several}{stays}{rivals}"
 

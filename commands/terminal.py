@@ -65,7 +65,7 @@ def with_quiet(command: click.Command) -> None:
             expose_value=False,
             is_eager=True,
             callback=_ask_for_quiet,
-            help="Say nothing beside the result: no progress, no notes. Errors and bad news are said.",
+            help="Print the result alone: no progress, no notes. Errors and bad news are printed.",
         )
     )
 

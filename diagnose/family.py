@@ -326,7 +326,7 @@ def stranger(final: Fitted, search: Search, left: Sequence[Leftover], training: 
     worst: dict[str, float] = {}
     for leftover in left[training:]:
         worst[leftover.file] = max(leftover.ratio, worst.get(leftover.file, 0.0))
-    if min(worst.values()) < _STRANGE:  # another rig shows in each; one alone may jump where a hair decides
+    if min(worst.values()) < _STRANGE:  # another rig shows in each; one alone may jump where small changes decide
         return None
     own = Structure(final.model, search.holdout).fit(settle=True)
     again = [leftover.ratio for leftover in leftovers(own, search.holdout)]

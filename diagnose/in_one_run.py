@@ -33,7 +33,7 @@ def told_best_in_one_run(selected: Candidate, search: Search, whole: Data) -> Ca
         least, best = min(tried, key=lambda pair: pair[0], default=(np.inf, selected))
         if not left - least > np.log1p(MATTERS):
             break
-        why = "without one of its laws the whole recordings are told better in one run"
+        why = "without one of its laws the whole recordings are explained better in one run"
         search.candidates[selected.laws] = replace(selected, why=why)
         selected, left = best, least
     return selected

@@ -44,7 +44,7 @@ def without_needless(selected: Candidate, search: Search, delivered: Callable[[F
         )
         if smaller is None:
             break
-        why = "beside the others its strength is not told from none, and without it they leave no more than noise"
+        why = "beside the others its strength is zero within its error, and without it they leave no more than noise"
         search.candidates[selected.laws] = replace(selected, why=why)
         search.candidates[smaller.laws] = selected = smaller
     return selected
@@ -64,7 +64,7 @@ def certainty(model: Oscillator, laws: tuple[str, ...]) -> dict[str, float]:
 def of_unknown_size(model: Oscillator, laws: tuple[str, ...]) -> list[str]:
     """A sentence for each law that is named for what it takes away, and whose strength its own error leaves open."""
     return [
-        f"{law}: by its own error its strength is not told from none: something acts like it, and how much of it there "
+        f"{law}: its strength is zero within its error: something acts like it, and how much of it there "
         "is, and whether it is this, these recordings leave open"
         for law, sure in certainty(model, laws).items()
         if sure < _TOLD

@@ -70,7 +70,7 @@ def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:
     if held and not follows_any(held):
         return "follows nothing of what was held out"
     if tells_worse(held or records):  # where nothing was held out the others stand in
-        return f"tells {'what was held out' if held else 'the recordings'} worse than the given family"
+        return f"explains {'what was held out' if held else 'the recordings'} worse than the given family"
     return None
 
 

@@ -152,7 +152,7 @@ def _negative(o: Oscillator, name: str, p: Parameter) -> str | None:
     if meaning is None or p.value >= 0:
         return None
     if p.std is not None and p.value > -2 * p.std:
-        return f"{name} is negative but within two standard errors of zero: these recordings do not tell it from none."
+        return f"{name} is negative but within two standard errors of zero: these recordings may hold none of it."
     return (
         f"{name} is negative, {meaning}: a sign that the model lacks something and this parameter makes up for it; "
         "do not trust it beyond what was recorded."
@@ -166,7 +166,7 @@ def _softening(o: Oscillator) -> str:
     cubic = o.cubic
     if cubic.std and cubic.value > -2 * cubic.std:
         return (
-            "cubic is negative but within two standard errors of zero: these recordings do not tell it from none, and "
+            "cubic is negative but within two standard errors of zero: these recordings may hold none of it, and "
             f"a simulation beyond {top * math.sqrt(3):.3g} {unit} does not come back; fix it (--fix cubic=0) to go on."
         )
     reach = "" if o.amplitude is None else f"; the recordings reach {o.amplitude.max:.3g} {o.amplitude.unit}"

@@ -78,7 +78,7 @@ def _effect(effect: Effect, plan: Experiment | None) -> list[str]:
         by = effect.separated_by
         if plan is not None and plan.sentence.strip():  # stands below
             by = by.replace(plan.sentence, "the next experiment, below.", 1)
-        what = f"Not told from {effects_in_words(effect.indistinguishable_from, 'or')}."
+        what = f"Not distinguished from {effects_in_words(effect.indistinguishable_from, 'or')}."
         lines += _wrapped(what + (f" What would tell: {full_stop(by)}" if by else ""), "    ", 3)
     return lines
 

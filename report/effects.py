@@ -61,10 +61,10 @@ def effect_blocks(effect: Effect) -> list[Block]:
         rows.append(("Backbone, damping curve", law.curves or "Not stated."))
         rows.append(("Literature", full_stop(law.source)))
     if effect.indistinguishable_from:
-        rows.append(("Cannot be told from", effects_in_words(effect.indistinguishable_from, "or")))
+        rows.append(("Not distinguished from", effects_in_words(effect.indistinguishable_from, "or")))
         rows.append(("What would tell", full_stop(effect.separated_by) if effect.separated_by else "Not known."))
     else:
-        rows.append(("Cannot be told from", "No other law of the library does as well on these recordings."))
+        rows.append(("Not distinguished from", "No other law of the library does as well on these recordings."))
         if effect.separated_by:
             rows.append(("To be surer still", full_stop(effect.separated_by)))
     rows.append(("Odds", _odds(effect)))

@@ -68,7 +68,7 @@ def location_section(diagnosis: Diagnosis) -> Section:
     if place.path in PATHS:
         blocks.append(Text(f"It lies {PATHS[place.path]} (path: {place.path})."))
     else:
-        blocks.append(Text("Where in the rig it lies cannot be told from it."))
+        blocks.append(Text("It does not show where in the rig the mismatch lies."))
     if place.recordings:
         blocks.append(Text("It shows in " + ", ".join(place.recordings) + "."))
     return Section(title, tuple(blocks))

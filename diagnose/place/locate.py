@@ -29,13 +29,13 @@ def locate(fitted: Fitted, data: Data) -> Location:
     """
     model = fitted.model
     if not np.all(np.isfinite(list(model.values().values()))):
-        return _everywhere(data, "the place cannot be told: the model has values that are no numbers")
+        return _everywhere(data, "the place is not known: the model has values that are no numbers")
     try:
         stretches, evidence = equation_error(model, data)
     except (DashpotError, np.linalg.LinAlgError) as problem:
-        return _everywhere(data, f"the place cannot be told: {problem}")
+        return _everywhere(data, f"the place is not known: {problem}")
     if not stretches:
-        return _everywhere(data, "the place cannot be told: the recordings move too little or for too few cycles")
+        return _everywhere(data, "the place is not known: the recordings move too little or for too few cycles")
     off = how_far_off(fitted, data)
     if evidence < _EVIDENCE:
         return _everywhere(data, f"no missing force stands out of the noise in any recording{off}")

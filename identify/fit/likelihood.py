@@ -132,6 +132,4 @@ def _beyond(told: Sequence[Segment], whole: Sequence[Segment], recordings: Seque
         for part, all_of_it in zip(told, whole, strict=True)
         if part.n < all_of_it.n
     ]
-    return (
-        f"no model of this structure that tells the beginning simulates the end of {', '.join(ends)}; it was left out"
-    )
+    return f"no model of this structure that fits the beginning simulates the end of {', '.join(ends)}; it was left out"

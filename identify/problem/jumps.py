@@ -1,8 +1,8 @@
 """Stretches in which the response jumps with the smallest change of a parameter.
 
-Where friction or a preload holds the mass against a force of about their size, a hair decides whether it breaks away in
-this cycle or the next. There the simulated response has no derivative: a difference quotient is a jump over a small
-step, and least squares would take it for an immense amount of information. Such stretches are left out.
+Where friction or a preload holds the mass against a force of about their size, small changes decide whether it breaks
+away in this cycle or the next. There the simulated response has no derivative: a difference quotient is a jump over a
+small step, and least squares would take it for an immense amount of information. Such stretches are left out.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def left_out(before: Sequence[Segment], after: Sequence[Segment], names: Sequenc
         has = sum(s.n * s.dt for s in after if s.recording == index)
         if has < had:
             sentences.append(
-                f"{name}: {had - has:.3g} of {had:.3g} s were left out, because there a hair decides whether "
+                f"{name}: {had - has:.3g} of {had:.3g} s were left out, because there small changes decide whether "
                 "friction or preload hold the mass; a larger force would make them useful"
             )
     return sentences

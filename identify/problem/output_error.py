@@ -218,10 +218,10 @@ class OutputError:
         """(shared + states, n) derivatives of each segment's response: free parameters, offsets, its initial state.
 
         Where the response jumps (an acceleration, when friction turns), all runs of a segment show what their states
-        give under the same signs, sample by sample: the jump itself has no derivative. Where a hair decides whether
-        friction holds the mass, a difference quotient is no derivative either: samples at which a parameter would move
-        the response by more than its phase can turn are left at zero. With ``single`` those of long segments come in
-        single precision, to which a quotient is good.
+        give under the same signs, sample by sample: the jump itself has no derivative. Where small changes decide
+        whether friction holds the mass, a difference quotient is no derivative either: samples at which a parameter
+        would move the response by more than its phase can turn are left at zero. With ``single`` those of long segments
+        come in single precision, to which a quotient is good.
         """
         if max(segment.n for segment in self.segments) >= LONG:
             give_back()

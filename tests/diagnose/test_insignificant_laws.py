@@ -1,4 +1,4 @@
-"""Laws beside another that their own errors do not tell from none."""
+"""Laws beside another whose strength is zero within its error."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def test_a_law_that_its_own_error_does_not_tell_from_none_is_not_named(selected,
     search = Search()
     chosen = without_needless(selected[0], search, lambda fitted: model(error, 1e-3))
     assert chosen.laws == kept
-    assert kept == BOTH or "not told from none" in search.candidates[BOTH].why
+    assert kept == BOTH or "zero within its error" in search.candidates[BOTH].why
 
 
 def test_it_stays_where_more_than_noise_is_left_without_it(selected):

@@ -245,7 +245,7 @@ def test_where_nothing_was_held_out_the_recordings_themselves_must_not_be_told_w
     """A structure that suits pieces of a cycle each may not suit the whole: a limit of half a per cent of its size."""
     why = no_finding([row(0.0427, after, 1e-4)], 0.9)
     assert (why is not None) is worse
-    assert not worse or "tells the recordings worse" in why
+    assert not worse or "explains the recordings worse" in why
 
 
 def test_where_nothing_is_mended_the_row_says_before_twice():

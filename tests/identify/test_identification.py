@@ -184,7 +184,7 @@ def test_a_force_that_never_moves_the_mass_leaves_the_mass_open():
 
 
 def test_a_mass_that_friction_hardly_lets_go_does_not_make_the_errors_small():
-    # The force is about the preload: in each cycle a hair decides whether the mass moves, and no derivative exists.
+    # The force is about the preload: in each cycle small changes decide whether it moves, and no derivative exists.
     values = TRUTH | {"preload": 0.3, "dry": 0.0}
     low = 0.35 * values["mass"] * values["preload"] * 4
     random = np.random.default_rng(7)
@@ -197,7 +197,7 @@ def test_a_mass_that_friction_hardly_lets_go_does_not_make_the_errors_small():
     identification = identify([sweep, record("decay", values=values, seconds=4.0)])
     for name, parameter in identification.oscillator.parameters().items():
         assert abs(parameter.value - values[name]) < 4 * parameter.std, name
-    assert any("a hair decides" in note for note in identification.notes)
+    assert any("small changes decide" in note for note in identification.notes)
 
 
 def test_what_the_family_cannot_do_is_remarked():

@@ -35,7 +35,7 @@ def test_a_laser_sweep_and_an_accelerometer_decay(recorded):
     for recording in recordings:
         left = replay(model, recording) - recording.response
         size = NOISE * TRUTH["omega0"] ** (2 if recording.quantity == "acceleration" else 0)
-        # towards the end of the decay a hair decides on which side of a jump a sample of the acceleration was taken
+        # towards the end of the decay small changes decide on which side of a jump an acceleration was taken
         across = np.abs(left) > 4 * size
         assert np.count_nonzero(across) <= (0.01 * left.size if recording.quantity == "acceleration" else 0)
         assert np.std(left[~across]) < 1.2 * size

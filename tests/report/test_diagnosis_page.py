@@ -158,7 +158,7 @@ def test_a_place_that_cannot_be_told_is_said_in_words(hand_made) -> None:
     diagnosis = hand_made.missing()
     assert diagnosis.location is not None
     for path, words in (
-        ("unknown", "cannot be told from it"),
+        ("unknown", "does not show where in the rig"),
         ("restoring", "It lies in the spring (path: restoring)."),
     ):
         place = replace(diagnosis.location, path=path)
