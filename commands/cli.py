@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 import sys
 import tempfile
@@ -199,6 +198,7 @@ def identify(
     from ..model.file import load, save
     from ..model.fit_state import beyond, faults_of_recordings, left_over
     from ..model.laws import find as find_law
+    from ..model.limits import checked_value
     from ..model.show import as_json as model_json
     from ..model.show import describe
 
@@ -209,8 +209,8 @@ def identify(
         )
     if mass is not None:
         fix = fix | {"mass": mass}
-    if not 0 < fix.get("mass", 1.0) < math.inf:
-        raise BadInput(f"a mass of {fix['mass']:g} kg moves nowhere; give a positive number")
+    for key, value in fix.items():
+        checked_value(key, value)
     laws = [find_law(effect).name for effect in effects]
     begin = None if start is None else load(start)
     given, band = mode_alone(read_all(recordings, options, say), mode, begin, say)

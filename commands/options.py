@@ -118,7 +118,8 @@ def law_names(context: click.Context, parameter: click.Parameter, begun: str) ->
 
 def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:
     """``NAME=VALUE`` as a dictionary."""
-    fixed = {}
+    fixed: dict[str, float] = {}
+    given: set[str] = set()
     for text in values:
         name, sign, number = text.partition("=")
         try:
@@ -126,7 +127,10 @@ def fixed_values(context: click.Context, parameter: click.Parameter, values: tup
         except ValueError:
             sign = ""
         if not sign or not name.strip():
-            raise click.BadParameter(f"'{text}' is not NAME=VALUE with a number, such as viscous=0.5")
+            raise click.BadParameter(f"'{text[:80]}' is not NAME=VALUE with a number, such as viscous=0.5")
+        if name.strip() in given:
+            raise click.BadParameter(f"'{name.strip()[:80]}' is fixed twice; give it one value")
+        given.add(name.strip())
     return fixed
 
 

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -107,18 +106,18 @@ def identify(
     >>> print(f"{model['mass'].value:.3f} kg, {model['natural_frequency'].value:.2f} Hz")
     0.270 kg, 12.67 Hz
     """
-    from ..errors import BadInput
     from ..identify.identification import belong_together
     from ..identify.identification import identify as find
     from ..identify.motion.modes import mode_alone
     from ..model.laws import find as find_law
+    from ..model.limits import checked_value
 
     say, notes = progress or _silent, []
     recordings = read(*given, **options)
     belong_together(recordings)
     known = dict(fixed or {}) | ({} if mass is None else {"mass": mass})
-    if not 0 < known.get("mass", 1.0) < math.inf:
-        raise BadInput(f"a mass of {known['mass']:g} kg moves nowhere; give a positive number")
+    if "mass" in known:
+        checked_value("mass", known["mass"])
     begin = None if start is None else oscillator_of(start)
     alone, band = mode_alone(recordings, None if mode is None else str(mode), begin, notes.append)
     for note in notes:

@@ -7,7 +7,10 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
+from ..errors import BadInput
 from ..model import Oscillator, Parameter, Response
+from ..model.limits import checked_value
+from ..model.oscillator import QUANTITIES
 from ..recording import Reading
 
 if TYPE_CHECKING:
@@ -39,6 +42,12 @@ class Model:
     oscillator: Oscillator
     identification: Identification | None = None
 
+    def __post_init__(self) -> None:
+        if self.identification is None:
+            from ..model.file import check
+
+            check(self.oscillator)
+
     @classmethod
     def from_values(
         cls,
@@ -59,15 +68,23 @@ class Model:
             laws: names of further laws, docs/laws.md.
 
         Raises:
-            BadInput: a parameter is missing or not known.
+            BadInput: a parameter is missing, not known, or one that no model file may hold: a mass of zero, a NaN.
 
         >>> import dashpot
         >>> rig = {"mass": 1.0, "omega0": 50.0, "cubic": 0.0, "preload": 0.0, "viscous": 1.0, "dry": 0.0}
         >>> dashpot.Model.from_values(rig | {"quadratic-drag.coefficient": 2.0}, laws=["quadratic-drag"]).laws
         ('quadratic-drag',)
         """
+        if quantity not in QUANTITIES:
+            raise BadInput(f"quantity {str(quantity)[:40]!r} is not known; use one of {', '.join(QUANTITIES)}")
+        if not isinstance(unit, str) or not isinstance(name, str) or not isinstance(values, Mapping):
+            raise BadInput("name and unit must be texts, and values numbers by name; see docs/python.md")
         response = Response(quantity, unit)
-        return cls(Oscillator.from_values(values, name=name, response=response, effects=tuple(laws)))
+        oscillator = Oscillator.from_values(values, name=name, response=response, effects=tuple(laws))
+        for key, (lower, upper) in oscillator.bounds().items():
+            of_law = "." in key  # the file leaves those of Eq. 17 free
+            checked_value(key, values[key], *((lower, upper) if of_law else ()))
+        return cls(oscillator)
 
     @property
     def name(self) -> str:
@@ -200,7 +217,6 @@ class Model:
         Raises:
             BadInput: the place cannot be written, or a report is asked for of a model that was not identified here.
         """
-        from ..errors import BadInput
         from ..files.writing import write
         from ..model.file import save
 
@@ -257,12 +273,12 @@ class Model:
 
 def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
     """The oscillator that is meant: a Model's, one itself, or that of a model file; raises BadInput for others."""
-    from ..errors import BadInput
-    from ..model.file import load
+    from ..model.file import check, load
 
     if isinstance(model, Model):
         return model.oscillator
     if isinstance(model, Oscillator):
+        check(model)
         return model
     if isinstance(model, str | Path):
         return load(model)

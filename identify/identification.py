@@ -18,6 +18,7 @@ from ..errors import BadInput
 from ..files.computed_once import computed_once
 from ..model import Oscillator, Response
 from ..model.fit_state import FOLLOWS, LACKING, left_over
+from ..model.limits import checked_value
 from ..model.oscillator import Band
 from ..recording.checks import reversed_force
 from ..recording.given import recordings_of
@@ -197,7 +198,9 @@ def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], na
 
 def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool) -> Oscillator:
     """The model with parameters set; raises BadInput for a name that it does not have, once all its laws are in."""
-    known = model.parameters()
+    known, bounds = model.parameters(), model.bounds()
+    for name, value in values.items():
+        checked_value(name, value, *(bounds.get(name, ()) if "." in name else ()))
     if final and (unknown := [key for key in values if key not in known and key != "mass"]):
         near = difflib.get_close_matches(unknown[0], known, n=1)
         meant = f"did you mean {near[0]}? The" if near else "the"

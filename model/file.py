@@ -80,6 +80,18 @@ def dumps(oscillator: Oscillator) -> str:
     return "\n".join([*lines, *_identified(o.identified)]) + "\n"
 
 
+def check(oscillator: Oscillator) -> None:
+    """See that a model is one that a model file may hold; raises BadInput with every problem and its path."""
+    if not isinstance(oscillator.name, str):
+        raise BadInput(f"the name of a model must be text, not {type(oscillator.name).__name__}")
+    if not all(c.isprintable() for c in oscillator.name):  # which the file would write as another
+        raise BadInput(f"the name {oscillator.name[:60]!r} holds a line break or a control character; take it out")
+    try:
+        loads(dumps(oscillator), "model")
+    except BadInput as problem:  # of a text that nobody has seen, no lines
+        raise BadInput(re.sub(r"(?m)^model: line \d+: ", "model: ", str(problem))) from None
+
+
 def save(oscillator: Oscillator, path: str | os.PathLike[str]) -> None:
     """Write a model file: under a temporary name, then renamed, so that no half-written file is ever seen.
 

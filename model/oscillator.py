@@ -11,6 +11,7 @@ from ..errors import BadInput
 from . import units
 from .law import Law
 from .laws import BASE, find
+from .limits import plain_number
 from .parameter import Parameter
 
 if TYPE_CHECKING:
@@ -177,6 +178,9 @@ class Oscillator:
             response: what the recordings show.
             force_unit: unit of the excitation.
             effects: names of further effects.
+
+        Raises:
+            BadInput: a parameter is missing, not known, or no number.
         """
         response = response or Response()
         given = dict(values)
@@ -185,7 +189,8 @@ class Oscillator:
         def take(key: str, template: str) -> Parameter:
             if key not in given:
                 raise BadInput(f"parameter {key!r} is missing; give a value for it")
-            return Parameter(float(given.pop(key)), None, units.compose(template, unit, force_unit, response.unit))
+            value = plain_number(key, given.pop(key))
+            return Parameter(value, None, units.compose(template, unit, force_unit, response.unit))
 
         mass = take("mass", MASS_UNIT) if given.get("mass") is not None else None
         given.pop("mass", None)
@@ -195,7 +200,8 @@ class Oscillator:
             for effect in effects
         )
         if given:
-            raise BadInput(f"unknown parameter {sorted(given)[0]!r}; known are mass, {', '.join(base)}")
+            unknown = min(map(str, given))
+            raise BadInput(f"unknown parameter {unknown[:60]!r}; known are mass, {', '.join(base)}")
         return cls(mass=mass, **base, name=name, terms=terms, response=response, force_unit=force_unit)
 
     def parameters(self) -> dict[str, Parameter]:

@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from .consistency import Meaning, shown, suggestion
 from .form import Form, filled, of_format, printable
+from .limits import LEAST, MOST
 from .yaml_loader import Document, Path
 
 FORMAT = "dashpot-model/1"
@@ -26,10 +27,6 @@ _Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(print
 _RecordedUnit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(printable)]
 
 
-#: Largest number of a model, whatever its unit: squares and cubes of it are still numbers.
-MOST = 1e100
-
-
 class ParameterForm(Form):
     """One number with its standard error and unit."""
 
@@ -38,10 +35,18 @@ class ParameterForm(Form):
     unit: _Unit
 
 
+def _not_vanishing(value: float) -> float:
+    """What a model divides by; raises where its reciprocal would leave double precision."""
+    if value < LEAST:
+        told = {"least": f"{LEAST:g}", "given": f"{value:g}"}
+        raise PydanticCustomError("vanishing", "must not be below {least}, but is {given}; check its unit", told)
+    return value
+
+
 class PositiveForm(ParameterForm):
     """A parameter that only makes sense above zero."""
 
-    value: Annotated[float, Field(gt=0, le=MOST)]
+    value: Annotated[float, Field(gt=0, le=MOST), AfterValidator(_not_vanishing)]
 
 
 class TermForm(Form):
