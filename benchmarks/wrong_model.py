@@ -29,7 +29,7 @@ from dashpot.identify.problem.settle import settled
 from dashpot.identify.problem.structure import Structure
 from dashpot.identify.signals.signals import noise_levels
 from dashpot.identify.start.start import hilbert_start
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.recording import Recording
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import force_between
@@ -49,7 +49,7 @@ MISSING = {
 def recorded(effect: str, values: dict[str, float], *, driven: bool) -> Recording:
     """A decay or a sweep of the rig with the effect, simulated as dashpot does."""
     known = {f"{effect}.{name}": value for name, value in values.items()}
-    rig = Oscillator.from_values(TRUTH | known, effects=(effect,))
+    rig = oscillator_with(TRUTH | known, effects=(effect,))
     n = round(SECONDS * FS)
     t = np.arange(n) / FS
     pace = TRUTH["omega0"] / (2 * np.pi)

@@ -197,7 +197,7 @@ def identify(
     from ..identify.motion.modes import mode_alone
     from ..model.file import load, save
     from ..model.fit_state import beyond, faults_of_recordings, left_over
-    from ..model.laws import find as find_law
+    from ..model.library import find as find_law
     from ..model.limits import checked_value
     from ..model.show import as_json as model_json
     from ..model.show import describe

@@ -109,11 +109,10 @@ def _load_laws(context: click.Context, parameter: click.Parameter, files: tuple[
 
 def law_names(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
     """The laws of the library, and of installed packages, whose names begin so: for the completion of a shell."""
-    from ..model.installed_laws import take_installed_laws
-    from ..model.laws import LIBRARY
+    from ..model.library import KNOWN, take_installed_laws
 
     take_installed_laws()
-    return [name for name in LIBRARY if name.startswith(begun)]
+    return [name for name in KNOWN if name.startswith(begun)]
 
 
 def fixed_values(context: click.Context, parameter: click.Parameter, values: tuple[str, ...]) -> dict[str, float]:

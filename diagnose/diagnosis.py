@@ -21,9 +21,8 @@ from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted, renamed
 from ..identify.provenance import with_provenance
 from ..model import Oscillator
-from ..model.installed_laws import take_installed_laws
 from ..model.law import Law
-from ..model.laws import LIBRARY, find
+from ..model.library import KNOWN, find, take_installed_laws
 from ..recording.fact import changed
 from ..recording.given import recordings_of
 from ..recording.recording import Recording
@@ -114,7 +113,7 @@ def diagnose(
         )
     # cut as the training was, whatever the fit made of the spring
     judged = cut_for(best, holdout, model, judged=True) if holdout else None
-    laws = [law for law in LIBRARY.values() if best.zeros_are_shared or law.effect != _SENSOR_OFFSET]
+    laws = [law for law in KNOWN.values() if best.zeros_are_shared or law.effect != _SENSOR_OFFSET]
     search = Search(data, judged, laws, progress=lambda what, part: progress(what, 0.05 + 0.8 * part))
     family = first_fit(search, best.model)
     memory = search.data.memory

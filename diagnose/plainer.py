@@ -16,7 +16,7 @@ from ..errors import BadInput
 from ..identify.problem.structure import Fitted, Structure
 from ..identify.signals.odds import DECISIVE
 from ..model import Oscillator
-from ..model.laws import find
+from ..model.library import find
 from ..model.terms import with_term, without_term
 from .search.candidate import Candidate, key
 from .search.measure import Measure

@@ -109,7 +109,7 @@ def identify(
     from ..identify.identification import belong_together
     from ..identify.identification import identify as find
     from ..identify.motion.modes import mode_alone
-    from ..model.laws import find as find_law
+    from ..model.library import find as find_law
     from ..model.limits import checked_value
 
     say, notes = progress or _silent, []

@@ -197,7 +197,7 @@ def _extras() -> Iterator[Finding]:
 
 def _laws() -> Iterator[Finding]:
     """What other packages bring to the library of laws."""
-    from ..model.installed_laws import installed_laws
+    from ..model.library import installed_laws
 
     for name, load in installed_laws():
         try:

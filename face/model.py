@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ..errors import BadInput
-from ..model import Oscillator, Parameter, Response
+from ..model import Oscillator, Parameter, Response, oscillator_with
 from ..model.limits import checked_value
 from ..model.oscillator import QUANTITIES
 from ..recording import Reading
@@ -80,7 +80,7 @@ class Model:
         if not isinstance(unit, str) or not isinstance(name, str) or not isinstance(values, Mapping):
             raise BadInput("name and unit must be texts, and values numbers by name; see docs/python.md")
         response = Response(quantity, unit)
-        oscillator = Oscillator.from_values(values, name=name, response=response, effects=tuple(laws))
+        oscillator = oscillator_with(values, tuple(laws), name=name, response=response)
         for key, (lower, upper) in oscillator.bounds().items():
             of_law = "." in key  # the file leaves those of Eq. 17 free
             checked_value(key, values[key], *((lower, upper) if of_law else ()))

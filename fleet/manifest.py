@@ -189,7 +189,7 @@ def _entry(
 def _sound(options: Mapping[str, Any], place: tuple[str | int, ...], document: Document) -> None:
     """Report what no recording could be identified with, before any is."""
     from ..model.fit_state import parse_most_left
-    from ..model.laws import find
+    from ..model.library import find
 
     checks: list[Callable[[], object]] = [
         lambda law=law: find(law) for law in options.get("laws_beside") or [] if not options.get("law")

@@ -212,7 +212,7 @@ def _with_values(model: Oscillator, values: Mapping[str, float], *, final: bool)
             name=model.name,
             response=model.response,
             force_unit=model.force_unit,
-            effects=tuple(term.effect for term in model.terms),
+            laws=tuple(term.law for term in model.terms),
         )
     return holding(model, values)
 

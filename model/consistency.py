@@ -13,7 +13,8 @@ from typing import Any
 from ..errors import BadInput
 from . import units
 from .law import Law, LawParameter
-from .laws import BASE, find
+from .laws import BASE
+from .library import find
 from .oscillator import MASS_UNIT, QUANTITIES, Response
 from .yaml_loader import Document, Path
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import re
 
 from .law import Law
-from .laws import BASE, LIBRARY
+from .laws import BASE
+from .library import KNOWN
 
 #: Where a sentence that stands in for a phrase is cut: at what only illustrates or explains.
 _CLAUSE = re.compile(r"[:;]|\.(?=\s|$)")
@@ -26,7 +27,7 @@ def effect_in_words(name: str) -> str:
     A name that the library does not have is returned as it is: an effect that was learnt without a law, a law of a
     user's whose file was not read, or a model.
     """
-    laws = (*BASE, *LIBRARY.values())
+    laws = (*BASE, *KNOWN.values())
     law = next((law for law in laws if law.name == name), None) or next(
         (law for law in laws if law.effect == name), None
     )

@@ -17,6 +17,7 @@ from ..errors import BadInput
 from ..files.reading import content_of
 from ..files.writing import write
 from .laws import BASE
+from .library import find
 from .oscillator import Band, Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter
 
@@ -118,7 +119,7 @@ def _oscillator(form: ModelForm, free: list[str]) -> Oscillator:
         viscous=_parameter(form.viscous),
         dry=_parameter(form.dry),
         name=form.name,
-        terms=tuple(Term(t.effect, {n: _parameter(p) for n, p in t.parameters.items()}) for t in form.terms),
+        terms=tuple(Term(find(t.effect), {n: _parameter(p) for n, p in t.parameters.items()}) for t in form.terms),
         response=Response(form.response.quantity, form.response.unit),
         force_unit=form.excitation.unit,
         hold=form.excitation.hold,

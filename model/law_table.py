@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from .law import Law
+from .law_trial import PATHS
 from .laws import LIBRARY
-from .user_laws import PATHS
 
 _HEAD = "| law | what it is | equation | backbone and damping | stores | source |\n|---|---|---|---|---|---|"
 

@@ -1,17 +1,38 @@
-"""What a user's own law must keep to beyond its words: types, given symbols, located kinks, finite values, units."""
+"""What a law of a user or a package must keep to: words, types, given symbols, located kinks, finite values, units."""
 
 from __future__ import annotations
 
 import math
+import re
+import traceback
 from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from typing import Any
 
-import numpy as np
-
+from ..errors import BadInput
+from .equations import equations
 from .law import Expression, Law, LawParameter, Motion, Scales
+from .laws import BASE
+from .oscillator import Oscillator
 from .units import factors
 
+#: Where in the rig a law may live.
+PATHS = (
+    "restoring",
+    "dissipation",
+    "memory",
+    "inertia",
+    "excitation",
+    "measurement",
+    "either",
+    "environment",
+)
+_NAME = re.compile(r"[a-z][a-z0-9-]*(/[a-z0-9-]+)?")
+#: Words that can stand in a list, with the law's name in brackets behind them; empty where the sentence is to serve.
+_PHRASE = r"(?:[^\s.,;:()]+(?: [^\s.,;:()]+)*)?"
+_PARAMETER = re.compile(r"[a-z][a-z0-9-]*")
+_SYMBOLS = {"X", "Q", "Y", "s", "rad", "1"}
+_SCALES = Scales(length=1e-2, omega=50.0, force=1.0, response=1e-2, duration=10.0, mass=1.0, lines=(30.0,))
 _TEXTS = ("name", "path", "equation", "sentence", "source", "curves")
 _FUNCTIONS = ("force", "stored", "drive", "record", "proper")
 #: CasADi's operations with a kink or a jump, as a law writes them.
@@ -39,6 +60,68 @@ _OTHERWISE = 1.7
 #: Numbers that differ by less than this part of themselves are the same but for rounding.
 _SAME = 1e-6
 _POINTS = 20
+
+
+def problems(law: Law) -> Iterator[str]:
+    """What a law lacks to be found, fitted and shown, one sentence each."""
+    if not isinstance(law.name, str) or not _NAME.fullmatch(law.name):
+        yield "name must be of small letters, digits and hyphens, like my-effect or my-effect/variant"
+    if law.path not in PATHS:
+        yield f"path {law.path!r} is not known; use one of {', '.join(PATHS)}"
+    if sum(made is not None for made in (law.force, law.drive, law.record)) != 1:
+        yield "give one of force, drive and record"
+    elif law.stored is not None and law.force is None:
+        yield "stored is the energy of a force, which it has none of; leave it out"
+    for field in ("equation", "sentence", "source"):
+        if not isinstance(text := getattr(law, field), str) or not text.strip():
+            yield f"{field} is empty; write what a reader of the report needs"
+    if not isinstance(law.phrase, str) or not re.fullmatch(_PHRASE, law.phrase):
+        yield (
+            f'phrase {law.phrase!r} cannot stand in a list; write a few words such as "a stop on one side", in one '
+            "line without comma, semicolon, colon, brackets and full stop, or leave it out"
+        )
+    names = [p.name for p in law.parameters]
+    if not names:
+        yield "it has no parameters; give a LawParameter for each number that is to be identified"
+    for name in names:
+        if names.count(name) > 1:
+            yield f"two parameters are called {name!r}; choose another name"
+    for name in dict.fromkeys(re.findall(r"\{([^{}]*)\}", str(law.equation))):
+        if name not in names:
+            yield f"equation has {{{name}}}, which is no parameter; put parameters' names in braces, and nothing else"
+    for p in law.parameters:
+        yield from (f"parameter {p.name!r}: {sentence}" for sentence in _parameter_problems(p, str(law.equation)))
+
+
+def _parameter_problems(p: LawParameter, equation: str) -> Iterator[str]:
+    if not _PARAMETER.fullmatch(p.name):
+        yield "its name must be of small letters, digits and hyphens"
+    if f"{{{p.name}}}" not in equation:
+        yield f"equation does not show it; write {{{p.name}}} where it stands"
+    if not p.description.strip():
+        yield "description is empty; say what it is"
+    try:
+        unknown = set(factors(p.unit)) - _SYMBOLS
+        if unknown:
+            yield (
+                f"unit {p.unit!r} has {', '.join(sorted(unknown))}; write it with X for the displacement's unit, "
+                "Q for the force's, Y for the recorded signal's, s and rad"
+            )
+            return
+    except BadInput as problem:
+        yield str(problem)
+        return
+    if not p.lower < p.upper:
+        yield f"its bounds {p.lower:g} and {p.upper:g} hold nothing; give lower below upper"
+    if not (p.strength or p.probes):
+        yield "give probes, the values at which to look for it first, or strength=True"
+    try:
+        size = float(p.natural(_SCALES))
+    except Exception as error:  # the user's own function
+        yield f"its size cannot be computed ({said(error)}); give a function of the scales, or leave it out"
+        return
+    if not (math.isfinite(size) and size > 0):
+        yield f"its natural size comes out as {size:g}; it must be a positive number"
 
 
 def wrong_types(law: Law) -> Iterator[str]:
@@ -139,6 +222,8 @@ def _wrong_unit(
 
     A law knows no unit, so counting in another one must change what it gives as much as that one's unit says.
     """
+    import numpy as np
+
     random = np.random.default_rng(0)
     main = "X/s2" if law.force else "Q" if law.drive else "Y"
     inner = [state.unit for state in motion.states]
@@ -193,3 +278,44 @@ def _kink(function: Expression) -> str:
                 return kinks[operation]
         moves[written[0]] = moving
     return ""
+
+
+def trial(law: Law, where: str) -> None:
+    """Make the expression alone and within Eq. 17; raises BadInput with ``where`` and its line there if that fails."""
+    import casadi as ca
+
+    own = {p.name: ca.SX.sym(p.name) for p in law.parameters}
+    motion = Motion(x=ca.SX.sym("x"), v=ca.SX.sym("v"), t=ca.SX.sym("t"))
+    values = {p.name: 1.0 for base in BASE for p in base.parameters}
+    values |= {"mass": 1.0, **{f"{law.name}.{p.name}": p.natural(_SCALES) for p in law.parameters}}
+    try:
+        made: Any = law.force or law.drive or law.record
+        signal = ca.SX.sym("signal")
+        results = [ca.SX(made(motion, own) if law.force else made(motion, own, signal))]
+        rateless = [s.name for s, rate in zip(motion.states, motion.rates, strict=True) if rate is None]
+        results += [ca.SX(law.stored(motion, own))] if law.stored else []
+        for result in results:
+            if not result.is_scalar():
+                raise BadInput(f"it gives {result.shape[0]} by {result.shape[1]} numbers; return a single expression")
+        if rateless:
+            raise BadInput(f"its state {rateless[0]!r} has no rate; call motion.rate(state, expression)")
+        stored = results[1] if law.stored else None
+        if wrong := fault(law, motion, own, signal, results[0], _SCALES, stored):
+            raise BadInput(wrong)
+        equations(Oscillator.from_values(values, laws=(law,)))
+    except BadInput as problem:
+        raise BadInput(f"{where}: law {law.name!r}: {problem}") from None
+    except Exception as error:
+        raise BadInput(f"{where}{line_of(error, where)}: law {law.name!r}: {said(error)}; correct the file") from error
+
+
+def line_of(error: BaseException, where: str) -> str:
+    """``, line N`` of the file ``where`` that an error came from; empty where none is known."""
+    lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == where]
+    return f", line {lines[-1]}" if lines else ""
+
+
+def said(error: BaseException) -> str:
+    """An error of another's program for a sentence: its kind and its first 200 characters."""
+    words = " ".join(str(error).split()).rstrip(".")
+    return f"{type(error).__name__}: {words[:200]}" if words else type(error).__name__

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
 from . import units
 from .law import Law
-from .laws import BASE, find
+from .laws import BASE
 from .limits import plain_number
 from .parameter import Parameter
 
@@ -94,15 +94,15 @@ class Band:
 
 @dataclass(frozen=True)
 class Term:
-    """One further effect beside Eq. 17."""
+    """One further effect beside Eq. 17, with the parameters of its law by their names."""
 
-    effect: str
+    law: Law
     parameters: Mapping[str, Parameter]
 
     @property
-    def law(self) -> Law:
-        """The law of that name in the library."""
-        return find(self.effect)
+    def effect(self) -> str:
+        """Name of the law."""
+        return self.law.name
 
 
 @dataclass(frozen=True)
@@ -168,7 +168,7 @@ class Oscillator:
         name: str = "oscillator",
         response: Response | None = None,
         force_unit: str = "N",
-        effects: tuple[str, ...] = (),
+        laws: Sequence[Law] = (),
     ) -> Oscillator:
         """An oscillator from plain numbers, units filled in; a missing ``mass`` means None.
 
@@ -177,7 +177,7 @@ class Oscillator:
             name: the rig's name.
             response: what the recordings show.
             force_unit: unit of the excitation.
-            effects: names of further effects.
+            laws: of the further effects; ``library.oscillator_with`` finds them by their names.
 
         Raises:
             BadInput: a parameter is missing, not known, or no number.
@@ -195,10 +195,7 @@ class Oscillator:
         mass = take("mass", MASS_UNIT) if given.get("mass") is not None else None
         given.pop("mass", None)
         base: dict[str, Any] = {p.name: take(p.name, p.unit) for law in BASE for p in law.parameters}
-        terms = tuple(
-            Term(effect, {p.name: take(f"{effect}.{p.name}", p.unit) for p in find(effect).parameters})
-            for effect in effects
-        )
+        terms = tuple(Term(law, {p.name: take(f"{law.name}.{p.name}", p.unit) for p in law.parameters}) for law in laws)
         if given:
             unknown = min(map(str, given))
             raise BadInput(f"unknown parameter {unknown[:60]!r}; known are mass, {', '.join(base)}")

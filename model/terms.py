@@ -7,17 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 
-from .laws import find
+from .library import find
 from .oscillator import Oscillator
 from .parameter import Parameter
 
 
 def with_term(model: Oscillator, effect: str, values: Mapping[str, float]) -> Oscillator:
     """The model with one further effect, its parameters given by name."""
-    effects = (*(term.effect for term in model.terms), effect)
+    laws = (*(term.law for term in model.terms), find(effect))
     numbers = model.values() | {f"{effect}.{name}": value for name, value in values.items()}
     grown = Oscillator.from_values(
-        numbers, name=model.name, response=model.response, force_unit=model.force_unit, effects=effects
+        numbers, name=model.name, response=model.response, force_unit=model.force_unit, laws=laws
     )
     return replace(grown, amplitude=model.amplitude, frequency=model.frequency)
 

@@ -13,7 +13,7 @@ from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
 from ..model.display import full_stop, number, percent_text, pretty_unit, typeset, value_text
 from ..model.effect_words import effect_in_words
-from ..model.laws import find
+from ..model.library import find
 from .blocks import Block, Cell, Section, Table, Text
 from .location import PATHS
 from .parameters import equation_blocks

@@ -68,7 +68,7 @@ def example(law: Law) -> Pair:
     values = _MORE if own else {f"{law.name}.{p.name}": _size(law, p) for p in law.parameters}
     taken = {p.name: values[p.name] for p in law.parameters} if own else values
     response = Response("displacement", "m")
-    having = Oscillator.from_values({**RIG, **taken}, effects=() if own else (law.name,), response=response)
+    having = Oscillator.from_values({**RIG, **taken}, laws=() if own else (law,), response=response)
     return Pair(Oscillator.from_values(RIG, response=response), having)
 
 

@@ -11,7 +11,7 @@ from ..diagnose.wording import effects_in_words
 from ..errors import BadInput
 from ..model.describing import natural_motion
 from ..model.display import scale_of
-from ..model.laws import LIBRARY
+from ..model.library import KNOWN
 from .blocks import Section, Text, picture
 from .style import AFTER, BEFORE, drawing, legend_below, log_ticks, svg
 
@@ -32,7 +32,7 @@ def curves_section(diagnosis: Diagnosis) -> Section:
     title = "Backbone and damping curve"
     if reach is None:
         return Section(title, (Text("No picture here: no amplitude of the motion is known.", "note"),))
-    outside = [e.law for e in diagnosis.effects if e.law in LIBRARY and LIBRARY[e.law].force is None]
+    outside = [e.law for e in diagnosis.effects if e.law in KNOWN and KNOWN[e.law].force is None]
     outside += [e.law for e in diagnosis.effects if e.path == "environment" and e.law not in outside]
     note = (
         f" Of {effects_in_words(outside)} nothing shows here; what differs is how its absence had bent the parameters."

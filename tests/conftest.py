@@ -28,9 +28,10 @@ from dashpot.examples.concealed.suite import Spec
 from dashpot.examples.concealed.virtual import draw
 from dashpot.examples.virtual_recording import UNITS, recording_of
 from dashpot.identify import identify
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator, Response, oscillator_with
 from dashpot.model.law import LawParameter, Scales
-from dashpot.model.laws import LIBRARY, find
+from dashpot.model.laws import LIBRARY
+from dashpot.model.library import find
 from dashpot.recording import Recording
 
 #: The paper's stand, and the sizes of its motion.
@@ -76,7 +77,7 @@ def with_law() -> Callable[..., Oscillator]:
     def make(*effects: str, quantity: str = "displacement", **changed: float) -> Oscillator:
         values = {f"{effect}.{p.name}": typical(p) for effect in effects for p in find(effect).parameters}
         response = Response(quantity, UNITS[quantity])
-        return Oscillator.from_values({**STAND, **values, **changed}, effects=effects, response=response)
+        return oscillator_with({**STAND, **values, **changed}, effects=effects, response=response)
 
     return make
 

@@ -24,8 +24,8 @@ import atheris
 with atheris.instrument_imports(include=["dashpot.recording", "dashpot.model", "dashpot.fleet"]):
     from dashpot.errors import DashpotError
     from dashpot.fleet.manifest import read_manifest
+    from dashpot.model import Oscillator, oscillator_with
     from dashpot.model.file import dumps, loads
-    from dashpot.model.oscillator import Oscillator
     from dashpot.recording.calibration import parse_calibration
     from dashpot.recording.formats import read_tables
     from dashpot.recording.part import parse_part
@@ -101,7 +101,7 @@ def _model() -> list[bytes]:
     drag = values | {"quadratic-drag.coefficient": 2.0}
     return [
         dumps(Oscillator.from_values(values)).encode(),
-        dumps(Oscillator.from_values(drag, effects=("quadratic-drag",))).encode(),
+        dumps(oscillator_with(drag, effects=("quadratic-drag",))).encode(),
     ]
 
 

@@ -15,8 +15,6 @@ OUTSIDE = {"tests", "benchmarks", "docs", "build"}
 #: Circles that are known: each is to be taken apart, and its row with it. The package's own file is no part of any: it
 #: hands on names of others when they are asked for, and the others ask it for the version alone.
 KNOWN = {
-    # A law that is asked for by name loads installed laws, whose check builds a model.
-    frozenset({"model.equations", "model.installed_laws", "model.laws", "model.oscillator", "model.user_laws"}),
     # A model's methods are the calls of `commands`, which return models.
     frozenset(
         f"face.{name}"

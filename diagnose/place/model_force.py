@@ -9,7 +9,7 @@ import numpy as np
 
 from ...model import Oscillator
 from ...model.equations import equations, signed
-from ...model.laws import find
+from ...model.library import find
 from ...model.oscillator import Term
 from ...simulate.along import Along
 

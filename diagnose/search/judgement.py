@@ -11,7 +11,7 @@ from ...identify.fit.mismatch import gain_of_mismatch
 from ...identify.problem.data import Data
 from ...identify.signals.odds import ABOVE_NOISE, DECISIVE
 from ...model.law import Law
-from ...model.laws import LIBRARY, find
+from ...model.library import KNOWN, find
 from ...model.oscillator import Oscillator, Term
 from .candidate import Candidate
 from .residual_test import times_the_noise
@@ -127,7 +127,7 @@ def names_of(term: Term, model: Oscillator) -> tuple[str, ...]:
     """
     law, values = find(term.effect), model.values()
     taken = {other.effect for other in model.terms} - {term.effect}
-    alike = (other for other in LIBRARY.values() if law.twin == other.name or other.twin == law.name)
+    alike = (other for other in KNOWN.values() if law.twin == other.name or other.twin == law.name)
     family = [law, *(other for other in alike if other.effect not in taken)]
     own = list(term.parameters.values())
     suiting = []
@@ -138,7 +138,7 @@ def names_of(term: Term, model: Oscillator) -> tuple[str, ...]:
         named |= {p.name: 0.0 for p in other.parameters[len(own) :]}
         if other.proper is None or other.proper(named, values):
             suiting.append(other)
-    suiting.sort(key=lambda other: (other is not law, list(LIBRARY).index(other.name)))
+    suiting.sort(key=lambda other: (other is not law, list(KNOWN).index(other.name)))
     return tuple(other.name for other in suiting) or (law.name,)
 
 

@@ -20,7 +20,7 @@ from ...identify.problem.offset import zeros_along
 from ...identify.problem.prediction import FREE
 from ...identify.problem.structure import Fitted, Structure, without_states
 from ...model.law import Law
-from ...model.laws import find
+from ...model.library import find
 from ...model.terms import without_term
 from ...recording.fact import changed
 from .starts import Proposal, by_motion

@@ -22,7 +22,7 @@ from ...identify.signals.noise_spectrum import estimate
 from ...identify.start.measured_motion import probes
 from ...model import Oscillator
 from ...model.law import Law, LawParameter
-from ...model.laws import LIBRARY
+from ...model.library import KNOWN
 from ...model.terms import with_term, with_values
 
 #: Strength at which a plain difference is taken, in natural sizes: small beside the least friction that matters.
@@ -108,7 +108,7 @@ class Screen:
     def starts(self, laws: Sequence[Law] | None = None, progress: Callable[[], None] = lambda: None) -> list[Start]:
         """The best start of each law, the largest gain first; of the whole library where no laws are given (None)."""
         there = {term.law.effect for term in self.fitted.model.terms}
-        library = LIBRARY.values() if laws is None else laws
+        library = KNOWN.values() if laws is None else laws
         wanted = [law for law in library if law.effect not in there and self.applies(law)]
 
         def best(law: Law) -> Start | None:

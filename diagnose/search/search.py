@@ -23,7 +23,7 @@ from ...identify.problem.structure import Fitted
 from ...identify.signals.odds import DECISIVE
 from ...model import Oscillator
 from ...model.law import Law
-from ...model.laws import LIBRARY, find
+from ...model.library import KNOWN, find
 from .by_prediction import by_prediction
 from .candidate import Candidate, key
 from .judgement import accepted, first_of_several, leading, only_a_name
@@ -58,7 +58,7 @@ class Search:
 
     data: Data
     holdout: Data | None
-    laws: Sequence[Law] = field(default_factory=lambda: tuple(LIBRARY.values()))
+    laws: Sequence[Law] = field(default_factory=lambda: tuple(KNOWN.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], tuple[str, ...]], Fitted] = field(default_factory=dict, init=False)

@@ -17,7 +17,7 @@ from ...identify.problem.structure import Fitted, Structure, renamed, without_st
 from ...identify.start.measured_motion import Regression
 from ...model import Oscillator
 from ...model.law import Law
-from ...model.laws import find
+from ...model.library import find
 from ...model.terms import without_term
 from .judgement import only_a_name
 from .score_test import Screen

@@ -8,7 +8,7 @@ from functools import cache
 import numpy as np
 
 from ...model.law import Law
-from ...model.laws import find
+from ...model.library import find
 from ...simulate.along import Along
 
 #: Points a cycle of the sine along which a law is evaluated, and cycles in which its inner states settle before.

@@ -11,7 +11,7 @@ import numpy as np
 from ...errors import DashpotError
 from ...model import Oscillator
 from ...model.law import Law
-from ...model.laws import find
+from ...model.library import find
 from ...model.terms import with_term
 from ..problem.data import Data
 from ..problem.structure import Fitted, Structure, shapes_of

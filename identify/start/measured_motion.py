@@ -17,7 +17,7 @@ import numpy as np
 
 from ...model import Oscillator
 from ...model.law import Law, Scales
-from ...model.laws import LIBRARY, find
+from ...model.library import KNOWN, find
 from ...model.terms import with_term
 from ..motion.blows import ContactForce
 from ..motion.displacement import displacement
@@ -79,7 +79,7 @@ class Guess:
     def put_into(self, model: Oscillator) -> Oscillator:
         """The model with the law, all parameters with the values found."""
         grown = model
-        if self.effect in LIBRARY:
+        if self.effect in KNOWN:
             own = {p.name: self.values[f"{self.effect}.{p.name}"] for p in find(self.effect).parameters}
             grown = with_term(model, self.effect, own)
         known = grown.parameters()

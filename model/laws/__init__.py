@@ -1,10 +1,10 @@
-"""The library of laws: one law a file, found by its name."""
+"""The laws that come with the package, one a file. ``model/library.py`` finds them, and those of users, by name."""
 
 from __future__ import annotations
 
-import difflib
+from collections.abc import Mapping
+from types import MappingProxyType
 
-from ...errors import BadInput
 from ..law import Law
 from . import (
     actuator_backlash,
@@ -55,53 +55,41 @@ BASE: tuple[Law, ...] = (
 )
 
 #: Further physics that `terms` of the model file may name, the plainer before what resembles it.
-LIBRARY: dict[str, Law] = {
-    file.LAW.name: file.LAW
-    for file in (
-        quadratic_stiffness,
-        quintic_stiffness,
-        softening_stiffness,
-        softening_stiffness_sine,
-        clearance,
-        one_sided_stop,
-        two_sided_stop,
-        constant_force,
-        quadratic_drag,
-        cubic_damping,
-        displacement_dependent_damping,
-        stribeck,
-        asymmetric_friction,
-        asymmetric_friction_dry,
-        hysteresis,
-        viscoelastic,
-        attached_resonator,
-        actuator_lag,
-        actuator_saturation,
-        actuator_saturation_soft,
-        actuator_dead_zone,
-        actuator_backlash,
-        sensor_lag,
-        sensor_nonlinearity,
-        sensor_offset,
-        time_delay,
-        stiffness_drift,
-        stiffness_drift_settling,
-        tonal_disturbance,
-        free_spring,
-        free_damping,
-    )
-}
-
-
-def find(effect: str) -> Law:
-    """The law of that name, of the library or of an installed package; raises BadInput with the closest known names."""
-    if effect in LIBRARY:
-        return LIBRARY[effect]
-    from ..installed_laws import take_installed_laws
-
-    problems = take_installed_laws()
-    if effect in LIBRARY:
-        return LIBRARY[effect]
-    close = difflib.get_close_matches(effect, LIBRARY, n=3, cutoff=0.4)
-    known = f"did you mean {', '.join(close)}?" if close else f"known: {', '.join(sorted(LIBRARY)) or 'none yet'}"
-    raise BadInput("\n".join([f"effect {effect!r} is not in the library of laws; {known}", *problems]))
+LIBRARY: Mapping[str, Law] = MappingProxyType(
+    {
+        file.LAW.name: file.LAW
+        for file in (
+            quadratic_stiffness,
+            quintic_stiffness,
+            softening_stiffness,
+            softening_stiffness_sine,
+            clearance,
+            one_sided_stop,
+            two_sided_stop,
+            constant_force,
+            quadratic_drag,
+            cubic_damping,
+            displacement_dependent_damping,
+            stribeck,
+            asymmetric_friction,
+            asymmetric_friction_dry,
+            hysteresis,
+            viscoelastic,
+            attached_resonator,
+            actuator_lag,
+            actuator_saturation,
+            actuator_saturation_soft,
+            actuator_dead_zone,
+            actuator_backlash,
+            sensor_lag,
+            sensor_nonlinearity,
+            sensor_offset,
+            time_delay,
+            stiffness_drift,
+            stiffness_drift_settling,
+            tonal_disturbance,
+            free_spring,
+            free_damping,
+        )
+    }
+)

@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.model import Oscillator, Provenance
+from dashpot.model import Oscillator, Provenance, oscillator_with
 
 NAMES = ("omega0", "cubic", "preload", "viscous", "dry")
 TRUE = np.array([79.6, 4.6e5, 0.074, 5.0, 0.015])
@@ -36,7 +36,7 @@ def model() -> Callable[..., Oscillator]:
 
     def make(values=TRUE, covariance=COVARIANCE, *, name="rig", over_noise=1.0, effects=(), **more):
         given = {"mass": 0.27, **dict(zip(NAMES, map(float, values), strict=True)), **more}
-        bare = Oscillator.from_values(given, name=name, effects=effects)
+        bare = oscillator_with(given, name=name, effects=effects)
         errors = dict(zip(NAMES, np.sqrt(np.diag(covariance)), strict=True))
         with_errors = {n: replace(p, std=float(errors[n])) for n, p in bare.parameters().items() if n in errors}
         recording = {"file": "a.csv", "nrmse": 0.01, "over_noise": over_noise}

@@ -15,7 +15,7 @@ from dashpot.errors import BadInput
 from dashpot.identify.identification import identify
 from dashpot.model import Response
 from dashpot.model.file import dumps, loads
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.recording import Recording
 from dashpot.verify.fmu_run import FmuRun
 

@@ -13,7 +13,7 @@ from dashpot.diagnose.insignificant_laws import certainty, of_unknown_size, with
 from dashpot.diagnose.search.candidate import Candidate
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.model import Oscillator
+from dashpot.model import oscillator_with
 
 BOTH = ("constant-force", "quadratic-drag")
 
@@ -21,7 +21,7 @@ BOTH = ("constant-force", "quadratic-drag")
 def model(load_error=None, drag_error=None):
     """One with a load of 0.1 and a drag of 2, and the errors of these."""
     values = TRUTH | {"constant-force.load": 0.1, "quadratic-drag.coefficient": 2.0}
-    made = Oscillator.from_values(values, effects=BOTH)
+    made = oscillator_with(values, effects=BOTH)
     known = made.parameters()
     errors = {"constant-force.load": load_error, "quadratic-drag.coefficient": drag_error}
     return made.with_parameters({name: replace(known[name], std=error) for name, error in errors.items()})

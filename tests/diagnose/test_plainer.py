@@ -13,7 +13,8 @@ from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import Data, data_of
 from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator, Response
-from dashpot.model.laws import LIBRARY, find
+from dashpot.model.laws import LIBRARY
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 

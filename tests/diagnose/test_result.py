@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from dashpot.diagnose.result import ChainFact, Considered, Diagnosis, Effect, Experiment, Location, RecordFit
 from dashpot.examples.truth import TRUTH
-from dashpot.model import Oscillator, Parameter, Response
+from dashpot.model import Oscillator, Parameter, Response, oscillator_with
 
 FAMILY = Oscillator.from_values(TRUTH | {"dry": 0.5})
-MENDED = Oscillator.from_values(TRUTH | {"quadratic-drag.coefficient": 2.0}, effects=("quadratic-drag",))
+MENDED = oscillator_with(TRUTH | {"quadratic-drag.coefficient": 2.0}, effects=("quadratic-drag",))
 NOTHING = np.zeros(2)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import pytest
 from dashpot.export.fmu import export_fmu
 from dashpot.export.platforms import own_platform
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator, Response, oscillator_with
 
 sys.path.append(str(Path(__file__).parent / "hosts"))  # the hosts are scripts, in no package
 
@@ -36,7 +36,7 @@ def _massless() -> Oscillator:
 MODELS: dict[str, Callable[[], Oscillator]] = {
     "base": lambda: Oscillator.from_values(STAND, name="stand"),
     "massless": _massless,
-    "drag": lambda: Oscillator.from_values(
+    "drag": lambda: oscillator_with(
         {**STAND, "quadratic-drag.coefficient": 3.0}, name="drag", effects=("quadratic-drag",)
     ),
     "velocity": lambda: Oscillator.from_values(STAND, name="velocity", response=Response("velocity", "m/s")),

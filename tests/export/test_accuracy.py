@@ -17,7 +17,7 @@ from dashpot.examples.concealed.engine import Drive, simulate
 from dashpot.examples.oscillator import integrate_pieces, linear_pieces
 from dashpot.examples.truth import TRUTH as STAND
 from dashpot.export.fmu import export_fmu
-from dashpot.model import Oscillator
+from dashpot.model import oscillator_with
 
 #: Of the peak, as promised.
 CLOSE = 1e-6
@@ -168,7 +168,7 @@ def test_further_laws(run, law, tmp_path):
     """In steps of 1 ms and of 10 ms; the law is no small part of the motion."""
     given = BACKLASH if law == "actuator-backlash" else LAWS[law][0]
     values = STAND | {f"{law}.{name}": value for name, value in given.items()}
-    model = Oscillator.from_values(values, effects=(law,))
+    model = oscillator_with(values, effects=(law,))
     fmus = [export_fmu(model, tmp_path / f"{version}.fmu", version=version) for version in VERSIONS]
     fine = points("1 ms")[:3001]
     for every in (1, 10):

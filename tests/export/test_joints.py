@@ -13,7 +13,7 @@ from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.export import export, files
 from dashpot.export.joint import joint_of, left_out
-from dashpot.model import Oscillator, Range, Response
+from dashpot.model import Oscillator, Range, Response, oscillator_with
 from dashpot.model.file import save
 from dashpot.simulate.core import core_of, internal_step
 
@@ -23,7 +23,7 @@ DRAG = {"quadratic-drag.coefficient": 6.0}
 
 def model(*effects, response=("displacement", "m"), force="N", **changed):
     values = dict(TRUTH) | changed
-    return Oscillator.from_values(values, name="rig", effects=effects, response=Response(*response), force_unit=force)
+    return oscillator_with(values, name="rig", effects=effects, response=Response(*response), force_unit=force)
 
 
 def roll(**changed):

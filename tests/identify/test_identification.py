@@ -13,7 +13,7 @@ from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
 from dashpot.identify.identification import _has_lost, belong_together
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording, read
 from dashpot.simulate.core import core_of, internal_step
@@ -230,7 +230,7 @@ def test_a_start_that_leads_nowhere_is_not_the_last_word(monkeypatch):
 def test_a_shape_that_a_start_has_an_error_of_is_fitted_from_the_start_on(asked):
     n = 3000
     values = TRUTH | {"stribeck.excess": 0.4, "stribeck.speed": 0.05, "stribeck.exponent": 1.0}
-    rig = Oscillator.from_values(values, effects=("stribeck",))
+    rig = oscillator_with(values, effects=("stribeck",))
     step = internal_step(rig, rig.values(), 5e-3)
     moved = core_of(rig).record(np.array(list(rig.values().values())), np.array([5e-3, 0.0]), None, n, 2e-3, step)
     decay = Recording("decay", 500.0, moved + 1e-6 * np.random.default_rng(2).standard_normal(n))

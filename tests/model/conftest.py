@@ -8,10 +8,10 @@ from dataclasses import replace
 import casadi
 import numpy as np
 import pytest
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.equations import equations, signed
 from dashpot.model.law import Law, LawParameter
-from dashpot.model.laws import LIBRARY
+from dashpot.model.library import KNOWN
 
 RIG = {
     "mass": 0.27,
@@ -29,7 +29,7 @@ def rig():
 
     def make(effects: tuple[str, ...] = (), **changed: float) -> Oscillator:
         values = {name: changed.pop(name, value) for name, value in RIG.items()}
-        return Oscillator.from_values({**values, **changed}, effects=effects)
+        return oscillator_with({**values, **changed}, effects=effects)
 
     return make
 
@@ -46,7 +46,7 @@ def contact(monkeypatch):
         sentence="A contact.",
         source="test",
     )
-    monkeypatch.setitem(LIBRARY, "contact", law)
+    monkeypatch.setitem(KNOWN, "contact", law)
 
 
 class AtRandom:

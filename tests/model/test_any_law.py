@@ -7,10 +7,10 @@ import re
 from pathlib import Path
 
 import pytest
-from dashpot.model import Oscillator
+from dashpot.model import law_trial, oscillator_with
 from dashpot.model import user_laws as user
 from dashpot.model.file import dumps, loads
-from dashpot.model.laws import LIBRARY
+from dashpot.model.library import KNOWN
 from dashpot.model.show import describe
 from dashpot.model.user_laws import load_law_file
 from hypothesis import strategies as st
@@ -33,11 +33,11 @@ PIECES = (
 @pytest.fixture(autouse=True)
 def library(monkeypatch):
     """What a test loads is forgotten after it."""
-    before = dict(LIBRARY)
+    before = dict(KNOWN)
     monkeypatch.setattr(user, "_loaded", {})
     yield
-    LIBRARY.clear()
-    LIBRARY.update(before)
+    KNOWN.clear()
+    KNOWN.update(before)
 
 
 @st.composite
@@ -58,26 +58,26 @@ def damaged(draw):
 
 
 def test_any_law_is_taken_or_refused(every, unless_refused, tmp_path):
-    path, before, taken = tmp_path / "law.py", dict(LIBRARY), 0
+    path, before, taken = tmp_path / "law.py", dict(KNOWN), 0
 
     def holds(text):
         nonlocal taken
         path.write_text(text, encoding="utf-8", errors="replace")
         user._loaded.clear()
-        LIBRARY.clear()
-        LIBRARY.update(before)
+        KNOWN.clear()
+        KNOWN.update(before)
         laws = unless_refused(load_law_file, path)
         if laws is None:
-            assert before == LIBRARY
+            assert before == KNOWN
             return
         taken += 1
         values = {"mass": 0.3, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 3.0, "dry": 0.0}
         values |= {
-            f"{law.name}.{p.name}": min(max(p.natural(user._SCALES), p.lower), p.upper)
+            f"{law.name}.{p.name}": min(max(p.natural(law_trial._SCALES), p.lower), p.upper)
             for law in laws
             for p in law.parameters
         }
-        model = Oscillator.from_values(values, effects=tuple(law.name for law in laws))
+        model = oscillator_with(values, effects=tuple(law.name for law in laws))
         assert describe(model).strip()
         assert loads(dumps(model)).values() == model.values()
 

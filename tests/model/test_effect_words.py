@@ -7,9 +7,10 @@ from dataclasses import replace
 
 import pytest
 from dashpot.model.effect_words import effect_in_words, phrase_of
-from dashpot.model.laws import BASE, LIBRARY
+from dashpot.model.laws import BASE
+from dashpot.model.library import KNOWN
 
-LAWS = {law.name: law for law in (*BASE, *LIBRARY.values())}
+LAWS = {law.name: law for law in (*BASE, *KNOWN.values())}
 
 
 def test_every_law_has_a_phrase_of_its_own_that_can_stand_in_a_list():
@@ -49,8 +50,8 @@ def test_words_with_the_name_in_brackets_or_the_name_alone(name, words):
 
 
 def test_an_effect_that_has_variants_only_is_said_by_its_first(monkeypatch):
-    law = replace(LIBRARY["stribeck"], name="creep/slow", phrase="a joint that creeps")
-    monkeypatch.setitem(LIBRARY, "creep/slow", law)
+    law = replace(KNOWN["stribeck"], name="creep/slow", phrase="a joint that creeps")
+    monkeypatch.setitem(KNOWN, "creep/slow", law)
     assert effect_in_words("creep") == "a joint that creeps (creep)"
 
 
@@ -65,4 +66,4 @@ def test_an_effect_that_has_variants_only_is_said_by_its_first(monkeypatch):
     ],
 )
 def test_without_a_phrase_the_beginning_of_the_sentence_stands_for_it(sentence, phrase):
-    assert phrase_of(replace(LIBRARY["stribeck"], sentence=sentence, phrase="")) == phrase
+    assert phrase_of(replace(KNOWN["stribeck"], sentence=sentence, phrase="")) == phrase

@@ -8,11 +8,11 @@ import casadi
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.model import Oscillator, Response, units
+from dashpot.model import Oscillator, Response, oscillator_with, units
 from dashpot.model.equations import equations, signed
 from dashpot.model.law import Law, LawParameter
-from dashpot.model.laws import LIBRARY
-from dashpot.model.user_laws import problems
+from dashpot.model.law_trial import problems
+from dashpot.model.library import KNOWN
 
 PLAIN = {"omega0": 0.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.0, "dry": 0.0}
 X = np.linspace(-6e-3, 6e-3, 24)  # on none of the corners
@@ -24,7 +24,7 @@ def beyond(depth):
 
 def energy_of(values, x, v=0.0, effects=()):
     """Energy and dissipated power at displacements (N,) and a velocity, of what is named and nothing else."""
-    eq = equations(model := Oscillator.from_values({"mass": 0.27, **PLAIN, **values}, effects=effects))
+    eq = equations(model := oscillator_with({"mass": 0.27, **PLAIN, **values}, effects=effects))
     plain = casadi.substitute(signed(eq, casadi.vertcat(eq.energy, eq.dissipated)), eq.p, list(model.values().values()))
     z = np.stack([x, np.full_like(x, v)])
     return np.array(casadi.Function("f", [eq.z, eq.t, eq.u], [plain])(z, 0.0, 0.0))
@@ -176,8 +176,8 @@ def a_law(**changed):
 
 def test_a_law_may_leave_out_what_it_stores(monkeypatch, at_random):
     for stored in (half, None):
-        monkeypatch.setitem(LIBRARY, "spring", a_law(stored=stored))
-        model = Oscillator.from_values({"mass": 0.27, **PLAIN, "spring.stiffness": 4e3}, effects=("spring",))
+        monkeypatch.setitem(KNOWN, "spring", a_law(stored=stored))
+        model = oscillator_with({"mass": 0.27, **PLAIN, "spring.stiffness": 4e3}, effects=("spring",))
         at = at_random(model)
         x, v = at.z
         kinetic, power = 0.27 * v**2 / 2, 0.27 * 4e3 * x * v
@@ -200,8 +200,8 @@ def two_states(motion, p):
     ],
 )
 def test_what_is_stored_adds_nothing_to_the_motion(changed, said, monkeypatch):
-    monkeypatch.setitem(LIBRARY, "spring", a_law(**changed))
-    model = Oscillator.from_values({"mass": 0.27, **PLAIN, "spring.stiffness": 4e3}, effects=("spring",))
+    monkeypatch.setitem(KNOWN, "spring", a_law(**changed))
+    model = oscillator_with({"mass": 0.27, **PLAIN, "spring.stiffness": 4e3}, effects=("spring",))
     with pytest.raises(BadInput, match=said):
         equations(model)
 
@@ -209,9 +209,9 @@ def test_what_is_stored_adds_nothing_to_the_motion(changed, said, monkeypatch):
 def test_a_law_finds_its_own_states_among_others_of_the_same_name(monkeypatch):
     mine = a_law(force=two_states, stored=lambda motion, p: p["stiffness"] * motion.inner("q") ** 2 / 2)
     for name in ("spring", "second"):
-        monkeypatch.setitem(LIBRARY, name, replace(mine, name=name))
+        monkeypatch.setitem(KNOWN, name, replace(mine, name=name))
     values = {"mass": 2.0, **PLAIN, "spring.stiffness": 10.0, "second.stiffness": 1000.0}
-    eq = equations(model := Oscillator.from_values(values, effects=("second", "spring")))
+    eq = equations(model := oscillator_with(values, effects=("second", "spring")))
     assert eq.state_names[2:] == ("second.q", "spring.q")
     energy = casadi.substitute(signed(eq, eq.energy), eq.p, list(model.values().values()))
     value = casadi.Function("f", [eq.z], [energy])([0.0, 0.0, 3.0, 5.0])

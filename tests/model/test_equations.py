@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import pytest
 from dashpot.model.equations import Structure, equations, equations_of, structure_of
-from dashpot.model.laws import find
+from dashpot.model.library import find
 
 
 def test_oscillators_of_one_structure_share_their_equations(with_law):

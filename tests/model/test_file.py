@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import yaml
 from dashpot.errors import BadInput
-from dashpot.model import Oscillator, Parameter, Provenance, Range, Response
+from dashpot.model import Oscillator, Parameter, Provenance, Range, Response, oscillator_with
 from dashpot.model.file import dumps, load, loads, save
 from dashpot.model.laws import LIBRARY
 from dashpot.model.oscillator import HOLDS
@@ -71,7 +71,7 @@ def random_oscillator(random: np.random.Generator) -> Oscillator:
             values[name] = float(np.clip(drawn if math.isinf(p.lower) else p.lower + abs(drawn), p.lower, p.upper))
     letters = "ab Z9_-.:#'\"\\{}[],&*!|>%@`~=?/ü漢😀;$<>"
     name = "".join(random.choice(list(letters), random.integers(1, 12)).tolist())
-    o = Oscillator.from_values(
+    o = oscillator_with(
         values, name=name, response=response, force_unit=str(random.choice(["N", "V", "N.m"])), effects=effects
     )
     stds = {n: replace(p, std=float(f"{random.exponential():.3e}")) for n, p in o.parameters().items()}

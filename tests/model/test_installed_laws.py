@@ -10,8 +10,9 @@ from pathlib import Path
 import dashpot
 import pytest
 from dashpot.errors import BadInput
-from dashpot.model import installed_laws
-from dashpot.model.laws import BASE, LIBRARY, find
+from dashpot.model import library
+from dashpot.model.laws import BASE
+from dashpot.model.library import KNOWN, find
 
 PACKAGE = Path(dashpot.__file__).parent / "examples" / "law_package"
 TAKEN = "from dataclasses import replace\nfrom dashpot.model.laws.quadratic_drag import LAW\n"
@@ -23,7 +24,7 @@ def distribution(folder, name, points, **modules):
     told = folder / f"{name.replace('-', '_')}-1.0.dist-info"
     told.mkdir(parents=True)
     (told / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-    lines = [f"[{installed_laws.GROUP}]", *(f"{key} = {value}" for key, value in points.items())]
+    lines = [f"[{library.GROUP}]", *(f"{key} = {value}" for key, value in points.items())]
     (told / "entry_points.txt").write_text("\n".join(lines) + "\n")
     for module, text in modules.items():
         (folder / f"{module}.py").write_text(text, encoding="utf-8")
@@ -33,19 +34,19 @@ def distribution(folder, name, points, **modules):
 @pytest.fixture
 def installed(tmp_path, monkeypatch):
     """Installs packages, and takes them and their laws away again."""
-    library, modules = dict(LIBRARY), set(sys.modules)
+    known, modules = dict(KNOWN), set(sys.modules)
 
     def install(name, points, **texts):
         monkeypatch.syspath_prepend(str(distribution(tmp_path / name, name, points, **texts)))
         forget()
 
     def forget():
-        installed_laws.take_installed_laws.cache_clear()
-        installed_laws._loaded.cache_clear()
+        library.take_installed_laws.cache_clear()
+        library._loaded.cache_clear()
 
     yield install
-    for law in set(LIBRARY) - set(library):
-        del LIBRARY[law]
+    for law in set(KNOWN) - set(known):
+        del KNOWN[law]
     for module in set(sys.modules) - modules:
         if module.startswith("dashpot_"):
             del sys.modules[module]
@@ -60,7 +61,7 @@ def example(installed):
 
 
 def test_the_law_of_the_example_is_found_and_simulated(example):
-    assert NAME not in LIBRARY
+    assert NAME not in KNOWN
     law = find(NAME)
     assert law.parameters[0].name == "peak"
     values = {"mass": 1.0, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.1, "dry": 0.0}
@@ -74,7 +75,7 @@ def test_the_law_of_the_example_is_found_and_simulated(example):
 
 def test_a_fresh_python_has_it_by_name(example, tmp_path):
     """As a model file names it, with nothing said of where it comes from."""
-    program = f"from dashpot.model.laws import find; print(find({NAME!r}).path)"
+    program = f"from dashpot.model.library import find; print(find({NAME!r}).path)"
     folders = [str(folder) for folder in tmp_path.iterdir()]
     line = [sys.executable, "-P", "-c", f"import sys; sys.path[:0] = {folders!r}\n{program}"]
     assert subprocess.run(line, capture_output=True, text=True, check=True).stdout == "dissipation\n"
@@ -100,10 +101,10 @@ def test_the_doctor_names_it(example):
     ],
 )
 def test_a_broken_package_is_told_and_spoils_nothing(installed, point, text, said):
-    before = dict(LIBRARY)
+    before = dict(KNOWN)
     installed("broken", {"broken": point}, dashpot_broken=text)
-    (problem,) = installed_laws.take_installed_laws()
-    assert before == LIBRARY
+    (problem,) = library.take_installed_laws()
+    assert before == KNOWN
     with pytest.raises(BadInput, match=said):
         find("quadratic-darg")
     assert "uninstall it" in problem
@@ -114,6 +115,6 @@ def test_a_module_or_several_laws_may_be_named(installed):
     text = (PACKAGE / "dashpot_eddy_current_brake.py").read_text(encoding="utf-8")
     more = "\nfrom dataclasses import replace\nSECOND = replace(LAW, name='second-brake')\nBOTH = [LAW, SECOND]\n"
     installed("several", {"several": "dashpot_several:BOTH"}, dashpot_several=text + more)
-    assert installed_laws.take_installed_laws() == ()
-    assert {NAME, "second-brake"} <= set(LIBRARY)
+    assert library.take_installed_laws() == ()
+    assert {NAME, "second-brake"} <= set(KNOWN)
     assert not {law.name for law in BASE} & {"second-brake"}

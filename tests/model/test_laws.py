@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from dashpot.model.equations import equations
 from dashpot.model.law_table import law_table
+from dashpot.model.law_trial import problems
 from dashpot.model.laws import BASE, LIBRARY
-from dashpot.model.user_laws import problems
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -6,7 +6,8 @@ import casadi as ca
 import numpy as np
 import pytest
 from dashpot.model.law import Motion
-from dashpot.model.laws import LIBRARY, find
+from dashpot.model.laws import LIBRARY
+from dashpot.model.library import find
 
 LEARNT = [law for law in LIBRARY.values() if law.learnt]
 

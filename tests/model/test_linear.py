@@ -12,7 +12,7 @@ from click.testing import CliRunner
 from dashpot.commands.cli import cli
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
-from dashpot.model import Oscillator, Range, Response
+from dashpot.model import Oscillator, Range, Response, oscillator_with
 from dashpot.model.file import save
 from dashpot.model.linear import linearise
 
@@ -58,7 +58,7 @@ def test_about_a_point_it_is_the_tangent_and_the_force_that_holds_it(model):
 
 def test_inner_states_settle_and_the_actuator_stays_in_the_model():
     values = {"actuator-lag.time": 2e-3, "viscoelastic.stiffness": 100.0, "viscoelastic.rate": 50.0}
-    model = Oscillator.from_values(TRUTH | values, effects=("actuator-lag", "viscoelastic"))
+    model = oscillator_with(TRUTH | values, effects=("actuator-lag", "viscoelastic"))
     point = linearise(model, force=3.0)
     x = point.state[0]
     assert point.state == pytest.approx([x, 0, 3.0, x], rel=1e-9)  # the branch has relaxed, the force has arrived
@@ -76,7 +76,7 @@ def test_inner_states_settle_and_the_actuator_stays_in_the_model():
 def test_an_actuator_with_a_dead_zone_must_be_pushed_through_it_and_a_hum_is_no_part_of_the_rig():
     values = {"tonal-disturbance.amplitude": 1.0, "tonal-disturbance.frequency": 314.0}
     values["actuator-dead-zone.threshold"] = 0.3
-    model = Oscillator.from_values(TRUTH | values, effects=("actuator-dead-zone", "tonal-disturbance"))
+    model = oscillator_with(TRUTH | values, effects=("actuator-dead-zone", "tonal-disturbance"))
     point = linearise(model, displacement=2e-3)
     assert point.state_names == ("displacement", "velocity")
     assert point.input == pytest.approx(0.3 + M * (W0**2 * 2e-3 + C3 * 8e-9 + P), rel=1e-12)

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from dashpot.commands.cli import main
 from dashpot.errors import BadInput
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, law_trial, oscillator_with
 from dashpot.model import user_laws as user
 from dashpot.model.describing import equivalent_stiffness
 from dashpot.model.effect_words import effect_in_words
 from dashpot.model.file import save
-from dashpot.model.laws import LIBRARY
+from dashpot.model.library import KNOWN
 from dashpot.model.user_laws import load_law_file
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -25,11 +25,11 @@ EXAMPLE = re.findall(r"```python\n(.*?)```", (ROOT / "docs/laws.md").read_text(e
 @pytest.fixture(autouse=True)
 def library(monkeypatch):
     """What a test loads is forgotten after it."""
-    before = dict(LIBRARY)
+    before = dict(KNOWN)
     monkeypatch.setattr(user, "_loaded", {})
     yield
-    LIBRARY.clear()
-    LIBRARY.update(before)
+    KNOWN.clear()
+    KNOWN.update(before)
 
 
 @pytest.fixture
@@ -45,12 +45,12 @@ PLAIN = {"mass": 0.3, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 3
 
 
 def magnet():
-    return Oscillator.from_values({**PLAIN, "magnet.strength": 20.0, "magnet.reach": 5e-3}, effects=("magnet",))
+    return oscillator_with({**PLAIN, "magnet.strength": 20.0, "magnet.reach": 5e-3}, effects=("magnet",))
 
 
 def test_the_example_becomes_part_of_the_library(write):
     (law,) = load_law_file(write(EXAMPLE))
-    assert LIBRARY["magnet"] is law
+    assert KNOWN["magnet"] is law
     small = equivalent_stiffness(magnet(), np.array([1e-5]), 60.0)
     assert small == pytest.approx([60.0**2 + 20.0 / 5e-3], rel=1e-4)
     assert load_law_file(write(EXAMPLE)) == (law,)  # again: the same
@@ -60,7 +60,7 @@ def test_every_command_takes_it(write, tmp_path, capsys):
     path = str(write(EXAMPLE))
     load_law_file(path)
     save(magnet(), tmp_path / "rig.yaml")
-    LIBRARY.pop("magnet")
+    KNOWN.pop("magnet")
     user._loaded.clear()
     rig = str(tmp_path / "rig.yaml")
     main(["show", rig, "--law", path])
@@ -76,7 +76,7 @@ def test_every_command_takes_it(write, tmp_path, capsys):
 def test_without_its_file_the_model_is_refused(write, tmp_path, capsys):
     load_law_file(write(EXAMPLE))
     save(magnet(), tmp_path / "rig.yaml")
-    LIBRARY.pop("magnet")
+    KNOWN.pop("magnet")
     with pytest.raises(SystemExit) as ended:
         main(["show", str(tmp_path / "rig.yaml")])
     assert ended.value.code == 2
@@ -169,13 +169,13 @@ def test_without_its_file_the_model_is_refused(write, tmp_path, capsys):
 )
 def test_what_is_wrong_is_said_with_its_place(old, new, said, write):
     assert old in EXAMPLE
-    before = dict(LIBRARY)
+    before = dict(KNOWN)
     path = write(EXAMPLE.replace(old, new, 1))
     with pytest.raises(BadInput) as caught:
         load_law_file(path)
     assert str(caught.value).startswith(f"{path}")
     assert said in str(caught.value)
-    assert before == LIBRARY
+    assert before == KNOWN
 
 
 def test_a_file_that_is_none_is_said(tmp_path, write):
@@ -202,7 +202,7 @@ def test_a_bad_file_ends_the_command_with_code_two(write, tmp_path, capsys):
 def test_a_law_of_ones_own_is_said_by_its_phrase_and_without_one_by_its_sentence(write):
     load_law_file(write(EXAMPLE))
     assert effect_in_words("magnet") == "a magnet that pulls the mass back to its seat (magnet)"
-    LIBRARY.pop("magnet")
+    KNOWN.pop("magnet")
     user._loaded.clear()
     lines = [line for line in EXAMPLE.splitlines() if not line.strip().startswith("phrase=")]
     (law,) = load_law_file(write("\n".join(lines), "plain.py"))
@@ -212,7 +212,7 @@ def test_a_law_of_ones_own_is_said_by_its_phrase_and_without_one_by_its_sentence
 
 @pytest.mark.parametrize("phrase", ["a magnet, strong", "a magnet.", "two\nlines", " a magnet", "(magnet)", "a: b", 3])
 def test_a_phrase_that_would_not_read_in_a_list_is_refused(phrase):
-    (problem,) = user.problems(replace(LIBRARY["stribeck"], phrase=phrase))
+    (problem,) = law_trial.problems(replace(KNOWN["stribeck"], phrase=phrase))
     assert "phrase" in problem
     assert "leave it out" in problem
 
@@ -223,12 +223,12 @@ def test_the_library_keeps_to_the_trial():
     from dashpot.model.law import Motion
     from dashpot.model.law_trial import fault, wrong_types
 
-    for law in LIBRARY.values():
+    for law in KNOWN.values():
         motion = Motion(x=ca.SX.sym("x"), v=ca.SX.sym("v"), t=ca.SX.sym("t"))
         own = {p.name: ca.SX.sym(p.name) for p in law.parameters}
         signal = ca.SX.sym("signal")
         made = law.force or law.drive or law.record
         expression = ca.SX(made(motion, own) if law.force else made(motion, own, signal))
-        said = fault(law, motion, own, signal, expression, user._SCALES)
+        said = fault(law, motion, own, signal, expression, law_trial._SCALES)
         assert not said or "of the motion, which is located by nothing" in said, (law.name, said)
         assert not list(wrong_types(law))

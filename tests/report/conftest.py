@@ -18,7 +18,7 @@ from dashpot.diagnose.result import (
     RecordFit,
 )
 from dashpot.identify import Identification, identify
-from dashpot.model import Oscillator, Parameter, Response
+from dashpot.model import Oscillator, Parameter, Response, oscillator_with
 from dashpot.model.laws import LIBRARY
 from dashpot.model.oscillator import Provenance, Range
 from dashpot.recording import Recording
@@ -149,7 +149,7 @@ def mended(before: Oscillator, law: str) -> Oscillator:
     numbers = {p.name: min(max(0.5 if p.unit != "X" else 2e-3, p.lower), p.upper) for p in LIBRARY[law].parameters}
     values = {k: v for k, v in before.values().items() if "." not in k} | {f"{law}.{k}": v for k, v in numbers.items()}
     values["viscous"] *= 0.9
-    oscillator = Oscillator.from_values(
+    oscillator = oscillator_with(
         values, name=before.name, response=before.response, force_unit=before.force_unit, effects=(law,)
     )
     return replace(

@@ -51,12 +51,11 @@ def test_a_linear_rig_answers_a_sine_as_the_textbook_says():
 
 def test_the_harmonic_of_a_square_law():
     """A slight asymmetry, by harmonic balance: x2 = c A²/2 / (omega0² - 4 omega²); its acceleration is 4 times that."""
-    from dashpot.model import Oscillator
+
+    from dashpot.model import oscillator_with
 
     c = 2e3
-    rig = Oscillator.from_values(
-        RIG | {"cubic": 0.0, "quadratic-stiffness.coefficient": c}, effects=("quadratic-stiffness",)
-    )
+    rig = oscillator_with(RIG | {"cubic": 0.0, "quadratic-stiffness.coefficient": c}, effects=("quadratic-stiffness",))
     amplitude = abs(fundamental(rig, FORCE, OMEGA))
     ((order, level),) = harmonics(rig, -90.0)[:1]
     assert order == 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.identify.problem.equivalent import along_of
-from dashpot.model.laws import find
+from dashpot.model.library import find
 
 DT = 1e-4
 T = DT * np.arange(20_000)

@@ -12,7 +12,7 @@ from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 
 

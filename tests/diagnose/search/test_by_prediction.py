@@ -9,7 +9,7 @@ from dashpot.identify.fit.from_prediction import keeps_step
 from dashpot.identify.problem.data import Data, data_of
 from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.recording import Recording
 from scipy import signal
 

@@ -22,7 +22,7 @@ from dashpot.identify.problem.data import Data
 from dashpot.identify.problem.segments import Segment
 from dashpot.identify.problem.structure import Fitted
 from dashpot.identify.signals.odds import DECISIVE
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.law import Scales
 
 BASE = {"mass": 0.3, "omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 5.0, "dry": 0.1}
@@ -240,7 +240,7 @@ def test_only_what_could_stand_in_its_place_is_a_rival():
 
 
 def named(effect: str, **values: float) -> tuple[str, ...]:
-    model = Oscillator.from_values(BASE | {f"{effect}.{n}": v for n, v in values.items()}, effects=(effect,))
+    model = oscillator_with(BASE | {f"{effect}.{n}": v for n, v in values.items()}, effects=(effect,))
     return names_of(model.terms[0], model)
 
 
@@ -261,5 +261,5 @@ def test_the_name_of_another_law_of_the_structure_is_taken():
     stop = {"stiffness": 0.5 * 6400.0, "position": 1e-3, "damping": 0.0, "offset": 0.0}
     values = BASE | {f"two-sided-stop.{name}": value for name, value in stop.items()}
     values |= {"clearance.stiffness": 4.0 * 6400.0, "clearance.gap": 2e-3}
-    model = Oscillator.from_values(values, effects=("clearance", "two-sided-stop"))
+    model = oscillator_with(values, effects=("clearance", "two-sided-stop"))
     assert [names_of(term, model)[0] for term in model.terms] == ["clearance", "two-sided-stop"]

@@ -15,7 +15,7 @@ from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.settle import settled
 from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator, Response
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 from dashpot.simulate.core import Core

@@ -10,9 +10,9 @@ from dashpot.diagnose.search.candidate import Candidate
 from dashpot.diagnose.search.neighbours import kept, more_general, with_learnt, with_shapes
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.structure import Fitted
-from dashpot.model import Oscillator
+from dashpot.model import oscillator_with
 from dashpot.model.law import Scales
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 
 SCALES = Scales(length=2e-3, omega=TRUTH["omega0"], force=0.0, response=2e-3, duration=8.0)
@@ -20,7 +20,7 @@ SCALES = Scales(length=2e-3, omega=TRUTH["omega0"], force=0.0, response=2e-3, du
 
 def fitted(*laws: str) -> Fitted:
     values = {f"{law}.{p.name}": 1.0 for law in laws for p in find(law).parameters}
-    model = Oscillator.from_values(TRUTH | values, effects=laws)
+    model = oscillator_with(TRUTH | values, effects=laws)
     return Fitted(model, np.zeros((1, 2)), (np.zeros(8),), 0.0, tuple(model.parameters()))
 
 

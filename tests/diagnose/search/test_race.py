@@ -13,7 +13,7 @@ from dashpot.diagnose.search.residual_test import times_the_noise
 from dashpot.identify.problem.structure import shapes_of
 from dashpot.identify.signals.odds import DECISIVE
 from dashpot.identify.start.measured_motion import probes
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 
 

@@ -15,7 +15,8 @@ from dashpot.identify.signals.noise_spectrum import NoiseSpectrum
 from dashpot.identify.start.measured_motion import Regression, probes
 from dashpot.model import Oscillator, Response
 from dashpot.model.law import Scales
-from dashpot.model.laws import LIBRARY, find
+from dashpot.model.laws import LIBRARY
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 from dashpot.simulate.core import Core
@@ -268,7 +269,7 @@ def test_a_law_that_is_there_is_not_asked_for_again(monkeypatch):
     grown = with_term(fitted.model, "quadratic-drag", {"coefficient": 1e-3})
     screened = Screen(replace(fitted, model=grown, free=(*fitted.free, "quadratic-drag.coefficient")), data)
     two = {name: LIBRARY[name] for name in ("quadratic-drag", "cubic-damping")}
-    monkeypatch.setattr("dashpot.diagnose.search.score_test.LIBRARY", two)
+    monkeypatch.setattr("dashpot.diagnose.search.score_test.KNOWN", two)
     assert [start.effect for start in screened.starts()] == ["cubic-damping"]
     assert screened.starts([]) == []
 

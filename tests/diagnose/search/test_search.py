@@ -17,9 +17,10 @@ from dashpot.identify.problem.data import Data
 from dashpot.identify.problem.segments import Segment
 from dashpot.identify.problem.structure import Fitted
 from dashpot.identify.signals.odds import DECISIVE
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.law import Scales
-from dashpot.model.laws import LIBRARY, find
+from dashpot.model.laws import LIBRARY
+from dashpot.model.library import find
 
 SAMPLES, NOISE = 4000, 1e-5
 OTHERS = ("cubic-damping", "quadratic-stiffness", "quintic-stiffness", "asymmetric-friction")
@@ -30,7 +31,7 @@ RUGGED = next(law.name for law in LIBRARY.values() if law.rugged)
 def leading(*laws: str, times: float = 10.0) -> tuple[Search, Candidate]:
     """A leader that leaves so many times the noise, in a search over the library."""
     values = {f"{law}.{p.name}": 1.0 for law in laws for p in find(law).parameters}
-    model = Oscillator.from_values(TRUTH | values, effects=laws)
+    model = oscillator_with(TRUTH | values, effects=laws)
     left = times * NOISE * np.sign(np.random.default_rng(0).standard_normal(SAMPLES))
     motion = 1e-3 * np.cos(0.16 * np.arange(SAMPLES))
     segment = Segment(0, 0, SAMPLES, motion + left, None, 2e-3, 0.0, TRUTH["omega0"])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.search.search import Search
 from dashpot.identify.problem.data import data_of
-from dashpot.model.laws import find
+from dashpot.model.library import find
 
 pytestmark = pytest.mark.long
 

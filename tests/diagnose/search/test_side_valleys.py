@@ -15,7 +15,7 @@ from dashpot.identify.problem.data import Data, data_of
 from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.identify.start.measured_motion import Regression
 from dashpot.model import Oscillator
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.recording import read
 
 PLAY = find("actuator-backlash")

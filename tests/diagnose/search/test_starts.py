@@ -15,7 +15,7 @@ from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.identify.start.measured_motion import Guess, Regression
 from dashpot.model import Oscillator
 from dashpot.model.law import Law
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording
 

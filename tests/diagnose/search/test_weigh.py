@@ -23,7 +23,7 @@ from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import Data, data_of
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.structure import Fitted, Structure
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.equations import equations
 from dashpot.model.law import Scales
 
@@ -263,9 +263,7 @@ def test_a_search_that_has_ended_keeps_nothing(decays):
 
 def test_a_parameter_could_be_as_large_as_is_natural():
     scales = Scales(length=2e-3, omega=50.0, force=3.0, response=2e-3, duration=10.0, mass=0.3)
-    model = Oscillator.from_values(
-        TRUTH | {"mass": 0.4, "quadratic-drag.coefficient": 1.0}, effects=("quadratic-drag",)
-    )
+    model = oscillator_with(TRUTH | {"mass": 0.4, "quadratic-drag.coefficient": 1.0}, effects=("quadratic-drag",))
     widths = {
         "mass": 0.4,
         "omega0": 50.0,

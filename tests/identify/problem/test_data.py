@@ -20,7 +20,7 @@ from dashpot.identify.problem.data import (
 )
 from dashpot.identify.problem.segments import Segment
 from dashpot.identify.signals.noise_spectrum import concentrated_likelihood, estimate
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator, Response, oscillator_with
 from dashpot.recording import Recording
 from dashpot.simulate.force import straight_lines
 
@@ -136,9 +136,7 @@ def test_a_spring_that_a_law_makes_is_a_spring():
 
     def gravity(stiffness, width=1.0, quantity="displacement"):
         values = slow | {"softening-stiffness.stiffness": stiffness, "softening-stiffness.width": width}
-        return Oscillator.from_values(
-            values, effects=("softening-stiffness",), response=Response(quantity, UNITS[quantity])
-        )
+        return oscillator_with(values, effects=("softening-stiffness",), response=Response(quantity, UNITS[quantity]))
 
     rig = data_of(recordings, gravity(900.0))
     assert not rig.segments[0].slide

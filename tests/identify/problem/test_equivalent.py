@@ -7,7 +7,7 @@ import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of, expected_noise
 from dashpot.identify.problem.equivalent import equivalent
-from dashpot.model import Oscillator, Response
+from dashpot.model import Response, oscillator_with
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp
 from scipy.special import jv
@@ -58,7 +58,7 @@ def test_the_noise_floor_of_a_driven_pendulum_knows_what_its_spring_is():
     moved = pendulum(force, dt)
     made = np.std(pendulum(force + noise * random.standard_normal(t.size), dt) - moved)
     recording = Recording("pendulum", 1 / dt, moved, force, "displacement", "rad")
-    model = Oscillator.from_values(
+    model = oscillator_with(
         NOTHING | {"mass": 1.0, "omega0": 0.01, "viscous": 0.4, f"{SINE}.stiffness": 36.0, f"{SINE}.width": 1.0},
         response=Response("displacement", "rad"),
         effects=(SINE,),

@@ -10,7 +10,7 @@ from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.structure import Structure
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.recording import Recording
 
 FS, N = 500.0, 3000
@@ -131,7 +131,7 @@ def test_what_moves_nothing_has_a_derivative_of_nothing():
         f"{sine}.stiffness": 0.0,
         f"{sine}.width": 1e-2,
     }
-    model = Oscillator.from_values(values, effects=(sine,))
+    model = oscillator_with(values, effects=(sine,))
     structure = Structure(model, data_of([sweep(TRUTH)], model, coarse=False))
     problem, state = structure.problem, structure.state(None)
     (rows,) = problem.derivatives(state, problem.residuals(state))

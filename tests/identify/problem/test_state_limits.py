@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.identify.problem.replay import replayed
 from dashpot.identify.problem.state_limits import nearest_reach
-from dashpot.model import Oscillator
+from dashpot.model import oscillator_with
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp
 
@@ -24,7 +24,7 @@ def test_only_limited_states_move_and_the_best_place_wins():
 
 
 def test_a_decay_that_begins_sliding_is_replayed():
-    model = Oscillator.from_values(
+    model = oscillator_with(
         BASE | {f"hysteresis.{name}": value for name, value in HYSTERESIS.items()}, effects=("hysteresis",)
     )
     n, fs = 3000, 1000.0

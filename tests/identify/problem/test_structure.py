@@ -21,9 +21,9 @@ from dashpot.identify.problem.structure import (
     without_states,
 )
 from dashpot.identify.signals.noise_spectrum import concentrated_likelihood, estimate
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.law import Scales
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.recording import Recording
 from dashpot.simulate.core import internal_step
 
@@ -37,7 +37,7 @@ def with_laws(**values):
     """A model with the laws whose values are given as law__parameter."""
     named = {key.replace("__", ".").replace("_", "-"): value for key, value in values.items()}
     effects = tuple(dict.fromkeys(name.split(".")[0] for name in named))
-    return Oscillator.from_values(LINEAR | named, effects=effects)
+    return oscillator_with(LINEAR | named, effects=effects)
 
 
 STOPS = with_laws(
@@ -90,7 +90,7 @@ def test_beyond_those_bounds_a_search_may_begin_and_go_on(times, low, high):
 
 def test_what_others_are_measured_by_is_never_free():
     values = {f"free/damping.{p.name}": 0.1 for p in find("free/damping").parameters}
-    model = Oscillator.from_values(LINEAR | values, effects=["free/damping"])
+    model = oscillator_with(LINEAR | values, effects=["free/damping"])
     free = structure_of(decay(), model=model).free
     assert [name for name in values if name not in free] == ["free/damping.reach", "free/damping.speed"]
 

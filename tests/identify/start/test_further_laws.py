@@ -11,7 +11,7 @@ from dashpot.errors import BadInput
 from dashpot.identify import identify
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.start.further_laws import with_laws
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator, Response, oscillator_with
 from dashpot.recording import Recording
 from scipy.integrate import solve_ivp
 
@@ -171,7 +171,7 @@ def test_a_parameter_that_is_fixed_stays_and_the_others_give_way():
 def test_a_start_brings_its_laws_and_leads_to_the_same_place():
     fresh = dragging_alone().oscillator
     values = DRAG | NOTHING_ELSE | {"omega0": 0.9 * W, "quadratic-drag.coefficient": 1.0, "mass": 1.0}
-    start = Oscillator.from_values(values, effects=("quadratic-drag",), name="from a file")
+    start = oscillator_with(values, effects=("quadratic-drag",), name="from a file")
     again = identify(drag(), start=start, fixed=NOTHING_ELSE, name="run").oscillator
     assert [term.effect for term in again.terms] == ["quadratic-drag"]
     assert again.name == "run"

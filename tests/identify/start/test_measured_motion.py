@@ -17,7 +17,7 @@ from dashpot.identify.signals.weakform import windows
 from dashpot.identify.start.measured_motion import Guess, Regression, _project, _soft_sign, probes
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
-from dashpot.model.laws import find
+from dashpot.model.library import find
 from dashpot.model.terms import with_term
 from dashpot.recording import Recording, read
 
