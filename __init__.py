@@ -41,9 +41,8 @@ if TYPE_CHECKING:
         verify,
         watch,
     )
-    from .face.diagnosis import Diagnosis
     from .face.hilbert import Hilbert
-    from .face.model import Model
+    from .face.model import Diagnosis, Model
     from .face.simulation import Simulation
     from .model.linear import LinearModel
     from .recording import Recording
@@ -89,7 +88,7 @@ _CLASSES = {
     "Backbone": "face.backbone",
     "BadInput": "errors",
     "DashpotError": "errors",
-    "Diagnosis": "face.diagnosis",
+    "Diagnosis": "face.model",
     "Hilbert": "face.hilbert",
     "LinearModel": "model.linear",
     "Model": "face.model",

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import os
 import sys
-import tempfile
-from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +11,7 @@ import click
 
 from .. import __version__
 from ..errors import BadInput
-from ..face.recordings import read_all
+from ..face.workflow import read_all
 from ..files.exit_codes import ended
 from .command_examples import epilog
 from .fleet_commands import COMMANDS as FLEET_COMMANDS
@@ -92,9 +89,7 @@ def look(files: tuple[Path, ...], as_json: bool, **options: Any) -> None:
     """What would be read of files: channels, units, rates, kinds of motion, a small picture; nothing else is done."""
     from ..face.look import described
     from ..face.look import look as seen_in
-    from ..recording.part import parse_part
 
-    options["part"] = parse_part(options["part"]) if options["part"] else None
     entries, refused = [], []
     for file in files:
         try:
@@ -122,7 +117,7 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
 
     With --mode all every mode is evaluated by itself, each into a folder of its own.
     """
-    from ..face.hilbert_files import FILES, run
+    from ..face.hilbert import FILES, run
 
     outputs_checked([output / name for name in FILES], recordings)
     result, words = run(read_all(recordings, options, say), mode, output, say)
@@ -192,13 +187,8 @@ def identify(
     exceeded or where the measuring chain has done something to a recording.
     """
     from ..export import SUFFIXES
-    from ..files.writing import together, write
-    from ..identify import identify as find
-    from ..identify.motion.modes import mode_alone
-    from ..model.file import load, save
+    from ..face.workflow import identified, write_identification
     from ..model.fit_state import beyond, faults_of_recordings, left_over
-    from ..model.library import find as find_law
-    from ..model.limits import checked_value
     from ..model.show import as_json as model_json
     from ..model.show import describe
 
@@ -207,31 +197,21 @@ def identify(
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
         )
-    if mass is not None:
-        fix = fix | {"mass": mass}
-    for key, value in fix.items():
-        checked_value(key, value)
-    laws = [find_law(effect).name for effect in effects]
-    begin = None if start is None else load(start)
-    given, band = mode_alone(read_all(recordings, options, say), mode, begin, say)
-    identification = find(
-        given,
+    identification = identified(
+        lambda: read_all(recordings, options, say),
         name=name or output.stem,
-        effects=laws,
+        laws=effects,
         fixed=fix,
-        start=begin,
-        band=band,
+        mass=mass,
+        start=start,
+        mode=mode,
         faults=faults,
+        notes=say,
         progress=say,
     )
     for note in identification.notes:
         say(f"note: {note}")
-    with together():
-        if report is not None:
-            from ..report.page import identification_page
-
-            write(report, identification_page(identification, files=(output.name,)))
-        save(identification.oscillator, output)
+    write_identification(identification, output, report)
     if as_json:
         print_json(model_json(identification.oscillator))
     else:
@@ -275,11 +255,9 @@ def diagnose(
     **options: Any,
 ) -> None:
     """Find the physics that a model lacks and recordings show; exit code 1 where something stays unexplained."""
-    from ..diagnose import diagnose as find
-    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder, write_folder
-    from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
+    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder
+    from ..face.workflow import diagnosed, write_diagnosis
     from ..model.file import load
-    from ..report.diagnosis_page import diagnosis_page
     from ..report.diagnosis_text import describe
 
     check_folder(output)
@@ -287,15 +265,9 @@ def diagnose(
     outputs_checked([output / name for name in files], [model, *recordings, *holdout])
     oscillator = load(model)
     training, held = read_all(recordings, options, say), read_all(holdout, options, say)
-    training, band = mode_alone(training, mode, oscillator, say)
-    held = in_the_same_band(held, band)
-    with tempfile.TemporaryDirectory() as scratch, progress_shown() as progress:
-        artefact = Path(scratch) / FMU
-        diagnosis = find(oscillator, training, held, fmu=artefact, progress=progress)
-        diagnosis = replace(diagnosis, model=in_band_of(diagnosis.model, band))
-        fmu = artefact.read_bytes() if artefact.exists() else None
-    page = diagnosis_page(diagnosis, files=tuple(name for name in files if name != REPORT and (fmu or name != FMU)))
-    written = write_folder(output, diagnosis, page, fmu)
+    with progress_shown() as progress:
+        diagnosis, fmu = diagnosed(oscillator, training, held, mode=mode, notes=say, progress=progress)
+    written = write_diagnosis(output, diagnosis, fmu)
     if as_json:
         print_json(diagnosis.as_json())
     else:
@@ -321,7 +293,7 @@ def verify(
     **options: Any,
 ) -> None:
     """Run an FMU under FMPy with recorded forces, compare response and parameters; exit code 1 where they differ."""
-    from ..files.writing import together, write
+    from ..face.workflow import write_verification
     from ..verify.verification import verify as check
 
     printed = json_file == Path("-")
@@ -329,13 +301,7 @@ def verify(
     outputs_checked(outputs, [fmu, *recordings])
 
     def keep(result: Verification) -> None:
-        with together():
-            if json_file is not None and not printed:
-                write(json_file, json.dumps(result.as_json(), indent=2, allow_nan=False) + "\n")
-            if report is not None:
-                from ..report.verification_page import verification_page
-
-                write(report, verification_page(result))
+        write_verification(result, None if printed else json_file, report)
         if outputs:
             say(f"written: {', '.join(str(path) for path in outputs)}")
         if printed:

@@ -133,13 +133,12 @@ def compare(first: Path, second: Path, repeats: tuple[Path, ...], as_json: bool)
 
     Exit code 1 where something did.
     """
-    from ..change import compare as changed
     from ..change.wording import as_json as comparison_json
     from ..change.wording import describe
+    from ..face.fleet import compare as changed
     from ..fleet.lives_of_rigs import repeats_of
-    from ..model.file import load
 
-    found = changed(load(first), load(second), repeats_of(repeats))
+    found = changed(first, second, repeats_of(repeats))
     if as_json:
         print_json(comparison_json(found))
     else:

@@ -9,7 +9,7 @@ from typing import Any
 import click
 
 from ..errors import BadInput
-from ..face.recordings import read_all
+from ..face.workflow import read_all
 from .options import FILE, with_laws, with_recordings
 from .terminal import outputs_checked, print_json, say
 
@@ -115,11 +115,9 @@ def export(
     Or as a joint of MuJoCo (.mjcf) or URDF (.urdf), or as damping of a platform in HydroDyn (.hydrodyn); what these
     cannot express is said.
     """
-    from ..export import export as write
     from ..export import files
     from ..export.platforms import parse_platforms
-    from ..export.ssp import note
-    from ..files.writing import together
+    from ..face.workflow import exported
     from ..model.file import load
 
     oscillator = load(model)
@@ -127,12 +125,8 @@ def export(
     if not 0 < options["step"] < float("inf"):
         raise BadInput(f"--step {options['step']}: the sample time must be a positive number of seconds")
     outputs_checked([file for output in outputs for file in files(output, form)], [model])
-    with together():
-        for output in outputs:
-            if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
-                say(f"note: {remark}")
-            write(oscillator, output, platforms=platforms, draws=draws, form=form, progress=say, **options)
-    for path in (file for output in outputs for file in files(output, form)):
+    how = {"platforms": platforms, "draws": draws, "form": form, "progress": say, **options}
+    for path in exported(oscillator, outputs, notes=say, **how):
         say(f"written: {path}")
 
 

@@ -11,8 +11,8 @@ from ..errors import BadInput
 
 if TYPE_CHECKING:
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
+    from ..identify.identification import Identification
     from ..model import Oscillator
-    from .model import Model
 
 _POINTS = 120
 #: Range of amplitudes that is drawn where the model does not say for which it holds.
@@ -94,13 +94,12 @@ class Backbone:
         return figure
 
 
-def backbone_of(model: Model, amplitude: Any = None) -> Backbone:
+def backbone_of(o: Oscillator, identification: Identification | None, amplitude: Any = None) -> Backbone:
     """See ``Model.backbone``."""
     from ..model.backbone import exact_backbone
     from ..model.describing import natural_motion
     from ..model.inner_force import without_memory
 
-    o = model.oscillator
     a = np.atleast_1d(np.asarray(_range(o) if amplitude is None else amplitude, float))
     if a.ndim != 1 or not a.size or not np.all(np.isfinite(a) & (a > 0)):
         raise BadInput(f"amplitudes must be positive numbers (n,), in {o.response.displacement_unit}")
@@ -111,7 +110,7 @@ def backbone_of(model: Model, amplitude: Any = None) -> Backbone:
             omega = exact_backbone(o, a)
         except BadInput:  # some amplitudes have no free vibration
             omega = np.array([_frequency(o, float(one)) for one in a])
-    measured = None if model.identification is None or amplitude is not None else model.identification.measured
+    measured = None if identification is None or amplitude is not None else identification.measured
     unit = o.response.displacement_unit
     return Backbone(o.name, a, omega / (2 * np.pi), h / mean, unit, measured)
 

@@ -26,6 +26,7 @@ from ..fleet.kept_files import DIAGNOSIS
 from ..fleet.manifest import Entry
 from ..fleet.outcome import Outcome
 from ..fleet.store import Busy, Store
+from .workflow import diagnosed, identified, page_of_diagnosis, read_all
 
 if TYPE_CHECKING:
     import numpy as np
@@ -124,8 +125,6 @@ def _kept(store: Store, entry: Entry, key: str, stage: str, before: Outcome | No
 
 
 def _recordings(entry: Entry, files: tuple[str, ...], say: Callable[[str], None]) -> list[Recording]:
-    from .recordings import read_all
-
     options = {**_READ, **entry.reading, "response": tuple(entry.reading.get("response", ()))}
     return read_all(tuple(map(Path, files)), options, say)
 
@@ -139,25 +138,22 @@ def _with_laws(entry: Entry) -> None:
 
 def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]]:
     """The model of an entry, and what writes its files."""
-    from ..identify import identify
-    from ..identify.motion.modes import mode_alone
-    from ..model.file import load, save
+    from ..model.file import save
     from ..model.fit_state import beyond, left_over, parse_most_left
     from ..report.page import identification_page
 
     _with_laws(entry)
     said: list[str] = []
     how = entry.how
-    begin = None if entry.start is None else load(entry.start)
-    given, band = mode_alone(_recordings(entry, entry.recordings, said.append), how["mode"], begin, said.append)
-    found = identify(
-        given,
+    found = identified(
+        lambda: _recordings(entry, entry.recordings, said.append),
         name=entry.name,
-        effects=how["with"],
+        laws=how["with"],
         fixed=how["fix"],
-        start=begin,
-        band=band,
+        start=None if entry.start is None else Path(entry.start),
+        mode=how["mode"],
         faults=how["faults"],
+        notes=said.append,
     )
     model = found.oscillator
     most = how["max_left"]
@@ -208,31 +204,17 @@ def _told(found: Identification, more: list[str]) -> str:
 
 def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Callable[[Path], None]]:
     """What a diagnosis makes of an entry, and what writes its files."""
-    import tempfile
-
-    from ..diagnose import diagnose
-    from ..diagnose.files import DIAGNOSIS as RESULT
-    from ..diagnose.files import EXPERIMENT, FMU, write_folder
     from ..diagnose.files import MODEL as MENDED
     from ..diagnose.files import REPORT as PAGE
-    from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
+    from ..diagnose.files import write_folder
     from ..model.file import load
-    from ..report.diagnosis_page import diagnosis_page
 
     _with_laws(entry)
     model = load(place / MODEL)
     said: list[str] = []
-    training, band = mode_alone(
-        _recordings(entry, entry.recordings, said.append), entry.how["mode"], model, said.append
-    )
-    held = in_the_same_band(_recordings(entry, entry.holdout, said.append), band)
-    with tempfile.TemporaryDirectory() as scratch:
-        artefact = Path(scratch) / FMU
-        found = diagnose(model, training, held, fmu=artefact)
-        fmu = artefact.read_bytes() if artefact.exists() else None
-    found = replace(found, model=in_band_of(found.model, band))
-    files = tuple(name for name in (RESULT, MENDED, FMU, EXPERIMENT) if fmu or name != FMU)
-    page, without = _page(True, lambda: diagnosis_page(found, files=files))
+    training, held = (_recordings(entry, files, said.append) for files in (entry.recordings, entry.holdout))
+    found, fmu = diagnosed(model, training, held, mode=entry.how["mode"], notes=said.append)
+    page, without = _page(True, lambda: page_of_diagnosis(found, fmu))
     whole = found.remainder is None
     state = "good" if found.verdict == "consistent" else "mended" if found.effects and whole else "doubtful"
     outcome = replace(

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ..recording import Reading, Recording, recordings_of
@@ -15,22 +14,17 @@ from .fleet import batch as batch
 from .fleet import compare as compare
 from .fleet import watch as watch
 from .model import Model, oscillator_of
+from .workflow import Say, analysed, identified, silent
 
 if TYPE_CHECKING:
     from ..model import Oscillator
     from ..model.law import Law
     from ..model.linear import LinearModel
     from ..verify.verification import Verification
-    from .diagnosis import Diagnosis
     from .doctor import Checkup
     from .hilbert import Hilbert
+    from .model import Diagnosis
     from .simulation import Simulation
-
-Say = Callable[[str], None]
-
-
-def _silent(_: str) -> None:
-    """Say nothing."""
 
 
 def read(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
@@ -106,38 +100,20 @@ def identify(
     >>> print(f"{model['mass'].value:.3f} kg, {model['natural_frequency'].value:.2f} Hz")
     0.270 kg, 12.67 Hz
     """
-    from ..identify.identification import belong_together
-    from ..identify.identification import identify as find
-    from ..identify.motion.modes import mode_alone
-    from ..model.library import find as find_law
-    from ..model.limits import checked_value
-
-    say, notes = progress or _silent, []
-    recordings = read(*given, **options)
-    belong_together(recordings)
-    known = dict(fixed or {}) | ({} if mass is None else {"mass": mass})
-    if "mass" in known:
-        checked_value("mass", known["mass"])
-    begin = None if start is None else oscillator_of(start)
-    alone, band = mode_alone(recordings, None if mode is None else str(mode), begin, notes.append)
-    for note in notes:
-        say(note)
-    found = find(
-        alone,
-        name=name or _stem(recordings[0].name),
-        effects=[find_law(law).name for law in ([laws] if isinstance(laws, str) else laws)],
-        fixed=known,
-        start=begin,
-        band=band,
+    say = progress or silent
+    found = identified(
+        lambda: read(*given, **options),
+        name=name,
+        laws=[laws] if isinstance(laws, str) else laws,
+        fixed=fixed,
+        mass=mass,
+        start=None if start is None else oscillator_of(start),
+        mode=None if mode is None else str(mode),
         faults=faults,
+        notes=say,
         progress=say,
     )
     return Model(found.oscillator, found)
-
-
-def _stem(name: str) -> str:
-    """A rig's name of a recording's: without folder and suffixes."""
-    return Path(name.partition("#")[0]).name.partition(".")[0] or "oscillator"
 
 
 def simulate(model: Model | Oscillator | str | Path, *recording: Any, **options: Any) -> Simulation:
@@ -200,12 +176,9 @@ def verify(
     >>> dashpot.verify(fmu, decay).recordings[0].file
     'bursts.csv.gz'
     """
-    from ..verify.fmu_process import TIME_LIMIT
     from ..verify.verification import verify as check
 
-    return check(
-        Path(fmu), read(*given, **options), limit=TIME_LIMIT if limit is None else limit, progress=progress or _silent
-    )
+    return check(Path(fmu), read(*given, **options), limit=limit, progress=progress)
 
 
 def diagnose(
@@ -238,28 +211,8 @@ def diagnose(
     Traceback (most recent call last):
     dashpot.errors.BadInput: no recording was given; name at least one file with a decay or a driven response
     """
-    from dataclasses import replace
-
-    from ..diagnose.diagnosis import diagnose as find
-    from ..identify.identification import belong_together
-    from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
-    from .diagnosis import Diagnosis
-
-    oscillator = oscillator_of(model)
-    training, held = read(*given, **options), read(holdout, **options)
-    belong_together([*training, *held])
-    alone, band = mode_alone(training, None if mode is None else str(mode), oscillator, _silent)
-    with TemporaryDirectory() as scratch:
-        fmu = Path(scratch) / "model.fmu"
-        result = find(
-            oscillator,
-            alone,
-            in_the_same_band(held, band),
-            fmu=fmu,
-            progress=progress or (lambda _what, _part: None),
-        )
-        mended = fmu.read_bytes() if fmu.exists() else None
-    return Diagnosis(replace(result, model=in_band_of(result.model, band)), mended)
+    how = {"holdout": holdout, "mode": mode, "progress": progress}
+    return Model(oscillator_of(model)).diagnose(*given, **how, **options)
 
 
 def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Reading]) -> Hilbert:
@@ -278,14 +231,10 @@ def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Read
     >>> round(analysis.freevib.values["omega0"], 1)
     79.6
     """
-    from ..identify.hilbert.hilbert_result import hilbert_analysis
-    from ..identify.motion.modes import mode_alone
     from .hilbert import Hilbert
 
-    notes: list[str] = []
-    alone, band = mode_alone(read(*given, **options), None if mode is None else str(mode), None, notes.append)
-    told = [note.removeprefix("note: ") for note in notes]
-    return Hilbert(hilbert_analysis(alone).of_one_mode(told, band is not None), tuple(alone))
+    analysis, alone = analysed(read(*given, **options), None if mode is None else str(mode))
+    return Hilbert(analysis, tuple(alone))
 
 
 def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]:
@@ -296,18 +245,9 @@ def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]
     >>> record["recordings"][0]["motion"]
     'bursts'
     """
-    from ..recording.content import MOST_MB
-    from ..recording.part import parse_part
     from .look import look as seen_in
 
-    names = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold")
-    response, part = options.get("response"), options.get("part")
-    how = {name: options.get(name) for name in names} | {
-        "max_size": options.get("max_size", MOST_MB),
-        "part": (parse_part(part) if isinstance(part, str) and part else part) or None,
-        "response": () if response is None else (response,) if isinstance(response, str | int) else tuple(response),
-    }
-    return [entry for file in files for entry in seen_in(Path(file), how)]
+    return [entry for file in files for entry in seen_in(Path(file), options)]
 
 
 def load_laws(path: str | Path) -> tuple[Law, ...]:
@@ -337,7 +277,7 @@ def paper(folder: str | Path = "paper", progress: Say | None = None) -> Path:
     """The paper's figures remade from the built-in rig, as a page in a folder; returns its path."""
     from .paper import run
 
-    return run(Path(folder), progress or _silent)
+    return run(Path(folder), progress or silent)
 
 
 def doctor() -> Checkup:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 
 _BLOCKS = "▁▂▃▄▅▆▇█"
 _WIDTH = 60  # characters of a picture
+_OPTIONS = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold")
 
 
 def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -23,16 +24,21 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
 
     Args:
         path: of the file, with the name of a record behind # where one is meant.
-        options: of ``recording.read``; ``response`` is a sequence of columns.
+        options: of ``recording.read``, each as text or as what it means; ``response`` is a column or several.
 
     Raises:
         BadInput: the file is not there, or nothing in it is a record.
     """
     from ..recording.columns import parse_column
+    from ..recording.content import MOST_MB
+    from ..recording.part import parse_part
     from ..recording.read import recording_of, tables_at
 
-    how = {name: value for name, value in options.items() if name not in ("max_size", "response")}
-    sha256, tables = tables_at(path, options["max_size"])
+    response, part = options.get("response"), options.get("part")
+    how: dict[str, Any] = {name: options.get(name) for name in _OPTIONS}
+    how["part"] = (parse_part(part) if isinstance(part, str) and part else part) or None
+    responses: tuple[Any, ...] = (response,) if isinstance(response, str | int) else tuple(response or ())
+    sha256, tables = tables_at(path, options.get("max_size", MOST_MB))
     seen = []
     for table in tables:
         columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
@@ -45,7 +51,7 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
             "fs_stated": table.fs,
             "recordings": [],
         }
-        for response in options["response"] or (None,):
+        for response in responses or (None,):
             try:
                 recording = recording_of(table, response=response, sha256=sha256, **how)
                 entry["recordings"].append({"columns": _roles(table, response, how), **_told(recording)})

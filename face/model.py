@@ -1,24 +1,30 @@
-"""The model as a person holds it: its numbers, and what can be done with it, a method each."""
+"""A model and a diagnosis as a person holds them: what they say, and what can be done with them, a method each.
+
+They stand together because each makes the other: a model is diagnosed, and a diagnosis has a mended model.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ..errors import BadInput
 from ..model import Oscillator, Parameter, Response, oscillator_with
 from ..model.limits import checked_value
 from ..model.oscillator import QUANTITIES
-from ..recording import Reading
+from ..recording import Reading, recordings_of
+from .workflow import Say, diagnosed, exported, write_diagnosis
 
 if TYPE_CHECKING:
+    from ..diagnose.result import Diagnosis as Result
+    from ..diagnose.result import Effect, Location
     from ..identify.identification import Identification
     from ..model.linear import LinearModel
     from ..verify.verification import Verification
     from .backbone import Backbone
-    from .diagnosis import Diagnosis
     from .simulation import Simulation
 
 
@@ -131,12 +137,12 @@ class Model:
     def __repr__(self) -> str:
         from .words import model_text
 
-        return model_text(self)
+        return model_text(self.oscillator, self.notes)
 
     def _repr_html_(self) -> str:
         from .words import model_html
 
-        return model_html(self)
+        return model_html(self.oscillator, self.notes, lambda: self.plot()._repr_svg_())
 
     def describe(self) -> str:
         """All there is to say of the model, as ``dashpot show`` prints it."""
@@ -177,7 +183,7 @@ class Model:
         """
         from .simulation import simulated
 
-        return simulated(self, recording, initial, seconds, options)
+        return simulated(self.oscillator, recording, initial, seconds, options)
 
     def backbone(self, amplitude: Any = None) -> Backbone:
         """Natural frequency and damping ratio over the amplitude.
@@ -193,7 +199,7 @@ class Model:
         """
         from .backbone import backbone_of
 
-        return backbone_of(self, amplitude)
+        return backbone_of(self.oscillator, self.identification, amplitude)
 
     def linearise(self, **about: float | None) -> LinearModel:
         """A, B, C, D about a motion (``amplitude``, ``frequency``) or a point (``displacement``, ``force``).
@@ -243,32 +249,97 @@ class Model:
         >>> [path.name for path in written]
         ['rig.c', 'rig.h']
         """
-        from ..export import export
-        from ..files.writing import together
+        return exported(self.oscillator, [Path(path) for path in paths], **options)
 
-        with together():
-            return tuple(file for path in paths for file in export(self.oscillator, Path(path), **options))
-
-    def verify(self, *recordings: Any, **options: Unpack[Reading]) -> Verification:
-        """The model as an FMU, run with each recording and compared; nothing is left on disk."""
-        from tempfile import TemporaryDirectory
-
-        from .commands import verify
+    def verify(
+        self, *recordings: Any, limit: float | None = None, progress: Say | None = None, **options: Unpack[Reading]
+    ) -> Verification:
+        """The model as an FMU, run with each recording and compared; no file is left. See ``dashpot.verify``."""
+        from ..verify.verification import verify
 
         with TemporaryDirectory() as folder:
-            path = Path(folder) / "model.fmu"
-            self.export(path)
-            return verify(path, *recordings, **options)
+            (path,) = self.export(Path(folder) / "model.fmu")
+            return verify(path, recordings_of(*recordings, **options), limit=limit, progress=progress)
 
-    def diagnose(self, *recordings: Any, holdout: Any = (), **options: Any) -> Diagnosis:
+    def diagnose(
+        self,
+        *recordings: Any,
+        holdout: Any = (),
+        mode: str | float | None = None,
+        progress: Callable[[str, float], None] | None = None,
+        **options: Unpack[Reading],
+    ) -> Diagnosis:
         """What physics the model lacks that recordings show; see ``dashpot.diagnose``."""
-        from .commands import diagnose
-
-        return diagnose(self, *recordings, holdout=holdout, **options)
+        training, held = recordings_of(*recordings, **options), recordings_of(holdout, **options)
+        how = {"mode": None if mode is None else str(mode), "progress": progress or (lambda _what, _part: None)}
+        return Diagnosis(*diagnosed(self.oscillator, training, held, **how))
 
     def renamed(self, name: str) -> Model:
         """The same model under another name."""
         return replace(self, oscillator=replace(self.oscillator, name=name))
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Diagnosis:
+    """What is missing from a model, where, and the model with it.
+
+    Attributes:
+        result: all of it: considered laws, recordings before and after, the latent force, the next experiment.
+        fmu: the mended model as an FMU; None where nothing was mended or nothing could be compiled.
+    """
+
+    result: Result
+    fmu: bytes | None = None
+
+    @property
+    def verdict(self) -> str:
+        """``consistent``, ``missing-physics`` or ``unexplained``."""
+        return self.result.verdict
+
+    @property
+    def sentence(self) -> str:
+        """The verdict for a person."""
+        return self.result.sentence
+
+    @property
+    def effects(self) -> tuple[Effect, ...]:
+        """What is missing, the most important first."""
+        return self.result.effects
+
+    @property
+    def location(self) -> Location | None:
+        """Where the given model fails; None where it does not."""
+        return self.result.location
+
+    @property
+    def model(self) -> Model:
+        """The mended model; the family's best where nothing was mended."""
+        return Model(self.result.model)
+
+    def __repr__(self) -> str:
+        from ..report.diagnosis_text import describe
+
+        return describe(self.result).rstrip("\n")
+
+    def _repr_html_(self) -> str:
+        from .words import preformatted
+
+        return preformatted(repr(self))
+
+    def as_json(self) -> dict[str, Any]:
+        """The diagnosis file, ``dashpot-diagnosis/1``."""
+        return self.result.as_json()
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write what ``dashpot diagnose`` writes into a folder: diagnosis, mended model, FMU, next experiment, report.
+
+        Raises:
+            BadInput: the folder cannot be written, or holds such files that no diagnosis made.
+        """
+        from ..diagnose.files import check_folder
+
+        check_folder(Path(folder))
+        return write_diagnosis(Path(folder), self.result, self.fmu)
 
 
 def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
@@ -283,6 +354,3 @@ def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
     if isinstance(model, str | Path):
         return load(model)
     raise BadInput(f"a {type(model).__name__} is no model; give a Model, or the path of a model file")
-
-
-Progress = Callable[[str], None]

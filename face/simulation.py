@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,9 +13,6 @@ from ..errors import BadInput
 from ..model import Oscillator, Response
 from ..recording import Recording, recordings_of
 from ..recording.fact import changed
-
-if TYPE_CHECKING:
-    from .model import Model
 
 #: A first guess of how far a force moves a rig, in static deflections: a resonance that is met in passing.
 _RESONANCE = 10.0
@@ -109,16 +106,13 @@ class Simulation:
 
 
 def simulated(
-    model: Model | Oscillator,
+    oscillator: Oscillator,
     given: Sequence[Any],
     initial: tuple[float, float],
     seconds: float | None,
     options: Mapping[str, Any],
 ) -> Simulation:
     """See ``Model.simulate``."""
-    from .model import oscillator_of
-
-    oscillator = oscillator_of(model)
     if given:
         return along(oscillator, recordings_of(*given, **options))
     force, fs = options.get("force"), options.get("fs")

@@ -7,49 +7,51 @@ from html import escape
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from .model import Model
+    from collections.abc import Callable, Sequence
 
-#: Notes that are shown; ``Model.notes`` has all.
+    from ..model import Oscillator
+
+#: Notes that are shown; those of a model are all in its ``notes``.
 _NOTES = 3
 _STYLE = "font-family: system-ui, sans-serif; line-height: 1.5"
 
 
-def model_text(model: Model) -> str:
-    """The model in a few lines: parameters with errors, what they make of a machine, what it leaves, notes."""
+def model_text(o: Oscillator, notes: Sequence[str]) -> str:
+    """A model in a few lines: parameters with errors, what they make of a machine, what it leaves, notes."""
     from ..model.show import columns_text, machine_table, parameter_cells
 
-    lines = [f"{model.name}: {model.oscillator.equation()}"]
-    lines += columns_text([cells[:5] for cells in parameter_cells(model.oscillator)])
-    if machine := machine_table(model.oscillator):
+    lines = [f"{o.name}: {o.equation()}"]
+    lines += columns_text([cells[:5] for cells in parameter_cells(o)])
+    if machine := machine_table(o):
         lines += ["as the machine has it", *columns_text([cells[:5] for cells in machine])]
-    return "\n".join([*lines, *_left(model), *(f"note: {note}" for note in model.notes[:_NOTES]), *_more(model)])
+    return "\n".join([*lines, *_left(o), *(f"note: {note}" for note in notes[:_NOTES]), *_more(notes)])
 
 
-def _left(model: Model) -> list[str]:
+def _left(o: Oscillator) -> list[str]:
     return [
         f"leaves {r['over_noise']:.3g} times the noise of {r['file']}, {100 * r['nrmse']:.2g} % of its motion"
-        for r in model.oscillator.identified.recordings[:4]
+        for r in o.identified.recordings[:4]
         if r.get("nrmse") is not None and r.get("over_noise") is not None
     ]
 
 
-def _more(model: Model) -> list[str]:
-    more = len(model.notes) - _NOTES
+def _more(notes: Sequence[str]) -> list[str]:
+    more = len(notes) - _NOTES
     return [f"and {more} more in .notes"] if more > 0 else []
 
 
-def model_html(model: Model) -> str:
-    """The same as tables, with the backbone where the model says for which amplitudes it holds."""
+def model_html(o: Oscillator, notes: Sequence[str], picture: Callable[[], str]) -> str:
+    """The same as tables, with the backbone as SVG where the model says for which amplitudes it holds."""
     from ..errors import BadInput
     from ..model.show import machine_table, parameter_cells
 
-    parts = [f"<p><b>{escape(model.name)}</b>: <i>{escape(model.oscillator.equation())}</i></p>"]
-    parts.append(_table(parameter_cells(model.oscillator)))
-    if machine := machine_table(model.oscillator):
+    parts = [f"<p><b>{escape(o.name)}</b>: <i>{escape(o.equation())}</i></p>"]
+    parts.append(_table(parameter_cells(o)))
+    if machine := machine_table(o):
         parts.append(_table(machine, "As the machine has it"))
-    parts += [f"<p>{escape(line)}</p>" for line in (*_left(model), *model.notes[:_NOTES], *_more(model))]
+    parts += [f"<p>{escape(line)}</p>" for line in (*_left(o), *notes[:_NOTES], *_more(notes))]
     with suppress(BadInput):  # where no amplitudes are known to draw over
-        parts.append(model.plot()._repr_svg_())
+        parts.append(picture())
     return f'<div style="{_STYLE}">{"".join(parts)}</div>'
 
 

@@ -148,7 +148,7 @@ def test_the_checker_catches_a_violation(path: str, text: str) -> None:
         ("export/made_up.py", "from importlib import resources\nresources.files('dashpot.templates')"),
         (
             "commands/cli.py",
-            "from ..identify import identify\nfrom ..report import page\nfrom .. import errors",
+            "from ..verify import verify\nfrom ..report import page\nfrom .. import errors",
         ),
         ("__main__.py", "from .commands.cli import main"),
     ],

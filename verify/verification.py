@@ -150,8 +150,8 @@ def verify(
     recordings: Sequence[Recording] | Any,
     *,
     noise_ratio: float = NOISE_RATIO,
-    limit: float = TIME_LIMIT,
-    progress: Callable[[str], None] = lambda _: None,
+    limit: float | None = None,
+    progress: Callable[[str], None] | None = None,
     keep: Callable[[Verification], None] = lambda _: None,
 ) -> Verification:
     """Run the FMU with the force of each recording and compare response, backbone and parameters.
@@ -161,7 +161,7 @@ def verify(
             the first output of its own unit.
         recordings: what it should reproduce; also what ``recordings_of`` reads.
         noise_ratio: how many times what chance makes of the NRMSE may be left, for the noise is not known exactly.
-        limit: longest time, s, that the FMU may take without finishing a step.
+        limit: longest time, s, that the FMU may take without finishing a step; None: TIME_LIMIT.
         progress: called with one line per recording.
         keep: called with the result before the FMU is ended, which may take it seconds.
 
@@ -169,7 +169,8 @@ def verify(
         BadInput: where the file is no such FMU, or it cannot simulate, or none of its outputs has a recording's unit.
     """
     checks = []
-    with FmuRun(Path(fmu), limit=limit) as run:
+    progress = progress or (lambda _: None)
+    with FmuRun(Path(fmu), limit=TIME_LIMIT if limit is None else limit) as run:
         for recording in held_as(recordings_of(recordings), run.hold):
             check = _check(run, recording, noise_ratio)
             progress(

@@ -207,7 +207,7 @@ def test_the_model_verifies_as_an_fmu(model, sweep):
     assert repr(proof).count("\n") == 1
 
 
-@pytest.mark.long  # tests/face/test_hilbert_files.py and the example of its docstring have a case each
+@pytest.mark.long  # tests/face/test_hilbert.py and the example of its docstring have a case each
 def test_hilbert_writes_what_the_command_does(tmp_path):
     analysis = dashpot.hilbert(dashpot.examples.recordings()["bursts"], part="0:8")
     assert [path.name for path in analysis.save(tmp_path / "curves")] == ["curves.csv", "hilbert.json", "report.html"]

@@ -11,7 +11,7 @@ from dashpot.commands.cli import main
 from dashpot.errors import BadInput
 from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
-from dashpot.face.hilbert_files import FILES, run
+from dashpot.face.hilbert import FILES, run
 from dashpot.recording import Recording
 
 

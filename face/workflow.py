@@ -1,0 +1,197 @@
+"""The work of each command once: what is read goes to the fit, and what it gives to files.
+
+The command line, a fleet's entries and the calls of Python translate their arguments into these functions, and show
+what they return. Nothing here knows the objects of ``face.model``.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..diagnose.result import Diagnosis
+    from ..identify.hilbert.hilbert_result import HilbertAnalysis
+    from ..identify.identification import Identification
+    from ..model import Oscillator
+    from ..recording import Recording
+    from ..verify.verification import Verification
+
+Say = Callable[[str], None]
+
+
+def silent(_: str) -> None:
+    """Say nothing."""
+
+
+def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Say) -> list[Recording]:
+    """The recordings, all of a file that holds several, each note on them said."""
+    from ..recording import recordings_of
+
+    recordings = recordings_of(files, **options)
+    for recording in recordings:
+        for note in recording.notes:
+            say(f"note: {note}")
+    return recordings
+
+
+def identified(
+    read: Callable[[], Sequence[Recording]],
+    *,
+    name: str | None = None,
+    laws: Sequence[str] = (),
+    fixed: Mapping[str, float] | None = None,
+    mass: float | None = None,
+    start: Oscillator | Path | None = None,
+    mode: str | None = None,
+    faults: bool = False,
+    notes: Say = silent,
+    progress: Say = silent,
+) -> Identification:
+    """Identify a model from recordings; for arguments and errors see ``commands.identify``.
+
+    Args:
+        read: gives the recordings of one rig; called when all other arguments are known to be right.
+        notes: called with what was chosen before the fit, one sentence each.
+    """
+    from ..identify.identification import identify
+    from ..identify.motion.modes import mode_alone
+    from ..model.file import load
+    from ..model.library import find
+    from ..model.limits import checked_value
+
+    known = {**(fixed or {}), **({} if mass is None else {"mass": mass})}
+    for key, value in known.items():
+        checked_value(key, value)
+    effects = [find(law).name for law in laws]
+    begin = load(start) if isinstance(start, Path) else start
+    recordings = read()
+    alone, band = mode_alone(recordings, mode, begin, notes)
+    return identify(
+        alone,
+        name=name or _stem(recordings),
+        effects=effects,
+        fixed=known,
+        start=begin,
+        band=band,
+        faults=faults,
+        progress=progress,
+    )
+
+
+def _stem(recordings: Sequence[Recording]) -> str:
+    """A rig's name of its first recording's: without folder and suffixes."""
+    name = recordings[0].name if recordings else ""
+    return Path(name.partition("#")[0]).name.partition(".")[0] or "oscillator"
+
+
+def write_identification(found: Identification, model: Path, report: Path | None = None) -> None:
+    """Write the model file, and the page where a place is given for it, both or none; raises BadInput."""
+    from ..files.writing import together, write
+    from ..model.file import save
+
+    with together():
+        if report is not None:
+            from ..report.page import identification_page
+
+            write(report, identification_page(found, files=(model.name,)))
+        save(found.oscillator, model)
+
+
+def diagnosed(
+    oscillator: Oscillator,
+    training: Sequence[Recording],
+    held: Sequence[Recording],
+    *,
+    mode: str | None = None,
+    notes: Say = silent,
+    progress: Callable[[str, float], None] = lambda _what, _part: None,
+) -> tuple[Diagnosis, bytes | None]:
+    """Find the physics that a model lacks; for arguments and errors see ``commands.diagnose``.
+
+    Args:
+        training: recordings to fit to.
+        held: recordings to judge by.
+        notes: called with what was chosen before the fit, one sentence each.
+
+    Returns:
+        What was found, and the mended model as an FMU; None where nothing was mended or nothing could be compiled.
+    """
+    from ..diagnose import diagnose
+    from ..diagnose.files import FMU
+    from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
+
+    alone, band = mode_alone(training, mode, oscillator, notes)
+    with TemporaryDirectory() as scratch:
+        artefact = Path(scratch) / FMU
+        found = diagnose(oscillator, alone, in_the_same_band(held, band), fmu=artefact, progress=progress)
+        fmu = artefact.read_bytes() if artefact.exists() else None
+    return replace(found, model=in_band_of(found.model, band)), fmu
+
+
+def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> str:
+    """The page of a diagnosis, with links to the files that stand beside it."""
+    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL
+    from ..report.diagnosis_page import diagnosis_page
+
+    return diagnosis_page(found, files=(DIAGNOSIS, MODEL, *((FMU,) if fmu else ()), EXPERIMENT))
+
+
+def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None) -> list[Path]:
+    """Write a diagnosis, its page, model and FMU into a folder, all or none; returns the paths. Raises BadInput."""
+    from ..diagnose.files import write_folder
+
+    return write_folder(folder, found, page_of_diagnosis(found, fmu), fmu)
+
+
+def analysed(recordings: Sequence[Recording], mode: str | None) -> tuple[HilbertAnalysis, list[Recording]]:
+    """FREEVIB and FORCEVIB of one mode of recordings, and what was evaluated; raises BadInput where nothing can be."""
+    from ..identify import hilbert_analysis
+    from ..identify.motion.modes import mode_alone
+
+    notes: list[str] = []
+    alone, band = mode_alone(recordings, mode, None, notes.append)
+    chosen = [note.removeprefix("note: ") for note in notes]
+    return hilbert_analysis(alone).of_one_mode(chosen, band is not None), alone
+
+
+def exported(
+    oscillator: Oscillator,
+    outputs: Sequence[Path],
+    *,
+    draws: int | None = None,
+    notes: Say = silent,
+    **options: Any,
+) -> tuple[Path, ...]:
+    """Write a model in the form of each output's suffix, all or none; returns all files written.
+
+    ``options`` and errors are those of ``dashpot.export.export``. ``notes`` is called with what an SSP does not hold.
+    """
+    from ..export import export
+    from ..export.ssp import note
+    from ..files.writing import together
+
+    written: list[Path] = []
+    with together():
+        for output in outputs:
+            if output.suffix == ".ssp" and (remark := note(oscillator, draws)):
+                notes(f"note: {remark}")
+            written += export(oscillator, output, draws=draws, **options)
+    return tuple(written)
+
+
+def write_verification(found: Verification, data: Path | None, report: Path | None) -> None:
+    """Write what a verification says as JSON and as a page, where places are given; raises BadInput."""
+    from ..files.writing import together, write
+
+    with together():
+        if data is not None:
+            write(data, json.dumps(found.as_json(), indent=2, allow_nan=False) + "\n")
+        if report is not None:
+            from ..report.verification_page import verification_page
+
+            write(report, verification_page(found))
