@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 from dashpot.examples.truth import TRUTH
-from dashpot.model import Oscillator
+from dashpot.model import Oscillator, oscillator_with
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import Force, smooth_force
 
@@ -62,7 +62,7 @@ def rows() -> Iterator[tuple[str, float]]:
     }
     for name, values in rigs.items():
         effects = tuple({key.partition(".")[0] for key in values})
-        model = Oscillator.from_values({**TRUTH, **values}, effects=effects)
+        model = oscillator_with({**TRUTH, **values}, effects=effects)
         yield f"{name}, under a sweep", ratio(model, (0.0, 0.0), force)
         yield f"{name}, released", ratio(model, (9e-3, 0.0), None)
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.prediction import prediction_gain
-from dashpot.model import Oscillator, Response
+from dashpot.model import Oscillator, Response, oscillator_with
 from dashpot.model.laws import LIBRARY
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force, staircase, straight_lines
@@ -279,7 +279,7 @@ def test_a_bounce_mirrors_them():
     """At a stop so stiff that its contact takes no time, displacement and derivative go back as they came."""
     values = {"omega0": 10.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.0, "dry": 0.0}
     stop = {"one-sided-stop.stiffness": 1e10, "one-sided-stop.position": -1e-9, "one-sided-stop.damping": 0.0}
-    model = Oscillator.from_values({**values, **stop}, effects=("one-sided-stop",))
+    model = oscillator_with({**values, **stop}, effects=("one-sided-stop",))
     run = Run(model, (8e-3, 0.0), None, step=1e-6)
     response, derivatives = run.carried()
     expected = np.abs(np.cos(10.0 * T))
