@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import BadInput
-from ..identify.hilbert.measured_response import measured_response
-from ..identify.hilbert.static_characteristic import (
+from ..identify.hilbert.static_force import (
     StaticCharacteristic,
     friction_characteristic,
+    measured_response,
+    medians,
     spring_characteristic,
 )
-from ..identify.hilbert.static_force import medians
 from ..model import units
 from ..model.display import number, scale_of
 from .covered import Spans, covered, parted, spans_of

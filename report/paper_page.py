@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .. import __version__
-from ..identify.hilbert.measured_response import quasi_steady_amplitude
 from ..identify.hilbert.modal_result import ModalFit
+from ..identify.hilbert.static_force import quasi_steady_amplitude
 from ..model.display import number
 from .blocks import Block, Section, Text, page, picture
 from .hilbert_figures import BAND, curves_figure

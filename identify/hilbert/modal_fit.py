@@ -16,11 +16,10 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model.backbone import preload_backbone
-from .curve_noise import CurveNoise, curve_noise
 from .further_harmonics import further_harmonics, peak_of
 from .modal_mass import MassFit
 from .modal_result import LawFit, ModalFit
-from .modal_stretch import Stretch
+from .modal_stretch import CurveNoise, Stretch, curve_noise
 
 _LEAST_POINTS = 8
 _ROUNDS = 3

@@ -20,7 +20,6 @@ from ...errors import BadInput
 from ...files.computed_once import computed_once
 from ..signals.hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
 from ..signals.signals import Signal
-from .ends import with_ends
 
 CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
 #: Of the line that the kernels are made for: a motion no slower than that has its negative frequency, at twice its own,
@@ -307,3 +306,158 @@ def _stretch(
         )
     noise = max(displacement.noise, _LEAST_NOISE * float(np.max(np.abs(signal.amplitude))))
     return Stretch(signal, fs, noise, blackman(int(cycles * period))[0], slice(cut, n - cut))
+
+
+# The half kernel at each end of a stretch, which leans on the continuation, extrapolated from what does not.
+
+_DEGREE = 3
+_KERNELS = 1.0  # so many kernels behind the end are asked
+
+
+def with_ends(signal: AnalyticSignal, fs: float) -> AnalyticSignal:
+    """A signal whose ends, half a kernel each, are extrapolated; a stretch too short for that stays as it is."""
+    edge, asked = signal.kernel // 2, int(_KERNELS * signal.kernel)
+    n = signal.time.size
+    if n < 2 * (edge + asked):
+        return signal
+    log = np.log(np.abs(signal.slow)) + 1j * signal.phase  # of the un-decayed motion
+    fields = {
+        name: getattr(signal, name).copy()
+        for name in ("amplitude", "phase", "omega", "growth", "curvature", "chirp", "slow", "equation_first")
+    }
+    for ends, inner in (
+        (slice(0, edge), slice(edge, edge + asked)),
+        (slice(n - edge, n), slice(n - edge - asked, n - edge)),
+    ):
+        centre = signal.time[inner].mean()
+        scale = asked / fs
+        at, known = (signal.time[ends] - centre) / scale, (signal.time[inner] - centre) / scale
+        q = np.polynomial.polynomial.polyfit(known, np.column_stack([log[inner].real, log[inner].imag]), _DEGREE)
+        value, slope, bend = (
+            np.polynomial.polynomial.polyval(at, np.polynomial.polynomial.polyder(q, m) if m else q) / scale**m
+            for m in range(3)
+        )
+        growth = slope[0] - signal.undecay
+        fields["amplitude"][ends] = np.exp(value[0] - signal.undecay * signal.time[ends])
+        fields["phase"][ends] = value[1]
+        fields["omega"][ends] = slope[1]
+        fields["growth"][ends] = growth
+        fields["curvature"][ends] = bend[0] + growth**2
+        fields["chirp"][ends] = bend[1]
+        fields["slow"][ends] = np.exp(value[0] + 1j * (value[1] - signal.carrier[ends]))
+        fields["equation_first"][ends] = growth + 1j * slope[1]
+    return replace(signal, **fields)
+
+
+# The noise of low-passed curves, point against point: white in the samples, it is anything but white in a curve.
+
+#: Points a cycle: both low-passes together pass nothing faster than the frequency itself.
+_A_CYCLE = 2
+#: Part of a point's variance that is its own, so that no combination of points passes for free of noise.
+_OWN = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class CurveNoise:
+    """Points (q,) among a stretch's low-passed values, and the Cholesky factor of their covariance, banded."""
+
+    points: np.ndarray
+    used: np.ndarray  # (q,) of bool: those that stand clear of the noise
+    factor: np.ndarray  # (bands, q), lower
+
+    def weigh(self, values: np.ndarray) -> np.ndarray:
+        """The inverse covariance times (..., k) low-passed values, as (..., k): zero but at the points."""
+        from scipy.linalg import cho_solve_banded
+
+        out = np.zeros(values.shape)
+        given = np.where(self.used, values[..., self.points], 0.0)
+        solved = cho_solve_banded((self.factor, True), given.reshape(-1, self.points.size).T).T
+        out[..., self.points] = np.where(self.used, solved.reshape(given.shape), 0.0)
+        return out
+
+    def whitened(self, values: np.ndarray) -> np.ndarray:
+        """Of (k,) low-passed values what each point adds to those before it, (q,), over its own error.
+
+        Noise alone leaves ones, each by itself (less where the kernels pass nothing); zero where no point counts.
+        """
+        from scipy.linalg import solve_banded
+
+        bands = self.factor.shape[0] - 1
+        return np.asarray(solve_banded((bands, 0), self.factor, np.where(self.used, values[self.points], 0.0)))
+
+    @property
+    def count(self) -> int:
+        """How many points count."""
+        return int(np.count_nonzero(self.used))
+
+
+def curve_noise(
+    stretch: Stretch,
+    equation: np.ndarray,
+    amplitude: np.ndarray,
+    squared: np.ndarray,
+    damping: np.ndarray,
+    inverse_mass: float,
+) -> CurveNoise:
+    """Covariance of a low-passed value that changes by the real part of `equation` de plus `amplitude` dA/A.
+
+    Args:
+        stretch: of n samples.
+        equation: (n,), complex; de is the error of the equation of motion over X (``modal_stretch``).
+        amplitude: (n,), real.
+        squared, damping, inverse_mass: omega0² (n,), h (n,) and 1/m, as ``Stretch.noise_weights`` has them.
+    """
+    from scipy.linalg import cholesky_banded
+
+    step = max(1, round(stretch.signal.period / _A_CYCLE))
+    points = np.arange(0, stretch.clear.size, step)
+    used = stretch.clear[points]
+    moved, drive = _rows(stretch, points, equation, amplitude, squared, damping, inverse_mass)
+    width = moved.shape[1]
+    bands = np.zeros((min(1 + (width - 1) // step, points.size), points.size))
+    for rows, noise in ((moved, stretch.noise), (drive, stretch.force_noise)):
+        if rows is None:
+            continue
+        rows = np.where(used[:, None], rows, 0.0)
+        for apart in range(len(bands)):
+            shared = rows[: points.size - apart, apart * step :] * rows[apart:, : width - apart * step]
+            bands[apart, : points.size - apart] += noise**2 * np.sum(shared, axis=1)
+    bands[0] = np.where(used, (1 + _OWN) * bands[0], 1.0)
+    scale = 1 / np.sqrt(bands[0])
+    for apart in range(len(bands)):
+        bands[apart, : points.size - apart] *= scale[: points.size - apart] * scale[apart:]
+    factor = cholesky_banded(bands, lower=True)
+    for apart in range(len(factor)):  # row i of the factor back to its own unit
+        factor[apart, : points.size - apart] /= scale[apart:]
+    return CurveNoise(points, used, factor)
+
+
+def _rows(
+    stretch: Stretch,
+    points: np.ndarray,
+    equation: np.ndarray,
+    amplitude: np.ndarray,
+    squared: np.ndarray,
+    damping: np.ndarray,
+    inverse_mass: float,
+) -> tuple[np.ndarray, np.ndarray | None]:
+    """How the noise of the samples about each point enters it: (q, samples) of displacement and of force."""
+    from scipy.signal import fftconvolve
+
+    s, low = stretch.signal, stretch.low_pass_kernel
+    at = stretch.inside.start + points[:, None] + np.arange(low.size)
+    first, zeroth = stretch.of_displacement(squared, damping)
+    kernels, half = blackman(s.kernel), blackman(s.kernel)[0].size // 2
+    samples = stretch.inside.start + points[:, None] - half + np.arange(low.size + 2 * half)
+    inside = np.clip(samples, 0, s.time.size - 1)
+    back = np.exp(s.undecay * s.time - 1j * s.carrier)[inside] * (samples == inside)
+
+    def spread(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
+        return np.asarray(fftconvolve(low * (weights / s.slow)[at], kernel[None, ::-1], mode="full", axes=-1))
+
+    fs = stretch.fs
+    moved = spread(equation * zeroth + amplitude, kernels[0]) + spread(equation * first, kernels[1]) * fs
+    moved = moved + spread(equation, kernels[2]) * fs**2
+    if stretch.ratio is None:
+        return 2 * np.real(moved * back), None
+    return 2 * np.real(moved * back), 2 * np.real(spread(-inverse_mass * equation, kernels[0]) * back)

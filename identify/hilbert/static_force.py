@@ -15,9 +15,14 @@ quarters and a friction plateau at 4/pi of the force.
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+
+from ...errors import BadInput
+from ...model.frequency_response import FrequencyResponse, branches, steady_amplitude
+from .modal_result import ModalCurve
 
 _POINTS = 40
 _ANGLES = 400
@@ -87,3 +92,107 @@ def medians(
         keep = np.append(True, np.diff(a) > 0)
         a, f, error = a[keep], f[keep], error[keep]
     return a, f, error
+
+
+# Static characteristics of spring and friction from measured curves: Eq. 15 as printed, and inverted to a force.
+
+
+@dataclass(frozen=True, eq=False)
+class StaticCharacteristic:
+    """Force over displacement or velocity, from measured curves, at positive values; both halves of a rig are alike.
+
+    Attributes:
+        at, force, force_std: displacement or velocity (n,), the force there and its standard error.
+        amplitude, literal, literal_std: the same by Eq. 15 as printed, (m,).
+        in_newton: whether the forces are in N; else they are per unit mass.
+    """
+
+    at: np.ndarray
+    force: np.ndarray
+    force_std: np.ndarray
+    amplitude: np.ndarray
+    literal: np.ndarray
+    literal_std: np.ndarray
+    in_newton: bool
+
+
+def spring_characteristic(curves: Sequence[ModalCurve], mass: float | None = None) -> StaticCharacteristic:
+    """Restoring force over displacement, Eq. 15.
+
+    Args:
+        curves: backbones of one or several stretches, from ``hilbert_analysis``.
+        mass: kg; with it forces are in N, without per unit mass.
+
+    Raises:
+        BadInput: the curves cover too few amplitudes.
+    """
+    a, squared, std = _joined(curves, lambda c: (c.amplitude, c.omega0**2, 2 * c.omega0 * c.omega0_std))
+    return _characteristic(a, squared * a, squared * a, std * a, curves, mass)
+
+
+def friction_characteristic(curves: Sequence[ModalCurve], mass: float | None = None) -> StaticCharacteristic:
+    """Friction force over velocity, Eq. 15; arguments and errors as above."""
+    speed, damping, std = _joined(curves, lambda c: (c.amplitude * c.omega, c.damping, c.damping_std))
+    return _characteristic(speed, 2 * damping * speed, damping * speed, 2 * std * speed, curves, mass)
+
+
+def _joined(
+    curves: Sequence[ModalCurve], parts: Callable[[ModalCurve], tuple[np.ndarray, ...]]
+) -> Iterator[np.ndarray]:
+    if not curves:
+        raise BadInput("there is no curve to draw a characteristic from; record a decay or a slow sweep")
+    return (np.concatenate(values) for values in zip(*(parts(c) for c in curves), strict=True))
+
+
+def _characteristic(
+    at: np.ndarray,
+    fundamental: np.ndarray,
+    printed: np.ndarray,
+    std: np.ndarray,
+    curves: Sequence[ModalCurve],
+    mass: float | None,
+) -> StaticCharacteristic:
+    independent = float(np.mean([c.independent for c in curves]))
+    inverted = static_force(at, fundamental, std, independent)
+    if not inverted.at.size:
+        raise BadInput("the curves cover too few amplitudes for a characteristic; record a longer decay or sweep")
+    amplitude, literal, error = medians(at, printed, std * (printed / fundamental), independent)
+    m = 1.0 if mass is None else mass
+    return StaticCharacteristic(
+        inverted.at, m * inverted.force, m * inverted.std, amplitude, m * literal, m * error, mass is not None
+    )
+
+
+# Eqs. 13 and 14 with the measured curves in them: the response to a sine without any model.
+
+
+def measured_response(curves: Sequence[ModalCurve], force: float) -> FrequencyResponse:
+    """Eq. 14: both branches of the steady response to a sine, at the amplitudes that the curves cover.
+
+    Args:
+        curves: backbones and damping curves of one rig, from ``hilbert_analysis``.
+        force: amplitude of the force per unit mass, displacement's unit per s².
+
+    Raises:
+        BadInput: no curve, or a force that is not positive.
+    """
+    if not curves:
+        raise BadInput("there is no curve to compute a response from; record a decay or a slow sweep")
+    a, squared, damping = (
+        np.concatenate(values) for values in zip(*((c.amplitude, c.omega0**2, c.damping) for c in curves), strict=True)
+    )
+    nothing = np.zeros(a.size)
+    grid, squares, _ = medians(a, squared, nothing)
+    return branches(grid, np.sqrt(squares), medians(a, damping, nothing)[1], force)
+
+
+def quasi_steady_amplitude(curve: ModalCurve, mass: float) -> np.ndarray:
+    """Corrected Eq. 13 along a driven stretch: the amplitude (n,) that a steady sine of this force would keep up there.
+
+    Where it is the measured amplitude, the sweep is slow enough to be read as a frequency response.
+
+    Args:
+        curve: by FORCEVIB.
+        mass: kg.
+    """
+    return steady_amplitude(curve.omega, curve.omega0, curve.damping, curve.force / mass)

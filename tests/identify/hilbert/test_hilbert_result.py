@@ -11,8 +11,12 @@ from dashpot.examples import recordings
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import HilbertAnalysis, hilbert_analysis
 from dashpot.identify.hilbert.hilbert_files import as_json, curves_csv, describe
-from dashpot.identify.hilbert.measured_response import measured_response, quasi_steady_amplitude
-from dashpot.identify.hilbert.static_characteristic import friction_characteristic, spring_characteristic
+from dashpot.identify.hilbert.static_force import (
+    friction_characteristic,
+    measured_response,
+    quasi_steady_amplitude,
+    spring_characteristic,
+)
 from dashpot.model.backbone import damping_curve
 from dashpot.recording import Recording, read
 
