@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
@@ -11,13 +12,11 @@ import numpy as np
 from .channel_range import lasting, reach
 from .clipping import Clipping, clipping, measured, noise_of
 from .continuity import leaps, noise_beside, repeated, wrapped
-from .magnitude import impossible
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
-from .plausibility import ROTATIONS, implausible
-from .polarity import REVERSED, power_cosine
-from .recording import Recording
+from .recording import QUANTITIES, Recording
 from .resolution import converter_step
 from .short_decay import is_short_decay
+from .units import STANDARD_GRAVITY, parse_unit
 
 FREE_CYCLES = 5  # a decay has to be seen to fall
 FORCED_CYCLES = 4  # the force says where each cycle comes from, so slightly fewer do
@@ -350,3 +349,105 @@ def _error(recording: Recording, sentence: str) -> Problem:
 
 def _note(recording: Recording, sentence: str) -> Problem:
     return Problem("note", f"{recording.name}: {sentence}")
+
+
+# Numbers that no sensor gives: beyond all measuring, or alone so far above all others that no converter shows both.
+
+#: In whatever unit: squares and fourth powers of it are still numbers.
+_LARGEST = 1e30
+#: A converter of 24 bits tells so many levels apart; spikes of so few samples are no motion.
+_LEVELS, _LONE = 2.0**24, 3
+
+
+def impossible(signal: np.ndarray) -> tuple[int, str] | None:
+    """Index of a value that cannot have been measured, and why in words; None where there is none.
+
+    Args:
+        signal: (n,), finite.
+    """
+    size = np.abs(signal)
+    at = int(np.argmax(size))
+    if size[at] > _LARGEST:
+        return at, f"which no sensor gives (more than {_LARGEST:g})"
+    if size.size > 10 * _LONE:
+        others = float(np.partition(size, -1 - _LONE)[-1 - _LONE])
+        if 0.0 < others * _LEVELS < size[at]:
+            return at, f"{size[at] / others:.1g} times all but {_LONE} others, which no converter shows at once"
+    return None
+
+
+# Whether force and response have signs that belong together: a passive thing takes up work, it does not give any.
+
+IN_BAND = 1e-3  # of the strongest line: the force's own band reaches down to -30 dB
+#: Energy can only be dissipated or stored, so the mean cosine cannot stay negative. The margin is for what was
+#: stored before the record began, for noise, and for a late sensor.
+REVERSED = -0.2
+
+
+def power_cosine(force: np.ndarray, response: np.ndarray, fs: float, quantity: str) -> float:
+    """Mean cosine of the phase between force and velocity, both (n,), weighted by |F| |V| over the force's own band.
+
+    Its sign is that of the work that the force does on the thing: the integral of F v dt, by Parseval's theorem, with
+    a Hann window so that the ends of the record do not count. A velocity comes from the response by powers of i omega.
+    """
+    window = np.hanning(len(force))
+    f, x = (np.fft.rfft((signal - signal.mean()) * window)[1:] for signal in (force, response))
+    omega = 2 * np.pi * np.fft.rfftfreq(len(force), 1 / fs)[1:]
+    v = x * (1j * omega) ** (1 - QUANTITIES.index(quantity))
+    band = np.abs(f) ** 2 > IN_BAND * np.max(np.abs(f) ** 2)
+    work = np.conj(f[band]) * v[band]
+    return float(np.sum(work.real) / max(np.sum(np.abs(work)), np.finfo(float).tiny))
+
+
+# Whether a response is of a size that a vibrating thing can have, or its unit is wrong by orders of magnitude.
+
+FASTEST = 20.0  # m/s: a resonating solid is strained by v/c (Hunt 1960); 20 m/s over 5000 m/s breaks most of them
+FAST = 5.0  # m/s: beyond what shakers reach
+HARDEST = 1000 * STANDARD_GRAVITY  # m/s2, for what moves by more than LARGE: shakers end near 100 g
+LARGE = 0.01  # m
+FAINT = 1e-9, 1e-6  # m and m/s2, both: a nanometre is seen by interferometers, 0.1 ug by seismometers
+FAINTEST = 1e-12  # m
+MOST_TURNED = math.pi  # rad: beyond half a turn it rotates and does not vibrate
+MOST_STRAINED = 0.05  # elastic strain of metals ends near 0.005, of most plastics near 0.05
+LEAST_STRAINED = 1e-10
+
+ROTATIONS = ("rad", "rad/s", "rad/s2")
+_SMALLER = {"m": ("mm", "um"), "m/s": ("mm/s", "um/s"), "m/s2": ("mm/s2",), "strain": ("microstrain",)}
+
+
+@dataclass(frozen=True)
+class Implausible:
+    """Why a response cannot be (`impossible`) or hardly is of this size, and the unit that would make sense of it."""
+
+    impossible: bool
+    reason: str
+    probable: str | None
+
+
+def implausible(quantity: str, unit: str, amplitude: float, frequency: float) -> Implausible | None:
+    """Judge an amplitude (SI, as `unit` says) at a frequency in Hz; None if it can be.
+
+    Volts and other raw signals are not judged.
+    """
+    omega = 2 * math.pi * max(frequency, 1e-9)
+    order = {"displacement": 0, "velocity": 1, "acceleration": 2}[quantity]
+    moved, speed, acceleration = (amplitude * omega ** (k - order) for k in range(3))
+    size = f"{amplitude:.3g} {unit} at {frequency:.3g} Hz"
+    if unit in ROTATIONS and moved > MOST_TURNED:
+        return Implausible(True, f"{size} is {moved / (2 * math.pi):.3g} turns", unit.replace("rad", "deg"))
+    if unit == "strain" and amplitude > MOST_STRAINED:
+        return Implausible(True, f"{size} would break the part", "microstrain")
+    if unit == "strain" and amplitude < LEAST_STRAINED:
+        return Implausible(True, f"{size} is less than any gauge resolves", None)
+    if unit not in _SMALLER or unit == "strain":
+        return None
+    if moved < FAINTEST or (moved < FAINT[0] and acceleration < FAINT[1]):
+        size += f" is a motion of {moved:.3g} m and {acceleration / STANDARD_GRAVITY:.3g} g"
+        return Implausible(True, f"{size}, less than any sensor resolves", None)
+    impossible = speed > FASTEST or (acceleration > HARDEST and moved > LARGE)
+    if impossible or (speed > FAST and moved > LARGE):
+        factors = [(name, parse_unit(name, "").factor) for name in _SMALLER[unit]]
+        probable = next((name for name, factor in factors if speed * factor <= FAST), factors[-1][0])
+        size += f" is a peak of {acceleration / STANDARD_GRAVITY:.3g} g and {speed:.3g} m/s"
+        return Implausible(impossible, size, probable)
+    return None

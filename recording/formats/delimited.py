@@ -6,6 +6,7 @@ import codecs
 import csv
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 from itertools import takewhile
 
 import numpy as np
@@ -13,8 +14,6 @@ import numpy as np
 from ...errors import BadInput
 from ..content import MOST_MB, unpacked
 from ..table import Table
-from .clock import seconds_of
-from .numerals import Numerals, numerals_of
 from .preamble import below_preamble, is_unit_row
 
 _COMMENT = ("#", "%")
@@ -234,3 +233,87 @@ def _numbers(
                     "that line"
                 )
     raise BadInput(f"{where} cannot be read as columns of numbers; export it as plain CSV")
+
+
+# Times of day as loggers write them, with or without a date: 2021-05-07 11:02:42.10, 5/7/2021 11:02:42, 2:42:07 PM.
+
+_DAY = 86400.0
+_STAMP = re.compile(
+    r"(?:\d{1,4}[-/.]\d{1,2}[-/.]\d{1,4}[T\s]\s*)?(\d{1,2}):(\d{2}):(\d{2}(?:[.,]\d*)?)\s*([AaPp][Mm])?"
+    r"\s*(?:Z|UTC|[+-]\d{2}:?\d{2})?"
+)
+
+
+def seconds_of(cells: Sequence[str]) -> np.ndarray | None:
+    """(n,) seconds since the midnight before the first stamp; None where a cell is no time of day.
+
+    The date is not read: writers differ in its order, and no step of a recorder is half a day long. Where the time
+    goes back by more than that, it is the next day.
+    """
+    found = [_STAMP.fullmatch(cell.strip()) for cell in cells]
+    times = []
+    for match in found:
+        if match is None:
+            return None
+        hours, minutes, seconds = int(match[1]), int(match[2]), float(match[3].replace(",", "."))
+        if match[4]:
+            hours = hours % 12 + (12 if match[4].lower() == "pm" else 0)
+        if hours > 23 or minutes > 59 or seconds >= 61:
+            return None
+        times.append(3600.0 * hours + 60.0 * minutes + seconds)
+    made = np.array(times)
+    return made + _DAY * np.concatenate([[0], np.cumsum(np.diff(made) < -0.5 * _DAY)])
+
+
+# How a file writes its numbers: which sign is the decimal one, and which only groups the digits of thousands.
+
+_ALONE = r"(?<![\d.,'])(?:0|\d{4,})?{0}\d"  # 0,5 and 1234,5: no group of thousands begins so
+_DECIMAL = _ALONE + r"|{0}\d{{1,2}}(?![\d.,])|{0}\d{{4}}|{0}\d+[eE]"
+_GROUPS = r"\d{0}\d{{3}}(?:{1}\d|{0}\d{{3}}(?!\d))"
+_COMMA_DECIMAL, _DOT_DECIMAL = (re.compile(_DECIMAL.replace("\\d{4,}", "\\d{{4,}}").format(s)) for s in (",", r"\."))
+_COMMA_GROUPS, _DOT_GROUPS = (re.compile(_GROUPS.format(*s)) for s in ((",", r"\."), (r"\.", ",")))
+_SINGLE = re.compile(r"(?<![\d.,'])[+-]?\d{1,3},\d{3}(?![\d.,])")
+#: Signs that only ever group digits: apostrophe and the spaces that do not break a line.
+_SPACES = re.compile("(?<=\\d)['\u2019\u00a0\u202f\u2009](?=\\d{3})")
+
+
+@dataclass(frozen=True)
+class Numerals:
+    """How numbers are written: the sign that groups digits, "" for none, and whether the comma is the decimal sign."""
+
+    grouping: str = ""
+    decimal_comma: bool = False
+
+    def plain(self, text: str) -> str:
+        """The text with numbers as programs write them."""
+        if self.grouping:
+            text = text.replace(self.grouping, "")
+        text = _SPACES.sub("", text)
+        return text.replace(",", ".") if self.decimal_comma else text
+
+
+def numerals_of(where: str, text: str) -> Numerals:
+    """How the numbers in ``text`` are written, in which no comma and no dot stands for anything else.
+
+    Raises:
+        BadInput: where two ways are mixed, or it cannot be told which one it is.
+    """
+    comma, groups = bool(_COMMA_DECIMAL.search(text)), bool(_COMMA_GROUPS.search(text))
+    dots = "." in text
+    dot, dot_groups = dots and bool(_DOT_DECIMAL.search(text)), dots and bool(_DOT_GROUPS.search(text))
+    if "," not in text:
+        comma = dot_groups
+    elif not comma and not groups:
+        shown = found[0] if (found := _SINGLE.search(text)) else ","
+        raise BadInput(
+            f"{where}: cannot tell whether {shown} has a decimal comma or a sign that groups thousands; write the "
+            "numbers with a decimal point and without groups"
+        )
+    if (comma and (groups or dot)) or (dot and dot_groups):
+        raise BadInput(
+            f"{where}: comma and point are each used as the decimal sign; write all numbers with a decimal point and "
+            "without groups"
+        )
+    if comma:
+        return Numerals("." if dots else "", decimal_comma=True)
+    return Numerals("," if groups else "")

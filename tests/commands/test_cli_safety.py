@@ -16,8 +16,7 @@ from dashpot.export.fmu import export_fmu
 from dashpot.model import Oscillator, Response
 from dashpot.model.file import load, save
 from dashpot.recording import Recording
-from dashpot.recording.checks import check
-from dashpot.recording.polarity import REVERSED, power_cosine
+from dashpot.recording.checks import REVERSED, check, power_cosine
 from scipy.interpolate import CubicSpline
 
 FS, N = 500.0, 4000

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.recording import read
-from dashpot.recording.formats.numerals import numerals_of
-from dashpot.recording.magnitude import impossible
+from dashpot.recording.checks import impossible
+from dashpot.recording.formats.delimited import numerals_of
 
 FS, N = 500.0, 1000
 T = np.arange(N) / FS

@@ -13,14 +13,14 @@ from dashpot.identify.motion.decays import find_decays
 from dashpot.model import Oscillator
 from dashpot.model.backbone import exact_backbone
 from dashpot.recording import read
-from dashpot.report import hilbert_figures, preload_figure, time_history
+from dashpot.report import hilbert_figures, paper_page, time_history
 
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
     """The matplotlib figures that were turned into SVG."""
     figures: list[Any] = []
-    for module in (hilbert_figures, preload_figure, time_history):
+    for module in (hilbert_figures, paper_page, time_history):
         original = module.svg
 
         def keep(figure: Any, key: str, title: str, original: Any = original) -> str:
@@ -32,7 +32,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Any]:
 
 
 def test_fig_1_is_the_preloaded_spring_and_its_backbone(drawn: list[Any]):
-    preload_figure.preload_figure(TRUTH["omega0"], TRUTH["preload"], TRUTH["mass"])
+    paper_page.preload_figure(TRUTH["omega0"], TRUTH["preload"], TRUTH["mass"])
     static, backbone = drawn[0].axes
     x, force = (np.asarray(values) for values in static.lines[0].get_data())
     jump = force[np.flatnonzero(x >= 0)[-60]] - force[np.flatnonzero(x <= 0)[59]]
