@@ -74,6 +74,14 @@ def test_links_lead_where_they_lead_in_the_repository(hooks, page, link, on_site
     assert hooks._on_site(page, link) == on_site
 
 
+@pytest.mark.parametrize("page", sorted(path for path in (ROOT / "docs").rglob("*.md")), ids=lambda path: path.stem)
+def test_source_files_that_a_page_names_exist(page):
+    here = [path.name for path in ROOT.iterdir() if (path / "__init__.py").exists()]
+    folders = "|".join([*here, "benchmarks"])
+    named = set(re.findall(rf"`((?:{folders})/[\w/]+\.py)`", page.read_text("utf-8")))
+    assert [name for name in sorted(named) if not (ROOT / name).exists()] == []
+
+
 def test_equations_become_mathml(hooks):
     html = (
         '<p><span class="arithmatex">\\(a &lt; b_0\\)</span></p>\n<div class="arithmatex">\\[\n\\frac{F}{m}\n\\]</div>'
