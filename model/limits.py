@@ -17,19 +17,16 @@ POSITIVE = ("mass", "omega0")
 
 
 def plain_number(name: str, value: Any) -> float:
-    """A parameter's value as a float; raises BadInput where it is no number, or one beyond MOST."""
+    """A parameter's value as a float, of any size, as a search may meet it; raises BadInput where it is no number."""
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
         value = value.item()  # of numpy
     if isinstance(value, bool) or not isinstance(value, Real):
         shown = f"{value!r:.40}"
         raise BadInput(f"parameter {name!r} must be a plain number such as 4.6e5, not {shown}")
     try:
-        number = float(value)
+        return float(value)
     except OverflowError:
-        number = math.inf
-    if not abs(number) <= MOST:
-        raise BadInput(f"parameter {name!r} is {number:g}; it must be a finite number of at most {MOST:g}")
-    return number
+        return math.inf
 
 
 def checked_value(name: str, value: Any, lower: float = -math.inf, upper: float = math.inf) -> float:
@@ -41,9 +38,11 @@ def checked_value(name: str, value: Any, lower: float = -math.inf, upper: float 
         lower, upper: its law's bounds.
 
     Raises:
-        BadInput: it is none, is not finite, or lies outside.
+        BadInput: it is none, is not finite, is beyond MOST, or lies outside.
     """
     number = plain_number(name, value)
+    if not abs(number) <= MOST:
+        raise BadInput(f"parameter {name!r} is {number:g}; it must be a finite number of at most {MOST:g}")
     if name in POSITIVE and not number > 0:
         raise BadInput(f"parameter {name!r} must be greater than 0, not {number:g}")
     if name in POSITIVE and number < LEAST:
