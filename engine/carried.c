@@ -287,6 +287,16 @@ static void dp_carry_put(const dp_carried *c, int block, long i) {
     for (k = 0; k < DP_LANES && k < count; ++k) y[k * c->n] = c->shown[block][k];
 }
 
+/* What the derivatives of the state have become since the last sample; they begin anew. */
+static void dp_carry_anew(dp_carried *c, long i) {
+    double *along = c->along + i * DP_NZ * c->count;
+    long k;
+    int n;
+    for (n = 0; n < DP_NZ; ++n)
+        for (k = 0; k < c->count; ++k) *along++ = c->dz[k / DP_LANES][n][k % DP_LANES];
+    memcpy(c->dz, c->anew, c->blocks * sizeof *c->dz);
+}
+
 /* Derivatives of the output at index `shown`, at sample i, under the present signs or those given. */
 static void dp_carry_shown(const dp_engine *e, const signed char *given, double u, int shown, long i) {
     dp_carried *c = DP_CARRIED(e);
@@ -294,6 +304,7 @@ static void dp_carry_shown(const dp_engine *e, const signed char *given, double 
     double s[DP_NS + 1], slopes[DP_OUTPUT_SLOPES], pushed[DP_OUTPUT_PUSHED][DP_LANES], by[DP_NY * DP_NS + 1];
     dp_engine under;
     int b, j, k, held;
+    if (c->along) dp_carry_anew(c, i);
     if (dp_output_is_state[shown]) {
         memset(pushed, 0, sizeof pushed);
         for (b = 0; b < c->blocks; ++b) {

@@ -20,6 +20,8 @@ typedef struct {
     const double (*sensed)[DP_LANES]; /* whether an unknown is in what was measured */
     const double *profile;        /* (n) ... and how much of it at each sample; null: all */
     double *y;                    /* (count, n) derivatives of the response */
+    double *along;                /* (n, DP_NZ, count) those of the state at each sample, which then begin anew ... */
+    const double (*anew)[DP_NZ][DP_LANES]; /* ... as these; or null */
     long count, n;
 } dp_carried;
 

@@ -123,7 +123,8 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
  * by `which`, places among the parameters, nothing, and the force. Where `sensed` is 1 what was measured moves with the
  * unknown, by `profile` (n) at each sample or, where that is null, by as much as it. `room`: twice DP_LANES for each block. */
 DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, double *dz, const int *which,
-                                 const double *sensed, const double *profile, double *room, double *derivatives) {
+                                 const double *sensed, const double *profile, double *room, double *derivatives,
+                                 const double *anew, double *along) {
     dp_carried c;
     memset(&c, 0, sizeof c);
     c.blocks = blocks, c.count = count, c.n = r->n, c.y = derivatives, c.profile = profile;
@@ -132,6 +133,8 @@ DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, 
     c.sensed = (const double(*)[DP_LANES])sensed;
     c.shift = (double(*)[DP_LANES])room;
     c.shown = c.shift + blocks;
+    c.anew = (const double(*)[DP_NZ][DP_LANES])anew;
+    c.along = along;
     dp_start(&c.engine, r->p, r->z0, r->t0, r->max_step);
     return dp_record_by(&c.engine, r);
 }

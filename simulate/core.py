@@ -88,7 +88,7 @@ class Core:
             ctypes.c_long,
             _DOUBLES,
             ctypes.POINTER(ctypes.c_int),
-            *[_DOUBLES] * 4,
+            *[_DOUBLES] * 6,
         ]
         return record
 
@@ -219,34 +219,78 @@ class Core:
         )
         asked.y, asked.kept = _pointer(y), _bytes(keep)
         asked.shown = self.equations.output(quantity or self.quantity)
-        count, blocks = len(self.parameter_names), -(-len(by) // LANES)
-        which = np.full(blocks * LANES, count, np.int32)
-        directions, sensed = np.zeros((blocks, self.states, LANES)), np.zeros(blocks * LANES)
-        for k, unknown in enumerate(by):
-            if unknown < count:
-                which[k] = unknown
-            elif unknown < count + self.states:
-                moved = np.zeros(self.states)
-                moved[unknown - count] = 1.0
-                directions[k // LANES, :, k % LANES] = self.begin(moved)
-            elif unknown == count + self.states:
-                which[k] = count + 1
-            else:
-                sensed[k] = 1.0
+        count, states = len(self.parameter_names), self.states
+        moved = [np.eye(states)[k - count] if count <= k < count + states else np.zeros(states) for k in by]
+        which = [k if k < count else count + 1 if k == count + states else count for k in by]
+        sensed = [float(k > count + states) for k in by]
+        self._carry(asked, [self.begin(one) for one in moved], which, derivatives, sensed, profile)
+        del kept
+        return y, derivatives
+
+    def transitions(
+        self,
+        values: np.ndarray,
+        initial: np.ndarray,
+        force: Force | None,
+        n: int,
+        dt: float,
+        max_step: float,
+        *,
+        start: float = 0.0,
+        quantity: str | None = None,
+        load: float = 0.0,
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The linearised motion from each sample of a free run to the next.
+
+        Args:
+            values, initial, force, n, dt, max_step, start, quantity, load: as for ``record``.
+
+        Returns:
+            (n, states, states) derivatives of the state at each sample by that at the one before; (n, states) by a
+            constant force between the two; (n, states) of the response by the state there; (n,) of the response by the
+            force there. NaN from where the simulation failed.
+        """
+        s, y, derivatives = self.states, np.full(n, np.nan), np.full((self.states + 1, n), np.nan)
+        asked, kept = self._recording(values, initial, force, n, dt, max_step, start, None, None, None, None, load)
+        asked.y, asked.shown = _pointer(y), self.equations.output(quantity or self.quantity)
+        which = [len(self.parameter_names)] * s + [len(self.parameter_names) + 1]
+        along = np.full((n, s, s + 1), np.nan)
+        self._carry(asked, [*np.eye(s), np.zeros(s)], which, derivatives, along=along)
+        del kept
+        return along[:, :, :s], along[:, :, s], derivatives[:s].T, derivatives[s]
+
+    def _carry(
+        self,
+        asked: _Recording,
+        moved: Sequence[np.ndarray],
+        which: Sequence[int],
+        derivatives: np.ndarray,
+        sensed: Sequence[float] = (),
+        profile: np.ndarray | None = None,
+        along: np.ndarray | None = None,
+    ) -> None:
+        """Run the engine with derivatives (k, n) by unknowns that move the state at the start, or push later."""
+        blocks = -(-len(moved) // LANES)
+        places = np.full(blocks * LANES, len(self.parameter_names), np.int32)
+        directions, of_sensor = np.zeros((blocks, self.states, LANES)), np.zeros(blocks * LANES)
+        places[: len(which)], of_sensor[: len(sensed)] = which, sensed
+        for k, one in enumerate(moved):
+            directions[k // LANES, :, k % LANES] = one
+        anew = directions.copy()
         profile = None if profile is None else np.ascontiguousarray(profile, float)
         self._carried(
             ctypes.byref(asked),
             blocks,
-            len(by),
+            len(moved),
             _pointer(directions),
-            which.ctypes.data_as(ctypes.POINTER(ctypes.c_int)),
-            _pointer(sensed),
+            places.ctypes.data_as(ctypes.POINTER(ctypes.c_int)),
+            _pointer(of_sensor),
             _pointer(profile),
             _pointer(np.zeros(2 * blocks * LANES)),
             _pointer(derivatives),
+            _pointer(anew),
+            _pointer(along),
         )
-        del kept
-        return y, derivatives
 
     def _recording(
         self,

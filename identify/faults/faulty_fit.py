@@ -96,6 +96,10 @@ class FaultyFit(OutputError):
             return self.simulate(index, state)
         return fault.shown(made, segment, sizes)
 
+    def felt(self, i: int, state: State, weights: np.ndarray) -> np.ndarray | None:
+        """None: what a chain shows need not be linear."""
+        return None
+
     def _point(self, state: State) -> tuple[Hashable, ...]:
         """What a quotient depends on: the faults too, of which nothing is known again."""
         return (object(),)

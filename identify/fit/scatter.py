@@ -3,32 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 
 import numpy as np
 
 from ...recording.recording import Recording
 from ...simulate.force import Force
 from ..motion.blows import ContactForce
-from ..problem.data import equivalent_of
 from ..problem.normal_equations import products, pseudo_inverse, shared_information
 from ..problem.output_error import OutputError, State, in_lines
-from ..problem.prediction import FREE
-from ..problem.release_memory import give_back
 from ..problem.rounding import measure_rounding, scatter_of_rounding
-from ..problem.segments import Segment
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum
-
-#: A rig has forgotten what falls by this power of e: to a millionth, as a score may be little that is left of much.
-_FORGOTTEN = 14.0
-#: Fewer windows of a segment say less than whole draws of it do; more than this many nothing more.
-_FEWEST_WINDOWS = 16
-_MOST_WINDOWS = 2000
-#: Where fewer than so many windows tell nearly all, as many whole draws cost less.
-_FEWEST_TOLD = 2.0
-#: Draws of each half of the windows that are made at once.
-_AT_ONCE = 2
 
 
 def scatter(
@@ -123,16 +108,14 @@ def _of_force(
     """(k, k) scatter of the score by noise of that standard deviation on the force of one segment; None where
     no draw simulates.
 
-    Each draw is scored over the whole segment. Of stretches the scores do not add up as if they were independent, far
-    as these reach beyond what the rig remembers: weighed by noise that rings as the rig does, a score is little that is
-    left of much, and each cut leaves its ends behind. Where the rig has forgotten in between (``_apart``) they do.
+    Where the linearised motion passes the noise on, its adjoint gives it (``adjoint``). Else noise is drawn and
+    simulated, and each draw scored over the whole segment.
     """
     segment = problem.segments[i]
-    windows = _apart(problem, state, segment)
-    if windows is not None and not isinstance(force, ContactForce):
-        drawn = _of_windows(problem, state, i, windows, level, weighed, base, draws, seed)
-        if drawn is not None:
-            return drawn
+    if not isinstance(force, ContactForce):
+        felt = problem.felt(i, state, weighed)
+        if felt is not None:
+            return level**2 * products(felt, felt)
     count = segment.n if force.hold != "zero" else force.pieces.shape[0] + 1
 
     def score(draw: int) -> np.ndarray:
@@ -147,62 +130,3 @@ def _of_force(
     scores = np.array(problem.map(score, range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
     return scores.T @ scores / len(scores) if len(scores) else None
-
-
-def _apart(problem: OutputError, state: State, segment: Segment) -> np.ndarray | None:
-    """Edges of windows of a long segment, each as long as the rig remembers anything; None where they are few."""
-    if segment.n < LONG or segment.force is None or problem.memory != FREE:
-        return None
-    values = dict(zip(problem.core.parameter_names, map(float, state.values), strict=True))
-    damping = equivalent_of(segment, values)[1]
-    if not damping > 0:
-        return None
-    forgotten = _FORGOTTEN * 2.0 / damping / segment.dt
-    count = int(min(segment.n / forgotten, _MOST_WINDOWS)) // 2 * 2
-    return np.linspace(0, segment.n, count + 1).round().astype(int) if count >= _FEWEST_WINDOWS else None
-
-
-def _of_windows(
-    problem: OutputError,
-    state: State,
-    i: int,
-    edges: np.ndarray,
-    level: float,
-    weighed: np.ndarray,
-    base: np.ndarray,
-    draws: int,
-    seed: int,
-) -> np.ndarray | None:
-    """The same from few draws: noise in every other window, each scored with the quiet one that follows it.
-
-    What noise does in one window is independent of what it does in the others, so that their scatters add up, and each
-    draw gives as many values as there are windows that tell something. None where one does not simulate.
-    """
-    n, k = problem.segments[i].n, weighed.shape[0]
-
-    def scores(place: int) -> np.ndarray:
-        random = np.random.default_rng([seed, i, place])
-        starts, ends = edges[place % 2 : -1 : 2], edges[place % 2 + 1 :: 2]
-        added = np.zeros(n)
-        for begin, end in zip(starts, ends, strict=True):
-            added[begin:end] = level * random.standard_normal(end - begin)
-        moved = problem.simulate(i, state, added=added)
-        del added
-        moved -= base
-        return np.array([weighed[:, begin:end] @ moved[begin:end] for begin, end in pairwise([*starts, n])], float)
-
-    total, values, done = np.zeros((k, k)), np.zeros((edges.size - 1, k)), 0
-    give_back()
-    while done < draws:
-        for place, found in enumerate(problem.map(scores, range(2 * done, 2 * done + 2 * _AT_ONCE))):
-            if not np.all(np.isfinite(found)):
-                return None
-            total += found.T @ found
-            values[place % 2 :: 2] += found**2
-        done += _AT_ONCE
-        told = np.sum(values, axis=0) ** 2 / np.maximum(np.sum(values**2, axis=0), np.finfo(float).tiny)
-        if done * float(np.min(told)) >= draws:
-            break
-        if float(np.min(told)) < _FEWEST_TOLD:
-            return None
-    return total / done

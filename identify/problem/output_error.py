@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Sequence
 from copy import copy
 from dataclasses import replace
-from typing import Self, TypeVar
+from typing import Any, Self, TypeVar
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from ...simulate.core import Core
 from ...simulate.force import Force
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
+from .adjoint import felt
 from .jump_sides import nearer_sides
 from .known_quotients import Kept, KnownAtPoint, kept, put_quotient, restore, without_impossible
 from .normal_equations import Block, products, pseudo_inverse, shared_information, solve
@@ -154,35 +155,41 @@ class OutputError:
         out: np.ndarray | None = None,
     ) -> np.ndarray:
         """(n,) response of one segment, its sensor's offset in it, to its own force or another, and what is added."""
-        segment = self.segments[index]
-        force = force or self.force(segment)
-        shown, pushes = zeros_along(self.offsets, state.offsets, segment)
-        measured = gain = None
-        if self.memory != FREE:
-            own = prediction_gain(self.memory, segment.pace, segment.dt, segment.quantity)
-            gain = np.zeros(self.core.states)
-            gain[:2] = own
-            measured = segment.response - shown if np.any(shown) else segment.response
-        made = self.core.record(
-            state.values,
-            state.initial[index],
-            force,
-            n or segment.n,
-            segment.dt,
-            self.coarse_step if self.coarse else self.max_step,
-            start=segment.time,
-            measured=measured,
-            gain=gain,
-            signs=signs,
-            keep=keep,
-            quantity=segment.quantity,
-            added=added,
-            load=-pushes if force is not None else 0.0,
-            out=out,
-        )
+        asked, how, shown = self._run(index, state, n, force)
+        made = self.core.record(*asked, **how, signs=signs, keep=keep, added=added, out=out)
         if np.any(shown):
             made += shown[: made.size] if shown.ndim else float(shown)
         return made
+
+    def _run(
+        self, index: int, state: State, n: int | None = None, force: Force | None = None
+    ) -> tuple[tuple[Any, ...], dict[str, Any], np.ndarray]:
+        """What the core is asked for along a segment, and what its sensor shows beside the motion."""
+        segment = self.segments[index]
+        force = force or self.force(segment)
+        shown, pushes = zeros_along(self.offsets, state.offsets, segment)
+        how: dict[str, Any] = {"start": segment.time, "quantity": segment.quantity}
+        how["load"] = -pushes if force is not None else 0.0
+        if self.memory != FREE:
+            gain = np.zeros(self.core.states)
+            gain[:2] = prediction_gain(self.memory, segment.pace, segment.dt, segment.quantity)
+            how |= {"gain": gain, "measured": segment.response - shown if np.any(shown) else segment.response}
+        step = self.coarse_step if self.coarse else self.max_step
+        return (state.values, state.initial[index], force, n or segment.n, segment.dt, step), how, shown
+
+    def felt(self, i: int, state: State, weights: np.ndarray) -> np.ndarray | None:
+        """(k, n) derivatives of sums of a segment's response, weighed by (k, n), by each sample of its force.
+
+        None where the linearised motion does not give them: of a prediction, beside jumps of the response, and where
+        it does not simulate.
+        """
+        if self.memory != FREE or self._jumps(i):
+            return None
+        asked, how, _ = self._run(i, state)
+        transitions = self.core.transitions(*asked, **how)
+        if not all(np.all(np.isfinite(part)) for part in transitions):
+            return None
+        return felt(transitions, weights, held=asked[2].hold == "zero")
 
     def force(self, segment: Segment) -> Force | None:
         """What drives a segment, in pieces of the length that suits the step."""
@@ -225,18 +232,10 @@ class OutputError:
         """
         if max(segment.n for segment in self.segments) >= LONG:
             give_back()
-        quotient = self.quotients(state, residuals)
         count = self.shared + self.core.states
         made = [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
-
-        def fill(place: tuple[int, int]) -> None:
-            i, k = place
-            if self._is_sensors(k):
-                made[i][k] = self._shown_by(i, k)
-            else:
-                quotient(i, k, made[i][k])
-
-        self.map(fill, [(i, k) for i, segment in enumerate(self.segments) for k in self._moving(segment)])
+        sides = self._known_sides(state)
+        self.map(lambda i: self._carry(i, state, sides.get(i), made[i]), range(len(self.segments)))
         for i, rows in enumerate(made):
             self.bound(i, rows, state, residuals[i])
         return made
@@ -248,9 +247,7 @@ class OutputError:
 
         To the other side where the model does not simulate beyond; else zero. Under the same signs as ``derivatives``.
         """
-        sides = self._sides_at(state)
-        asked = [i for i in range(len(self.segments)) if self._jumps(i) and i not in sides]
-        sides.update(zip(asked, self.map(lambda i: self._beside_jumps(i, state)[1], asked), strict=True))
+        sides = self._known_sides(state)
         known = {} if backward else self._known.at(self._point(state))
 
         def quotient(i: int, k: int, out: np.ndarray) -> None:
@@ -269,6 +266,38 @@ class OutputError:
 
         return quotient
 
+    def _carry(self, i: int, state: State, signs: np.ndarray | None, out: np.ndarray) -> None:
+        """Put the derivatives of a segment's response, carried along one run of it, into an array (unknowns, n)."""
+        count, states = len(self.core.parameter_names), self.core.states
+        runs: list[tuple[np.ndarray | None, dict[int, int]]] = [(None, {})]  # profile, and place by unknown
+        for k in self._moving(self.segments[i]):
+            if k < len(self.free):
+                runs[0][1][k] = self.free[k]
+            elif k >= self.shared:
+                runs[0][1][k] = count + k - self.shared
+            elif self._is_sensors(k):
+                out[k] = self._shown_by(i, k)
+            elif self.offsets[k - len(self.free)].channel == "force":
+                runs[0][1][k] = count + states
+            else:
+                shown = self._shown_by(i, k)
+                out[k] = shown
+                runs.append((np.broadcast_to(shown, out.shape[1]), {k: count + states + 1}))
+        asked, how, _ = self._run(i, state)
+        for profile, by in runs:
+            if not by:
+                continue
+            _, rows = self.core.record_with_derivatives(
+                *asked, **how, signs=signs, by=list(by.values()), profile=profile
+            )
+            for (k, place), row in zip(by.items(), rows, strict=True):
+                if not np.all(np.isfinite(row)):
+                    out[k] = 0.0
+                elif place < count + states:
+                    out[k] = row
+                else:  # a zero is taken off the force, or off what was measured
+                    out[k] -= row
+
     def forget(self) -> None:
         """Make room of what is known at the last point, where nobody will ask for it again."""
         self._known.at(())
@@ -283,6 +312,13 @@ class OutputError:
     def _sides_at(self, state: State) -> dict[Hashable, np.ndarray]:
         """Signs of the segments that jump, as far as they were simulated there: a sensor's zero decides them too."""
         return self._sides.at((*self._point(state), state.offsets.tobytes()))
+
+    def _known_sides(self, state: State) -> dict[Hashable, np.ndarray]:
+        """Signs of all segments that jump, simulated where they are not known."""
+        sides = self._sides_at(state)
+        asked = [i for i in range(len(self.segments)) if self._jumps(i) and i not in sides]
+        sides.update(zip(asked, self.map(lambda i: self._beside_jumps(i, state)[1], asked), strict=True))
+        return sides
 
     def _moving(self, segment: Segment) -> list[int]:
         """Unknowns by which a segment's response changes at all."""

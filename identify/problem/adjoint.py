@@ -1,0 +1,55 @@
+"""How a weighted sum of the response feels the force at each sample: the adjoint of the linearised motion.
+
+With the state's derivatives from sample to sample, z[i] = M[i] z[i-1] + B[i] u[i-1/2], and the response
+y[i] = c[i] z[i] + d[i] u[i], the sum over w[i] y[i] feels the force through the costate
+
+    q[i] = c[i] w[i] + M[i+1]' q[i+1],
+
+which runs backward in time (Bryson and Ho 1975): one run of the model and one banded system, for any number of sums.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+#: Samples of the banded system that is solved at once.
+_AT_ONCE = 2**16
+
+
+def felt(
+    transitions: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], weights: np.ndarray, *, held: bool
+) -> np.ndarray:
+    """Derivatives of weighted sums of a response by what is added to each sample of its force.
+
+    Args:
+        transitions: as ``Core.transitions`` gives them, of n samples and s states.
+        weights: (k, n) of the sums.
+        held: whether a sample of the force holds until the next; else straight lines join them.
+
+    Returns:
+        (k, n); a straight line is taken for its mean over each interval, right to (omega dt)² / 12 of itself.
+    """
+    from scipy.linalg import solve_banded
+
+    moved, pushed, shown, direct = transitions
+    n, s = pushed.shape
+    count = weights.shape[0]
+    between = np.zeros((count, n + 1))  # by the force of the interval that ends at a sample
+    later = np.zeros((s, count))
+    for begin in reversed(range(0, n, _AT_ONCE)):
+        end = min(begin + _AT_ONCE, n)
+        part = slice(begin, end)
+        right = shown[part, :, None] * weights[:, part].T[:, None, :]
+        if end < n:
+            right[-1] += moved[end].T @ later
+        bands = np.zeros((2 * s, (end - begin) * s))
+        bands[-1] = 1.0
+        for row in range(s):
+            for column in range(s):
+                bands[s - 1 + row - column, s + column :: s] = -moved[begin + 1 : end, column, row]
+        costate = solve_banded((0, 2 * s - 1), bands, right.reshape(-1, count), check_finite=False)
+        costate = costate.reshape(-1, s, count)
+        between[:, part] = np.einsum("ns,nsk->kn", pushed[part], costate)
+        later = costate[0]
+    of_interval = between[:, 1:] if held else 0.5 * (between[:, :-1] + between[:, 1:])
+    return of_interval + direct * weights
