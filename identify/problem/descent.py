@@ -17,8 +17,11 @@ from .output_error import OutputError, blocks_of
 from .search_point import Outcome, State
 from .state_from_previous_segment import handed_over
 
-#: A step is shortened at most this often, each time by more damping.
-_SHORTENED = 14
+#: A step that leads nowhere is damped by this factor more, and by this much more each further time (Nielsen 1999): what
+#: is damped by 1e-12 or by 1e-6 is the same step.
+_DAMPED = 8.0
+#: ... at most this often: from 1e-12 to beyond one.
+_SHORTENED = 6
 MOST_STEPS = 40
 
 
@@ -96,11 +99,12 @@ class Descent:
                 a step of one standard error.
         """
         self.taken += 1
-        problem = self.problem
+        problem, more = self.problem, _DAMPED
         for _ in range(_SHORTENED):
             shared, own = self._solved(self._damping)
             if not (np.all(np.isfinite(shared)) and np.all(np.isfinite(own))):
-                self._damping *= 8.0  # derivatives too large to be solved for, which nothing can be simulated with
+                self._damping *= more  # derivatives too large to be solved for, which nothing can be simulated with
+                more *= _DAMPED
                 continue
             gain = 0.5 * promise(self.blocks, shared, own)
             if gain < tolerance:
@@ -115,7 +119,8 @@ class Descent:
                 self.state, self.residuals, self.cost = trial, residuals, cost
                 self._blocks = self._expected = None
                 return True
-            self._damping *= 8.0
+            self._damping *= more
+            more *= _DAMPED
         self.resting = True  # no step in any direction helps: the maximum, to the precision of the derivatives
         return False
 
