@@ -37,11 +37,12 @@ def find(stem: str, source: str, suffix: str) -> tuple[Path, bytes] | None:
     folder = private_folder("compiled")
     beginning = f"{stem}-{source}-"
     with suppress(OSError):
-        for entry in sorted(folder.iterdir()):
-            if entry.name.startswith(beginning) and entry.name.endswith(suffix):
-                content = _sound(entry)
-                if content is not None:
-                    return entry, content
+        names = (entry.name for entry in os.scandir(folder))  # thousands may lie there
+        named = sorted(n for n in names if n.startswith(beginning) and n.endswith(suffix))
+        for entry in (folder / name for name in named):
+            content = _sound(entry)
+            if content is not None:
+                return entry, content
     return None
 
 
