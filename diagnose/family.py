@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -26,7 +27,7 @@ from .measuring_chain import drifts as drifts_of
 from .measuring_chain import zeros as zeros_of
 from .result import ChainFact
 from .search.residual_test import Leftover, leftovers
-from .search.search import Search
+from .search.search import best_of_family
 
 #: Physical limit: a rig whose natural frequency or mass is off by more than these is another rig. What is left out (a
 #: spring that softens, mass that moves along) bends a fitted frequency by a few per cent, a mass by some ten ...
@@ -42,6 +43,8 @@ _STRANGE = 1.5
 _KEPT = 1e-3
 #: Size of an offset for finite differences, in the motion's.
 _FEELER = 1e-2
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
@@ -251,22 +254,21 @@ def less_offsets(
     return corrected, zeros_of(recordings, zeros) + drifts_of(recordings, rates)
 
 
-def first_fit(search: Search, model: Oscillator) -> Fitted:
+def first_fit(data: Data, holdout: Data | None, model: Oscillator) -> tuple[Fitted, Data, Data | None]:
     """The family on the training recordings: simulated or, where no simulation runs to its end, predicted.
 
-    The longest memory that does is the search's from here on. Raises BadInput where none does.
+    Also returned are both with the longest memory that does. Raises BadInput where none does.
     """
-    data, holdout = search.data, search.holdout
     for memory in (data.memory, *reversed(memories(data.segments))):
-        search.data = replace(data, memory=memory)
-        search.holdout = None if holdout is None else replace(holdout, memory=memory)
+        near = replace(data, memory=memory)
         for start in (model, without_hold(model), linear(model)):
             try:
-                fitted = search.best_of_family(start)
-            except BadInput:  # it does not simulate from there
+                fitted = best_of_family(start, near)
+            except BadInput as problem:  # it does not simulate from there
+                _log.info("the family, with a memory of %g cycles: %s", memory, problem)
                 continue
             if fitted.finite:
-                return fitted
+                return fitted, near, None if holdout is None else replace(holdout, memory=memory)
     raise BadInput("no model of this family simulates along these recordings; check the units of force and response")
 
 
@@ -316,10 +318,16 @@ def _is_known(model: Oscillator, name: str) -> bool:
     return bool(model.identified.recordings) and name not in model.identified.parameters
 
 
-def stranger(final: Fitted, search: Search, left: Sequence[Leftover], training: int) -> str | None:
-    """A sentence where the held-out recordings are told well by a model of their own, but not by this one."""
-    ratios = [leftover.ratio for leftover in left]
-    if search.holdout is None:
+def stranger(final: Fitted, data: Data, holdout: Data | None, left: Sequence[Leftover]) -> str | None:
+    """A sentence where the held-out recordings are told well by a model of their own, but not by this one.
+
+    Args:
+        final: the best structure on the training recordings.
+        data, holdout: training recordings and those held out, cut into segments.
+        left: what it leaves in each segment of both, those held out last.
+    """
+    ratios, training = [leftover.ratio for leftover in left], len(data.segments)
+    if holdout is None:
         return None
     if max(ratios[:training]) > _STRANGE or max(ratios[training:]) < _STRANGE**2:
         return None
@@ -328,17 +336,17 @@ def stranger(final: Fitted, search: Search, left: Sequence[Leftover], training: 
         worst[leftover.file] = max(leftover.ratio, worst.get(leftover.file, 0.0))
     if min(worst.values()) < _STRANGE:  # another rig shows in each; one alone may jump where small changes decide
         return None
-    own = Structure(final.model, search.holdout).fit(settle=True)
-    again = [leftover.ratio for leftover in leftovers(own, search.holdout)]
+    own = Structure(final.model, holdout).fit(settle=True)
+    again = [leftover.ratio for leftover in leftovers(own, holdout)]
     if not own.finite or max(again) > 0.5 * max(ratios[training:]):
         return None
     here, there = final.model, own.model
-    if not _moved(here, there, slide=search.data.segments[0].slide):
+    if not _moved(here, there, slide=data.segments[0].slide):
         return None
     words = [f"{there.omega0.value / (2 * math.pi):.4g} Hz instead of {here.omega0.value / (2 * math.pi):.4g} Hz"]
     if here.mass is not None and there.mass is not None:
         words.append(f"{there.mass.value:.4g} {there.mass.unit} instead of {here.mass.value:.4g} {here.mass.unit}")
-    names = ", ".join(recording.name for recording in search.holdout.recordings)
+    names = ", ".join(recording.name for recording in holdout.recordings)
     return (
         f"the held-out recordings ({names}) agree with a model of their own ({', '.join(words)}) and not with the one "
         "of the training recordings: they are of another rig, or the rig was changed between; no effect is named"

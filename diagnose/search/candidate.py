@@ -46,6 +46,11 @@ class Candidate:
         return self.evidence + self.predictive
 
     @property
+    def name(self) -> str:
+        """The laws in words."""
+        return " + ".join(self.laws) or "the given family"
+
+    @property
     def residuals(self) -> tuple[np.ndarray, ...]:
         """What it leaves in every stretch, training and held out."""
         return tuple(r for fitted in (self.fit, self.held_out) if fitted is not None for r in fitted.residuals)

@@ -9,23 +9,24 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.fit.from_prediction import keeps_step
+from ...identify.fit.from_prediction import EARLY_STEPS, keeps_step, memories
 from ...identify.problem.data import Data, likelihood
 from ...identify.problem.descent import Descent
 from ...identify.problem.output_error import OutputError, State
 from ...identify.problem.prediction import FREE
-from ...identify.problem.settle import settled
+from ...identify.problem.segments import Segment
+from ...identify.problem.settle import follows, settled
 from ...identify.problem.structure import Fitted, Structure, shapes_of
 from ...identify.signals.odds import DECISIVE
 from ...model import Oscillator
 from ...model.terms import with_values
 from .measure import Measure, measure_by
-from .start_from_simpler_model import any_lost, led
 
 #: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
 _TOLERANCE = 0.5
@@ -275,6 +276,32 @@ def started(entry: Entry, data: Data, measure: Measure, *, beside_noise: bool = 
         return start
     there = replace(entry, model=led(entry.model, data, entry.fixed), initial=None)
     return max(start, _put(there, data, measure) or start, key=lambda one: one.value)
+
+
+def led(model: Oscillator, data: Data, fixed: Sequence[str]) -> Oscillator:
+    """A model some steps further at each memory, from a cycle to the length of the recordings.
+
+    Args:
+        model: structure and start values.
+        data: what it is fitted to, whatever its memory.
+        fixed: names of parameters that keep their values.
+    """
+    for memory in memories(data.segments):
+        with suppress(DashpotError, np.linalg.LinAlgError):  # nothing is predicted as long as that
+            model = Structure(model, replace(data, memory=memory), fixed).fit(most=EARLY_STEPS).model
+    return model
+
+
+def any_lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
+    """Whether a simulation has lost the motion of one of the segments, noise aside.
+
+    A rig that friction holds where the recorded one moves shows so: what it leaves depends on nothing, and no step
+    leads from there.
+    """
+    return any(
+        not follows(float(np.sqrt(np.mean(residual**2))), segment.response, segment.noise)
+        for segment, residual in zip(segments, residuals, strict=True)
+    )
 
 
 def _put(entry: Entry, data: Data, measure: Measure) -> Start | None:

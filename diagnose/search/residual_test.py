@@ -8,6 +8,7 @@ of another colour.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,10 +19,9 @@ from ...identify.fit.mismatch import CYCLES, HARMONICS
 from ...identify.problem.data import Data, expected_noise
 from ...identify.problem.structure import Fitted
 from ...identify.signals.noise_spectrum import estimate
-from ...identify.signals.odds import ABOVE_NOISE, BY_CHANCE
+from ...identify.signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE
 from ...model import Oscillator
 from ..wording import figure
-from .resonant import resonant_share
 
 #: Physical limit: where a segment is too short to see whether it moves with the rig, more than this is a mismatch: a
 #: hundred times the power that the highest frequencies have is more than the colour of sensors' noise.
@@ -39,6 +39,8 @@ _IN_STEP = 0.05
 _BEYOND_CHANCE = 8.0
 #: Odds: where noise of the same spectrum may have more than this share by chance, keeping step tells nothing.
 _UNTOLD = 0.5
+#: Half an octave: a band reaches as far on either side of its middle.
+_HALF = math.sqrt(2.0)
 
 
 @dataclass(frozen=True)
@@ -176,6 +178,37 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float
 def _reached(chance: np.ndarray) -> float:
     """Share of the power that noise may reach by chance, from what it has on the mean along each of a basis."""
     return float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
+
+
+def resonant_share(residual: np.ndarray, turn: float) -> float:
+    """Share of a residual's power that the octave around the rig's frequency has above both octaves beside it.
+
+    A force that the model lacks reaches the response through the rig's resonance, also where it keeps no step with the
+    motion: a rig that changes while it is recorded, a shove at the bench. Noise of sensors and recorders rises or falls
+    over the octaves, as a power of the frequency or beyond a filter's corner, and has no hump there.
+
+    Zero where noise would have as much by chance (a line of a periodogram is a chi-square of two degrees of freedom),
+    or where one of the three octaves has no lines.
+
+    Args:
+        residual: (n,) what is left over.
+        turn: of the motion, in radians a sample.
+    """
+    n = residual.size
+    power = np.abs(np.fft.rfft(residual - np.mean(residual))) ** 2
+    angle = 2.0 * np.pi * np.arange(power.size) / n
+    below, here, above = (
+        power[(angle >= middle / _HALF) & (angle < middle * _HALF) & (angle < np.pi)]
+        for middle in (0.5 * turn, turn, 2.0 * turn)
+    )
+    if not (below.size and above.size and np.any(power)):
+        return 0.0
+    hump = float(np.mean(here))
+    for beside in (below, above):
+        by_chance = math.exp(BEYOND_ERRORS * math.sqrt(1.0 / here.size + 1.0 / beside.size))
+        if hump <= by_chance * float(np.mean(beside)):
+            return 0.0
+    return (hump - max(float(np.mean(below)), float(np.mean(above)))) * here.size / float(np.sum(power))
 
 
 def nearer(left: Sequence[Leftover], other: Sequence[Leftover]) -> Sequence[Leftover]:

@@ -24,16 +24,16 @@ from ...identify.signals.odds import DECISIVE
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.library import KNOWN, find
-from .by_prediction import by_prediction
+from .by_prediction import by_prediction, by_probing
 from .candidate import Candidate, key
+from .found import Found, Weighing
 from .judgement import accepted, first_of_several, leading, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
 from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
-from .side_valleys import by_probing
 from .starts import HALF, Proposal, by_motion, by_score, unseen_in_motion
-from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
+from .weigh import judged
 
 #: A law is exchanged for the two that act most like it, and for more where they act nearly as much like it ...
 _ALIKE, _MOST_ALIKE = 2, 4
@@ -41,6 +41,18 @@ _ALIKE, _MOST_ALIKE = 2, 4
 _CONVERGES = 10
 #: Physical limit: more laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
+
+
+def best_of_family(model: Oscillator, data: Data) -> Fitted:
+    """The parameters of a model's own structure that suit the training recordings best.
+
+    Raises BadInput where it does not simulate with these values.
+    """
+    start = started(Entry((), model), data, Measure())
+    if start is None:
+        raise BadInput("the model does not simulate with its start values; check the units of force and response")
+    race([start], Measure(), None, data.points)
+    return start.fitted
 
 
 @dataclass(eq=False)
@@ -67,16 +79,11 @@ class Search:
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
-    def best_of_family(self, model: Oscillator) -> Fitted:
-        """The parameters of a model's own structure that suit the training recordings best.
-
-        Raises BadInput where it does not simulate with these values.
-        """
-        start = started(Entry((), model), self.data, Measure())
-        if start is None:
-            raise BadInput("the model does not simulate with its start values; check the units of force and response")
-        race([start], Measure(), None, self.data.points)
-        return start.fitted
+    def find(self, family: Fitted) -> Found:
+        """Search from the fitted family, and return what it ended with."""
+        memory = self.data.memory
+        selected = self.from_family(family)
+        return Found(selected, dict(self.candidates), self.weighing, self.asked_rugged, memory)
 
     def from_family(self, family: Fitted) -> Candidate:
         """The best structure there is, starting from the given family."""
@@ -129,9 +136,14 @@ class Search:
         return leading(self.candidates[leader.laws], arrived, self.parts)
 
     @property
+    def weighing(self) -> Weighing:
+        """By what structures are weighed here."""
+        return Weighing(self.data, self.holdout, self.laws, self._measures)
+
+    @property
     def parts(self) -> tuple[Data, ...]:
         """Training recordings, and those held out where there are any."""
-        return (self.data,) if self.holdout is None else (self.data, self.holdout)
+        return self.weighing.parts
 
     def _as_long_or_shorter(self, leader: Candidate) -> list[Start]:
         """The leader less one of its laws, and with one exchanged, raced."""
@@ -237,11 +249,6 @@ class Search:
                 arrived.append(candidate)
         return arrived
 
-    @property
-    def _apart(self) -> Data:
-        """What is foretold: the recordings held out or, where there are none, stretches of the others."""
-        return stretches_of(self.data) if self.holdout is None else self.holdout
-
     def _front(self, leader: Candidate, starts: Sequence[Start]) -> Fitted:
         """The best so far, parameters paid for."""
         assert leader.fit is not None
@@ -257,7 +264,7 @@ class Search:
         """Compare all structures by the noise that the best of them leaves."""
         if front is self._front_before:
             return
-        self._front_before, apart = front, self._apart
+        self._front_before, apart = front, self.weighing.apart
         self._measures = measure_by(front, self.data), measure_by(judged(front.model, apart), apart)
         for laws, candidate in self.candidates.items():
             if candidate.stage == "judged" and candidate.fit is not None:
@@ -279,13 +286,6 @@ class Search:
     def _paid_by(self, fitted: Fitted) -> float:
         return self._measures[0].value(fitted.residuals) - self._cost(len(fitted.free))
 
-    def lost_without(self, candidate: Candidate, law: str) -> float:
-        """Log-likelihood that a structure has over itself less one law, as far as that came; inf where it never ran."""
-        less = self.candidates.get(key([name for name in candidate.laws if name != law]))
-        if candidate.fit is None or less is None or less.fit is None:
-            return math.inf
-        return self._measures[0].value(candidate.fit.residuals) - self._measures[0].value(less.fit.residuals)
-
     def _left(self, laws: tuple[str, ...], front: Start, best: float) -> None:
         """Keep what is known of a structure that did not arrive."""
         if laws in self.candidates:
@@ -298,16 +298,8 @@ class Search:
         self.candidates[laws] = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
 
     def weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
-        """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
-        evidence, told = weighed(fitted, self.data, self._measures[0])
-        # before anything was measured each law with a cause was as likely as any other, and one of them in all
-        value = evidence - len(laws) * math.log(sum(not law.learnt for law in self.laws))
-        if self.holdout is None:
-            foreseen = foretold_by_the_others(fitted, self._apart, self._measures[1])
-            return Candidate(laws, fitted, None, value, 0.0, foreseen, "judged")
-        held_out = held_out or judged(fitted.model, self.holdout)
-        foreseen = foretold(fitted, told, self.data, held_out, self.holdout, self._measures[1])
-        return Candidate(laws, fitted, held_out, value, foreseen, foreseen, "judged")
+        """A fitted structure with what speaks for it; see ``Weighing.weigh``."""
+        return self.weighing.weigh(laws, fitted, held_out)
 
     def _started(self, entries: Iterable[Entry], *, beside_noise: bool = False) -> list[Start]:
         """Those that can be simulated."""

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
-from dashpot.diagnose.diagnosis import _why_untried
-from dashpot.diagnose.refit_on_all import FITTED_TO_ALL
+from dashpot.diagnose.repair_trial import FITTED_TO_ALL
+from dashpot.diagnose.tell import _why_untried
 from dashpot.errors import BadInput
 from dashpot.identify.identification import identify
 from dashpot.model import Response
@@ -208,5 +208,5 @@ def test_an_error_that_rises_is_not_said_to_fall(after, words):
 )
 def test_why_a_law_was_never_put_in_is_said_as_it_is(effect, driven, asked, words):
     segment = SimpleNamespace(force=object() if driven else None)
-    search = SimpleNamespace(data=SimpleNamespace(segments=[segment]), asked_rugged=asked)
-    assert words in _why_untried(find(effect), search)
+    weighing = SimpleNamespace(data=SimpleNamespace(segments=[segment]))
+    assert words in _why_untried(find(effect), weighing, asked_rugged=asked)

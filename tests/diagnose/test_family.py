@@ -319,27 +319,32 @@ def test_a_drift_is_taken_off_with_the_zero_that_was_found():
 
 
 @pytest.mark.parametrize("fails", [0, 1, 2, 99])
-def test_the_family_is_simulated_from_the_plainest_start_that_runs_and_else_predicted(fails):
+def test_the_family_is_simulated_from_the_plainest_start_that_runs_and_else_predicted(monkeypatch, fails):
     """From its own values, without what holds the mass, as a linear rig; then with ever shorter memory."""
     starts = []
 
-    def best_of_family(start):
+    memories = []
+
+    def best_of_family(start, data):
         starts.append(start)
+        memories.append(data.memory)
         if len(starts) <= fails:
             raise BadInput("it does not simulate from there")
         return SimpleNamespace(finite=True)
 
     data = replace(cut_for(family(), training(), MODEL), memory=np.inf)
-    search = SimpleNamespace(data=data, holdout=data, best_of_family=best_of_family)
+    monkeypatch.setattr("dashpot.diagnose.family.best_of_family", best_of_family)
     if fails == 99:
         with pytest.raises(BadInput, match="no model of this family"):
-            first_fit(search, MODEL)
-        assert search.data.memory == search.holdout.memory == 1.0
+            first_fit(data, data, MODEL)
+        assert memories[0] == np.inf
+        assert memories[-1] == 1.0
         return
-    first_fit(search, MODEL)
+    _, near, holdout = first_fit(data, data, MODEL)
     assert [start.dry.value for start in starts] == [TRUTH["dry"], 0.0, 0.0][: fails + 1]
     assert [start.cubic.value for start in starts] == [TRUTH["cubic"], TRUTH["cubic"], 0.0][: fails + 1]
-    assert search.data.memory == np.inf
+    assert holdout is not None
+    assert near.memory == holdout.memory == np.inf
 
 
 # --- held out, of another rig: what is left told beforehand
@@ -353,11 +358,9 @@ def judged_stranger(monkeypatch, here, there, again, *, names=None, slide=False,
     fitted = SimpleNamespace(model=moved.get("own", MODEL), finite=moved.get("finite", True))
     monkeypatch.setattr(module, "Structure", lambda *_: SimpleNamespace(fit=lambda **_: fitted))
     monkeypatch.setattr(module, "leftovers", lambda *_: [SimpleNamespace(ratio=again)])
-    search = SimpleNamespace(
-        holdout=SimpleNamespace(recordings=[SimpleNamespace(name=name) for name in dict.fromkeys(names)]),
-        data=SimpleNamespace(segments=[SimpleNamespace(slide=slide)]),
-    )
-    return stranger(SimpleNamespace(model=MODEL), search, left, len(here))
+    holdout = SimpleNamespace(recordings=[SimpleNamespace(name=name) for name in dict.fromkeys(names)])
+    data = SimpleNamespace(segments=[SimpleNamespace(slide=slide)] * len(here))
+    return stranger(SimpleNamespace(model=MODEL), data, holdout, left)
 
 
 OTHER = scaled(1.02, None, ("omega0",))
@@ -396,5 +399,5 @@ def test_a_rig_keeps_its_frequency_and_mass_to_a_thousandth(monkeypatch, name, f
 
 def test_what_no_model_of_its_own_tells_is_no_other_rig(monkeypatch):
     assert judged_stranger(monkeypatch, (1.0,), (9.0,), 1.0, own=OTHER, finite=False) is None
-    nothing_held_out = SimpleNamespace(holdout=None)
-    assert stranger(SimpleNamespace(model=MODEL), nothing_held_out, [SimpleNamespace(ratio=9.0)], 1) is None
+    data = SimpleNamespace(segments=[SimpleNamespace(slide=False)])
+    assert stranger(SimpleNamespace(model=MODEL), data, None, [SimpleNamespace(ratio=9.0)]) is None

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from dashpot.diagnose.family import cut_for, family_of, stranger
 from dashpot.diagnose.search.residual_test import leftovers
-from dashpot.diagnose.search.search import Search
+from dashpot.diagnose.search.search import best_of_family
 from dashpot.diagnose.search.weigh import judged
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator
@@ -24,10 +24,9 @@ def told_apart(recorded):
         held = recorded(values, sweep=(0.6, 5.0, 20.0), seconds=6.0, noise=NOISE, seed=7, name="held out")
         family = family_of(MODEL, [decay, sweep], [held])
         data, holdout = (cut_for(family, group, MODEL) for group in (family.recordings, family.holdout))
-        search = Search(data, holdout)
-        final = search.best_of_family(family.model)
+        final = best_of_family(family.model, data)
         left = [*leftovers(final, data), *leftovers(judged(final.model, holdout), holdout)]
-        return stranger(final, search, left, len(data.segments))
+        return stranger(final, data, holdout, left)
 
     return said
 

@@ -6,9 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose import refit_on_all as on_all
-from dashpot.diagnose.refit_on_all import fitted_to_all
-from dashpot.diagnose.repair_trial import record_fits
+from dashpot.diagnose import repair_trial
+from dashpot.diagnose.repair_trial import fitted_to_all, record_fits
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.model import Oscillator
@@ -59,7 +58,7 @@ def test_what_tells_the_whole_worse_is_not_taken(monkeypatch, decay, stretch, fa
     """By a hundredth of the power."""
     rows = record_fits(stretch, stretch, [decay], holdout=False)
     made = [replace(row, nrmse_before=2 * row.noise_floor, nrmse_after=2 * row.noise_floor * factor) for row in rows]
-    monkeypatch.setattr(on_all, "record_fits", lambda *_args, **_more: made)
+    monkeypatch.setattr(repair_trial, "record_fits", lambda *_args, **_more: made)
     assert (fitted_to_all(stretch, [decay], ()) is not None) is taken
 
 
@@ -67,7 +66,7 @@ def test_where_nothing_follows_the_whole_the_model_stays(monkeypatch, decay, str
     def nothing(*_args, **_more):
         raise BadInput("nothing simulates")
 
-    monkeypatch.setattr(on_all, "maximum_likelihood", nothing)
+    monkeypatch.setattr(repair_trial, "maximum_likelihood", nothing)
     assert fitted_to_all(stretch, [decay], ()) is None
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.resonant import resonant_share
+from dashpot.diagnose.search.residual_test import resonant_share
 
 TURN = 0.15  # rad a sample: 42 samples a cycle
 

@@ -7,11 +7,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.diagnosis import _effects
 from dashpot.diagnose.search.candidate import Candidate, key
+from dashpot.diagnose.search.found import Found
 from dashpot.diagnose.search.race import PATIENCE
 from dashpot.diagnose.search.search import Search
 from dashpot.diagnose.search.starts import Proposal
+from dashpot.diagnose.tell import _effects
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import Data
 from dashpot.identify.problem.segments import Segment
@@ -373,12 +374,13 @@ def test_of_laws_that_are_sure_the_one_without_which_most_is_lost_comes_first():
     model = best.fit.model
     for law, times in (("quadratic-drag", 1.5), ("stribeck", 3.0)):
         search.candidates[(law,)] = replace(leading(law, times=times)[1], stage="left")
-    assert search.lost_without(best, "quadratic-drag") == pytest.approx(SAMPLES * np.log(3.0))
-    assert search.lost_without(best, "stribeck") == pytest.approx(SAMPLES * np.log(1.5))
+    found = Found(best, search.candidates, search.weighing)
+    assert found.lost_without("quadratic-drag") == pytest.approx(SAMPLES * np.log(3.0))
+    assert found.lost_without("stribeck") == pytest.approx(SAMPLES * np.log(1.5))
     search.candidates[("stribeck",)] = Candidate(("stribeck",))
-    assert search.lost_without(best, "quadratic-drag") == np.inf
-    effects = _effects(best, search, model)
+    assert found.lost_without("quadratic-drag") == np.inf
+    effects = _effects(found, model)
     assert [effect.effect for effect in effects] == ["quadratic-drag", "stribeck"]
     search.candidates[("stribeck",)] = replace(leading("stribeck", times=1.2)[1], stage="left")
-    effects = _effects(best, search, model)
+    effects = _effects(found, model)
     assert [effect.effect for effect in effects] == ["stribeck", "quadratic-drag"]

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.spectral_lines import residual_lines
+from dashpot.diagnose.search.starts import residual_lines
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import Data
 from dashpot.identify.problem.segments import Segment
@@ -44,7 +44,7 @@ def known(monkeypatch):
     def ones(residuals, model, data):
         return [NoiseSpectrum(np.ones(r.size // 2 + 1), r.size) for r in residuals]
 
-    monkeypatch.setattr("dashpot.diagnose.search.spectral_lines.noise_spectra", ones)
+    monkeypatch.setattr("dashpot.diagnose.search.starts.noise_spectra", ones)
 
 
 @pytest.mark.parametrize("part", [0.0, 0.25, 0.45, -0.3])
@@ -134,7 +134,7 @@ def test_the_loudest_line_is_first_though_its_harmonics_stand_out_more(monkeypat
         steps = np.where(np.arange(N // 2 + 1) < 300, 100.0, 1.0)
         return [NoiseSpectrum(steps, N)]
 
-    monkeypatch.setattr("dashpot.diagnose.search.spectral_lines.noise_spectra", falling)
+    monkeypatch.setattr("dashpot.diagnose.search.starts.noise_spectra", falling)
     residual = tone(150, 4000.0) + sum(tone(150 * k, 2000.0 / k) for k in (3, 5, 7, 9))
     lines = np.array(lines_of(*[residual])) / RESOLUTION
     assert lines[0] == pytest.approx(150.0, abs=0.05)

@@ -8,8 +8,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from dashpot.diagnose.search.measure import Measure
-from dashpot.diagnose.search.race import Entry, Start, started
-from dashpot.diagnose.search.start_from_simpler_model import any_lost
+from dashpot.diagnose.search.race import Entry, Start, any_lost, started
 from dashpot.identify.problem.descent import Descent
 from dashpot.identify.signals.odds import DECISIVE
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dashpot import examples
-from dashpot.diagnose.search import side_valleys
-from dashpot.diagnose.search.side_valleys import by_probing
+from dashpot.diagnose.search import by_prediction
+from dashpot.diagnose.search.by_prediction import by_probing
 from dashpot.examples.truth import ACTUATOR, TRUTH
 from dashpot.identify.problem.data import Data, data_of
 from dashpot.identify.problem.structure import Fitted, Structure
@@ -38,7 +38,7 @@ def test_what_short_bursts_hide_from_the_regression_a_prediction_shows(bursts):
     guess = regression.best(PLAY)
     assert guess is None or guess.values["actuator-backlash.gap"] < 0.5 * ACTUATOR["half_gap"]  # the play is not seen
     proposals = by_probing(fitted, fitted, data, [PLAY])
-    assert 1 <= len(proposals) <= side_valleys._KEPT
+    assert 1 <= len(proposals) <= by_prediction._KEPT
     assert all(p.law == PLAY.name and p.gain > 1000.0 and p.initial is None for p in proposals)
     found = max(proposals, key=lambda proposal: proposal.gain).model.values()
     assert found["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.15)
@@ -60,9 +60,9 @@ def test_free_motion_has_nothing_to_probe_with(bursts):
 
 def test_the_loudest_segments_are_simulated(bursts, monkeypatch):
     _, data = bursts
-    assert side_valleys._loudest(data).segments == data.segments
-    monkeypatch.setattr(side_valleys, "_SAMPLES", 4000)
-    loudest = side_valleys._loudest(data)
+    assert by_prediction._loudest(data).segments == data.segments
+    monkeypatch.setattr(by_prediction, "_SAMPLES", 4000)
+    loudest = by_prediction._loudest(data)
     least = min(float(np.std(segment.response)) for segment in loudest.segments)
     left = [segment for segment in data.segments if segment not in loudest.segments]
     assert 4000 <= loudest.points < 4000 + max(segment.n for segment in data.segments)
@@ -81,8 +81,8 @@ def test_beside_a_family_that_does_not_simulate_nothing_is_gained(bursts):
 def test_what_predicts_worse_than_what_stands_is_not_simulated(bursts, monkeypatch):
     fitted, data = bursts
     better = replace(fitted, likelihood=fitted.likelihood + 1.0)
-    monkeypatch.setattr(side_valleys, "_step", lambda model, initial, part: better if model is STANDS else fitted)
-    monkeypatch.setattr(side_valleys, "led", None)  # is not called
+    monkeypatch.setattr(by_prediction, "_step", lambda model, initial, part: better if model is STANDS else fitted)
+    monkeypatch.setattr(by_prediction, "led", None)  # is not called
     assert by_probing(fitted, replace(fitted, model=STANDS), data, [PLAY]) == []
 
 
@@ -94,6 +94,6 @@ def test_a_probe_that_does_not_simulate_is_passed_over(bursts, monkeypatch):
         taken.append(model)
         return None if len(taken) > 2 else fitted
 
-    monkeypatch.setattr(side_valleys, "_step", steps)
+    monkeypatch.setattr(by_prediction, "_step", steps)
     assert by_probing(fitted, fitted, data, [PLAY]) == []
     assert len(taken) == 2 + 54  # the family, what stands, and every probe once
