@@ -28,7 +28,7 @@ from .options import (
 )
 from .setup_commands import COMMANDS as SETUP_COMMANDS
 from .several_values import CommandOfSeveral, SeveralValues
-from .terminal import outputs_checked, print_json, progress_shown, quiet, say, with_quiet
+from .terminal import facts_shown, outputs_checked, print_json, progress_shown, quiet, say, with_quiet
 from .waiting import waiting_told
 
 if TYPE_CHECKING:
@@ -328,7 +328,7 @@ def main(arguments: list[str] | None = None) -> None:
     os.environ["MPLBACKEND"] = "agg"  # a command draws into files alone, whatever is set for windows
 
     def command() -> None:
-        with waiting_told():
+        with waiting_told(), facts_shown():
             cli(arguments, prog_name="dashpot", standalone_mode=False)
 
     ended(command)

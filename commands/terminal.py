@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import logging
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -15,7 +16,7 @@ import click
 from ..errors import BadInput, printable
 from .waiting import another_shows, doing, silence
 
-_QUIET = "dashpot.quiet"
+_QUIET, _VERBOSE = "dashpot.quiet", "dashpot.verbose"
 
 
 def outputs_checked(outputs: Iterable[Path], inputs: Iterable[Path]) -> None:
@@ -50,14 +51,67 @@ def quiet() -> bool:
     return context is not None and bool(context.meta.get(_QUIET))
 
 
+def verbose() -> bool:
+    """Whether the command was asked to say what it tries."""
+    context = click.get_current_context(silent=True)
+    return context is not None and bool(context.meta.get(_VERBOSE))
+
+
 def _ask_for_quiet(context: click.Context, _: click.Parameter, asked: bool) -> None:
     if asked:
+        _asked_alone(context, _VERBOSE)
         context.meta[_QUIET] = True
         silence()
 
 
+def _ask_for_verbose(context: click.Context, _: click.Parameter, asked: bool) -> None:
+    if asked:
+        _asked_alone(context, _QUIET)
+        context.meta[_VERBOSE] = True
+        _LOGGER.addHandler(_FACTS)
+        _LOGGER.setLevel(logging.INFO)
+
+
+def _asked_alone(context: click.Context, other: str) -> None:
+    if context.meta.get(other):
+        raise click.UsageError("--quiet and --verbose exclude each other; give one of them")
+
+
+class _Facts(logging.Handler):
+    """Each fact that the package logs as a line on stderr."""
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Print one fact."""
+        with contextlib.suppress(OSError):  # what is done is done, also where nobody can be told
+            click.echo(" ".join(printable(record.getMessage()).split()), err=True)
+
+
+_LOGGER, _FACTS = logging.getLogger("dashpot"), _Facts(logging.INFO)
+
+
+@contextlib.contextmanager
+def facts_shown() -> Iterator[None]:
+    """While this lasts, ``--verbose`` prints what the package logs; the logger is then as it was before."""
+    level = _LOGGER.level
+    try:
+        yield
+    finally:
+        _LOGGER.removeHandler(_FACTS)
+        _LOGGER.setLevel(level)
+
+
 def with_quiet(command: click.Command) -> None:
-    """Give a command the option ``--quiet``."""
+    """Give a command the options ``--quiet`` and ``--verbose``."""
+    command.params.append(
+        click.Option(
+            ["-v", "--verbose"],
+            is_flag=True,
+            expose_value=False,
+            is_eager=True,
+            callback=_ask_for_verbose,
+            help="Print on stderr what is tried and why it is dropped, one line a fact.",
+        )
+    )
     command.params.append(
         click.Option(
             ["-q", "--quiet"],
@@ -86,7 +140,7 @@ def progress_shown() -> Iterator[Callable[[str, float], None]]:
     """A bar on a terminal, one line a stage elsewhere; yields what takes the stage and the part that is done."""
     if quiet():
         yield lambda _what, _part: None
-    elif sys.stderr.isatty():
+    elif sys.stderr.isatty() and not verbose():
         bar: Any = click.progressbar(
             length=1000, label="diagnosis", file=sys.stderr, item_show_func=lambda item: str(item or "")
         )

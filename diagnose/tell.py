@@ -79,6 +79,8 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
         case, left, after = _delivered(case, found, left, before)
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     case, after, records = _tried(case, found, left, (before, after), fmu, progress)
+    for record in records:
+        _log.info("%s: NRMSE %.4g before, %.4g after", record.file, record.nrmse_before, record.nrmse_after)
     remarks = _remarks(case, found, left, after)
     if after is None:
         left = replace(left, after=left.before)

@@ -8,6 +8,7 @@ better place, so that there is an end, and at the end no neighbour of the leader
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
@@ -41,6 +42,18 @@ _ALIKE, _MOST_ALIKE = 2, 4
 _CONVERGES = 10
 #: Physical limit: more laws than these missing at once are not told apart by any recording that we know of.
 _MOST_EFFECTS = 3
+
+_log = logging.getLogger(__name__)
+#: What each way of asking is, for the log.
+_ASKED = {
+    "_moved": "regression on the measured motion",
+    "_as_long_or_shorter": "one law less, or exchanged",
+    "_scored": "the score of every law",
+    "_less_scored": "laws of lower scores",
+    "_predicted": "prediction over a cycle",
+    "_rugged": "laws with side valleys",
+    "_learnt": "a smooth spring and damping, learnt",
+}
 
 
 def best_of_family(model: Oscillator, data: Data) -> Fitted:
@@ -100,8 +113,10 @@ class Search:
         led: dict[tuple[str, ...], float] = {}
         while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
             led[leader.laws] = leader.value
+            _log.info("%s leads: log-evidence %.6g", leader.name, leader.value)
             best = leader
             for way in self._ways(leader):
+                _log.info("beside %s: %s", best.name, _ASKED.get(way.__name__, way.__name__))
                 best = self._led_by_others(best, way(best))
                 if best.laws != leader.laws:
                     break
@@ -245,6 +260,7 @@ class Search:
             self.progress("weighing what arrived", 0.95)
             candidate = self.weigh(laws, first.fitted)
             if (known := self.candidates.get(laws)) is None or candidate.value > known.value:
+                _log.info("%s: weighed, log-evidence %.6g", candidate.name, candidate.value)
                 self.candidates[laws] = candidate
                 arrived.append(candidate)
         return arrived
@@ -295,7 +311,9 @@ class Search:
         if front.resting:
             short = best - self._paid(front)
             why = f"fitted, it stays {short:.4g} below the best in log-likelihood, its parameters paid for"
-        self.candidates[laws] = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
+        left = Candidate(laws, front.fitted, stage="left" if front.steps else "simulated", why=why)
+        _log.info("%s: %s", left.name, why)
+        self.candidates[laws] = left
 
     def weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
         """A fitted structure with what speaks for it; see ``Weighing.weigh``."""
@@ -331,7 +349,9 @@ class Search:
             laws, fixed = key((*leader.laws, proposal.law)), kept(leader.fit, proposal.model)
             if proposal.gain < cost:
                 promised = f"its score promises {max(proposal.gain, 0.0):.3g} in log-likelihood"
-                self.candidates.setdefault(laws, Candidate(laws, why=f"{promised}, less than its parameters cost"))
+                short = Candidate(laws, why=f"{promised}, less than its parameters cost")
+                _log.info("%s: %s", short.name, short.why)
+                self.candidates.setdefault(laws, short)
                 continue
             patience = 0 if near else PATIENCE
             entries.append(Entry(laws, proposal.model, proposal.initial, fixed, hoped, patience, adds=True))
@@ -379,6 +399,7 @@ class Search:
         race([start], Measure(), None, self.data.points)
         if not keeps_step(free.segments, start.fitted.residuals):
             return leader
+        _log.info("%s keeps step with the recordings: simulated from here on, no longer predicted", leader.name)
         self.data = free
         self.holdout = None if self.holdout is None else replace(self.holdout, memory=FREE)
         before = self.candidates[()].fit

@@ -7,6 +7,7 @@ where physics is missing, no fault of one size does that.
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Sequence
 from contextlib import suppress
@@ -36,6 +37,8 @@ from .fitted_problem import fitted_problem
 _ROUNDS, _STEPS = 6, 6
 #: Gain of log-likelihood by a round without which no further one follows: that of a step of one standard error.
 _PASSED_OVER = 0.5
+
+_log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True)
@@ -102,6 +105,10 @@ def faults_found(
             tried.append(_fitted(_likeliest(problem, point, found, waves, start), start))
         odds = [concentrated(other, where, start) for other, where in tried]
         top = int(np.argmax(odds))
+        for (other, _), one in zip(tried, odds, strict=True):
+            fault = other.faults[-1]
+            name = recordings[fault.recording].name
+            _log.info("%s, %s: gains %.4g, its price is %.4g", name, type(fault).__name__, one - likelihood, price)
         if not odds[top] > likelihood + price:
             break
         gains.append(odds[top] - likelihood)

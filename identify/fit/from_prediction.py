@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 
 import numpy as np
@@ -25,6 +26,8 @@ _LONGER = 4.0
 EARLY_STEPS = 8
 #: A simulation keeps step throughout where it does so in each stretch of so many cycles.
 _STRETCH = 8.0
+
+_log = logging.getLogger(__name__)
 
 
 def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[float, State], int]:
@@ -50,6 +53,7 @@ def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[flo
         outcome = search(problem.predicting(memory), state, tolerance=1.0, most=EARLY_STEPS)
         state, iterations = outcome.state, iterations + outcome.iterations
         rungs[memory] = state
+        _log.info("predicted with a memory of %g cycles: %d steps", memory, outcome.iterations)
     if not simulates(problem, state):
         return state, rungs, iterations
     return _searched(problem, state, rungs, iterations)
@@ -78,6 +82,7 @@ def _searched(
     problem: OutputError, state: State, rungs: dict[float, State], iterations: int
 ) -> tuple[State, dict[float, State], int]:
     outcome = search(problem, state, tolerance=1.0)
+    _log.info("simulated: %d steps", outcome.iterations)
     return outcome.state, rungs, iterations + outcome.iterations
 
 

@@ -1,19 +1,23 @@
-"""doctor, completion, --quiet, the examples of the commands' help, colours."""
+"""doctor, completion, --quiet, --verbose, the examples of the commands' help, colours."""
 
 from __future__ import annotations
 
 import json
+import logging
 import os
 import re
 import shlex
 import subprocess
 import sys
+from pathlib import Path
 
 import dashpot
+import numpy as np
 import pytest
 from dashpot.commands.cli import cli, main
 from dashpot.commands.command_examples import EXAMPLES
 from dashpot.commands.terminal import coloured
+from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.face import doctor
 from dashpot.model.laws import LIBRARY
@@ -145,16 +149,50 @@ def test_a_mistyped_command_and_option_have_a_close_match(capsys):
 # quiet ----------------------------------------------------------------------------------------------------------------
 
 
-def test_quiet_says_the_result_alone(capsys, tmp_path, recorded):
-    import numpy as np
-
-    model, recording = tmp_path / "rig.yaml", tmp_path / "decay.csv"
-    dashpot.Model.from_values(TRUTH, name="rig").save(model)
+def decaying(tmp_path, recorded) -> Path:
+    """A decay of two seconds in a file."""
     decay = recorded(begin=(8e-3, 0.0), seconds=2.0)
-    np.savetxt(
-        recording, np.column_stack([decay.time, decay.response]), delimiter=",", header="time_s,x_m", comments=""
-    )
+    columns = np.column_stack([decay.time, decay.response])
+    np.savetxt(tmp_path / "decay.csv", columns, delimiter=",", header="time_s,x_m", comments="")
+    return tmp_path / "decay.csv"
+
+
+def test_quiet_says_the_result_alone(capsys, tmp_path, recorded):
+    model, recording = tmp_path / "rig.yaml", decaying(tmp_path, recorded)
+    dashpot.Model.from_values(TRUTH, name="rig").save(model)
     words = ("simulate", model, recording, "-o", tmp_path / "out.csv")
     assert run(capsys, *words, "--quiet") == (0, "", "")
     assert "written" in run(capsys, *words)[2]
     assert run(capsys, "simulate", model, tmp_path / "absent.csv", "-o", tmp_path / "out.csv", "-q")[2] != ""
+
+
+# verbose --------------------------------------------------------------------------------------------------------------
+
+
+def test_verbose_says_on_stderr_what_is_tried(capsys, tmp_path, recorded):
+    words = ("identify", decaying(tmp_path, recorded), "-o", tmp_path / "rig.yaml", "--json")
+    code, out, err = run(capsys, *words, "-v")
+    assert code == 0
+    assert "simulated: " in err
+    assert json.loads(out)["name"] == "rig"
+    assert "simulated: " not in run(capsys, *words)[2]  # said by the one command that asked for it
+    assert logging.getLogger("dashpot").level == logging.NOTSET
+
+
+def test_whatever_is_logged_is_a_line_of_stderr(capsys, monkeypatch):
+    def checkup():
+        logging.getLogger("dashpot.face.doctor").info("two\nlines of %d", 3)
+        logging.getLogger("dashpot.face.doctor").debug("no fact")
+        raise BadInput("nothing there")
+
+    monkeypatch.setattr("dashpot.face.doctor.checkup", checkup)
+    assert run(capsys, "doctor", "--verbose")[2].splitlines()[0] == "two lines of 3"
+    assert "two lines" not in run(capsys, "doctor")[2]
+
+
+@pytest.mark.parametrize("name", sorted(cli.commands))
+def test_every_command_is_quiet_or_verbose_and_not_both(capsys, name):
+    for words in (("-q", "-v"), ("--verbose", "--quiet")):
+        code, _, err = run(capsys, name, *words)
+        assert code == 2
+        assert "--quiet and --verbose exclude each other" in err

@@ -304,13 +304,16 @@ def weighing(proposing, monkeypatch):
     )
 
 
-def test_what_stays_decisively_behind_the_best_is_left_with_the_reason(weighing):
+def test_what_stays_decisively_behind_the_best_is_left_with_the_reason(weighing, caplog):
+    caplog.set_level("INFO", logger="dashpot")
     search, leader = leading()
     starts = [arriving(search, leader, name, ahead) for name, ahead in (("best", 50.0), ("near", 43.2), ("far", 43.0))]
     starts += [arriving(search, leader, "promising", 40.0, resting=False)]
     assert [candidate.laws for candidate in search._arrived(leader, starts)] == [("best",), ("near",)]
     assert search.candidates[("far",)].why.startswith("fitted, it stays 7 below the best")
     assert search.candidates[("promising",)].why == "left after 5 steps: what it promised stayed 10 below the best"
+    assert "promising: left after 5 steps: what it promised stayed 10 below the best" in caplog.messages
+    assert "near: weighed, log-evidence 0" in caplog.messages
     # what is known already and is no better does not arrive again
     assert search._arrived(leader, starts[:2]) == []
 
