@@ -6,6 +6,18 @@ def printable(text: str) -> str:
     return "".join(c if c.isprintable() or c == "\n" else "\ufffd" for c in text)
 
 
+#: Longest line of an error that is shown whole: a screen of 20 lines of 80.
+LONGEST = 1600
+
+
+def shortened(text: str) -> str:
+    """The text without the middle of lines longer than LONGEST: what is wrong and what to do stand at their ends."""
+    part = LONGEST // 2 - 10
+    return "\n".join(
+        line if len(line) <= LONGEST else f"{line[:part]} [...] {line[-part:]}" for line in text.split("\n")
+    )
+
+
 class DashpotError(Exception):
     """Base of every error that dashpot raises on purpose.
 
@@ -13,7 +25,7 @@ class DashpotError(Exception):
     """
 
     def __str__(self) -> str:
-        return printable(super().__str__())
+        return shortened(printable(super().__str__()))
 
 
 class BadInput(DashpotError):

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import BadInput
+from ..recording.plain_numbers import vector_of
 
 if TYPE_CHECKING:
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
@@ -100,7 +101,7 @@ def backbone_of(o: Oscillator, identification: Identification | None, amplitude:
     from ..model.describing import natural_motion
     from ..model.inner_force import without_memory
 
-    a = np.atleast_1d(np.asarray(_range(o) if amplitude is None else amplitude, float))
+    a = np.atleast_1d(_range(o) if amplitude is None else vector_of(amplitude, "amplitudes"))
     if a.ndim != 1 or not a.size or not np.all(np.isfinite(a) & (a > 0)):
         raise BadInput(f"amplitudes must be positive numbers (n,), in {o.response.displacement_unit}")
     mean, h = natural_motion(o, a)

@@ -9,11 +9,14 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
+from ..errors import BadInput
+from ..files.arguments import path_of, several_of, shown, text_of
 from ..recording import Reading, Recording, recordings_of
 from .fleet import batch as batch
 from .fleet import compare as compare
 from .fleet import watch as watch
 from .model import Model, oscillator_of
+from .options import mode_text, with_reading
 from .workflow import Say, analysed, identified, silent
 
 if TYPE_CHECKING:
@@ -27,6 +30,7 @@ if TYPE_CHECKING:
     from .simulation import Simulation
 
 
+@with_reading
 def read(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     """Recordings of files, arrays, data frames, SEP 5 dictionaries or Recordings, in any mixture, converted to SI.
 
@@ -60,9 +64,10 @@ def load(path: str | Path) -> Model:
     >>> dashpot.load(path).name
     'stand'
     """
-    return Model(oscillator_of(Path(path)))
+    return Model(oscillator_of(path_of(path, "a model file")))
 
 
+@with_reading
 def identify(
     *given: Any,
     name: str | None = None,
@@ -100,15 +105,19 @@ def identify(
     >>> print(f"{model['mass'].value:.3f} kg, {model['natural_frequency'].value:.2f} Hz")
     0.270 kg, 12.67 Hz
     """
+    if name is not None:
+        text_of(name, "the name of the rig")
+    if fixed is not None and not isinstance(fixed, Mapping):
+        raise BadInput(f'fixed is such as {{"mass": 0.27}}, not {shown(fixed)}')
     say = progress or silent
     found = identified(
         lambda: read(*given, **options),
         name=name,
-        laws=[laws] if isinstance(laws, str) else laws,
+        laws=[laws] if isinstance(laws, str) else several_of(laws, "laws"),
         fixed=fixed,
         mass=mass,
         start=None if start is None else oscillator_of(start),
-        mode=None if mode is None else str(mode),
+        mode=mode_text(mode),
         faults=faults,
         notes=say,
         progress=say,
@@ -153,6 +162,7 @@ def export(model: Model | Oscillator | str | Path, *paths: str | Path, **options
     return Model(oscillator_of(model)).export(*paths, **options)
 
 
+@with_reading
 def verify(
     fmu: str | Path, *given: Any, limit: float | None = None, progress: Say | None = None, **options: Unpack[Reading]
 ) -> Verification:
@@ -178,9 +188,10 @@ def verify(
     """
     from ..verify.verification import verify as check
 
-    return check(Path(fmu), read(*given, **options), limit=limit, progress=progress)
+    return check(path_of(fmu, "an FMU"), read(*given, **options), limit=limit, progress=progress)
 
 
+@with_reading
 def diagnose(
     model: Model | Oscillator | str | Path,
     *given: Any,
@@ -215,6 +226,7 @@ def diagnose(
     return Model(oscillator_of(model)).diagnose(*given, **how, **options)
 
 
+@with_reading
 def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Reading]) -> Hilbert:
     """FREEVIB and FORCEVIB: curves over time and amplitude, the laws of Eqs. 1, 6 and 7 fitted to them, with errors.
 
@@ -233,10 +245,11 @@ def hilbert(*given: Any, mode: str | float | None = None, **options: Unpack[Read
     """
     from .hilbert import Hilbert
 
-    analysis, alone = analysed(read(*given, **options), None if mode is None else str(mode))
+    analysis, alone = analysed(read(*given, **options), mode_text(mode))
     return Hilbert(analysis, tuple(alone))
 
 
+@with_reading
 def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]:
     """What would be read of files, one dictionary a record: channels, units, rate, kind of motion, a small picture.
 
@@ -247,7 +260,7 @@ def look(*files: str | Path, **options: Unpack[Reading]) -> list[dict[str, Any]]
     """
     from .look import look as seen_in
 
-    return [entry for file in files for entry in seen_in(Path(file), options)]
+    return [entry for file in files for entry in seen_in(path_of(file, "a recording"), options)]
 
 
 def load_laws(path: str | Path) -> tuple[Law, ...]:
@@ -270,14 +283,14 @@ def demo(folder: str | Path = "demo", progress: Say | None = None) -> bool:
     """The whole story on the built-in rig, into a folder; whether its FMU reproduces all recordings."""
     from .demo import run
 
-    return run(Path(folder), progress or print)
+    return run(path_of(folder, "a folder"), progress or print)
 
 
 def paper(folder: str | Path = "paper", progress: Say | None = None) -> Path:
     """The paper's figures remade from the built-in rig, as a page in a folder; returns its path."""
     from .paper import run
 
-    return run(Path(folder), progress or silent)
+    return run(path_of(folder, "a folder"), progress or silent)
 
 
 def doctor() -> Checkup:

@@ -6,6 +6,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from ..errors import BadInput
+from ..files.arguments import number_of, path_of, several_of, shown, text_of
 from .model import Model, oscillator_of
 
 if TYPE_CHECKING:
@@ -47,8 +49,11 @@ def batch(
     from ..fleet.manifest import read_manifest
     from .batch import MODULE, run
 
+    manifest, output = path_of(manifest, "the manifest"), path_of(output, "a folder for the results")
+    if not number_of(jobs, "jobs") >= 1 or int(jobs) != jobs:
+        raise BadInput(f"jobs is a number of processes from 1, not {shown(jobs)}")
     say = progress or (lambda _: None)
-    return run(read_manifest(Path(manifest)), Path(output), local(MODULE, jobs), again=again, say=say)
+    return run(read_manifest(manifest), output, local(MODULE, int(jobs)), again=again, say=say)
 
 
 def compare(
@@ -72,7 +77,8 @@ def compare(
     """
     from ..change import compare as changed
 
-    known = [[oscillator_of(model) for model in group] for group in repeats]
+    groups = [several_of(group, "a group of repeats") for group in several_of(repeats, "repeats")]
+    known = [[oscillator_of(model) for model in group] for group in groups]
     return changed(oscillator_of(first), oscillator_of(second), known)
 
 
@@ -98,5 +104,6 @@ def watch(
     from ..change.life import watch as watched
     from ..fleet.lives_of_rigs import repeats_of
 
-    points = [Point(str(place), oscillator_of(model)) for place, model in enumerate(models, 1)]
-    return watched(points, name, repeats_of([Path(place) for place in repeats]))
+    points = [Point(str(place), oscillator_of(model)) for place, model in enumerate(several_of(models, "models"), 1)]
+    places = [path_of(place, "a file or folder of repeats") for place in several_of(repeats, "repeats")]
+    return watched(points, text_of(name, "the name of the rig"), repeats_of(places))

@@ -12,10 +12,12 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Unpack
 
 from ..errors import BadInput
+from ..files.arguments import path_of, several_of, shown, text_of
 from ..model import Oscillator, Parameter, Response, oscillator_with
 from ..model.limits import checked_value
 from ..model.oscillator import QUANTITIES
 from ..recording import Reading, recordings_of
+from .options import mode_text, with_reading
 from .workflow import Say, diagnosed, exported, write_diagnosis
 
 if TYPE_CHECKING:
@@ -81,12 +83,14 @@ class Model:
         >>> dashpot.Model.from_values(rig | {"quadratic-drag.coefficient": 2.0}, laws=["quadratic-drag"]).laws
         ('quadratic-drag',)
         """
-        if quantity not in QUANTITIES:
-            raise BadInput(f"quantity {str(quantity)[:40]!r} is not known; use one of {', '.join(QUANTITIES)}")
+        if text_of(quantity, "quantity") not in QUANTITIES:
+            raise BadInput(f"quantity {quantity[:40]!r} is not known; use one of {', '.join(QUANTITIES)}")
         if not isinstance(unit, str) or not isinstance(name, str) or not isinstance(values, Mapping):
             raise BadInput("name and unit must be texts, and values numbers by name; see docs/python.md")
         response = Response(quantity, unit)
-        oscillator = oscillator_with(values, tuple(laws), name=name, response=response)
+        oscillator = oscillator_with(
+            values, [laws] if isinstance(laws, str) else several_of(laws, "laws"), name=name, response=response
+        )
         for key, (lower, upper) in oscillator.bounds().items():
             of_law = "." in key  # the file leaves those of Eq. 17 free
             checked_value(key, values[key], *((lower, upper) if of_law else ()))
@@ -124,6 +128,8 @@ class Model:
 
     def __getitem__(self, name: str) -> Parameter:
         known = self.parameters
+        if not isinstance(name, str):
+            raise KeyError(f"no parameter {shown(name)}; there are {', '.join([*known, *self.machine])}")
         if name in known:
             return known[name]
         if name in (machine := self.machine):
@@ -156,6 +162,7 @@ class Model:
 
         return as_json(self.oscillator)
 
+    @with_reading
     def simulate(
         self,
         *recording: Any,
@@ -226,7 +233,7 @@ class Model:
         from ..files.writing import write
         from ..model.file import save
 
-        path = Path(path)
+        path = path_of(path, "a file for the model")
         if path.suffix != ".html":
             if path.suffix in (".fmu", ".casadi", ".c", ".ssp"):
                 raise BadInput(f"{path}: save writes a model file or a report; use export for this")
@@ -249,8 +256,9 @@ class Model:
         >>> [path.name for path in written]
         ['rig.c', 'rig.h']
         """
-        return exported(self.oscillator, [Path(path) for path in paths], **options)
+        return exported(self.oscillator, [path_of(path, "a file to export to") for path in paths], **options)
 
+    @with_reading
     def verify(
         self, *recordings: Any, limit: float | None = None, progress: Say | None = None, **options: Unpack[Reading]
     ) -> Verification:
@@ -261,6 +269,7 @@ class Model:
             (path,) = self.export(Path(folder) / "model.fmu")
             return verify(path, recordings_of(*recordings, **options), limit=limit, progress=progress)
 
+    @with_reading
     def diagnose(
         self,
         *recordings: Any,
@@ -271,12 +280,12 @@ class Model:
     ) -> Diagnosis:
         """What physics the model lacks that recordings show; see ``dashpot.diagnose``."""
         training, held = recordings_of(*recordings, **options), recordings_of(holdout, **options)
-        how = {"mode": None if mode is None else str(mode), "progress": progress or (lambda _what, _part: None)}
+        how = {"mode": mode_text(mode), "progress": progress or (lambda _what, _part: None)}
         return Diagnosis(*diagnosed(self.oscillator, training, held, **how))
 
     def renamed(self, name: str) -> Model:
         """The same model under another name."""
-        return replace(self, oscillator=replace(self.oscillator, name=name))
+        return replace(self, oscillator=replace(self.oscillator, name=text_of(name, "the name of a model")))
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -338,8 +347,9 @@ class Diagnosis:
         """
         from ..diagnose.files import check_folder
 
-        check_folder(Path(folder))
-        return write_diagnosis(Path(folder), self.result, self.fmu)
+        folder = path_of(folder, "a folder for the diagnosis")
+        check_folder(folder)
+        return write_diagnosis(folder, self.result, self.fmu)
 
 
 def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
@@ -352,5 +362,5 @@ def oscillator_of(model: Model | Oscillator | str | Path) -> Oscillator:
         check(model)
         return model
     if isinstance(model, str | Path):
-        return load(model)
+        return load(path_of(model, "a model file"))
     raise BadInput(f"a {type(model).__name__} is no model; give a Model, or the path of a model file")

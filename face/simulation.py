@@ -12,10 +12,14 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
+from ..files.arguments import number_of, path_of, shown, text_of
 from ..files.writing import write
 from ..model import Oscillator, Response
 from ..recording import Recording, recordings_of
+from ..recording.content import MOST_MB
 from ..recording.fact import changed
+from ..recording.plain_numbers import vector_of
+from ..recording.recording import HOLDS
 
 #: A first guess of how far a force moves a rig, in static deflections: a resonance that is met in passing.
 _RESONANCE = 10.0
@@ -96,7 +100,7 @@ class Simulation:
         """Write time, force, measured and simulated response as CSV (.csv or .csv.gz); returns the path."""
         from ..face.simulation import write_columns, write_response
 
-        path = Path(path)
+        path = path_of(path, "a CSV file")
         if not path.name.endswith((".csv", ".csv.gz")):
             raise BadInput(f"{path}: a simulation is written as CSV; end the name in .csv or .csv.gz")
         if self.measured is not None:
@@ -119,17 +123,27 @@ def simulated(
     if given:
         return along(oscillator, recordings_of(*given, **options))
     force, fs = options.get("force"), options.get("fs")
-    if fs is None or not fs > 0:
+    if fs is None or not 0 < number_of(fs, "fs") < np.inf:
         raise BadInput("without a recording give the sampling frequency, fs in Hz, and a force (n,) or seconds")
     if force is None and seconds is None:
         raise BadInput("without a recording give a force (n,) with fs, or how many seconds of free motion")
-    samples = None if force is None else np.asarray(force, float)
+    fs = number_of(fs, "fs")
+    samples = None if force is None else vector_of(force, "the force")
     if samples is not None and (samples.ndim != 1 or not samples.size or not np.all(np.isfinite(samples))):
         raise BadInput(f"the force has shape {samples.shape}; give one column of finite numbers")
+    beginning = vector_of(initial, "initial, a displacement and a velocity,")
+    if beginning.shape != (2,) or not np.all(np.isfinite(beginning)):
+        raise BadInput(f"initial must be a displacement and a velocity, not {shown(initial)}")
+    longest = MOST_MB * 1e6 / 8 / fs  # as many samples as a recording may have
+    if samples is None and not 0 < number_of(seconds, "seconds") <= longest:
+        raise BadInput(f"{shown(seconds)} s at {fs:g} Hz: give a number above zero, of at most {longest:.6g} s")
     n = round(float(seconds or 0.0) * fs) if samples is None else samples.size
     if n < 2:
         raise BadInput(f"{seconds} s at {fs:g} Hz are {n} samples; give at least two")
-    response = _driven(oscillator, samples, n, 1.0 / fs, initial, options.get("hold") or oscillator.hold)
+    hold = text_of(oscillator.hold if options.get("hold") is None else options["hold"], "hold")
+    if hold not in HOLDS:
+        raise BadInput(f"hold {hold[:40]!r} is not known; use one of {', '.join(HOLDS)}")
+    response = _driven(oscillator, samples, n, 1.0 / fs, beginning, hold)
     return Simulation(oscillator.name, np.arange(n) / fs, response, samples, oscillator.response)
 
 
@@ -167,7 +181,7 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
 
 
 def _driven(
-    oscillator: Oscillator, force: np.ndarray | None, n: int, dt: float, initial: tuple[float, float], hold: str
+    oscillator: Oscillator, force: np.ndarray | None, n: int, dt: float, initial: np.ndarray, hold: str
 ) -> np.ndarray:
     from ..identify.problem.segments import FORCE_BAND
     from ..simulate.core import core_of, step_for
@@ -177,7 +191,7 @@ def _driven(
     highest = FORCE_BAND * omega / (2 * np.pi)
     pushed = None if force is None else force_between(force, dt, hold, highest)
     core = core_of(oscillator)
-    begin = np.concatenate([np.asarray(initial, float), np.zeros(len(core.equations.inner))])
+    begin = np.concatenate([initial, np.zeros(len(core.equations.inner))])
     size = float(np.max(np.abs(force))) / values.get("mass", 1.0) / omega**2 * _RESONANCE if force is not None else 0.0
     peak = max(abs(begin[0]), abs(begin[1]) / omega, size)
 

@@ -13,6 +13,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from ..files.arguments import text_of
+
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
@@ -66,7 +68,7 @@ def identified(
 
     known = {**(fixed or {}), **({} if mass is None else {"mass": mass})}
     for key, value in known.items():
-        checked_value(key, value)
+        checked_value(text_of(key, "the name of a parameter"), value)
     effects = [find(law).name for law in laws]
     begin = load(start) if isinstance(start, Path) else start
     recordings = read()

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 
-from ..errors import BadInput
+from ..errors import BadInput, Unwritable
 from ..files.reading import content_of
 from ..files.writing import check_ours, together, write, written_below
 from .kept_files import changed_file, check_writable
@@ -122,10 +122,14 @@ class Store:
 
     @contextmanager
     def held(self, key: str) -> Iterator[None]:
-        """Hold an entry's lock in the block; raises Busy where somebody else does."""
+        """Hold an entry's lock in the block; raises Busy where somebody else does.
+
+        A lock that was made for what then had no room goes with it.
+        """
         from filelock import FileLock, Timeout
 
         place = self._lock(key)
+        made = not place.exists()
         place.parent.mkdir(parents=True, exist_ok=True)
         lock = FileLock(place, timeout=0)
         try:
@@ -134,11 +138,19 @@ class Store:
             raise Busy from None
         try:
             yield
+        except Unwritable:
+            if made:
+                with suppress(OSError):
+                    place.unlink()
+                    place.parent.rmdir()
+            raise
         finally:
             lock.release()
 
     def busy(self, key: str) -> bool:
         """Whether somebody works on an entry."""
+        if not self._lock(key).exists():
+            return False
         try:
             with self.held(key):
                 return False

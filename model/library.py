@@ -17,6 +17,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
+from ..files.arguments import text_of
 from .law import Law
 from .law_trial import problems, trial, wrong_types
 from .laws import BASE, LIBRARY
@@ -32,6 +33,7 @@ KNOWN: dict[str, Law] = dict(LIBRARY)
 
 def find(effect: str) -> Law:
     """The law of that name, of the library or of an installed package; raises BadInput with the closest known names."""
+    text_of(effect, "the name of a law")
     if effect in KNOWN:
         return KNOWN[effect]
     wrong = take_installed_laws()

@@ -7,6 +7,7 @@ from numbers import Real
 from typing import Any
 
 from ..errors import BadInput
+from ..files.arguments import shown
 
 #: Largest number of a model, whatever its unit: squares and cubes of it are still numbers ...
 MOST = 1e100
@@ -21,8 +22,7 @@ def plain_number(name: str, value: Any) -> float:
     if getattr(value, "ndim", None) == 0 and hasattr(value, "item"):
         value = value.item()  # of numpy
     if isinstance(value, bool) or not isinstance(value, Real):
-        shown = f"{value!r:.40}"
-        raise BadInput(f"parameter {name!r} must be a plain number such as 4.6e5, not {shown}")
+        raise BadInput(f"parameter {name!r} must be a plain number such as 4.6e5, not {shown(value)}")
     try:
         return float(value)
     except OverflowError:

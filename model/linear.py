@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ..errors import BadInput
+from ..files.arguments import number_of
 from . import units
 from .describing import HarmonicMotion
 from .equations import Equations, SurfaceKind, equations
@@ -69,6 +70,7 @@ class LinearModel:
         """
         from scipy.linalg import expm
 
+        dt = number_of(dt, "the sample time")
         if not 0 < dt < math.inf:
             raise BadInput(f"a sample time of {dt:g} s: give a positive number of seconds")
         n = self.A.shape[0]
@@ -97,6 +99,9 @@ def linearise(
         BadInput: for a motion and a point at once, an amplitude or frequency that is not above zero, a motion that does
             not exist, or a point that no force holds.
     """
+    given = {"amplitude": amplitude, "frequency": frequency, "displacement": displacement, "force": force}
+    about = {name: None if value is None else number_of(value, name) for name, value in given.items()}
+    amplitude, frequency, displacement, force = about.values()
     oscillator = _without_disturbances(oscillator)
     point = displacement is not None or force is not None
     if amplitude is None and frequency is not None:

@@ -13,6 +13,7 @@ from pathlib import Path
 from types import ModuleType
 
 from ..errors import BadInput
+from ..files.arguments import path_of
 from ..files.reading import content_of
 from .law import Law
 from .law_trial import line_of, said
@@ -40,7 +41,8 @@ def load_law_file(path: str | os.PathLike[str]) -> tuple[Law, ...]:
         BadInput: the file cannot be read or run, defines no law, or one whose name is taken, that lacks something, or
             whose expression cannot be made; nothing is then taken into the library.
     """
-    where = os.fspath(path)
+    path = path_of(path, "a Python file with laws")
+    where = str(path)
     try:
         text = content_of(path, _MOST_BYTES).decode("utf-8-sig")
         key = os.fspath(Path(path).resolve())

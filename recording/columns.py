@@ -8,7 +8,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 
+import numpy as np
+
 from ..errors import BadInput
+from ..files.arguments import shown
 from .table import Table
 from .units import Unit, find_unit
 
@@ -170,6 +173,8 @@ def _kind(base: str, unit: Unit | None) -> str:
 
 
 def _find(table: Table, columns: Sequence[Column], role: str, option: str | int) -> int | None:
+    if not isinstance(option, str | int | np.integer) or isinstance(option, bool):
+        raise BadInput(f"--{role} is a column's name, pattern or number from 1, not {shown(option)}")
     text = str(option).strip()
     if text.lower() == "none" and role != "response":
         return None

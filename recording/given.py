@@ -5,18 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from itertools import count
-from pathlib import Path
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
 from ..errors import BadInput
+from ..files.arguments import known_options, number_of, path_of, shown, text_of
 from .objects import is_sep5, tables_of_object
-from .part import parse_part
+from .part import part_of
+from .plain_numbers import vector_of
 from .read import read_records, recording_of
 from .recording import Recording
+
+#: Lists within lists in which recordings are sought: rigs of tests of files, and as much again.
+_DEEPEST = 6
 
 
 class Reading(TypedDict, total=False):
@@ -55,15 +58,8 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
         BadInput: something is none of these, or is wrong; one sentence for each thing.
         TypeError: there is no such option.
     """
-    if unknown := sorted(set(options) - set(Reading.__annotations__)):
-        near = get_close_matches(unknown[0], Reading.__annotations__, 1)
-        raise TypeError(
-            f"there is no option '{unknown[0]}'; "
-            + (f"did you mean {near[0]}?" if near else f"options of reading are {', '.join(Reading.__annotations__)}")
-        )
-    how: dict[str, Any] = dict(options)
-    if isinstance(how.get("part"), str):
-        how["part"] = parse_part(how["part"]) if how["part"] else None
+    known_options(options, Reading.__annotations__)
+    how = _checked(options)
     several = how.pop("response", None)
     columns = list(several) if isinstance(several, list | tuple) else [several]
     if len(columns) > 1 and (stated := next((name for name in ("quantity", "unit") if how.get(name)), None)):
@@ -80,22 +76,51 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     return made
 
 
-def _each(given: Iterable[Any]) -> Iterable[Any]:
+def _checked(options: Mapping[str, Any]) -> dict[str, Any]:
+    """The options with a part in seconds, each of its type; raises BadInput for the first that is not."""
+    how = {name: value for name, value in options.items() if value is not None}
+    for name in ("quantity", "unit", "force_unit", "hold"):
+        if name in how:
+            text_of(how[name], name)
+    for name in ("fs", "max_size"):
+        if name in how:
+            how[name] = number_of(how[name], name)
+    if "calibration" in how:
+        if not isinstance(how["calibration"], Mapping):
+            raise BadInput(f'calibration is such as {{"force": "22.4 N/V"}}, not {shown(how["calibration"])}')
+        for column, factor in how["calibration"].items():
+            text_of(column, "a column of calibration")
+            if not isinstance(factor, str):
+                number_of(factor, f"the calibration of {shown(column)}")
+    if "part" in how:
+        how["part"] = part_of(how["part"])
+    return how
+
+
+def _each(given: Iterable[Any], depth: int = 0) -> Iterable[Any]:
     """What is given, lists of several taken apart."""
+    if depth > _DEEPEST:
+        raise BadInput(f"lists within lists, more than {_DEEPEST} deep, hold no recordings; give them in one list")
     for one in given:
         if isinstance(one, Mapping) and one and all(isinstance(v, str | os.PathLike | Recording) for v in one.values()):
-            yield from _each(one.values())  # files by a name of their own
-        elif isinstance(one, Sequence) and one and all(isinstance(v, int | float | np.number) for v in one):
-            yield np.asarray(one, float)
+            yield from _each(one.values(), depth + 1)  # files by a name of their own
         elif _is_one(one):
             yield one
+        elif isinstance(one, range) or _is_of_numbers(one):
+            yield vector_of(one, shown(one))
         else:
-            yield from _each(one)
+            yield from _each(one, depth + 1)
+
+
+def _is_of_numbers(given: Any) -> bool:
+    return isinstance(given, Sequence) and len(given) > 0 and all(isinstance(v, int | float | np.number) for v in given)
 
 
 def _is_one(given: Any) -> bool:
     """Whether something is not several things."""
-    if isinstance(given, str | os.PathLike | Recording | Mapping | np.ndarray) or not isinstance(given, Iterable):
+    if isinstance(given, str | bytes | bytearray | os.PathLike | Recording | Mapping | np.ndarray) or not isinstance(
+        given, Iterable
+    ):
         return True
     if hasattr(given, "columns") or hasattr(given, "dims"):  # of pandas, of xarray
         return True
@@ -106,7 +131,7 @@ def _read(one: Any, number: int, how: dict[str, Any]) -> list[Recording]:
     if isinstance(one, str | os.PathLike):
         if isinstance(how.get("force"), np.ndarray):
             raise BadInput(f"{one}: is a file, so --force names its column; an array of forces belongs to an array")
-        return read_records(Path(one), **how)
+        return read_records(path_of(one), **how)
     name, how = f"recording {number}", {key: value for key, value in how.items() if key != "max_size"}
     if isinstance(one, np.ndarray):
         one, how = _named(one, name, how)
@@ -124,6 +149,6 @@ def _named(signal: np.ndarray, name: str, how: dict[str, Any]) -> tuple[dict[str
         raise BadInput(f"{name}: an array says nothing of time; give its sampling frequency with fs, in Hz")
     arrays, force = {"response": signal}, how.get("force")
     if force is not None and not isinstance(force, str | int):
-        arrays["force"] = force if isinstance(force, np.ndarray) else np.asarray(force)
+        arrays["force"] = vector_of(force, f"{name}: the force")
         how = how | {"force": "force"}
     return arrays, how | {"response": "response"}

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from ..errors import BadInput
+from ..files.arguments import number_of, shown
 from .recording import Recording
 
 
@@ -23,6 +25,18 @@ def parse_part(text: str) -> tuple[float, float]:
             f"part {text!r} is not understood; write FROM:TO in seconds from the first sample, such as 2:30 or 5:"
         )
     return part
+
+
+def part_of(given: Any) -> tuple[float, float] | None:
+    """A part as a text, empty for all, or as two numbers of seconds; raises BadInput for anything else."""
+    if isinstance(given, str):
+        return parse_part(given) if given else None
+    if not isinstance(given, list | tuple) or len(given) != 2:
+        raise BadInput(f"part must be such as '2:30' or (2.0, 30.0), not {shown(given)}")
+    begin, end = (number_of(side, "a side of part") for side in given)
+    if not begin < end:
+        raise BadInput(f"part {shown(given)} ends before it begins; give (FROM, TO) in seconds")
+    return begin, end
 
 
 def cut_out(recording: Recording, part: tuple[float, float]) -> Recording:

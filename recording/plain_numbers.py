@@ -11,6 +11,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from ..errors import BadInput
+from .content import MOST_MB
+
 _KINDS = {
     "c": "complex numbers",
     "b": "yes or no",
@@ -35,7 +38,11 @@ def numbers_of(given: Any) -> Numbers:
 
     Whole numbers stay such where none is missing; times (also with a zone) become seconds since the first, durations
     seconds. Decimal numbers and fractions become floats.
+
+    Raises:
+        BadInput: it stands for more numbers than lie in memory, and more than a file may hold.
     """
+    _bounded(given)
     missing = _missing(given)
     array = _array(given)
     kind = array.dtype.kind
@@ -51,6 +58,35 @@ def numbers_of(given: Any) -> Numbers:
     if missing is not None and missing.shape == array.shape and missing.any():
         array = np.where(missing, np.nan, array.astype(float))
     return Numbers(np.ma.getdata(array))
+
+
+def vector_of(given: Any, what: str) -> np.ndarray:
+    """Numbers as floats of any shape, NaN where one is masked.
+
+    Raises:
+        BadInput: there are none, or more than fit in memory; ``what`` begins the message.
+    """
+    numbers = numbers_of(given)
+    if numbers.values is None:
+        raise BadInput(f"{what} is not an array of numbers, but of {numbers.kind}")
+    try:
+        return np.array(numbers.values, float)
+    except MemoryError:
+        raise BadInput(f"{what} has {numbers.values.size} numbers, more than fit in memory; give less") from None
+
+
+def _bounded(given: Any) -> None:
+    """Refuse a range, or a view of few numbers that repeats them, of more than MOST_MB."""
+    size = 0
+    if isinstance(given, range):
+        size = 8 * max(0, -(-(given.stop - given.start) // given.step))  # whose len may not fit
+    elif isinstance(given, np.ndarray) and given.nbytes > MOST_MB * 1e6:
+        low, high = np.lib.array_utils.byte_bounds(given)
+        size = given.nbytes if given.nbytes > high - low else 0
+    if size > MOST_MB * 1e6:
+        raise BadInput(
+            f"a {type(given).__name__} of {size // 8} numbers stands for more than {MOST_MB:g} MB; give less at once"
+        )
 
 
 def _missing(given: Any) -> np.ndarray | None:
@@ -73,6 +109,8 @@ def _array(given: Any) -> np.ndarray:
             return np.asarray(given.to_numpy(dtype=float, na_value=np.nan))
     try:
         return np.ma.getdata(given) if isinstance(given, np.ma.MaskedArray) else np.asarray(given)
+    except MemoryError:
+        raise BadInput(f"a {type(given).__name__} of more numbers than fit in memory; give less at once") from None
     except (TypeError, ValueError, OverflowError):  # lists of several lengths, whole numbers beyond any
         return np.array([None, given], object)[1:]
 

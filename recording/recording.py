@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
+from ..files.arguments import number_of, text_of
 from ..files.computed_once import computed_once
-from .plain_numbers import numbers_of
+from .plain_numbers import vector_of
 from .units import parse_unit
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -48,6 +49,13 @@ class Recording:
     struck: tuple[tuple[int, int, bool], ...] = ()
 
     def __post_init__(self) -> None:
+        text_of(self.name, "the name of a recording")
+        for field, what in (("fs", "the sampling rate"), ("start", "the first time stamp")):
+            object.__setattr__(self, field, number_of(getattr(self, field), f"{self.name}: {what}, {field},"))
+        for field in ("quantity", "unit", "force_unit"):
+            text_of(getattr(self, field), f"{self.name}: {field}")
+        if self.hold is not None:
+            text_of(self.hold, f"{self.name}: hold")
         if not (math.isfinite(self.fs) and self.fs > 0):
             raise BadInput(f"{self.name}: the sampling rate is {self.fs} Hz; it must be a positive number")
         if not math.isfinite(self.start):
@@ -134,12 +142,12 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
     name = str(response.get("name", "recording"))
     if "data" not in response:
         raise BadInput(f"{name}: the SEP 5 dictionary has no 'data'")
-    columns = [_plain(series["data"], f"{name}: 'data'") for series in (response, force) if series is not None]
+    columns = [vector_of(series["data"], f"{name}: 'data'") for series in (response, force) if series is not None]
     if any(column.shape != columns[0].shape or column.ndim != 1 for column in columns):
         raise BadInput(f"{name}: the SEP 5 'data' of response and force must be vectors of the same length")
     time, fs = response.get("time"), response.get("fs")
-    stamps = None if time is None else _plain(time, f"{name}: 'time'")
-    rate = None if fs is None else float(_plain([fs], f"{name}: 'fs'")[0])
+    stamps = None if time is None else vector_of(time, f"{name}: 'time'")
+    rate = None if fs is None else float(vector_of([fs], f"{name}: 'fs'")[0])
     signals = np.column_stack(columns)
     empty = np.any(np.isnan(signals), axis=1)
     if np.any(empty) and not np.all(empty) and (stamps is not None or (rate is not None and rate > 0)):
@@ -168,19 +176,8 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
     )
 
 
-def _plain(given: Any, what: str) -> np.ndarray:
-    """Numbers as floats, NaN where one is masked; raises BadInput where there are none."""
-    numbers = numbers_of(given)
-    if numbers.values is None:
-        raise BadInput(f"{what} holds {numbers.kind}; give an array of numbers")
-    return np.asarray(numbers.values, float)
-
-
 def _frozen(values: np.ndarray, what: str) -> np.ndarray:
-    numbers = numbers_of(values)
-    if numbers.values is None:
-        raise BadInput(f"{what} is not an array of numbers, but of {numbers.kind}")
-    copy = np.array(numbers.values, dtype=np.float64)
+    copy = vector_of(values, what)
     if np.ma.is_masked(values):
         raise BadInput(f"{what} has masked samples, which are missing; hand it over as an array by name to bridge them")
     if copy.ndim != 1:

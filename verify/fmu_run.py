@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+import stat
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -94,12 +95,14 @@ class FmuRun:
 
     def __init__(self, fmu: Path, *, limit: float = TIME_LIMIT) -> None:
         self.path = fmu
-        if fmu.is_dir():
-            raise BadInput(f"{fmu}: is a folder; name an FMU, for example one made by dashpot export")
-        if not fmu.exists():
-            raise BadInput(f"{fmu}: there is no such file; name an FMU, for example one made by dashpot export")
-        if not fmu.is_file():
-            raise BadInput(f"{fmu}: is a pipe or a device; name an FMU, for example one made by dashpot export")
+        try:
+            mode = fmu.stat().st_mode
+        except OSError as error:
+            reason = "there is no such file" if isinstance(error, FileNotFoundError) else error.strerror
+            raise BadInput(f"{fmu}: {reason}; name an FMU, for example one made by dashpot export") from None
+        if not stat.S_ISREG(mode):
+            kind = "a folder" if stat.S_ISDIR(mode) else "a pipe or a device"
+            raise BadInput(f"{fmu}: is {kind}; name an FMU, for example one made by dashpot export")
         self._folder = Path(mkdtemp(prefix="fmu-"))
         self._process: FmuProcess | None = None
         try:

@@ -212,6 +212,7 @@ def test_no_room_on_the_machine_is_no_fault_of_a_row_which_is_done_when_there_is
     with pytest.raises(BadInput, match=r"No space left on device|takes nothing"):
         run(asked, tmp_path / "out", local("worker", 1))
     assert not kept(tmp_path / "out")
+    assert not (tmp_path / "out" / "locks").exists()
     (tmp_path / "room").touch()
     assert states(run(asked, tmp_path / "out", local("worker", 1))) == {name: "good"}
 

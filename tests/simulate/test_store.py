@@ -16,6 +16,7 @@ import pytest
 from dashpot.errors import BadInput, ToolchainMissing
 from dashpot.model import Oscillator
 from dashpot.simulate import store
+from dashpot.simulate.cache import cache_folder
 from dashpot.simulate.compiler import loaded_library, machine_compiler, shared_library
 from dashpot.simulate.law_source import law_source
 
@@ -102,6 +103,22 @@ def test_a_user_without_a_home_can_compile():
     run = elsewhere(DASHPOT_CACHE="", XDG_CACHE_HOME="", HOME="/proc/none")
     assert run.stdout == "42\n"
     assert run.stderr.startswith("note: ")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="of Unix")
+@pytest.mark.parametrize(
+    "environment", [{"HOME": "", "XDG_CACHE_HOME": ""}, {"HOME": "here", "XDG_CACHE_HOME": "here"}]
+)
+def test_a_home_that_is_empty_or_relative_is_none(monkeypatch, environment):
+    """Else the root of the disk, or whatever folder a command is started in, would be a cache."""
+    import pwd
+
+    monkeypatch.delenv("DASHPOT_CACHE", raising=False)
+    for name, value in environment.items():
+        monkeypatch.setenv(name, value)
+    assert cache_folder() == Path(pwd.getpwuid(os.getuid()).pw_dir) / ".cache" / "dashpot"
+    monkeypatch.setattr(pwd, "getpwuid", lambda _uid: {}["nobody"])  # a user who is in no list, as in a container
+    assert cache_folder() == Path("/nonexistent/dashpot")
 
 
 def test_two_processes_may_make_the_same_at_once(tmp_path):

@@ -1,0 +1,137 @@
+"""Whatever a call is handed, there is a result or a sentence: BadInput, KeyError of a name, TypeError of an option."""
+
+from __future__ import annotations
+
+import itertools
+from pathlib import Path
+
+import dashpot
+import numpy as np
+import pytest
+from dashpot.errors import LONGEST, BadInput, DashpotError
+from dashpot.examples.truth import TRUTH
+
+T = np.arange(600) / 500.0
+X = 5e-3 * np.exp(-2.5 * T) * np.cos(79.6 * T)
+
+
+def _nested(times: int) -> list:
+    made: list = []
+    for _ in range(times):
+        made = [made]
+    return made
+
+
+_LOOP: list = []
+_LOOP.append(_LOOP)
+_VIEW = np.broadcast_to(np.float64(1.0), (10**12,))
+#: Of a kind that no argument has, or that only some have.
+THINGS = [
+    None, b"x", bytearray(b"xy"), "x", "", "\0", "1.0", 5, -1, 0, np.nan, np.inf, 10**400, True, 1j, [], {}, (),
+    [1], ["a"], {1: 2}, {"a": 1}, {b"a": 1}, [None, None], [b"x"], [10**400, 1], {1, 2}, object(), type, lambda: 1,
+    range(10**12), _VIEW, [_VIEW], {"x_m": _VIEW}, np.lib.stride_tricks.as_strided(np.zeros(9), (10**5, 10**5), (0,
+    0)), _nested(3000), _LOOP, np.array(None), np.array(["a"]), np.array([1j]), np.zeros((2, 2, 2)), np.zeros(0),
+    np.float64(3), np.datetime64("NaT"), Path("absent.yaml"), Path("/"), "é" * 5000, {"data": X, "name": None, "fs":
+    b"1"}, {"data": None, "name": "x", "fs": 1}, {"x_m": X, "fs": "a"}, {"x_m": [1, [2]]},
+]  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def model() -> dashpot.Model:
+    return dashpot.Model.from_values(TRUTH)
+
+
+@pytest.fixture(scope="module")
+def calls(model, tmp_path_factory):
+    """Each call with one argument open, the others right."""
+    (decay,) = dashpot.read(X, fs=500.0)
+    arrays = {"time_s": T, "x_m": X, "force_N": X}
+    made = {
+        "read": dashpot.read,
+        "load": dashpot.load,
+        "load_laws": dashpot.load_laws,
+        "look": dashpot.look,
+        "values": dashpot.Model.from_values,
+        "mass": lambda it: dashpot.Model.from_values({**TRUTH, "mass": it}),
+        "identify fixed": lambda it: dashpot.identify(fixed=it),
+        "identify laws": lambda it: dashpot.identify(laws=it),
+        "identify name": lambda it: dashpot.identify(name=it),
+        "identify mode": lambda it: dashpot.identify(mode=it),
+        "hilbert mode": lambda it: dashpot.hilbert(mode=it),
+        "simulate": lambda it: model.simulate(it),
+        "backbone": model.backbone,
+        "save": model.save,
+        "export": model.export,
+        "renamed": lambda it: model.renamed(it),
+        "getitem": lambda it: model[it],
+        "discrete": model.linearise(displacement=0.0).discrete,
+        "verify": lambda it: dashpot.verify(it, decay),
+        "diagnose": lambda it: dashpot.diagnose(it, decay),
+        "holdout": lambda it: dashpot.diagnose(model, holdout=it),
+        "compare": lambda it: dashpot.compare(it, model),
+        "compare repeats": lambda it: dashpot.compare(model, model, it),
+        "watch": dashpot.watch,
+        "watch repeats": lambda it: dashpot.watch([model, model], repeats=it),
+        "batch": lambda it: dashpot.batch(it, tmp_path_factory.mktemp("out")),
+        "Recording": lambda it: dashpot.Recording("r", 1.0, it),
+        "Recording fs": lambda it: dashpot.Recording("r", it, X),
+        "Recording name": lambda it: dashpot.Recording(it, 1.0, X),
+        "Recording unit": lambda it: dashpot.Recording("r", 1.0, X, unit=it),
+        "Recording start": lambda it: dashpot.Recording("r", 1.0, X, start=it),
+    }
+    for name in ("time", "force", "response", "quantity", "unit", "force_unit", "calibration", "fs", "part", "hold"):
+        made |= {
+            f"read {name}": lambda it, name=name: dashpot.read(arrays, **{name: it}),
+            f"read array {name}": lambda it, name=name: dashpot.read(X, **({"fs": 500.0} | {name: it})),
+        }
+    for name in ("quantity", "unit", "laws", "name"):
+        made[f"values {name}"] = lambda it, name=name: dashpot.Model.from_values(TRUTH, **{name: it})
+    for name in ("amplitude", "frequency", "displacement", "force"):
+        made[f"linearise {name}"] = lambda it, name=name: model.linearise(**{name: it})
+    for name in ("force", "fs", "initial", "seconds", "hold"):
+        fixed = {"fs": 500.0, "seconds": 0.1} if name in ("seconds", "initial") else {"force": X, "fs": 500.0}
+        made[f"simulate {name}"] = lambda it, name=name, fixed=fixed: model.simulate(**(fixed | {name: it}))
+    return made
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_any_argument_gives_a_result_or_a_sentence(calls, tmp_path, monkeypatch):
+    """BadInput wherever the documentation says so; of a name in brackets, KeyError."""
+    monkeypatch.chdir(tmp_path)
+    raw, long = [], []
+    for (name, call), (place, thing) in itertools.product(calls.items(), enumerate(THINGS)):
+        try:
+            call(thing)
+        except DashpotError as problem:
+            if len(max(str(problem).splitlines(), key=len)) > LONGEST:
+                long.append((name, place))
+        except Exception as error:
+            if not (name == "getitem" and isinstance(error, KeyError)):
+                raw.append((name, place, repr(error)[:90]))
+    assert raw == []
+    assert long == []
+
+
+@pytest.mark.parametrize(
+    ("call", "options", "says"),
+    [
+        (dashpot.identify, {"fix": {}}, "there is no option 'fix', which is one of the command line; here it is fixed"),
+        (dashpot.identify, {"with": "stribeck"}, "here it is laws"),
+        (dashpot.identify, {"from_": "a.yaml"}, "here it is start"),
+        (dashpot.identify, {"law": "a.py"}, "here it is dashpot.load_laws"),
+        (dashpot.identify, {"nmae": "a"}, "did you mean name"),
+        (dashpot.verify, {"time_limit": 3.0}, "here it is limit"),
+        (dashpot.diagnose, {"hold_out": []}, "did you mean holdout"),
+        (dashpot.hilbert, {"untis": "m"}, "did you mean unit"),
+    ],
+)
+def test_an_option_of_the_command_line_is_known_to_the_message(call, options, says):
+    with pytest.raises(TypeError, match=says):
+        call("absent", **options)
+
+
+def test_a_model_is_known_by_the_name_it_was_given(model):
+    with pytest.raises(BadInput, match="the name of a model must be a text, not 5"):
+        model.renamed(5)
+    with pytest.raises(KeyError, match="no parameter None; there are mass, omega0"):
+        model[None]
