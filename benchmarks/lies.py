@@ -1,20 +1,22 @@
-"""Counts which lies of recordings are told: `benchmarks/lies.py FILE [STAND...]`.
+"""Counts which lies of recordings are told: `benchmarks/lies.py FILE [STAND...] [--odd] [--seed N] [--noise TIMES]`.
 
 As a user reads and identifies them, with nothing asked for: how many of its stated errors the worst parameter is off,
 and what is said of the record that lies. FILE takes a line of JSON a recording, as soon as it is done; begun again with
-the same file, what is in there is not done again. `honest.py` has the other half: false words.
+the same file, what is in there is not done again. `--odd` asks those of `odd_lies`, `--seed` other noise, `--noise` so
+many times as much on the response. `honest.py` has the other half: false words.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 import time
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 from dashpot.errors import BadInput
-from dashpot.examples.lies import STANDS, Lie, Stand, lies, told
+from dashpot.examples.lies import STANDS, Lie, Stand, lies, odd_lies, told
 from dashpot.identify import identify
 from dashpot.recording.checks import check
 
@@ -22,13 +24,13 @@ from dashpot.recording.checks import check
 WRONG = 5.0
 
 
-def outcome(stand: Stand, lie: Lie) -> dict[str, object]:
+def outcome(stand: Stand, lie: Lie, seed: int = 0) -> dict[str, object]:
     """What is said of recordings one of which lies, by how many errors the worst parameter is off, and what that is.
 
     "named": a sentence has the record and the kind; "placed": one has the record and what contradicts it; "misnamed":
     another fault is told; "none needed": nothing is said, and no parameter is off; "silent": nothing, and one is.
     """
-    recordings = told(stand, lie)
+    recordings = told(stand, lie, seed)
     name = recordings[lie.record].name
     off, problems = 0.0, [problem for recording in recordings for problem in check(recording)]
     remarks = [problem.sentence for problem in problems]
@@ -52,17 +54,18 @@ def outcome(stand: Stand, lie: Lie) -> dict[str, object]:
     return {"verdict": verdict, "off": round(off, 2), "said": said or noted}
 
 
-def main(file: Path, names: list[str]) -> None:
+def main(file: Path, names: list[str], *, odd: bool, seed: int, noise: float) -> None:
     """Do what is not in the file, and count what is."""
     kept = [json.loads(line) for line in file.read_text().splitlines()] if file.exists() else []
     done = {(row["stand"], row["lie"]) for row in kept}
-    turns = zip(*(lies(STANDS[name]) for name in names), strict=True)
+    stands = {name: replace(STANDS[name], noise=noise * STANDS[name].noise) for name in names}
+    turns = zip(*((odd_lies if odd else lies)(stand) for stand in stands.values()), strict=True)
     with file.open("a") as lines:
         for name, lie in (pair for turn in turns for pair in zip(names, turn, strict=True)):
             if (name, lie.name) in done:
                 continue
             began = time.monotonic()
-            row = {"stand": name, "lie": lie.name, "kind": lie.kind, **outcome(STANDS[name], lie)}
+            row = {"stand": name, "lie": lie.name, "kind": lie.kind, **outcome(stands[name], lie, seed)}
             kept.append({**row, "seconds": round(time.monotonic() - began, 1)})
             print(json.dumps(kept[-1]), file=lines, flush=True)
     for name in names:
@@ -71,4 +74,11 @@ def main(file: Path, names: list[str]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), sys.argv[2:] or list(STANDS))
+    asked = argparse.ArgumentParser()
+    asked.add_argument("file", type=Path)
+    asked.add_argument("stands", nargs="*", metavar="STAND")
+    asked.add_argument("--odd", action="store_true")
+    asked.add_argument("--seed", type=int, default=0)
+    asked.add_argument("--noise", type=float, default=1.0)
+    given = asked.parse_args()
+    main(given.file, given.stands or list(STANDS), odd=given.odd, seed=given.seed, noise=given.noise)

@@ -34,6 +34,44 @@ from .measuring_chain import (
     wavering,
     zeroed,
 )
+from .odd_chains import (
+    averaged_runs,
+    backwards,
+    bent,
+    copied,
+    dead_band,
+    dropouts,
+    echo,
+    every_second,
+    exchanged,
+    gain_by_sign,
+    gain_walks,
+    gain_waves,
+    high_pass,
+    last_value,
+    leaks,
+    levelled,
+    lost_of_one,
+    low_pass,
+    mean_about,
+    mean_of,
+    noisier,
+    on_force,
+    on_response,
+    play,
+    popcorn,
+    pre_roll,
+    quantised_time,
+    rig_changes,
+    saturates,
+    spikes,
+    stuck_bit,
+    swapped_pairs,
+    tilted,
+    two_clocks,
+    voltage_for_force,
+    wraps,
+)
 from .truth import TRUTH
 from .virtual_recording import recording_of
 
@@ -122,7 +160,7 @@ class Lie:
     """One thing that a measuring chain does to one of the recordings.
 
     `kind` is what it is, and `also` are kinds that leave the same numbers; `record` the place of the recording that
-    lies; `change` what happens to it, `last` with the noise already on it.
+    lies; `change` what happens to it, `last` with the noise already on it, `driven` to the other driven one as well.
     """
 
     name: str
@@ -131,16 +169,18 @@ class Lie:
     change: Change
     last: bool = False
     also: tuple[str, ...] = ()
+    driven: bool = False
 
     def is_named(self, sentence: str) -> bool:
         """Whether a sentence has the words of its kind."""
-        return any(word in sentence for kind in (self.kind, *self.also) for word in WORDS[kind])
+        return any(word in sentence for kind in (self.kind, *self.also) for word in WORDS.get(kind, ()))
 
 
 def told(stand: Stand, lie: Lie | None, seed: int = 0) -> list[Recording]:
     """The recordings of a stand with that lie among them, or none."""
     clean = stand.clean()
-    lying = [lie.change(r) if lie is not None and i == lie.record else r for i, r in enumerate(clean)]
+    places = () if lie is None else (1, 2) if lie.driven else (lie.record,)
+    lying = [lie.change(r) if lie is not None and i in places else r for i, r in enumerate(clean)]
     if lie is not None and lie.last:
         return [lie.change(r) if i == lie.record else r for i, r in enumerate(stand.noisy(clean, seed))]
     return stand.noisy(lying, seed)
@@ -154,6 +194,63 @@ def of_another_rig(stand: Stand, **times: float) -> Change:
         return next(other for other in others if other.name == r.name)
 
     return change
+
+
+def odd_lies(stand: Stand) -> tuple[Lie, ...]:
+    """What else they are made to tell, by ``odd_chains``; of a kind without words it is enough that the record is."""
+    cycle = 2 * np.pi / stand.values["omega0"]
+    line, sample = 1.0 / cycle, 1.0 / stand.fs
+    brake = 0.2 * stand.values["viscous"] * stand.values["mass"]
+    another = of_another_rig(stand, omega0=0.97)
+    return (
+        Lie("gain walks by 3 %", "gain walk", 2, on_response(gain_walks(0.03))),
+        Lie("gain walks by -3 %, weak", "gain walk", 1, on_response(gain_walks(-0.03))),
+        Lie("force gain walks by 3 %", "force gain walk", 2, on_force(gain_walks(0.03))),
+        Lie("gain waves by 2 %", "gain wave", 2, on_response(gain_waves(0.02, 2.0))),
+        Lie("saturates by 3 %", "saturation", 2, on_response(saturates(0.03))),
+        Lie("force saturates by 3 %", "force saturation", 2, on_force(saturates(0.03))),
+        Lie("force wraps at 70 %", "force wraps", 2, on_force(wraps(0.7)), last=True),
+        Lie("response wraps at 80 %", "response wraps", 2, on_response(wraps(0.8)), last=True),
+        Lie("skew of 0.3 samples", "late", 2, late(0.3 * sample)),
+        Lie("skew of -0.1 samples", "late", 1, late(-0.1 * sample)),
+        Lie("mean of 4 samples", "mean of samples", 2, on_response(mean_of(4)), also=("late",)),
+        Lie("mean of both channels", "mean of samples", 1, lambda r: on_force(mean_of(9))(on_response(mean_of(9))(r))),
+        Lie("smoothed", "smoothed", 2, on_response(mean_about(7)), also=("gain",)),
+        Lie("voltage for force", "back-EMF", 2, voltage_for_force(brake), driven=True),
+        Lie("quantised time", "quantised time", 2, quantised_time(0.37 * sample)),
+        Lie("copied block", "copied", 2, copied(3 * cycle, 5.2 * cycle, 0.45), last=True),
+        Lie("copied block of a decay", "copied", 0, copied(3 * cycle, 4.0 * cycle, 0.3), last=True),
+        Lie("pre-roll of 2 cycles", "late", 2, pre_roll(2.2 * cycle)),
+        Lie("low-pass on response", "low-pass", 2, on_response(low_pass(20 * line)), also=("late",)),
+        Lie("low-pass on force", "low-pass", 2, on_force(low_pass(20 * line)), also=("late",)),
+        Lie("high-pass on response", "high-pass", 2, on_response(high_pass(0.05 * line)), also=("late",)),
+        Lie("high-pass on force", "high-pass", 1, on_force(high_pass(0.05 * line)), also=("late",)),
+        Lie("tilted", "tilt", 2, on_response(tilted(0.05, line))),
+        Lie("echo of 3 %", "echo", 2, on_response(echo(0.03, 2.6 * cycle))),
+        Lie("dead band of 2 %", "dead band", 2, on_response(dead_band(0.02))),
+        Lie("play of 2 %", "play", 2, on_response(play(0.02))),
+        Lie("stuck bit", "stuck bit", 2, on_response(stuck_bit(1 / 32)), last=True),
+        Lie("automatic gain", "automatic gain", 2, on_response(levelled(0.2, 5 * cycle))),
+        Lie("dropouts", "dropouts", 2, on_response(dropouts(97)), last=True),
+        Lie("pairs swapped", "swapped", 2, on_response(swapped_pairs()), last=True),
+        Lie("half rate, held", "half rate", 2, on_response(every_second(held=True)), last=True, also=("late",)),
+        Lie("half rate, between", "half rate", 2, on_response(every_second(held=False)), last=True, also=("gain",)),
+        Lie("spikes", "outlier", 2, on_response(spikes(0.5, 5)), last=True),
+        Lie("noise for a while", "noise", 2, on_response(noisier(0.05, 0.4, 0.5))),
+        Lie("popcorn noise", "step", 2, on_response(popcorn(0.02, 7))),
+        Lie("last value", "held", 2, on_response(last_value(0.8)), last=True),
+        Lie("bent sensor", "bent", 2, on_response(bent(0.03))),
+        Lie("gain by sign", "gain by sign", 2, on_response(gain_by_sign(0.03))),
+        Lie("force gain by sign", "gain by sign", 2, on_force(gain_by_sign(0.05))),
+        Lie("two clocks", "two clocks", 2, two_clocks(2e-4), also=("late", "wavering")),
+        Lie("force on response", "leak", 2, leaks(0.03), also=("late",)),
+        Lie("response on force", "leak", 2, leaks(0.03, onto_force=True), also=("late",)),
+        Lie("channels exchanged", "exchanged", 2, exchanged()),
+        Lie("backwards", "backwards", 2, backwards()),
+        Lie("mean of two runs", "mean of runs", 2, averaged_runs(0.1 * cycle), also=("late",)),
+        Lie("lost in one channel", "lost", 2, lost_of_one(0.3 * cycle, 0.4), also=("late",)),
+        Lie("rig changes midway", "rig changes", 2, rig_changes(another, 0.5)),
+    )
 
 
 def lies(stand: Stand) -> tuple[Lie, ...]:
