@@ -96,6 +96,15 @@ WORDS = {
     "held": ("leaps by", "stands still"),
     "zeros": ("leaps by", "stands still"),
     "outlier": ("leaps by", "is off by"),
+    "force wraps": ("the force wraps",),
+    "response wraps": ("the response wraps",),
+    "back-EMF": ("back-EMF",),
+    "copied": ("leaps by", "once more"),
+    "backwards": ("takes work out",),
+    "exchanged": ("takes work out",),
+    "gain walk": ("a gain that walks",),
+    "saturation": ("that saturates",),
+    "force saturation": ("that saturates",),
 }
 
 

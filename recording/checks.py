@@ -11,7 +11,7 @@ import numpy as np
 
 from .channel_range import lasting, reach
 from .clipping import Clipping, clipping, measured, noise_of
-from .continuity import leaps, noise_beside, repeated, wrapped
+from .continuity import folded, leaps, noise_beside, repeated, wrapped
 from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
 from .recording import QUANTITIES, Recording
 from .resolution import converter_step
@@ -123,20 +123,25 @@ def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
 
 
 def wrapping(recording: Recording, _: Oscillation) -> list[Problem]:
-    """Find an angle that jumps by a whole turn where it leaves the range of its encoder."""
-    if recording.quantity != "displacement" or recording.unit != "rad":
-        return []
-    places = wrapped(recording.response)
-    if not places.size:
-        return []
-    at = recording.start + places[0] / recording.fs
-    return [
-        _error(
-            recording,
+    """Find a signal that goes on at the other end of its range: an angle in one turn, or a converter's overflow."""
+    problems = []
+    for signal, name, unit in _signals(recording):
+        angle = name == "response" and recording.quantity == "displacement" and unit == "rad"
+        turns = wrapped(signal) if angle else np.zeros(0, int)
+        places = turns if turns.size else folded(signal)
+        if not places.size:
+            continue
+        at = recording.start + places[0] / recording.fs
+        sentence = (
             f"the angle jumps by a full turn {places.size} time(s), first at {at:.6g} s: it was wrapped into one turn "
-            "(±180°, ±pi); unwrap it in the file, as numpy.unwrap does, so that it runs on",
+            "(±180°, ±pi); unwrap it in the file, as numpy.unwrap does, so that it runs on"
+            if turns.size
+            else f"the {name} wraps {places.size} time(s) from one end of its range to the other, by "
+            f"{np.ptp(signal):.4g} {unit}, first at {at:.6g} s: its converter or its counter overflows; unwrap it in "
+            "the file by that range, or record with more"
         )
-    ]
+        problems.append(_error(recording, sentence))
+    return problems
 
 
 def written_twice(recording: Recording, _: Oscillation) -> list[Problem]:
@@ -299,6 +304,8 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
     if force is None or _free(recording) or not lasting(force):
         return []
     if power_cosine(force, recording.response, recording.fs, recording.quantity) > REVERSED:
+        return []
+    if wrapping(recording, motion):
         return []
     if no_reach(recording, motion):
         return []  # unrelated signals have no phase

@@ -84,6 +84,28 @@ def wrapped(angle: np.ndarray) -> np.ndarray:
     return np.flatnonzero(over) + 1 if within and np.max(back) <= _LEAP * ordinary else np.zeros(0, int)
 
 
+def folded(signal: np.ndarray) -> np.ndarray:
+    """Places of the samples before which a signal (n,) left its range and went on at the other end; empty where none.
+
+    A counter or a converter that does not stop at its limit. Its leaps go over all of its range, out and
+    back again, and stand out from its steps; in between it moves on, away from the limit by more than noise, which a
+    force that is switched does not.
+    """
+    steps = np.diff(signal)
+    over = np.abs(steps) > 0.5 * np.ptp(signal)
+    places = np.flatnonzero(over) + 1
+    if places.size < 2 or np.all(over):
+        return np.zeros(0, int)
+    ordinary, ways = float(np.max(np.abs(steps[~over]))), np.sign(steps[over])
+    whole = np.all(np.abs(steps[over]) >= np.ptp(signal) - _LEAP * ordinary)
+    pairs = zip(ways[::2], ways[1::2], strict=False)
+    if not whole or np.min(np.abs(steps[over])) <= _LEAP * ordinary or any(out == back for out, back in pairs):
+        return np.zeros(0, int)
+    beyond = [signal[first:last] for first, last in zip(places[:-1:2], places[1::2], strict=False)]
+    away = min(float(np.ptp(piece)) for piece in beyond)
+    return places if away > _NOISE * noise_beside(signal) else np.zeros(0, int)
+
+
 def noise_beside(signal: np.ndarray) -> float:
     """Standard deviation of the noise on a signal (n,), whatever it does at a few instants.
 

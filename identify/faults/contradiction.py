@@ -127,9 +127,9 @@ def _level(segment: Segment, values: Mapping[str, float], recordings: Sequence[R
     return Level(size, float(np.mean(density) ** 2 / np.mean(density**2)))
 
 
-def covering(fit: Fit, found: Contradiction) -> Fit:
-    """The fit with standard errors that cover what either part may have done to its values."""
-    covariance = fit.covariance + sum(np.outer(shift, shift) for shift in found.shifts)
+def covering(fit: Fit, shifts: Sequence[np.ndarray]) -> Fit:
+    """The fit with standard errors that cover shifts (free,) of its values: what a part may have done to them."""
+    covariance = fit.covariance + sum(np.outer(shift, shift) for shift in shifts)
     known = fit.oscillator.parameters()
     wider = {
         name: replace(known[name], std=math.sqrt(variance))

@@ -11,12 +11,14 @@ from ...errors import BadInput
 from ...recording.recording import Recording
 from ..fit.reported_result import Fit
 from ..signals.odds import ABOVE_NOISE
+from .back_emf import back_emf
 from .contradiction import Contradiction, contradiction, covering
 from .fault_score import KINDS, OF_A_WHOLE
 from .faults_found import faults_found
 from .part import Part
 from .part_kinds import kind_of_part
 from .stranger_among import FEWEST, of_one_rig, stranger_among, told_apart
+from .unlike_parts import unlike_in_words, unlike_parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +55,10 @@ def blame(
         alone: the fit of some of them from starts of their own; None where one may not be of another rig.
     """
     if not max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
-        return Blame(fit, {}, ())
+        unlike = unlike_parts(fit, recordings)
+        if unlike is None:
+            return Blame(fit, {}, ())
+        return Blame(covering(fit, unlike.shifts), {}, (unlike_in_words(unlike, fit, recordings),))
     found = contradiction(fit, recordings)
     if found is None and alone is not None:
         found = _from_the_others(fit, recordings, alone)
@@ -62,7 +67,7 @@ def blame(
     told = _told(fit, recordings, found, alone)
     if found is None:
         return Blame(fit, told, ())
-    fit = covering(fit, found)
+    fit = covering(fit, found.shifts)
     if told:
         return Blame(fit, told, ())
     words = in_words(found, recordings)
@@ -125,6 +130,8 @@ def _told(
     suspect = None if found is None or found.other is not None or not found.part.whole else found.part.recording
     own = None if suspect is None or alone is None else of_one_rig([recordings[suspect]], alone)
     # what agrees with a rig of its own has no fault that begins somewhere, and no line or wave on it
+    if found is not None and alone is not None and (braked := back_emf(recordings, alone)):
+        return braked
     faults = faults_found(fit, recordings, found, KINDS if own is None else OF_A_WHOLE)
     if faults:
         return {fault.fault.recording: fault.words for fault in faults}

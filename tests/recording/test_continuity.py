@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from dashpot.recording.continuity import leaps, repeated, wrapped
+from dashpot.examples.lies import STANDS, told
+from dashpot.recording import check
+from dashpot.recording.continuity import folded, leaps, repeated, wrapped
 
 N, CYCLE = 4000, 80
 PHASE = 2 * np.pi * np.arange(N) / CYCLE
@@ -122,3 +126,41 @@ def test_only_a_whole_turn_is_a_wrapped_one(short, found):
 def test_half_a_turn_in_a_sample_tells_no_direction():
     assert wrapped(np.array([0.0, np.pi - 0.01, 0.0, np.pi - 0.01])).size == 0
     assert wrapped(np.tile([0.0, 4.0], 20)).size == 0
+
+
+def _wrap(signal, limit):
+    return (signal + limit) % (2 * limit) - limit
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_a_signal_that_wraps_at_its_range_is_told_from_what_leaps_by_itself(noise):
+    random = np.random.default_rng(3)
+    t = np.arange(6000) / 500.0
+    sweep = np.sin(2 * np.pi * (6 + 0.5 * t) * t)
+    made = _wrap(sweep + noise * random.standard_normal(t.size), 0.7)
+    places = folded(made)
+    assert places.size > 100
+    over = np.cumsum(np.isin(np.arange(t.size), places) * -np.sign(np.diff(made, prepend=made[0]))) * 1.4
+    assert np.max(np.abs(made + over - sweep)) < 10 * noise + 1e-9
+    bounce = 1.0 - (6 * t) % 2.0  # a velocity turned round at two walls, and a sawtooth
+    others = {
+        "square": np.sign(sweep),
+        "bursts": np.sign(sweep) * (t % 2 < 0.4),
+        "random": np.sign(random.standard_normal(t.size)),
+        "noise": random.standard_normal(t.size),
+        "sawtooth": bounce,
+        "between walls": np.where((3 * t) % 2 < 1, 1.0, -1.0) * (1.0 - 0.2 * ((3 * t) % 1.0)),
+        "sweep": sweep,
+        "one": np.where(t < 3, 0.0, 1.0),
+    }
+    for kind, signal in others.items():
+        assert folded(signal + noise * random.standard_normal(t.size)).size == 0, kind
+
+
+def test_a_force_that_wraps_is_refused_for_that_alone():
+    (record,) = [r for r in told(STANDS["built-in"], None) if r.name == "strong.csv"]
+    problems = check(replace(record, force=_wrap(record.force, 0.7 * np.max(record.force))))
+    assert [problem.severity for problem in problems] == ["error"]
+    assert "the force wraps" in problems[0].sentence
+    response = replace(record, response=_wrap(record.response, 0.8 * np.max(record.response)))
+    assert "the response wraps" in check(response)[0].sentence

@@ -50,7 +50,7 @@ def test_the_part_is_found_where_a_gain_has_changed(record, change, since):
 def test_errors_cover_what_a_lie_does_to_the_parameters():
     fit, recordings = fitted(Lie("", "gain", 1, force_gain(0.8, 0.45)), slice(0, 2))
     assert most_off(fit) > 20.0
-    wider = covering(fit, contradiction(fit, recordings))
+    wider = covering(fit, contradiction(fit, recordings).shifts)
     assert most_off(wider) < 3.0
     errors = [p.std for name, p in wider.oscillator.parameters().items() if name in wider.names]
     np.testing.assert_allclose(np.sqrt(np.diag(wider.covariance)), errors)
@@ -63,7 +63,7 @@ def test_two_parts_of_which_either_may_be_right_are_both_told(since):
     assert found.other is not None
     assert found.part.apart_from(found.other)
     assert len(found.shifts) == 2
-    assert most_off(covering(fit, found)) < 3.0
+    assert most_off(covering(fit, found.shifts)) < 3.0
 
 
 def test_honest_recordings_do_not_contradict_each_other():

@@ -1,0 +1,59 @@
+"""Whether the force of driven recordings is a voltage: they are braked more than free ones, and are else of one rig.
+
+An electrodynamic shaker that is driven by a voltage brakes what it moves, by the square of its constant over the
+resistance of its coil (back-EMF): with the voltage recorded as force the driven rig seems to have more viscous damping
+than the same one has when it is let go with its coil open. A force that was measured knows no such difference.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from ...recording.recording import Recording
+from ..fit.reported_result import Fit
+from ..signals.odds import BEYOND_ERRORS
+from .fault import with_error
+from .stranger_among import KEPT, Fitted, of_one_rig
+
+#: What a lab cannot keep constant, as of ``KEPT``: a stiffness goes with the square of the frequency.
+_CHANGED = 2.0 * KEPT
+
+
+def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> dict[int, str]:
+    """What is said of the driven recordings, by their places; nothing where a measured force explains them.
+
+    Args:
+        recordings: driven ones and free ones, which contradict each other.
+        fitted: the fit of some of them alone, from starts of their own.
+    """
+    driven = [place for place, recording in enumerate(recordings) if recording.force is not None]
+    free = [place for place in range(len(recordings)) if place not in driven]
+    if not driven or not free:
+        return {}
+    forced = of_one_rig([recordings[place] for place in driven], fitted)
+    let_go = None if forced is None else of_one_rig([recordings[place] for place in free], fitted)
+    if forced is None or let_go is None or not (excess := braked(forced, let_go)):
+        return {}
+    size, error, unit = excess
+    words = (
+        f"driven, it is braked by {with_error(size, error)} {unit} more than what is free, and agrees with that in all "
+        "else: so does a voltage that is taken for a force, whose shaker brakes the rig (back-EMF), or a damper that "
+        "is there only when it is driven; record the force itself, or the current"
+    )
+    return dict.fromkeys(driven, words)
+
+
+def braked(forced: Fit, let_go: Fit) -> tuple[float, float, str] | None:
+    """By how much more viscous the forced fit is, with its error and unit; None where that is not all that differs."""
+    here, there = forced.oscillator.parameters(), let_go.oscillator.parameters()
+    apart = {
+        name: (p.value - there[name].value, math.hypot(p.std, there[name].std or math.inf))
+        for name, p in here.items()
+        if p.std and name in there
+    }
+    size, error = apart.pop("viscous", (0.0, 1.0))
+    others = all(
+        abs(off) <= max(BEYOND_ERRORS * std, _CHANGED * abs(here[name].value)) for name, (off, std) in apart.items()
+    )
+    return (size, error, here["viscous"].unit) if others and size > BEYOND_ERRORS * error else None

@@ -1,0 +1,251 @@
+"""Whether the recordings ask for the same parameters everywhere, where a model leaves no more than noise.
+
+A gain that walks by a few per cent, or a sensor that saturates a little, hides within noise of one per cent of the
+motion, and moves parameters by many of their errors all the same. So what is fitted is divided in two: the earlier and
+the later half of each recording, its larger and its smaller motion, each recording and all others, what is driven and
+what is free. Of each division it is asked whether parameters of their own on one side would tell decisively more
+(score test, Rao 1948; for the halves of a record Chow 1960), while initial states and sensors' zeros, and the
+parameters that are common, take over what they can.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...recording.recording import Recording
+from ..fit.reported_result import Fit
+from ..fit.scatter import scatter
+from ..problem.normal_equations import pseudo_inverse
+from ..problem.segments import Segment
+from ..signals.hilbert import LONG
+from ..signals.odds import BY_CHANCE
+from ..signals.signals import noise_levels
+from .fault import with_error
+from .fitted_problem import fitted_problem
+
+#: Rounding: a direction with less than this part of its own information, once all else has taken its part, has none.
+_OWN = 1e-8
+#: Draws of force noise, as for the covariance.
+_DRAWS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class Division:
+    """One side of what was fitted.
+
+    Attributes:
+        recording: whose it is; None of what is free in all of them.
+        kind: "later", "larger", "whole" or "free".
+        inside: (n,) of a segment, which samples are on this side.
+        since: of "later", from when, s; of "larger", beyond which amplitude.
+    """
+
+    recording: int | None
+    kind: str
+    inside: Callable[[Segment, np.ndarray], np.ndarray]
+    since: float = np.nan
+
+
+@dataclass(frozen=True, eq=False)
+class Unlike:
+    """A division whose sides ask for different parameters.
+
+    Attributes:
+        division: the one that tells most.
+        chance: how often noise alone makes one of all divisions tell as much.
+        name: the parameter that explains most of it alone.
+        difference, error: of it, on this side less on the other.
+        shifts: (free,) each, by how much the parameters move where either side alone is right, this parameter its own.
+    """
+
+    division: Division
+    chance: float
+    name: str
+    difference: float
+    error: float
+    shifts: tuple[np.ndarray, ...]
+
+
+def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> Unlike | None:
+    """The division whose sides contradict each other most; None where none does beyond doubt.
+
+    Very long recordings are not asked: the derivatives of all their samples are held in memory at once.
+
+    Args:
+        fit: of these recordings, which leaves no more than noise.
+        recordings: as they were fitted.
+    """
+    if not fit.names or max(s.segment.n for s in fit.segments) >= LONG:
+        return None
+    problem, state = fitted_problem(fit, recordings)
+    residuals = problem.residuals(state)
+    if not all(bool(np.all(np.isfinite(r))) for r in residuals):
+        return None
+    shown = [segment.response - left for segment, left in zip(problem.segments, residuals, strict=True)]
+    divisions = divisions_of(problem.segments, shown)
+    k, free = problem.shared, len(problem.free)
+    matrix, right = np.zeros((k, k)), np.zeros(k)
+    corner, border = np.zeros((len(divisions), free, free)), np.zeros((len(divisions), free, k))
+    slope = np.zeros((len(divisions), free))
+    rows = problem.derivatives(state, residuals)
+    for i, (segment, spectrum) in enumerate(zip(problem.segments, fit.noise, strict=True)):
+        made = spectrum.lines(np.vstack([rows[i], residuals[i]]))
+        shared, own, left = made[:k], made[k:-1], made[-1]
+        inverse = pseudo_inverse(own @ own.T)
+        matrix += shared @ shared.T - (shared @ own.T) @ inverse @ (own @ shared.T)
+        right += shared @ left - (shared @ own.T) @ inverse @ (own @ left)
+        for place, division in enumerate(divisions):
+            inside = division.inside(segment, shown[i])
+            if not np.any(inside):
+                continue
+            columns = spectrum.lines(rows[i][:free] * inside)
+            toward = (columns @ own.T) @ inverse
+            corner[place] += columns @ columns.T - toward @ (own @ columns.T)
+            border[place] += columns @ shared.T - toward @ (own @ shared.T)
+            slope[place] += columns @ left - toward @ (own @ left)
+    solved = pseudo_inverse(matrix)
+    size = np.sqrt(np.maximum(np.diag(matrix)[:free], np.finfo(float).tiny))
+    informed = pseudo_inverse(solved[:free, :free]) / np.outer(size, size)
+    asked = [
+        (
+            (corner[place] - border[place] @ solved @ border[place].T) / np.outer(size, size),
+            (slope[place] - border[place] @ solved @ right) / size,
+        )
+        for place in range(len(divisions))
+    ]
+    spread = np.eye(free)
+    if min(_chance(reduced, asks, spread) for reduced, asks in asked) * len(divisions) > BY_CHANCE:
+        return None
+    levels = [noise_levels(recordings[segment.recording])[1] for segment in problem.segments]
+    scattered = scatter(problem, state, fit.noise, levels, _DRAWS, recordings=recordings)
+    spread = _spread(informed, scattered / np.outer(size, size))
+    found: list[Unlike] = []
+    for (reduced, asks), division, beside in zip(asked, divisions, border, strict=True):
+        chance = _chance(reduced, asks, spread) * len(divisions)
+        if chance > BY_CHANCE:
+            continue
+        information = np.maximum(np.diag(reduced), _OWN)
+        variance = information * np.diag(spread)
+        most = int(np.argmax(asks**2 / variance))
+        difference = float(asks[most] / information[most] / size[most])
+        error = float(np.sqrt(variance[most]) / information[most] / size[most])
+        other = -(solved @ beside[most])[:free] * difference
+        this = other + difference * (np.arange(free) == most)
+        found.append(Unlike(division, chance, fit.names[most], difference, error, (other, this)))
+    return min(found, key=lambda unlike: unlike.chance, default=None)
+
+
+def unlike_in_words(unlike: Unlike, fit: Fit, recordings: Sequence[Recording]) -> str:
+    """Which sides contradict each other, by how much, and what does that: a sentence."""
+    division, parameter = unlike.division, fit.oscillator.parameters()[unlike.name]
+    share = 100.0 / abs(parameter.value) if parameter.value else 0.0
+    if abs(unlike.difference) * share < 100.0 and share:
+        size = f"{with_error(abs(unlike.difference) * share, unlike.error * share)} %"
+    else:
+        size = f"{with_error(abs(unlike.difference), unlike.error)} {parameter.unit}"
+    more = f"{unlike.name} {'more' if unlike.difference > 0 else 'less'} by {size}"
+    causes = {
+        "later": "a gain that walks, a rig that warms or wears",
+        "larger": "a sensor or a drive that saturates",
+        "whole": "a gain, a zero or a clock that changed, a drive that saturates, another rig",
+        "free": "a voltage taken for a force (its shaker brakes the rig by back-EMF), a force that is not all recorded",
+    }[division.kind]
+    if division.recording is None:
+        sides = f"what is free and what is driven contradict each other: free, {more}"
+    else:
+        name, unit = recordings[division.recording].name, recordings[division.recording].unit
+        sides = {
+            "later": f"{name}: what it shows until {division.since:.4g} s and from there on contradict each other: "
+            f"later {more}",
+            "larger": f"{name}: its larger and its smaller motion contradict each other: above {division.since:.3g} "
+            f"{unit} {more}",
+            "whole": f"{name}: it contradicts {_others(division.recording, fit, recordings)}: there {more}",
+        }[division.kind]
+    return (
+        f"{sides}, though no more than noise is left; {causes}, or physics that is missing does that; the standard "
+        "errors cover it for the parameter that shows it most"
+    )
+
+
+def _others(place: int, fit: Fit, recordings: Sequence[Recording]) -> str:
+    used = sorted({s.segment.recording for s in fit.segments} - {place})
+    more = f" and {len(used) - 3} more" if len(used) > 3 else ""
+    return ", ".join(recordings[other].name for other in used[:3]) + more
+
+
+def divisions_of(segments: Sequence[Segment], shown: Sequence[np.ndarray]) -> list[Division]:
+    """Every division that is asked for, of segments and what the model shows of each (n,)."""
+    divisions: list[Division] = []
+    recordings = sorted({segment.recording for segment in segments})
+    for recording in recordings:
+        own = [(s, made) for s, made in zip(segments, shown, strict=True) if s.recording == recording]
+        middle = float(np.median(np.concatenate([_times(s) for s, _ in own])))
+        divisions.append(Division(recording, "later", _later(recording, middle), middle))
+        if any(s.force is not None for s, _ in own):  # of a decay these are the two halves
+            limit = float(np.median(np.concatenate([_amplitude(s, made) for s, made in own])))
+            divisions.append(Division(recording, "larger", _larger(recording, limit), limit))
+        if len(recordings) > 1:
+            divisions.append(Division(recording, "whole", _whole(recording)))
+    if len({segment.force is None for segment in segments}) == 2:
+        divisions.append(Division(None, "free", lambda segment, _: np.full(segment.n, segment.force is None)))
+    return divisions
+
+
+def _later(recording: int, middle: float) -> Callable[[Segment, np.ndarray], np.ndarray]:
+    return lambda segment, _: (_times(segment) > middle) & (segment.recording == recording)
+
+
+def _larger(recording: int, limit: float) -> Callable[[Segment, np.ndarray], np.ndarray]:
+    return lambda segment, made: (_amplitude(segment, made) > limit) & (segment.recording == recording)
+
+
+def _whole(recording: int) -> Callable[[Segment, np.ndarray], np.ndarray]:
+    return lambda segment, _: np.full(segment.n, segment.recording == recording)
+
+
+def _times(segment: Segment) -> np.ndarray:
+    return segment.time + np.arange(segment.n) * segment.dt
+
+
+def _amplitude(segment: Segment, made: np.ndarray) -> np.ndarray:
+    """(n,) the largest deflection from the middle within a cycle about each sample."""
+    from scipy.ndimage import maximum_filter1d
+
+    return maximum_filter1d(np.abs(made - np.mean(made)), max(3, round(2 * np.pi / segment.pace / segment.dt)))
+
+
+def _spread(informed: np.ndarray, scattered: np.ndarray) -> np.ndarray:
+    """(free, free) variance of scores that independent residuals would leave at 1: noise of the force is not such.
+
+    Args:
+        informed: (free, free) information.
+        scattered: (free, free) scatter of the score.
+    """
+    root = _root(informed, -0.5)
+    values, vectors = np.linalg.eigh(root @ scattered @ root)
+    return (vectors * np.maximum(values, 1.0)) @ vectors.T
+
+
+def _root(matrix: np.ndarray, power: float) -> np.ndarray:
+    """Symmetric power of a matrix; directions without information: 0."""
+    values, vectors = np.linalg.eigh(matrix)
+    kept = values > _OWN * max(float(values[-1]), np.finfo(float).tiny)
+    return (vectors * np.where(kept, np.where(kept, values, 1.0) ** power, 0.0)) @ vectors.T
+
+
+def _chance(reduced: np.ndarray, asks: np.ndarray, spread: np.ndarray) -> float:
+    """How often noise asks for as much: chi-squared, with as many degrees of freedom as there are directions.
+
+    Args:
+        reduced, asks: information on the differences, and their score, in the scale of each parameter.
+        spread: see ``_spread``.
+    """
+    from scipy.special import chdtrc
+
+    inverse = _root(reduced, -0.5)
+    directions = round(float(np.trace(inverse @ reduced @ inverse)))
+    told = inverse @ asks
+    return float(chdtrc(directions, float(told @ np.linalg.solve(spread, told)))) if directions else 1.0

@@ -1,0 +1,52 @@
+"""A voltage in the force's place is named where free recordings say what the damping is without the shaker."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from dashpot.examples.lies import STANDS, Lie, of_another_rig, told
+from dashpot.examples.odd_chains import voltage_for_force
+from dashpot.identify.faults.back_emf import back_emf
+from dashpot.identify.fit.likelihood import maximum_likelihood
+from dashpot.identify.identification import identify
+from dashpot.model import Oscillator
+
+STAND = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
+#: Of the shaker, N s/m, and what it makes of the rig's viscous term.
+BRAKE = 0.27
+BRAKED = BRAKE / STAND.values["mass"]
+
+
+def alone(recordings):
+    return maximum_likelihood(Oscillator.from_values(STAND.values), recordings, doubted=False, near=True)
+
+
+def test_a_voltage_in_the_forces_place_is_named():
+    said = back_emf(told(STAND, Lie("", "", 2, voltage_for_force(BRAKE), driven=True)), alone)
+    assert set(said) == {1, 2}
+    assert "back-EMF" in said[1]
+    size = float(said[1].split("braked by ")[1].split()[0])
+    assert size == pytest.approx(BRAKED, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("change", "used"),
+    [
+        (lambda r: r, slice(None)),
+        (voltage_for_force(-BRAKE), slice(None)),  # nothing drives by its damping
+        (voltage_for_force(BRAKE), slice(1, None)),
+        (of_another_rig(STAND, omega0=1.05), slice(None)),
+        (of_another_rig(STAND, viscous=1.3, dry=1.5), slice(None)),
+    ],
+    ids=["honest", "pushed", "driven alone", "another spring", "another friction"],
+)
+def test_nothing_else_is(change, used):
+    assert back_emf(told(STAND, Lie("", "", 2, change, driven=True))[used], alone) == {}
+
+
+@pytest.mark.long
+def test_a_user_is_told():
+    found = identify(told(STANDS["built-in"], Lie("", "", 2, voltage_for_force(BRAKE), driven=True)))
+    assert [words.split(":")[0] for words in found.faults] == ["weak.csv", "strong.csv"]
+    assert all("back-EMF" in words for words in found.faults)
