@@ -1,16 +1,17 @@
 # Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-all check docs proof golden installed benchmark gallery setup clean distclean
+.PHONY: help demo test test-all nightly durations check docs proof golden installed benchmark gallery setup clean distclean
 
 # Folders that another workspace put on Python's path must not reach into .venv.
-unexport PYTHONPATH PYTHONHOME
+# Python may keep what it compiled: the tests' own modules take longest to compile, see clean.
+unexport PYTHONPATH PYTHONHOME PYTHONDONTWRITEBYTECODE
 # The type checker is the version installed in .venv; it need not look for a newer one.
 export PYRIGHT_PYTHON_IGNORE_WARNINGS := 1
 
 # Further arguments for pytest or the proof, for example: make test ARGS="-k backbone"
 ARGS ?=
-# Tests run on all cores: those of a file on one, for they share what is made once, and whole diagnoses first.
+# Tests run on all cores: those of a file on one, for they share what is made once, and the files that cost most first.
 PYTEST := .venv/bin/pytest --numprocesses auto --dist loadfile --no-loadscope-reorder
 
 help: ## list these commands
@@ -20,13 +21,27 @@ demo: ## set up, then run the whole story on the built-in rig; results in demo/
 	@sh .ci/setup run
 	@.venv/bin/dashpot demo -o demo
 
-test: ## set up, then run the tests, a few minutes: of the laws one of each kind
+test: ## set up, then run the tests of the fast lane, five minutes on two cores
 	@sh .ci/setup dev
 	@$(PYTEST) $(ARGS)
 
-test-all: ## set up, then run all tests: every law through every rendering, and long diagnoses
+test-all: ## set up, then run these and the long ones, as continuous integration does
 	@sh .ci/setup dev
-	@$(PYTEST) -m "" $(ARGS)
+	@$(PYTEST) -m "not nightly" $(ARGS)
+
+nightly: ## set up, then run what continuous integration leaves out: every law everywhere, a longer proof, all recordings
+	@sh .ci/setup dev
+	@status=0; \
+	$(PYTEST) -m nightly $(ARGS) || status=1; \
+	.venv/bin/python -P -m dashpot.examples.concealed.proof -o proof --short 20 --seed 404 || status=1; \
+	if [ -d "$${DASHPOT_DATA:-../shared/data}" ]; then \
+		.venv/bin/python -P benchmarks/recorded.py -o recorded --check || status=1; \
+	fi; \
+	exit $$status
+
+durations: ## set up, then measure what each test costs, for the lanes; into tests/durations.json (ARGS="tests/model")
+	@sh .ci/setup dev
+	@$(PYTEST) -m "" --write-durations $(ARGS)
 
 check: ## set up, then check style, types and structure
 	@sh .ci/setup dev

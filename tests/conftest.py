@@ -7,11 +7,13 @@ import os
 import pickle
 import signal
 import sys
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 #: Tests run on all cores. Threads of the linear algebra besides those would wait for one another in a loop: the
@@ -30,31 +32,28 @@ from dashpot.examples.virtual_recording import UNITS, recording_of
 from dashpot.identify import identify
 from dashpot.model import Oscillator, Response, oscillator_with
 from dashpot.model.law import LawParameter, Scales
-from dashpot.model.laws import LIBRARY
 from dashpot.model.library import find
 from dashpot.recording import Recording
+
+
+def _beside(name: str) -> ModuleType:
+    """A module of this folder, which is no package."""
+    spec = spec_from_file_location(name, Path(__file__).with_name(f"{name}.py"))
+    assert spec is not None
+    assert spec.loader is not None
+    module = sys.modules[name] = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+lanes = _beside("lanes")
 
 #: The paper's stand, and the sizes of its motion.
 STAND = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.02 / 0.27, "viscous": 5.0, "dry": 0.015}
 SCALES = Scales(length=8e-3, omega=79.6, force=1.0, response=8e-3, duration=1.0, mass=0.27, lines=(60.0,))
-#: A law of each path, of each kind of surface, with and without states, time and a phase: where a test goes through the
-#: library, `make test` takes these, and `make test-all` the whole of it (tests/test_lanes.py holds them complete).
-KINDS = (
-    "one-sided-stop",
-    "quadratic-drag",
-    "hysteresis",
-    "attached-resonator",
-    "actuator-saturation",
-    "sensor-lag",
-    "time-delay",
-    "stiffness-drift",
-    "tonal-disturbance",
-)
 #: Of a rig with a concealed effect, what a model is identified from, and what is held out.
 TRAINING = ("sweep_high", "sweep_low", "ringdown")
 HOLDOUT = ("holdout_multisine", "holdout_sweep")
-#: A test of so many laws goes through the library; one of fewer has chosen them itself.
-MANY = 12
 #: Set to a number, each test with ``every`` tries so many times as many inputs as it usually has, others each time:
 #: DASHPOT_FUZZ=1000 .venv/bin/pytest -k any_
 FUZZ = "DASHPOT_FUZZ"
@@ -205,7 +204,7 @@ def no_compiler(monkeypatch: pytest.MonkeyPatch, no_zig: None) -> None:
 @pytest.fixture(scope="session")
 def kinds() -> tuple[str, ...]:
     """The laws that stand for the library in `make test`."""
-    return KINDS
+    return lanes.KINDS
 
 
 @pytest.fixture(params=[pytest.param(0.2, id="a taste"), pytest.param(5, id="at length", marks=pytest.mark.long)])
@@ -279,22 +278,13 @@ def unless_refused() -> Callable[..., Any]:
     return call
 
 
-def laws_of(item: pytest.Item) -> set[str]:
-    """The laws that a test is about by its parameters."""
-    given = getattr(item, "callspec", None)
-    values = [] if given is None else list(given.params.values())
-    flat = [part for value in values for part in (value if isinstance(value, tuple | list) else [value])]
-    return {value for value in flat if isinstance(value, str) and value in LIBRARY}
+def pytest_addoption(parser: pytest.Parser) -> None:
+    lanes.pytest_addoption(parser)
 
 
-@pytest.hookimpl(tryfirst=True)  # before pytest leaves out what is long
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    whole: defaultdict[str, set[str]] = defaultdict(set)
-    for item in items:
-        whole[item.nodeid.partition("[")[0]] |= laws_of(item)
-    for item in items:
-        if len(whole[item.nodeid.partition("[")[0]]) >= MANY and laws_of(item) - set(KINDS):
-            item.add_marker(pytest.mark.long)
+def pytest_configure(config: pytest.Config) -> None:
+    config.pluginmanager.register(lanes.Lanes(), "lanes")
+    config.pluginmanager.register(lanes.Measured(config.getoption("--write-durations")), "measured")
 
 
 _status = 0
