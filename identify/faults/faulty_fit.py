@@ -96,6 +96,16 @@ class FaultyFit(OutputError):
             return self.simulate(index, state)
         return fault.shown(made, segment, sizes)
 
+    def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, single: bool = False) -> list[np.ndarray]:
+        """As ``OutputError.derivatives``, by difference quotients: what a chain shows need not be smooth."""
+        quotient = self.quotients(state, residuals)
+        made = [np.zeros((self.shared + self.core.states, s.n)) for s in self.segments]
+        places = [(i, k) for i, segment in enumerate(self.segments) for k in self._moving(segment)]
+        self.map(lambda place: quotient(*place, made[place[0]][place[1]]), places)
+        for i, rows in enumerate(made):
+            self.bound(i, rows, state, residuals[i])
+        return made
+
     def felt(self, i: int, state: State, weights: np.ndarray) -> np.ndarray | None:
         """None: what a chain shows need not be linear."""
         return None
