@@ -280,11 +280,15 @@ static void dp_carry_after(const dp_engine *e, const dp_line *l, double tau) {
 }
 
 /* The derivatives of a block of the output that was shown, at sample i, among those of the response. */
-static void dp_carry_put(const dp_carried *c, int block, long i) {
-    double *y = c->y + block * DP_LANES * c->n + i;
-    const long count = c->count - block * DP_LANES;
-    int k;
-    for (k = 0; k < DP_LANES && k < count; ++k) y[k * c->n] = c->shown[block][k];
+static void dp_carry_put(const dp_carried *c, long i) {
+    long k;
+    for (k = 0; k < c->count; ++k) {
+        const double shown = c->shown[k / DP_LANES][k % DP_LANES];
+        if (c->single)
+            ((float *)c->y)[c->row[k] * c->n + i] = (float)shown;
+        else
+            ((double *)c->y)[c->row[k] * c->n + i] = shown;
+    }
 }
 
 /* What the derivatives of the state have become since the last sample; they begin anew. */
@@ -297,19 +301,16 @@ static void dp_carry_anew(dp_carried *c, long i) {
     memcpy(c->dz, c->anew, c->blocks * sizeof *c->dz);
 }
 
-/* Derivatives of the output at index `shown`, at sample i, under the present signs or those given. */
-static void dp_carry_shown(const dp_engine *e, const signed char *given, double u, int shown, long i) {
-    dp_carried *c = DP_CARRIED(e);
+/* Derivatives of the output at index `shown` of a motion e with the derivatives of c, under its signs or those given. */
+static void dp_carry_output(dp_carried *c, const dp_engine *e, const signed char *given, double u, int shown) {
     const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
     double s[DP_NS + 1], slopes[DP_OUTPUT_SLOPES], pushed[DP_OUTPUT_PUSHED][DP_LANES], by[DP_NY * DP_NS + 1];
     dp_engine under;
     int b, j, k, held;
-    if (c->along) dp_carry_anew(c, i);
     if (dp_output_is_state[shown]) {
         memset(pushed, 0, sizeof pushed);
         for (b = 0; b < c->blocks; ++b) {
             dp_output_along(slopes, pushed, (const double(*)[DP_LANES])c->dz[b], shown, c->shown[b]);
-            dp_carry_put(c, b, i);
         }
         return;
     }
@@ -332,8 +333,31 @@ static void dp_carry_shown(const dp_engine *e, const signed char *given, double 
             for (j = 0; j < DP_NS && fabs(w.rest) <= w.capacity; ++j) /* beyond, after a jump of the force, each is one */
                 for (k = 0; w.joined[j] && k < DP_LANES; ++k) c->shown[b][k] += by[shown + DP_NY * j] * w.dshare[k];
         }
-        dp_carry_put(c, b, i);
     }
+}
+
+/* The same at sample i, put where it belongs. */
+static void dp_carry_shown(const dp_engine *e, const signed char *given, double u, int shown, long i) {
+    dp_carried *c = DP_CARRIED(e);
+    if (c->along) dp_carry_anew(c, i);
+    dp_carry_output(c, e, given, u, shown);
+    dp_carry_put(c, i);
+}
+
+/* (count) derivatives of the output of the motion as it was at the sample before, under other signs. */
+static void dp_carry_beside(const dp_engine *e, const dp_engine *last, const signed char *given, double u, int shown,
+                            double *out) {
+    dp_carried c = *DP_CARRIED(e);
+    long k;
+    c.dz = c.last;
+    dp_carry_output(&c, last, given, u, shown);
+    for (k = 0; k < c.count; ++k) out[k] = c.shown[k / DP_LANES][k % DP_LANES];
+}
+
+/* The sample before is now this one. */
+static void dp_carry_on(const dp_engine *e) {
+    const dp_carried *c = DP_CARRIED(e);
+    memcpy(c->last, c->dz, c->blocks * sizeof *c->dz);
 }
 
 /* The state is about to be moved by the gain times what was measured at sample i beyond the output. */
@@ -341,9 +365,10 @@ static void dp_carry_correction(const dp_engine *e, const double *gain, double u
     dp_carried *c = DP_CARRIED(e);
     const dp_line line = {{u, 0.0, 0.0, 0.0}, e->t};
     const int moved = dp_carry_held(e, &line, 0.0) ? 1 : DP_NZ;
-    const double weight = c->profile ? c->profile[i] : 1.0;
+    const double time = i * c->dt;
     int b, k, n;
     for (b = 0; b < c->blocks; ++b)
         for (n = 0; n < moved; ++n)
-            for (k = 0; k < DP_LANES; ++k) c->dz[b][n][k] += gain[n] * (c->sensed[b][k] * weight - c->shown[b][k]);
+            for (k = 0; k < DP_LANES; ++k)
+                c->dz[b][n][k] += gain[n] * (c->sensed[2 * b][k] + c->sensed[2 * b + 1][k] * time - c->shown[b][k]);
 }

@@ -17,9 +17,12 @@ typedef struct {
     int held;                     /* whether the motion was held before it */
     int stops;                    /* whether it has v = 0 there */
     double (*shown)[DP_LANES];    /* derivatives of the latest output */
-    const double (*sensed)[DP_LANES]; /* whether an unknown is in what was measured */
-    const double *profile;        /* (n) ... and how much of it at each sample; null: all */
-    double *y;                    /* (count, n) derivatives of the response */
+    const double (*sensed)[DP_LANES]; /* how much of an unknown is in what was measured, in each block at the start ... */
+    double dt;                    /* ... and in the block behind it by how much that grows in a second */
+    double (*last)[DP_NZ][DP_LANES]; /* dz at the sample before, where sides are asked for; else null */
+    void *y;                      /* (rows, n) derivatives of the response, each unknown's in its row */
+    const int *row;
+    int single;                   /* whether y is in single precision */
     double *along;                /* (n, DP_NZ, count) those of the state at each sample, which then begin anew ... */
     const double (*anew)[DP_NZ][DP_LANES]; /* ... as these; or null */
     long count, n;
@@ -51,5 +54,7 @@ static void dp_carry_after(const dp_engine *e, const struct dp_line *l, double t
 #define DP_AFTER(e, l, tau) dp_carry_after(e, l, tau)
 #define DP_SHOWN(e, given, u, shown, i) dp_carry_shown(e, given, u, shown, i)
 #define DP_CORRECTING(e, gain, u, i) dp_carry_correction(e, gain, u, i)
+#define DP_BESIDE(e, last, given, u, shown, out) dp_carry_beside(e, last, given, u, shown, out)
+#define DP_ON(e) dp_carry_on(e)
 
 #endif

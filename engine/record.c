@@ -1,5 +1,7 @@
 /* Runs the engine over a whole recording: the core that fits and simulates. Included behind engine.c. */
 
+#include <stdlib.h>
+
 #ifdef _WIN32
 #define DP_EXPORT __declspec(dllexport)
 #else
@@ -26,6 +28,67 @@ static void dp_outputs_under(const dp_engine *e, const signed char *kept, double
     dp_engine now = *e;
     dp_take_signs(&now, kept);
     dp_outputs(&now, u, out);
+}
+
+#ifndef DP_CARRIES /* else: derivatives of the motion `last` under signs given; the motion goes on to the next sample */
+#define DP_BESIDE(e, last, given, u, shown, out)
+#define DP_ON(e)
+#endif
+
+/* What samples beside a jump are on its other side, one after another: which sample, its output there, and behind that
+ * the derivatives of it, `width` numbers in all. `room` of them fit; -1 where there was no memory for more. */
+typedef struct {
+    long count, room, width;
+    long *at;
+    double *shown;
+} dp_sides_shown;
+
+/* The motion as it was at a sample, and the signs at it and at the one before. */
+typedef struct {
+    dp_engine engine;
+    double u;
+    signed char before[DP_NS + 1], here[DP_NS + 1];
+} dp_last;
+
+static void dp_side(const dp_engine *e, dp_sides_shown *sides, const dp_last *last, const signed char *given, long i,
+                    int shown) {
+    double out[DP_NY], *to;
+    if (sides->room < 0) return;
+    if (sides->count == sides->room) {
+        const long room = 2 * sides->room + 64;
+        long *at = realloc(sides->at, room * sizeof *at);
+        double *grown = at ? realloc(sides->shown, room * sides->width * sizeof *grown) : 0;
+        if (at) sides->at = at;
+        if (grown) sides->shown = grown;
+        sides->room = grown ? room : -1;
+        if (!grown) return;
+    }
+    to = sides->shown + sides->width * sides->count;
+    dp_outputs_under(&last->engine, given, last->u, out);
+    sides->at[sides->count++] = i;
+    *to = out[shown];
+    DP_BESIDE(e, &last->engine, given, last->u, shown, to + 1);
+    (void)e;
+}
+
+/* What the sample i before the present one, after which the signs are `next` (null: the record ends), is on the other
+ * side of the jumps beside it: of all that jump there, or of one of them. */
+static void dp_beside(const dp_engine *e, dp_sides_shown *sides, const dp_last *last, const signed char *next, long i,
+                      int shown) {
+    const signed char *way[2];
+    signed char given[DP_NS + 1];
+    int w, j;
+    way[0] = i > 0 ? last->before : last->here, way[1] = next ? next : last->here;
+    for (w = 0; w < 2; ++w) {
+        if (!memcmp(way[w], last->here, sizeof given)) continue;
+        dp_side(e, sides, last, way[w], i, shown);
+        for (j = 0; j <= DP_NS; ++j) {
+            memcpy(given, last->here, sizeof given);
+            given[j] = way[w][j];
+            if (memcmp(given, way[w], sizeof given) && memcmp(given, last->here, sizeof given))
+                dp_side(e, sides, last, given, i, shown);
+        }
+    }
 }
 
 /* Moves the state by the gain times what was measured beyond what the model predicted; a motion that is held moves as a
@@ -73,6 +136,7 @@ typedef struct {
     double *y;                /* the response (n): of the outputs the one at index `shown` */
     double *z;                /* the states (n * DP_NZ), sample by sample, or null */
     signed char *kept;        /* the signs at each sample, as `given`, or null */
+    dp_sides_shown *sides;    /* filled with what samples beside a jump are on its other side, or null */
     long parts, n;
     double t0, dt, max_step, load;
     int fine, joined, lines, shown;
@@ -85,6 +149,7 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
     const double piece_step = r->dt / r->fine, step = r->joined * piece_step;
     const double most = DP_MORE + r->n * fmin(DP_CHATTER, r->fine / r->joined * ceil(step / r->max_step));
     const double *piece = r->force ? r->force : none, *end = r->force ? r->force + 4 * r->parts : none;
+    dp_last last;
     long i;
     int j;
     for (i = 0; i < r->n; ++i) {
@@ -111,6 +176,18 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
         DP_SHOWN(e, given, u, r->shown, i);
         if (r->z) memcpy(r->z + i * DP_NZ, e->z, sizeof e->z);
         if (r->kept) dp_keep_signs(e, r->kept + i * (DP_NS + 1));
+        if (r->sides) {
+            signed char now[DP_NS + 1];
+            dp_keep_signs(e, now);
+            if (i > 0) {
+                dp_beside(e, r->sides, &last, now, i - 1, r->shown);
+                memcpy(last.before, last.here, sizeof now);
+            }
+            memcpy(last.here, now, sizeof now);
+            last.engine = *e, last.u = u;
+            DP_ON(e);
+            if (i + 1 == r->n) dp_beside(e, r->sides, &last, 0, i, r->shown);
+        }
         if (!r->measured) continue;
         DP_CORRECTING(e, r->gain, u, i);
         dp_correct(e, r->gain, r->measured[i] - r->y[i], u);
@@ -119,16 +196,18 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
 }
 
 #ifdef DP_CARRIES
-/* The same with `count` derivatives of the response (count * n): of the state at the start in `dz`, in blocks of DP_LANES
- * by `which`, places among the parameters, nothing, and the force. Where `sensed` is 1 what was measured moves with the
- * unknown, by `profile` (n) at each sample or, where that is null, by as much as it. `room`: twice DP_LANES for each block. */
+/* The same with `count` derivatives of the response, each in its `row` (n) of `derivatives`: of the state at the start in
+ * `dz`, with as much room behind it, in blocks of DP_LANES by `which`, places among the parameters, nothing, and the force.
+ * What was measured moves with an unknown by `sensed`, in each block at the start, then a second. `room`: twice DP_LANES for
+ * each block. */
 DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, double *dz, const int *which,
-                                 const double *sensed, const double *profile, double *room, double *derivatives,
+                                 const double *sensed, double *room, void *derivatives, const int *row, int single,
                                  const double *anew, double *along) {
     dp_carried c;
     memset(&c, 0, sizeof c);
-    c.blocks = blocks, c.count = count, c.n = r->n, c.y = derivatives, c.profile = profile;
+    c.blocks = blocks, c.count = count, c.n = r->n, c.y = derivatives, c.row = row, c.single = single, c.dt = r->dt;
     c.dz = (double(*)[DP_NZ][DP_LANES])dz;
+    c.last = c.dz + blocks;
     c.which = (const int(*)[DP_LANES])which;
     c.sensed = (const double(*)[DP_LANES])sensed;
     c.shift = (double(*)[DP_LANES])room;
@@ -145,6 +224,11 @@ DP_EXPORT long dp_record(const dp_recording *r) {
     return dp_record_by(&e, r);
 }
 #endif
+
+DP_EXPORT void dp_sides_done(dp_sides_shown *sides) {
+    free(sides->at);
+    free(sides->shown);
+}
 
 /* The right-hand side at the present signs, for tests that hold the renderings against one another. */
 DP_EXPORT void dp_rates(const double *p, const double *z, double t, double u, double *f) {

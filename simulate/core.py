@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 _BYTES = ctypes.POINTER(ctypes.c_byte)
+_INTEGERS = ctypes.POINTER(ctypes.c_int)
 #: Further flags of the compiler where derivatives go along: loops over unknowns side by side become vectors, in which
 #: each number is what it would be alone.
 CARRYING = ("-ftree-vectorize",)
@@ -40,10 +42,38 @@ class _Recording(ctypes.Structure):
         ("y", _DOUBLES),
         ("z", _DOUBLES),
         ("kept", _BYTES),
+        ("sides", ctypes.c_void_p),
         *((name, ctypes.c_long) for name in ("parts", "n")),
         *((name, ctypes.c_double) for name in ("t0", "dt", "max_step", "load")),
         *((name, ctypes.c_int) for name in ("fine", "joined", "lines", "shown")),
     ]
+
+
+class _SidesShown(ctypes.Structure):
+    """``dp_sides_shown`` of engine/record.c."""
+
+    _fields_: ClassVar = [
+        *((name, ctypes.c_long) for name in ("count", "room", "width")),
+        ("at", ctypes.POINTER(ctypes.c_long)),
+        ("shown", _DOUBLES),
+    ]
+
+
+class Sides:
+    """What samples beside a jump of the response are on its other side; filled by the run that it is given to.
+
+    A sample with a jump before it and one behind it is there once for each way in which its surfaces may be.
+
+    Attributes:
+        at: (m,) which samples.
+        shown: (m,) response there.
+        derivatives: (k, m) its derivatives, where the run had some.
+    """
+
+    def __init__(self) -> None:
+        self.at = np.zeros(0, int)
+        self.shown = np.zeros(0)
+        self.derivatives = np.zeros((0, 0))
 
 
 class Core:
@@ -58,6 +88,7 @@ class Core:
         self._record = self._library.dp_record
         self._record.restype = ctypes.c_long
         self._record.argtypes = [ctypes.POINTER(_Recording)]
+        self._library.dp_sides_done.argtypes = [ctypes.POINTER(_SidesShown)]
 
     def _built(self, carried: bool) -> ctypes.CDLL:
         """The compiled engine behind these equations, with derivatives that go along or without."""
@@ -72,10 +103,10 @@ class Core:
 
     @computed_once
     def unknowns(self) -> tuple[str, ...]:
-        """What ``record_with_derivatives`` can take derivatives by: the parameters, the initial states, ``load`` and
-        ``measured``, a constant added to what was measured."""
+        """What ``record_with_derivatives`` can take derivatives by: the parameters, the initial states, ``load``,
+        ``measured``, a constant added to what was measured, and ``drift``, by which that grows in a second."""
         states = (f"initial {name}" for name in self.equations.state_names)
-        return (*self.parameter_names, *states, "load", "measured")
+        return (*self.parameter_names, *states, "load", "measured", "drift")
 
     @computed_once
     def _carried(self) -> Any:
@@ -87,8 +118,14 @@ class Core:
             ctypes.c_int,
             ctypes.c_long,
             _DOUBLES,
-            ctypes.POINTER(ctypes.c_int),
-            *[_DOUBLES] * 6,
+            _INTEGERS,
+            _DOUBLES,
+            _DOUBLES,
+            ctypes.c_void_p,
+            _INTEGERS,
+            ctypes.c_int,
+            _DOUBLES,
+            _DOUBLES,
         ]
         return record
 
@@ -136,6 +173,7 @@ class Core:
         added: np.ndarray | None = None,
         load: float = 0.0,
         out: np.ndarray | None = None,
+        sides: Sides | None = None,
     ) -> np.ndarray:
         """Response over a recording, or its prediction from one sample to the next.
 
@@ -161,6 +199,7 @@ class Core:
             added: (n,) samples of what is added to the force, as ``Force.with_added`` joins them, without a copy of it.
             load: a constant that is added to it.
             out: (n,) where the response goes, if given.
+            sides: filled with what samples beside a jump are on its other side; of a simulation.
 
         Returns:
             (n,) response as recorded, or (n, states); NaN from where the simulation failed (the motion grew beyond
@@ -174,7 +213,8 @@ class Core:
         )
         asked.y, asked.z, asked.kept = _pointer(y), _pointer(z), _bytes(keep)
         asked.shown = self.equations.output(quantity or self.quantity)
-        self._record(ctypes.byref(asked))
+        with _filled(self._library, sides, asked, 0):
+            self._record(ctypes.byref(asked))
         del kept
         return y if z is None else z
 
@@ -191,12 +231,14 @@ class Core:
         start: float = 0.0,
         measured: np.ndarray | None = None,
         gain: np.ndarray | None = None,
-        profile: np.ndarray | None = None,
         signs: np.ndarray | None = None,
         keep: np.ndarray | None = None,
         quantity: str | None = None,
         added: np.ndarray | None = None,
         load: float = 0.0,
+        out: np.ndarray | None = None,
+        rows: Sequence[int] | None = None,
+        sides: Sides | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """The response of ``record``, to the bit, and its derivatives from the same run.
 
@@ -204,16 +246,19 @@ class Core:
         Pai 2000). A sample of a response that jumps itself has the derivative of the side that it shows.
 
         Args:
-            values, initial, force, n, dt, max_step, start, measured, gain, signs, keep, quantity, added, load: as for
-                ``record``.
+            values, initial, force, n, dt, max_step, start, measured, gain, signs, keep, quantity, added, load,
+                sides: as for ``record``.
             by: what to take derivatives by, as places in ``unknowns``.
-            profile: (n,) how much of the unknown ``measured`` is in each sample of what was measured; None: all.
+            out: (more, n) where the derivatives go, in double or in single precision; an array of its own where None.
+            rows: in which of its rows each of them goes; the first ones where None.
 
         Returns:
-            (n,) response, and (len(by), n) its derivatives; NaN from where the simulation failed. Where the motion
-            grazes a surface the derivatives grow beyond bounds.
+            (n,) response, and (len(by), n) its derivatives, or ``out``; NaN from where the simulation failed. Where the
+            motion grazes a surface the derivatives grow beyond bounds.
         """
-        y, derivatives = np.full(n, np.nan), np.full((len(by), n), np.nan)
+        y, derivatives = np.full(n, np.nan), np.empty((len(by), n)) if out is None else out
+        into = np.array(range(len(by)) if rows is None else rows, np.int32)
+        derivatives[into] = np.nan
         asked, kept = self._recording(
             values, initial, force, n, dt, max_step, start, measured, gain, signs, added, load
         )
@@ -222,8 +267,9 @@ class Core:
         count, states = len(self.parameter_names), self.states
         moved = [np.eye(states)[k - count] if count <= k < count + states else np.zeros(states) for k in by]
         which = [k if k < count else count + 1 if k == count + states else count for k in by]
-        sensed = [float(k > count + states) for k in by]
-        self._carry(asked, [self.begin(one) for one in moved], which, derivatives, sensed, profile)
+        sensed = [(float(k == count + states + 1), float(k == count + states + 2)) for k in by]
+        with _filled(self._library, sides, asked, len(by)):
+            self._carry(asked, [self.begin(one) for one in moved], which, derivatives, into, sensed)
         del kept
         return y, derivatives
 
@@ -255,7 +301,7 @@ class Core:
         asked.y, asked.shown = _pointer(y), self.equations.output(quantity or self.quantity)
         which = [len(self.parameter_names)] * s + [len(self.parameter_names) + 1]
         along = np.full((n, s, s + 1), np.nan)
-        self._carry(asked, [*np.eye(s), np.zeros(s)], which, derivatives, along=along)
+        self._carry(asked, [*np.eye(s), np.zeros(s)], which, derivatives, np.arange(s + 1, dtype=np.int32), along=along)
         del kept
         return along[:, :, :s], along[:, :, s], derivatives[:s].T, derivatives[s]
 
@@ -265,29 +311,31 @@ class Core:
         moved: Sequence[np.ndarray],
         which: Sequence[int],
         derivatives: np.ndarray,
-        sensed: Sequence[float] = (),
-        profile: np.ndarray | None = None,
+        into: np.ndarray,
+        sensed: Sequence[tuple[float, float]] = (),
         along: np.ndarray | None = None,
     ) -> None:
-        """Run the engine with derivatives (k, n) by unknowns that move the state at the start, or push later."""
+        """Run the engine with derivatives by unknowns that move the state at the start, or push later, in rows (n,)."""
         blocks = -(-len(moved) // LANES)
         places = np.full(blocks * LANES, len(self.parameter_names), np.int32)
-        directions, of_sensor = np.zeros((blocks, self.states, LANES)), np.zeros(blocks * LANES)
-        places[: len(which)], of_sensor[: len(sensed)] = which, sensed
+        places[: len(which)] = which
+        directions, of_sensor = np.zeros((2 * blocks, self.states, LANES)), np.zeros((blocks, 2, LANES))
         for k, one in enumerate(moved):
             directions[k // LANES, :, k % LANES] = one
+        for k, pair in enumerate(sensed):
+            of_sensor[k // LANES, :, k % LANES] = pair
         anew = directions.copy()
-        profile = None if profile is None else np.ascontiguousarray(profile, float)
         self._carried(
             ctypes.byref(asked),
             blocks,
             len(moved),
             _pointer(directions),
-            places.ctypes.data_as(ctypes.POINTER(ctypes.c_int)),
+            places.ctypes.data_as(_INTEGERS),
             _pointer(of_sensor),
-            _pointer(profile),
             _pointer(np.zeros(2 * blocks * LANES)),
-            _pointer(derivatives),
+            derivatives.ctypes.data,
+            into.ctypes.data_as(_INTEGERS),
+            derivatives.dtype == np.float32,
             _pointer(anew),
             _pointer(along),
         )
@@ -339,6 +387,26 @@ def _pointer(values: np.ndarray | None) -> Any:
 
 def _bytes(values: np.ndarray | None) -> Any:
     return None if values is None else values.ctypes.data_as(_BYTES)
+
+
+@contextmanager
+def _filled(library: ctypes.CDLL, sides: Sides | None, asked: _Recording, count: int) -> Iterator[None]:
+    """Have a run fill ``sides``, with ``count`` derivatives."""
+    if sides is None:
+        yield
+        return
+    shown = _SidesShown(width=1 + count)
+    asked.sides = ctypes.addressof(shown)
+    try:
+        yield
+        if shown.room < 0:
+            raise MemoryError("no memory is left for the other sides of the jumps in a response")
+        if shown.count:
+            sides.at = np.ctypeslib.as_array(shown.at, (shown.count,)).astype(int)
+            made = np.ctypeslib.as_array(shown.shown, (shown.count, 1 + count)).T.copy()
+            sides.shown, sides.derivatives = made[0], made[1:]
+    finally:
+        library.dp_sides_done(ctypes.byref(shown))
 
 
 _cores: dict[Structure, Core] = {}

@@ -162,12 +162,7 @@ class Screen:
         structure = Structure(model, self.data, [name for name in model.parameters() if name not in wanted])
         state = structure.state(begun)
         problem, residuals = structure.problem, self.fitted.residuals
-        quotient = problem.quotients(state, residuals)
-        rows = [np.empty((len(wanted), residual.size)) for residual in residuals]
-        for i, own in enumerate(rows):
-            for k in range(len(wanted)):
-                quotient(i, k, own[k])
-            problem.bound(i, own, state, residuals[i])
+        rows = problem.derivatives(state, residuals)
         return [[own[k] for own in rows] for k in range(len(wanted))]
 
     def _change(self, law: Law, values: dict[str, float], initial: np.ndarray) -> list[np.ndarray]:

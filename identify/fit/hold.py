@@ -125,7 +125,6 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     if max(_distance(left, here, noise) for left in there.values()) < _MATTERS:
         return unknown  # no parameter can be moved by more of its standard errors than the whole response is
     lines = problem.derivatives(state, here, single=True)
-    problem.forget()
     give_back()
     in_lines(problem, lines, noise)
     reached, _ = _reached(problem, lines, state, here, noise)

@@ -48,7 +48,6 @@ def scatter(
         measure_rounding(recording)  # which takes memory of its own
     residuals = problem.residuals(state)
     derivatives = problem.derivatives(state, residuals, single=True)
-    problem.forget()
     in_lines(problem, derivatives, noise)
     shared, free = problem.shared, len(problem.free)
     total = np.zeros((shared, shared))

@@ -8,10 +8,9 @@ on the other side where it is nearer to that. What is left are steps below decis
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
+from ...simulate.core import Sides
 from ..signals.odds import BEYOND_ERRORS
 from .segments import Segment
 
@@ -19,36 +18,35 @@ from .segments import Segment
 _OF_MEDIAN = 1.4826
 
 
-def nearer_sides(
-    segment: Segment, response: np.ndarray, signs: np.ndarray, under: Callable[[np.ndarray], np.ndarray]
-) -> tuple[np.ndarray, np.ndarray]:
-    """(n,) response with the samples beside its jumps on the nearer side, and (n, surfaces + 1) signs that it has then.
+def nearer_sides(segment: Segment, response: np.ndarray, sides: Sides) -> np.ndarray:
+    """Which of the other sides, as places in ``sides``, samples are taken on.
 
     Args:
         segment: what was measured, and its noise.
-        response: (n,) as simulated.
-        signs: (n, surfaces + 1) of that simulation; see ``simulate.core.Core.record``.
-        under: gives the response (n,) of the same motion under other signs; asked where a sample beside a jump is so
-            far off that it is decisively likelier to be on the other side of one.
+        response: (n,) as simulated, perhaps of its first samples only.
+        sides: what samples beside its jumps are on their other sides.
     """
-    measured = segment.response
-    before = np.flatnonzero(np.any(signs[1:] != signs[:-1], axis=1))
+    if not sides.at.size:
+        return sides.at
+    left = np.abs(segment.response[: response.size] - response)
     # the jumps themselves are in the highest frequencies too, from which the noise is measured
-    left = np.abs(measured - response)
     noise = min(segment.noise, _OF_MEDIAN * float(np.median(left)))
     # nearer, noise alone is as likely a cause, and a choice that follows it would bend the size of the jump
-    off = left > BEYOND_ERRORS * noise
-    if not np.any(off[before] | off[before + 1]):
-        return response, signs
-    surfaces: list[slice] = [slice(None)]
-    if np.any(np.diff(before) == 1):  # several surfaces change about one sample, and it may be on either side of each
-        surfaces += [slice(k, k + 1) for k in range(signs.shape[1])]
-    taken = signs.copy()
-    for there, beside in ((before, before + 1), (before + 1, before)):
-        for changed in surfaces:
-            across = signs.copy()
-            across[there, changed] = signs[beside, changed]
-            other = under(across)
-            nearer = off & (np.abs(measured - other) < np.abs(measured - response))
-            response, taken = np.where(nearer, other, response), np.where(nearer[:, None], across, taken)
-    return response, taken
+    apart = np.abs(segment.response[sides.at] - sides.shown)
+    nearer = np.flatnonzero((left[sides.at] > BEYOND_ERRORS * noise) & (apart < left[sides.at]))
+    nearer = nearer[np.lexsort((apart[nearer], sides.at[nearer]))]
+    return nearer[np.append(True, np.diff(sides.at[nearer]) > 0)] if nearer.size else nearer
+
+
+def put_on_same_sides(response: np.ndarray, sides: Sides, moved: np.ndarray, moved_sides: Sides) -> None:
+    """Put the samples of a neighbouring run, (n,), on those sides of their jumps on which a response (n,) shows them.
+
+    Where a jump has passed a sample the way across it has turned round.
+    """
+    steps, own = moved_sides.shown - moved[moved_sides.at], sides.shown - response[sides.at]
+    for at in np.intersect1d(moved_sides.at, sides.at):
+        here = np.flatnonzero(moved_sides.at == at)
+        ways = own[sides.at == at]
+        turned, kept = (np.min(np.abs(steps[here, None] + sign * ways), axis=1) for sign in (1.0, -1.0))
+        if np.min(turned) < np.min(kept):
+            moved[at] = moved_sides.shown[here[int(np.argmin(turned))]]

@@ -1,27 +1,30 @@
 """Stretches in which the response jumps with the smallest change of a parameter.
 
 Where friction or a preload holds the mass against a force of about their size, small changes decide whether it breaks
-away in this cycle or the next. There the simulated response has no derivative: a difference quotient is a jump over a
-small step, and least squares would take it for an immense amount of information. Such stretches are left out.
+away in this cycle or the next. There the derivative of the response says nothing of the step that a fit would take, and
+least squares would go where it does not lead. Such stretches are left out: those in which two runs with all parameters
+moved a little, forward and backward, tell of different derivatives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from .jump_sides import put_on_same_sides
 from .output_error import OutputError, State
 from .segments import Segment
 
-#: Writes the difference quotient of a segment's response by a parameter: see ``OutputError.quotients``.
-Quotient = Callable[[int, int, np.ndarray], None]
-#: Forward and backward differences that disagree by more than this part of their size are no derivative.
+#: By this part of themselves, or of their typical sizes, the parameters are moved; the core is smooth to 1e-12.
+_STEP = 1e-5
+#: Forward and backward differences that disagree by more than this part of the largest effect of any parameter there
+#: are no derivative.
 _DISAGREE = 0.3
-#: ... but not where they are this small a part of the parameter's largest effect in the segment.
+#: ... but not where they are this small a part of the largest effect in the segment.
 _SMALL = 1e-3
-#: ... nor where doubling the parameter would move the response by less than this part of it.
+#: ... nor where doubling the parameters would move the response by less than this part of it.
 _VISIBLE = 1e-6
 _SHORTEST_CYCLES = 10.0
 #: What is too short to be cut is kept whole where what jumps holds less than this part of the information on each
@@ -29,8 +32,6 @@ _SHORTEST_CYCLES = 10.0
 _FALSE_INFORMATION = 0.01
 #: A recording without noise is exact to this part of it.
 _ROUNDING = 1e-12
-#: Samples that are looked at together.
-_AT_ONCE = 2**16
 
 
 def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment, ...], State]:
@@ -42,10 +43,11 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
     """
     if not problem.free:
         return problem.segments, state
-    sizes = np.maximum(np.abs(state.values[list(problem.free)]), problem.scale[list(problem.free)])
-    residuals = problem.residuals(state)
-    ways = problem.quotients(state, residuals), problem.quotients(state, residuals, backward=True)
-    jumps, false, told = zip(*(_of_segment(problem, i, ways, sizes) for i in range(len(problem.segments))), strict=True)
+    free = list(problem.free)
+    sizes = np.maximum(np.abs(state.values[free]), problem.scale[free])
+    rows = problem.derivatives(state, problem.residuals(state))
+    found = problem.map(lambda i: _of_segment(problem, i, state, rows[i], sizes), range(len(problem.segments)))
+    jumps, false, told = zip(*found, strict=True)
     say_little = np.all(np.array(false) <= _FALSE_INFORMATION * np.sum(told, axis=0), axis=1)
     kept: list[Segment] = []
     initial: list[np.ndarray] = []
@@ -69,48 +71,42 @@ def _cycle_of(segment: Segment) -> int:
 
 
 def _of_segment(
-    problem: OutputError, i: int, ways: tuple[Quotient, Quotient], sizes: np.ndarray
+    problem: OutputError, i: int, state: State, rows: np.ndarray, sizes: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """(n,) where any parameter's derivative jumps, and (k,) each one's information there and elsewhere."""
+    """(n,) where the response's derivative along all parameters jumps, and (k,) each one's information there and
+    elsewhere."""
     segment = problem.segments[i]
+    own = problem.sides(i)
+    base = problem.simulate(i, state, sides=own)
+
+    def quotient(step: float) -> np.ndarray:
+        values = state.values.copy()
+        values[list(problem.free)] += step * sizes
+        sides = problem.sides(i)
+        moved = problem.simulate(i, replace(state, values=values), sides=sides)
+        if own is not None and sides is not None:  # a jump that passes a sample is no derivative
+            put_on_same_sides(base, own, moved, sides)
+        return (moved - base) / step
+
+    with np.errstate(invalid="ignore"):  # where it does not simulate to its end
+        ways = [np.nan_to_num(quotient(step), posinf=0.0, neginf=0.0) for step in (_STEP, -_STEP)]
     largest = float(np.max(np.abs(segment.response)))
-    visible, noise = _VISIBLE * largest / sizes, max(segment.noise, _ROUNDING * largest)
-
-    def of_parameter(k: int) -> tuple[np.ndarray, float, float]:
-        both = np.empty((2, segment.n))
-        for way, quotient in zip(ways, both, strict=True):
-            way(i, k, quotient)
-        found = _jumps(both[0], both[1], _cycle_of(segment), float(visible[k]))
-        informs = np.max(np.abs(both), axis=0) / noise
-        return found, float(np.sum(informs[found] ** 2)), float(np.sum(informs[~found] ** 2))
-
-    jumps, false, told = zip(*problem.map(of_parameter, range(len(sizes))), strict=True)
-    return np.any(jumps, axis=0), np.array(false), np.array(told)
+    effect = np.max(np.abs(rows[: len(sizes)]) * sizes[:, None], axis=0)
+    found = _jumps(np.abs(ways[0] - ways[1]), effect, _cycle_of(segment), _VISIBLE * largest)
+    informs = (rows[: len(sizes)] / max(segment.noise, _ROUNDING * largest)) ** 2
+    return found, np.sum(informs[:, found], axis=1), np.sum(informs[:, ~found], axis=1)
 
 
-def _jumps(forward: np.ndarray, backward: np.ndarray, cycle: int, visible: float) -> np.ndarray:
-    """(n,) whether a parameter's derivative (n,) is none there, to within half a cycle.
+def _jumps(apart: np.ndarray, effect: np.ndarray, cycle: int, visible: float) -> np.ndarray:
+    """(n,) whether derivatives forward and backward are so far apart, (n,), beside what the parameters do there, (n,),
+    that they are none, to within half a cycle.
 
     Below ``visible`` a difference is rounding.
     """
     from scipy.ndimage import maximum_filter1d
 
-    def size(of: slice) -> tuple[np.ndarray, np.ndarray]:
-        return np.abs(forward[of]), np.abs(backward[of])
-
-    jumps = np.empty(forward.size, bool)
-    parts = [slice(begin, begin + _AT_ONCE) for begin in range(0, forward.size, _AT_ONCE)]
-    floor = _SMALL * max(float(np.max(np.minimum(*size(part)))) for part in parts) + visible
-    for part in parts:
-        first = max(0, part.start - cycle)
-        wide = slice(first, part.stop + cycle)
-        apart = maximum_filter1d(np.abs(forward[wide] - backward[wide]), cycle)
-        largest = maximum_filter1d(np.maximum(*size(wide)), cycle)
-        largest *= _DISAGREE
-        largest += floor
-        own = slice(part.start - first, part.stop - first)
-        jumps[part] = apart[own] > largest[own]
-    return jumps
+    floor = _SMALL * float(np.max(effect)) + visible
+    return maximum_filter1d(apart, cycle) > _DISAGREE * maximum_filter1d(effect, cycle) + floor
 
 
 def _longest(good: np.ndarray) -> tuple[int, int]:

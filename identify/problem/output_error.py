@@ -8,20 +8,19 @@ endless one the response is simulated freely, and this is output error.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Sequence
+from collections.abc import Callable, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from ...simulate.core import Core
+from ...simulate.core import Core, Sides
 from ...simulate.force import Force
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
 from .adjoint import felt
 from .jump_sides import nearer_sides
-from .known_quotients import Kept, KnownAtPoint, kept, put_quotient, restore, without_impossible
 from .normal_equations import Block, products, pseudo_inverse, shared_information, solve
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
@@ -33,8 +32,6 @@ from .simulating import pool
 Item = TypeVar("Item")
 T = TypeVar("T")
 
-#: Relative step of the finite differences; the event-exact core is smooth to 1e-12.
-_STEP = 1e-5
 #: Harmonics and a motion beside its pace may add this much to what a parameter can do.
 _MOST_TURN = 2.0
 
@@ -46,11 +43,10 @@ class OutputError:
         core: compiled equations.
         segments: what to reproduce.
         free: indices of the parameters to be found, in the core's order.
-        scale: (parameters,) typical sizes, for the finite differences of parameters near zero.
-        state_scale: (states,) typical displacement, velocity and inner states.
+        scale: (parameters,) typical sizes, of parameters near zero.
+        state_scale: (states,) a hundredth of a typical displacement, velocity and inner states.
         max_step: longest internal step of the simulation, s.
         bounds: (2, parameters) lowest and highest values, where there are any.
-        step: of the finite differences, as a part of a value or of its typical size.
         offsets: the sensors' offsets to be found.
         memory: how far the model predicts, in cycles; see ``prediction``.
         coarse_step: longest internal step of a search that only leads to where a fit begins, s; see ``coarsely``.
@@ -65,7 +61,6 @@ class OutputError:
         state_scale: np.ndarray,
         max_step: float,
         bounds: np.ndarray | None = None,
-        step: float = _STEP,
         offsets: Sequence[Offset] = (),
         memory: float = FREE,
         coarse_step: float | None = None,
@@ -80,14 +75,10 @@ class OutputError:
         #: Whether it simulates with that step, and with the force in fewer pieces.
         self.coarse = False
         self.bounds = bounds
-        self.step = step
         self.offsets = tuple(offsets)
         self.memory = memory
         #: Free parameters and offsets: what segments share.
         self.shared = len(self.free) + len(self.offsets)
-        self._known: KnownAtPoint[Kept] = KnownAtPoint()
-        #: Of each segment that jumps the signs that its response had.
-        self._sides: KnownAtPoint[np.ndarray] = KnownAtPoint()
 
     def predicting(self, memory: float) -> OutputError:
         """The same with another memory."""
@@ -149,16 +140,14 @@ class OutputError:
         state: State,
         n: int | None = None,
         force: Force | None = None,
-        signs: np.ndarray | None = None,
-        keep: np.ndarray | None = None,
         added: np.ndarray | None = None,
         out: np.ndarray | None = None,
+        sides: Sides | None = None,
     ) -> np.ndarray:
         """(n,) response of one segment, its sensor's offset in it, to its own force or another, and what is added."""
         asked, how, shown = self._run(index, state, n, force)
-        made = self.core.record(*asked, **how, signs=signs, keep=keep, added=added, out=out)
-        if np.any(shown):
-            made += shown[: made.size] if shown.ndim else float(shown)
+        made = self.core.record(*asked, **how, added=added, out=out, sides=sides)
+        _show(shown, made, sides)
         return made
 
     def _run(
@@ -183,7 +172,7 @@ class OutputError:
         None where the linearised motion does not give them: of a prediction, beside jumps of the response, and where
         it does not simulate.
         """
-        if self.memory != FREE or self._jumps(i):
+        if self.memory != FREE or self.sides(i) is not None:
             return None
         asked, how, _ = self._run(i, state)
         transitions = self.core.transitions(*asked, **how)
@@ -202,17 +191,25 @@ class OutputError:
 
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
         """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
-        room = [np.empty(segment.n) for segment in self.segments]
-        sides = self._sides_at(state)
-
-        def shown_by(i: int) -> np.ndarray:
-            response, signs = self._beside_jumps(i, state, room[i])
-            if self._jumps(i):
-                sides[i] = signs
-            return response
-
-        made = self.map(shown_by, range(len(self.segments)))
+        made = self.map(lambda i: self.response(i, state), range(len(self.segments)))
         return tuple(np.subtract(s.response, shown, out=shown) for s, shown in zip(self.segments, made, strict=True))
+
+    def response(self, index: int, state: State) -> np.ndarray:
+        """(n,) response of one segment, beside its jumps on the nearer side."""
+        sides = self.sides(index)
+        made = self.simulate(index, state, sides=sides)
+        if sides is not None:
+            taken = nearer_sides(self.segments[index], made, sides)
+            made[sides.at[taken]] = sides.shown[taken]
+        return made
+
+    def sides(self, index: int) -> Sides | None:
+        """Room for the other sides of a response's jumps; None where it has none.
+
+        Only an acceleration jumps where a surface is crossed, and what a prediction corrects by is as simulated.
+        """
+        jumps = self.segments[index].quantity == "acceleration" and bool(self.core.equations.kinds)
+        return Sides() if jumps and self.memory == FREE else None
 
     def states(self, index: int, state: State) -> np.ndarray:
         """(n, states) displacement, velocity and inner states along one segment, simulated freely."""
@@ -224,101 +221,77 @@ class OutputError:
     def derivatives(self, state: State, residuals: Sequence[np.ndarray], *, single: bool = False) -> list[np.ndarray]:
         """(shared + states, n) derivatives of each segment's response: free parameters, offsets, its initial state.
 
-        Where the response jumps (an acceleration, when friction turns), all runs of a segment show what their states
-        give under the same signs, sample by sample: the jump itself has no derivative. Where small changes decide
-        whether friction holds the mass, a difference quotient is no derivative either: samples at which a parameter
-        would move the response by more than its phase can turn are left at zero. With ``single`` those of long segments
-        come in single precision, to which a quotient is good.
+        From one run of each segment, in which they go along (``Core.record_with_derivatives``). Where small changes
+        decide whether friction holds the mass, they grow beyond bounds: samples at which a parameter would move the
+        response by more than its phase can turn are left at zero. With ``single`` those of long segments come in single
+        precision.
         """
         if max(segment.n for segment in self.segments) >= LONG:
             give_back()
         count = self.shared + self.core.states
         made = [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
-        sides = self._known_sides(state)
-        self.map(lambda i: self._carry(i, state, sides.get(i), made[i]), range(len(self.segments)))
-        for i, rows in enumerate(made):
-            self.bound(i, rows, state, residuals[i])
+
+        def fill(i: int) -> None:
+            self.carry(i, state, self._moving(self.segments[i]), made[i])
+            self._bound(i, made[i], state, residuals[i])
+
+        self.map(fill, range(len(self.segments)))
         return made
 
-    def quotients(
-        self, state: State, residuals: Sequence[np.ndarray], *, backward: bool = False
-    ) -> Callable[[int, int, np.ndarray], None]:
-        """Puts the difference quotient of one segment's response by one unknown, there, into an array (n,).
+    def carry(self, index: int, state: State, unknowns: Sequence[int], rows: np.ndarray) -> np.ndarray:
+        """Put the derivatives of the first samples of a segment's response by some unknowns in their rows (k, n).
 
-        To the other side where the model does not simulate beyond; else zero. Under the same signs as ``derivatives``.
+        Args:
+            index: of the segment.
+            state: where.
+            unknowns: free parameters, offsets, initial states, counted as the rows are.
+            rows: (shared + states, n) room.
+
+        Returns:
+            (n,) response, as ``response`` has it.
         """
-        sides = self._known_sides(state)
-        known = {} if backward else self._known.at(self._point(state))
+        sides = self.sides(index)
+        response, places = self._carried(index, state, unknowns, rows, sides)
+        if sides is not None:
+            taken = nearer_sides(self.segments[index], response, sides)
+            response[sides.at[taken]] = sides.shown[taken]
+            rows[np.array(places)[:, None], sides.at[taken]] = sides.derivatives[:, taken]
+        return response
 
-        def quotient(i: int, k: int, out: np.ndarray) -> None:
-            unknown = (i, "parameter", self.free[k]) if k < len(self.free) else (i, "own", k - self.shared)
-            if unknown in known:
-                restore(known[unknown], out)
-                return
-            ahead = (-self.step if backward else self.step) * self._size(i, k, state)
-
-            def moved(step: float, room: np.ndarray) -> None:
-                self.simulate(i, self._moved(i, k, state, step), signs=sides.get(i), out=room)
-
-            put_quotient(moved, ahead, self.segments[i].response, residuals[i], out)
-            if not backward and out.size >= LONG and not len(self.free) <= k < self.shared:
-                known[unknown] = kept(out)
-
-        return quotient
-
-    def _carry(self, i: int, state: State, signs: np.ndarray | None, out: np.ndarray) -> None:
-        """Put the derivatives of a segment's response, carried along one run of it, into an array (unknowns, n)."""
-        count, states = len(self.core.parameter_names), self.core.states
-        runs: list[tuple[np.ndarray | None, dict[int, int]]] = [(None, {})]  # profile, and place by unknown
-        for k in self._moving(self.segments[i]):
+    def _carried(
+        self, index: int, state: State, unknowns: Sequence[int], rows: np.ndarray, sides: Sides | None
+    ) -> tuple[np.ndarray, list[int]]:
+        """As ``carry``, as simulated; the rows to which the derivatives of other sides belong."""
+        core = self.core
+        load = core.unknowns.index("load")
+        by: dict[int, int] = {}  # an unknown of the core, and the row in which it goes
+        zeros = []
+        for k in unknowns:
             if k < len(self.free):
-                runs[0][1][k] = self.free[k]
+                by[self.free[k]] = k
             elif k >= self.shared:
-                runs[0][1][k] = count + k - self.shared
-            elif self._is_sensors(k):
-                out[k] = self._shown_by(i, k)
+                by[len(core.parameter_names) + k - self.shared] = k
             elif self.offsets[k - len(self.free)].channel == "force":
-                runs[0][1][k] = count + states
+                by[load] = k
             else:
-                shown = self._shown_by(i, k)
-                out[k] = shown
-                runs.append((np.broadcast_to(shown, out.shape[1]), {k: count + states + 1}))
-        asked, how, _ = self._run(i, state)
-        for profile, by in runs:
-            if not by:
-                continue
-            _, rows = self.core.record_with_derivatives(
-                *asked, **how, signs=signs, by=list(by.values()), profile=profile
-            )
-            for (k, place), row in zip(by.items(), rows, strict=True):
-                if not np.all(np.isfinite(row)):
-                    out[k] = 0.0
-                elif place < count + states:
-                    out[k] = row
-                else:  # a zero is taken off the force, or off what was measured
-                    out[k] -= row
-
-    def forget(self) -> None:
-        """Make room of what is known at the last point, where nobody will ask for it again."""
-        self._known.at(())
-        self._sides.at(())
-
-    def _point(self, state: State) -> tuple[Hashable, ...]:
-        """What a quotient depends on."""
-        felt = [self.memory != FREE or offset.channel == "force" for offset in self.offsets]
-        how = self.segments, self.memory, self.coarse, self.step
-        return (*how, state.values.tobytes(), state.initial.tobytes(), state.offsets[felt].tobytes())
-
-    def _sides_at(self, state: State) -> dict[Hashable, np.ndarray]:
-        """Signs of the segments that jump, as far as they were simulated there: a sensor's zero decides them too."""
-        return self._sides.at((*self._point(state), state.offsets.tobytes()))
-
-    def _known_sides(self, state: State) -> dict[Hashable, np.ndarray]:
-        """Signs of all segments that jump, simulated where they are not known."""
-        sides = self._sides_at(state)
-        asked = [i for i in range(len(self.segments)) if self._jumps(i) and i not in sides]
-        sides.update(zip(asked, self.map(lambda i: self._beside_jumps(i, state)[1], asked), strict=True))
-        return sides
+                zeros.append(k)
+        asked, how, shown = self._run(index, state, rows.shape[1])
+        places = list(by.values())
+        response, _ = core.record_with_derivatives(*asked, **how, by=list(by), out=rows, rows=places, sides=sides)
+        _show(shown, response, sides)
+        if load in by:  # what the load cell shows too much pushes too little
+            rows[by[load]] *= -1.0
+            if sides is not None and sides.at.size:
+                sides.derivatives[places.index(by[load])] *= -1.0
+        for k in zeros:
+            line = self._shown_by(index, k)
+            rows[k] = line[: response.size] if line.ndim else line
+        if zeros and self.memory != FREE:  # which corrects by what the sensor shows
+            _, (by_zero, by_drift) = core.record_with_derivatives(*asked, **how, by=[load + 1, load + 2])
+            for k in zeros:
+                offset, time = self.offsets[k - len(self.free)], self.segments[index].time
+                rows[k] -= by_zero if offset.channel == "response" else (time - offset.middle) * by_zero + by_drift
+        return response, places
 
     def _moving(self, segment: Segment) -> list[int]:
         """Unknowns by which a segment's response changes at all."""
@@ -328,16 +301,11 @@ class OutputError:
                 idle.add(k)
         return [k for k in range(self.shared + self.core.states) if k not in idle]
 
-    def _is_sensors(self, k: int) -> bool:
-        """Whether an unknown is what a sensor shows beside a motion that knows nothing of it: needs no simulation."""
-        place = k - len(self.free)
-        return self.memory == FREE and 0 <= place < len(self.offsets) and self.offsets[place].channel != "force"
-
     def _shown_by(self, i: int, k: int) -> np.ndarray:
         """() or (n,) what a sensor shows along a segment for each unit of its offset."""
         return zeros_along([self.offsets[k - len(self.free)]], np.ones(1), self.segments[i])[0]
 
-    def bound(self, i: int, rows: np.ndarray, state: State, residual: np.ndarray) -> None:
+    def _bound(self, i: int, rows: np.ndarray, state: State, residual: np.ndarray) -> None:
         """Leave out of a segment's derivatives, in their place, the samples at which they cannot be any.
 
         A frequency that changes by all of itself turns the phase by 2 pi a cycle, as far back as the model remembers;
@@ -346,46 +314,14 @@ class OutputError:
         segment = self.segments[i]
         cycles = max(1.0, min(self.memory, segment.n * segment.dt * segment.pace / (2 * np.pi)))
         span = max(float(np.ptp(segment.response)), float(np.ptp(segment.response - residual)))
-        limits = [_MOST_TURN * np.pi * cycles * span / self._size(i, k, state) for k in range(len(self.free))]
-        without_impossible(rows, limits)
-
-    def _jumps(self, i: int) -> bool:
-        """Whether a segment's response jumps where a surface is crossed."""
-        return self.segments[i].quantity == "acceleration" and bool(self.core.equations.kinds)
-
-    def _beside_jumps(self, i: int, state: State, out: np.ndarray | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """(n,) response of a segment, beside its jumps on the nearer side, and (n, surfaces + 1) the signs it has."""
-        segment = self.segments[i]
-        keep = self.core.signs(segment.n if self._jumps(i) else 0)
-        response = self.simulate(i, state, keep=keep if self._jumps(i) else None, out=out)
-        if self.memory != FREE or not self._jumps(i):  # what a prediction corrects by is as simulated
-            return response, keep
-        return nearer_sides(segment, response, keep, lambda signs: self.simulate(i, state, signs=signs))
-
-    def _size(self, i: int, k: int, state: State) -> float:
-        """What the step of an unknown is measured by."""
-        if k < len(self.free):
-            place = self.free[k]
-            return max(abs(float(state.values[place])), float(self.scale[place]))
-        if k < self.shared:
-            place = k - len(self.free)
-            return max(abs(float(state.offsets[place])), self.offsets[place].scale)
-        own = k - self.shared
-        return max(abs(float(state.initial[i, own])), float(self.state_scale[own]))
-
-    def _moved(self, i: int, k: int, state: State, step: float) -> State:
-        """The point with one unknown of a segment moved."""
-        if k < len(self.free):
-            values = state.values.copy()
-            values[self.free[k]] += step
-            return replace(state, values=values)
-        if k < self.shared:
-            offsets = state.offsets.copy()
-            offsets[k - len(self.free)] += step
-            return replace(state, offsets=offsets)
-        initial = state.initial.copy()
-        initial[i, k - self.shared] += step
-        return replace(state, initial=initial)
+        sizes = np.maximum(np.abs(state.values), self.scale)[list(self.free)]
+        beyond = np.zeros(segment.n, bool)
+        for k, row in enumerate(rows):
+            limit = _MOST_TURN * np.pi * cycles * span / sizes[k] if k < len(sizes) else np.finfo(row.dtype).max
+            if not max(float(np.max(row)), -float(np.min(row))) <= limit:  # or it does not simulate to its end
+                beyond |= ~(np.abs(row) <= limit)
+        if np.any(beyond):
+            rows[:, beyond] = 0.0
 
     def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
         """(k, k) information of the free parameters, initial states eliminated."""
@@ -404,6 +340,14 @@ class OutputError:
         """(k, k) information on the free parameters, the offsets eliminated."""
         k = len(self.free)
         return shared_information([(shared, np.zeros(self.shared))], k) if self.offsets else shared
+
+
+def _show(shown: np.ndarray, made: np.ndarray, sides: Sides | None) -> None:
+    """Put what a sensor shows at zero, () or (n,), on a response, in its place, and on the other sides of its jumps."""
+    if np.any(shown):
+        made += shown[: made.size] if shown.ndim else float(shown)
+        if sides is not None:
+            sides.shown += shown[sides.at] if shown.ndim else float(shown)
 
 
 def blocks_of(

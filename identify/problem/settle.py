@@ -26,6 +26,8 @@ _SIZES = 100.0
 LEAST = 8
 #: Cycles that are asked first where the beginning is lost, and by which factor ever more of them.
 _FIRST, _LONGER = 0.25, 2**0.5
+#: Gauss and Newton's steps, each of two runs.
+_STEPS = 8
 
 
 def follows(left: float, measured: np.ndarray, noise: float) -> bool:
@@ -104,14 +106,9 @@ class _Beginning:
         own, scale = self.own, self.problem.state_scale[self.own]
         reaches = self.problem.core.reaches(self.state.values)
         initial = nearest_reach(start, reaches, own, lambda candidate: self.misfit(candidate, n))
-        for _ in range(4):
-            base = self._response(initial, n)
-            rows = []
-            for k, step in zip(own, scale, strict=True):
-                moved = initial.copy()
-                moved[k] += step
-                rows.append((self._response(moved, n) - base) / step)
-            jacobian = np.array(rows).T
+        for _ in range(_STEPS):
+            base, rows = self._derived(initial, n)
+            jacobian = rows.T
             residual = self.measured[:n] - base
             if not (np.all(np.isfinite(jacobian)) and np.all(np.isfinite(residual))):
                 break
@@ -127,7 +124,17 @@ class _Beginning:
             initial = trial
         return initial
 
-    def _response(self, candidate: np.ndarray, n: int) -> np.ndarray:
+    def _begun(self, candidate: np.ndarray) -> State:
         moved = self.state.initial.copy()
         moved[self.place] = candidate
-        return self.problem.simulate(self.place, replace(self.state, initial=moved), n)
+        return replace(self.state, initial=moved)
+
+    def _response(self, candidate: np.ndarray, n: int) -> np.ndarray:
+        return self.problem.simulate(self.place, self._begun(candidate), n)
+
+    def _derived(self, candidate: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
+        """(n,) response, and (own, n) its derivatives by the initial states that may be moved."""
+        shared = self.problem.shared
+        rows = np.zeros((shared + self.problem.core.states, n))
+        places = [shared + k for k in self.own]
+        return self.problem.carry(self.place, self._begun(candidate), places, rows), rows[places]

@@ -37,8 +37,6 @@ _FENCE = 10.0
 _COARSER = 3.75
 #: A motion so fast that a sample interval takes more steps than this is nothing that the recordings could show.
 _FINEST = 40.0
-#: Finite differences of a likelihood with many side valleys reach over these.
-_WIDE = 3e-3
 #: A spring that turns the phase by less than this (rad) in the longest recording is as good as none.
 SLACK = 0.1
 #: The mass may come to this many times its start, or to as small a part of it.
@@ -176,7 +174,6 @@ class Structure:
             offsets=data.offsets if offsets is None else offsets,
             memory=data.memory,
             coarse_step=steps[1],
-            **({"step": _WIDE} if any(term.law.rugged for term in model.terms) else {}),
         )
 
     def _internal_steps(self, length: float) -> tuple[float, float]:

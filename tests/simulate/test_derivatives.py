@@ -10,7 +10,7 @@ from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.prediction import prediction_gain
 from dashpot.model import Oscillator, Response, oscillator_with
 from dashpot.model.laws import LIBRARY
-from dashpot.simulate.core import core_of, internal_step
+from dashpot.simulate.core import Sides, core_of, internal_step
 from dashpot.simulate.force import smooth_force, staircase, straight_lines
 from hypothesis import strategies as st
 
@@ -35,13 +35,13 @@ class Run:
         self.values, self.begin = np.array(list(model.values().values())), np.array(begin, float)
         self.step, self.force = step or internal_step(model, model.values(), 8e-3), force
         self.measured, self.gain = measured, None
-        self.by = list(range(len(self.core.unknowns) - (measured is None)))
+        self.by = list(range(len(self.core.unknowns) - 2 * (measured is None)))
         if measured is not None:
             self.gain = np.zeros(self.core.states)
             self.gain[:2] = GAINS[model.response.quantity]
         #: Natural sizes of the unknowns.
         initial = [8e-3, 0.6, *(initial_scales or [1.0] * (self.core.states - 2))]
-        self.scales = [*np.maximum(np.abs(self.values), 1e-3), *initial, 0.1, 8e-3]
+        self.scales = [*np.maximum(np.abs(self.values), 1e-3), *initial, 0.1, 8e-3, 2e-2]
 
     def plain(self, unknown=0, by=0.0, **more):
         values, begin, count = self.values.copy(), self.begin.copy(), self.values.size
@@ -53,7 +53,7 @@ class Run:
         elif unknown == count + self.core.states:
             more["load"] = by
         elif measured is not None:
-            measured = measured + by
+            measured = measured + by * (1.0 if self.core.unknowns[unknown] == "measured" else T[: self.n])
         return self.core.record(
             values, begin, self.force, self.n, DT, self.step, start=START, measured=measured, gain=self.gain, **more
         )
@@ -126,18 +126,61 @@ def test_across_crossings_sticking_and_breaking_away(quantity, hold):
 def test_of_a_prediction_with_a_memory(quantity):
     measured = Run(rig(quantity, omega0=81.0), (5e-3, 0.0), HOLDS["smooth"](1.5)).plain()
     run = Run(rig(quantity, dry=2.0, preload=1.0), (6e-3, 0.1), HOLDS["smooth"](1.5), measured=measured)
-    assert run.core.unknowns[run.by[-1]] == "measured"
+    assert [run.core.unknowns[place] for place in run.by[-2:]] == ["measured", "drift"]
     errors = run.errors([1e-2, 1e-4, 1e-5, 1e-6])
     assert max(errors.values()) < 1e-7, errors
 
 
-def test_what_was_measured_may_move_by_a_profile():
-    measured = Run(rig(omega0=81.0), (5e-3, 0.0), None).plain()
-    run, shape, h = Run(rig(), (6e-3, 0.1), None, measured=measured), np.linspace(0.0, 1.0, N), 1e-6
-    run.by = [run.by[-1]]
-    derivative = run.carried(profile=shape)[1][0]
-    sides = [Run(rig(), (6e-3, 0.1), None, measured=measured + by * shape).plain() for by in (h, -h)]
-    assert np.max(np.abs((sides[0] - sides[1]) / (2 * h) - derivative)) < 1e-7 * np.max(np.abs(derivative))
+def test_they_go_where_they_are_asked_to_and_in_single_precision_too():
+    run = Run(rig(dry=0.5, preload=1.0), (6e-3, 0.1), HOLDS["smooth"](1.0))
+    derivatives = run.carried()[1]
+    for kind in (float, np.float32):
+        out = np.full((len(run.by) + 3, N), 7.0, kind)
+        places = [1, *range(3, len(run.by) + 2)]
+        assert run.carried(out=out, rows=places)[1] is out
+        assert np.array_equal(out[places], derivatives.astype(kind))
+        assert np.all(np.delete(out, places, axis=0) == 7.0)
+
+
+@pytest.mark.parametrize("hold", HOLDS)
+def test_the_other_sides_of_jumps_are_those_under_the_signs_of_their_neighbours(hold):
+    """Against runs under other signs, the derivatives too, as the run itself gives them at each sample."""
+    run, sides, bare = Run(rig("acceleration", dry=4.0, preload=3.0), (6e-3, 0.1), HOLDS[hold](3.0)), Sides(), Sides()
+    signs = run.core.signs(N)
+    assert np.array_equal(run.plain(keep=signs, sides=bare), run.carried(sides=sides)[0])
+    assert np.array_equal(bare.at, sides.at)
+    assert np.array_equal(bare.shown, sides.shown)
+    before = np.flatnonzero(np.any(signs[1:] != signs[:-1], axis=1))
+    assert set(sides.at) == {*before, *(before + 1)}
+    assert before.size >= 4
+    for there, beside in ((before, before + 1), (before + 1, before)):
+        across = signs.copy()
+        across[there] = signs[beside]
+        response, derivatives = run.carried(signs=across)
+        for at in there:
+            same = np.flatnonzero((sides.at == at) & (sides.shown == response[at]))
+            assert any(np.array_equal(sides.derivatives[:, place], derivatives[:, at]) for place in same)
+
+
+def test_a_sample_between_two_jumps_is_there_in_every_way():
+    """So few samples that friction turns and the preload is crossed about the same one."""
+    run, sides = Run(rig("acceleration", dry=1.0, preload=3.0), (6e-3, 0.1), None), Sides()
+    core, signs = run.core, run.core.signs(N)
+    arguments = (run.values, run.begin, None, 40, 0.025, run.step)
+    own = core.record(*arguments, keep=signs, sides=sides)
+    between = 1 + np.flatnonzero(np.any(signs[2:40] != signs[1:39], axis=1) & np.any(signs[1:39] != signs[:38], axis=1))
+    assert between.size >= 3
+    for i in between:
+        ways = []
+        for beside in (signs[i - 1], signs[i + 1]):
+            ways.append(beside)
+            ways += [np.where(np.arange(signs.shape[1]) == k, beside, signs[i]) for k in range(signs.shape[1])]
+        expected = set()
+        for way in ways:
+            across = signs.copy()
+            across[i] = way
+            expected.add(core.record(*arguments, signs=across)[i])
+        assert {*sides.shown[sides.at == i], own[i]} == expected | {own[i]}
 
 
 #: An inner state that decays within few internal steps is itself integrated to 1e-5: its derivatives are no better.

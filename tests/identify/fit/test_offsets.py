@@ -13,6 +13,7 @@ from dashpot.identify.fit.offsets import response_offsets
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.offset import Offset, centre, drift_of, zero_of_load_cell
 from dashpot.identify.problem.output_error import State
+from dashpot.identify.problem.prediction import FREE
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
@@ -130,19 +131,23 @@ def test_what_follows_the_motions_size_is_no_drift(shift, drift):
         assert offset.value == pytest.approx(drift, rel=0.05)
 
 
-def test_what_a_sensor_shows_needs_no_simulation_and_has_the_same_derivative(monkeypatch):
-    """The difference quotient of two simulations, and the closed form that stands for it: ones, and a straight line."""
+@pytest.mark.parametrize("memory", [FREE, 8.0])
+def test_what_a_sensor_shows_has_a_derivative_written_down_but_for_what_a_prediction_corrects_by_it(memory):
+    """Against differences: in a free simulation ones, and a straight line."""
     recordings = [decay(0), decay(1)]
     model = Oscillator.from_values(LINEAR)
     channels = [Offset(0, "response", 1e-4), Offset(1, "response", 1e-4), Offset(1, "drift", 1e-4, middle=0.3)]
     problem = Structure(model, replace(data_of(recordings, model), offsets=tuple(channels)), FIXED).problem
+    problem = problem.predicting(memory)
     state = State(np.array([*model.values().values()]), np.array([[5e-3, 0.0]] * 2), np.zeros(3))
     residuals, first = problem.residuals(state), len(problem.free)
-    closed = problem.derivatives(state, residuals)
-    monkeypatch.setattr(problem, "_is_sensors", lambda _: False)
-    for rows, quotients in zip(closed, problem.derivatives(state, residuals), strict=True):
-        assert rows[first : first + 3] == pytest.approx(quotients[first : first + 3], rel=1e-6, abs=1e-6)
-    assert [np.ptp(closed[1][first + k]) for k in range(3)] == pytest.approx([0.0, 0.0, (N - 1) / FS])
+    made = problem.derivatives(state, residuals)
+    for k in range(3):
+        moved = problem.residuals(replace(state, offsets=1e-4 * np.eye(3)[k]))
+        for rows, before, after in zip(made, residuals, moved, strict=True):
+            assert rows[first + k] == pytest.approx((before - after) / 1e-4, rel=1e-6, abs=1e-6)
+    if memory == FREE:
+        assert [np.ptp(made[1][first + k]) for k in range(3)] == pytest.approx([0.0, 0.0, (N - 1) / FS])
 
 
 @pytest.mark.parametrize(("times", "kept"), [(3.71, False), (3.72, True), (-3.72, True)])

@@ -12,71 +12,87 @@ from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify.fit.choose_noise_model import plain_cost
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.descent import search
-from dashpot.identify.problem.jump_sides import nearer_sides
+from dashpot.identify.problem.jump_sides import nearer_sides, put_on_same_sides
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.settle import settled
 from dashpot.identify.problem.structure import Structure
 from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model import Oscillator, Response
-
-
-def step(signs):
-    """A response that is one while its surface is on the one side, and minus one on the other."""
-    return np.where(signs[:, 0] > 0, 1.0, -1.0)
+from dashpot.simulate.core import Core, Sides
 
 
 def crossed(at, n=10):
-    """(n, 2) signs of a surface that is crossed after a sample."""
-    return np.stack([np.where(np.arange(n) <= at, 1, -1), np.zeros(n)], axis=1).astype(np.int8)
+    """A response that is one up to a sample, and minus one behind it."""
+    return np.where(np.arange(n) <= at, 1.0, -1.0)
+
+
+def beside(at):
+    """The other sides of that jump."""
+    sides = Sides()
+    sides.at, sides.shown = np.array([at, at + 1]), np.array([-1.0, 1.0])
+    return sides
 
 
 def shown(measured, noise=0.01):
     return SimpleNamespace(response=measured, noise=noise)
 
 
+def nearer(segment, response, sides):
+    """The response with the samples beside its jumps on the nearer side."""
+    made, taken = response.copy(), nearer_sides(segment, response, sides)
+    made[sides.at[taken]] = sides.shown[taken]
+    return made
+
+
 @pytest.mark.parametrize("off", [-1, 0, 1])
 def test_a_jump_one_sample_early_or_late_is_none_the_worse(off):
-    measured, signs = step(crossed(4)), crossed(4 + off)
-    response, taken = nearer_sides(shown(measured), step(signs), signs, step)
-    assert np.array_equal(response, measured)
-    assert np.array_equal(taken, crossed(4))
+    measured = crossed(4)
+    assert np.array_equal(nearer(shown(measured), crossed(4 + off), beside(4 + off)), measured)
 
 
 def test_a_jump_two_samples_off_is():
-    measured, signs = step(crossed(4)), crossed(6)
-    response, _ = nearer_sides(shown(measured), step(signs), signs, step)
+    measured = crossed(4)
+    response = nearer(shown(measured), crossed(6), beside(6))
     assert np.flatnonzero(response != measured).tolist() == [5]
 
 
 def test_what_does_not_jump_is_as_it_is():
-    signs = crossed(10)
     response = np.linspace(0.0, 1.0, 10)
-    assert nearer_sides(shown(response + 1.0), response, signs, step)[0] is response
+    assert np.array_equal(nearer(shown(response + 1.0), response, Sides()), response)
 
 
 @pytest.mark.parametrize(("noise", "asked"), [(2.0 / 3.6, False), (2.0 / 3.8, True), (1e-3, True)])
-def test_a_side_is_asked_for_where_a_sample_is_decisively_off(noise, asked):
+def test_the_other_side_is_taken_where_a_sample_is_decisively_off(noise, asked):
     """By odds of a thousand: 3.7 standard deviations."""
-    measured, signs = step(crossed(4)), crossed(5)
+    measured = crossed(4)
     rest = np.where(np.arange(10) == 5, 0.0, 10.0)  # what is left elsewhere is no less than the noise
-    response, _ = nearer_sides(shown(measured + rest, noise), step(signs), signs, step)
+    response = nearer(shown(measured + rest, noise), crossed(5), beside(5))
     assert bool(response[5] == measured[5]) is asked
 
 
 def test_what_is_left_elsewhere_is_the_noise_where_that_is_less():
     """Jumps are in the highest frequencies too, from which a recording's noise is measured."""
-    measured, signs = step(crossed(4)), crossed(5)
+    measured = crossed(4)
     rest = np.where(np.arange(10) == 5, 0.0, 1e-3)
-    response, _ = nearer_sides(shown(measured + rest, 10.0), step(signs), signs, step)
+    response = nearer(shown(measured + rest, 10.0), crossed(5), beside(5))
     assert response[5] == measured[5]
 
 
-def test_near_enough_no_other_run_is_made():
-    def never(_signs):
-        raise AssertionError
+def test_of_several_ways_the_nearest_is_taken():
+    sides = Sides()
+    sides.at, sides.shown = np.array([3, 3, 3, 7]), np.array([0.4, 0.6, 2.0, 1.0])
+    measured = np.zeros(10)
+    measured[3] = 0.5 + 0.01
+    assert nearer_sides(shown(measured), np.where(np.arange(10) == 3, 1.0, 0.0), sides).tolist() == [1]
 
-    signs = crossed(4)
-    nearer_sides(shown(step(signs) + 0.01, 0.01), step(signs), signs, never)
+
+@pytest.mark.parametrize("change", [0.0, 0.3, 3.0, -3.0])
+@pytest.mark.parametrize("off", [-1, 0, 1])
+def test_a_neighbouring_run_is_put_on_the_same_sides_however_far_it_has_moved(off, change):
+    moved, sides = crossed(4 + off) + change, beside(4 + off)
+    sides.shown += change
+    put_on_same_sides(crossed(4), beside(4), moved, sides)
+    assert np.array_equal(moved, crossed(4) + change)
 
 
 @pytest.mark.parametrize("noise", [1e-7, 1e-6])
@@ -110,27 +126,34 @@ def accelerometer():
     return structure.problem, settled(structure.problem, structure.state(None))
 
 
-def test_derivatives_are_taken_under_the_signs_that_the_residuals_had(monkeypatch):
-    problem, state = accelerometer()
-    afresh = problem.derivatives(state, problem.residuals(state))
-    problem.forget()
-    residuals, asked, beside = problem.residuals(state), [], problem._beside_jumps
-    monkeypatch.setattr(problem, "_beside_jumps", lambda *given: asked.append(given) or beside(*given))
-    assert np.array_equal(problem.derivatives(state, residuals)[0], afresh[0])
-    assert not asked
-    elsewhere = replace(state, values=state.values * 1.001)
-    problem.derivatives(elsewhere, residuals)  # another point has other signs
-    assert len(asked) == 1
-
-
-def test_another_zero_of_the_sensor_asks_for_the_signs_again(monkeypatch):
+def test_one_run_tells_both_sides_and_the_derivatives_have_the_side_of_the_residuals(monkeypatch):
     problem, state = accelerometer()
     problem = problem.with_offsets((Offset(0, "response", 0.1),))
-    asked, beside = [], problem._beside_jumps
-    monkeypatch.setattr(problem, "_beside_jumps", lambda *given: asked.append(given) or beside(*given))
-    here = replace(state, offsets=np.zeros(1))
-    residuals = problem.residuals(here)
-    problem.derivatives(here, residuals)
-    assert len(asked) == 1
-    problem.derivatives(replace(state, offsets=np.full(1, 0.1)), residuals)
-    assert len(asked) == 2
+    state = replace(state, values=state.values * 1.002, offsets=np.full(1, 1e-3))
+    runs, record, carried = [], Core.record, Core.record_with_derivatives
+    monkeypatch.setattr(Core, "record", lambda *a, **k: runs.append(1) or record(*a, **k))
+    monkeypatch.setattr(Core, "record_with_derivatives", lambda *a, **k: runs.append(2) or carried(*a, **k))
+    (residual,) = problem.residuals(state)
+    (rows,) = problem.derivatives(state, (residual,))
+    assert runs == [1, 2]
+    (segment,), other = problem.segments, np.zeros((len(rows), residual.size))
+    sides = problem.sides(0)
+    raw = problem.simulate(0, state, sides=sides)
+    taken_places = nearer_sides(segment, raw, sides)
+    taken = sides.at[taken_places]
+    assert taken.size >= 4
+    assert np.array_equal(np.flatnonzero(np.abs(segment.response - residual - raw) > 1e-9), np.sort(taken))
+    assert np.max(np.abs(problem.carry(0, state, range(len(rows)), other) - segment.response + residual)) < 1e-12
+    assert np.array_equal(rows, other)
+    # by preload and dry friction each sample has what its own side of their jumps has
+    preload, ahead = list(problem.core.parameter_names).index("preload"), state.values.copy()
+    ahead[preload] += 1e-5
+    moved = problem.simulate(0, replace(state, values=ahead), sides=(beyond := problem.sides(0)))
+    own = segment.response - residual
+    turned = problem.sides(0)
+    turned.at, turned.shown = sides.at.copy(), sides.shown.copy()
+    for place in taken_places:  # what was the other side is its own now
+        turned.shown[place] = raw[sides.at[place]]
+    put_on_same_sides(own, turned, moved, beyond)
+    quotient, row = (moved - own) / 1e-5, rows[list(problem.free).index(preload)]
+    assert np.median(np.abs(quotient - row)[taken]) < 1e-3 * np.max(np.abs(row))

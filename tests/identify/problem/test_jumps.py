@@ -12,12 +12,12 @@ N, CYCLE = 400, 20
 
 
 def jumping(disagree: float, *, size: float = 1.0, visible: float = 0.0) -> np.ndarray:
-    """Where a derivative of that size jumps whose differences disagree at one sample by that part of the larger."""
-    forward = np.full(N, 1.0)
-    forward[200:] = size
-    backward = forward.copy()
-    backward[300] -= disagree * size
-    return _jumps(forward, backward, CYCLE, visible)
+    """Where a derivative of that size jumps whose differences disagree at one sample by that part of it."""
+    effect = np.full(N, 1.0)
+    effect[200:] = size
+    apart = np.zeros(N)
+    apart[300] = disagree * size
+    return _jumps(apart, effect, CYCLE, visible)
 
 
 @pytest.mark.parametrize(("disagree", "jumps"), [(0.295, False), (0.305, True)])
@@ -59,21 +59,23 @@ def smoothed(*jumps_at: int | None, sizes: tuple[int, ...] = (30 * CYCLE,), effe
         Segment(n=n, dt=2 * np.pi / CYCLE, pace=1.0, response=np.ones(n), noise=0.1, recording=0, begin=0)
         for n in sizes
     )
-    forward = [np.full(n, effect) for n, effect in zip(sizes, effects, strict=True)]
-    backward = [one.copy() for one in forward]
-    for one, at in zip(backward, jumps_at, strict=True):
-        if at is not None:
-            one[at] = 0.0
+    rows = [np.full((1, n), effect) for n, effect in zip(sizes, effects, strict=True)]
 
-    def quotients(*_, **how):
-        return lambda i, _, out: np.copyto(out, (backward if how.get("backward") else forward)[i])
+    def simulate(i, state, sides=None):
+        by = float(state.values[0]) - 1.0
+        made = np.ones(sizes[i]) + by * rows[i][0]
+        if by < 0.0 and jumps_at[i] is not None:
+            made[jumps_at[i]] = 1.0
+        return made
 
     problem = SimpleNamespace(
         segments=segments,
         free=(0,),
         scale=np.ones(1),
         residuals=lambda _: None,
-        quotients=quotients,
+        derivatives=lambda *_: rows,
+        simulate=simulate,
+        sides=lambda _: None,
         map=lambda function, items: [function(item) for item in items],
         states=lambda i, state: np.arange(sizes[i])[:, None],
         core=SimpleNamespace(initial=lambda along: along + 0.5),

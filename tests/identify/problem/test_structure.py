@@ -210,14 +210,11 @@ def replace_omega0(structure, omega0):
     return Structure(Oscillator.from_values(LINEAR | {"omega0": omega0}), structure.data, FIXED)
 
 
-def test_sizes_of_differences_are_those_of_the_motion(with_law):
+def test_sizes_of_initial_states_are_those_of_the_motion():
     plain = structure_of(decay())
     length, pace = plain.data.scales.length, plain.data.scales.omega
     assert plain.problem.state_scale == pytest.approx([0.01 * length, 0.01 * length * pace])
     assert length == pytest.approx(6e-3, rel=0.05)
-    assert plain.problem.step == 1e-5
-    rugged = with_law("actuator-backlash", **LINEAR)
-    assert structure_of(decay(), model=rugged).problem.step == 3e-3  # over many side valleys
 
 
 def test_offsets_are_those_of_the_data_unless_others_are_given():
