@@ -50,7 +50,8 @@ def identified(*given: Any, **options: Any) -> dict[str, Any]:
 def diagnosed(model: Model, training: Sequence[Recording], held: Sequence[Recording] = ()) -> dict[str, Any]:
     """Everything that a diagnosis says: its file, and the mended model."""
     found = dashpot.diagnose(model, list(training), holdout=list(held))
-    return {"diagnosis": found.as_json(), "mended": shown(found.model)}
+    told = {key: value for key, value in found.as_json().items() if key != "work"}  # which a change may well change
+    return {"diagnosis": told, "mended": shown(found.model)}
 
 
 def shown(model: Model) -> dict[str, Any]:

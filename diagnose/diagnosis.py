@@ -6,13 +6,16 @@ out what the best structure does without, and ``tell`` tries it on every recordi
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from ..model import Oscillator
 from ..model.library import KNOWN
 from ..recording.recording import Recording
+from ..simulate.work import Meter
 from .case import Case, Progress, prepare
 from .family import first_fit
 from .result import Diagnosis
@@ -20,6 +23,8 @@ from .search.found import Found
 from .search.search import Search
 from .simplify import simplify
 from .tell import tell
+
+_log = logging.getLogger(__name__)
 
 #: The law of a sensor that sits elsewhere all the time.
 _SENSOR_OFFSET = "sensor-offset"
@@ -46,10 +51,14 @@ def diagnose(
     Raises:
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
+    meter = Meter()
     case = prepare(model, recordings, holdout, progress)
     found = find(case, progress)
     found = simplify(case, found, progress)
-    return tell(case, found, fmu, progress)
+    told = tell(case, found, fmu, progress)
+    told = replace(told, work=meter.read(sum(recording.n for recording in case.given)))
+    _log.info("%s", told.work)
+    return told
 
 
 def find(case: Case, progress: Progress) -> Found:

@@ -10,6 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..model import Oscillator, Parameter, Response
+from ..simulate.work import Work
 
 #: Odds beyond this say no more than that nothing else is left: the noise itself is known no better.
 SURE = 1e6
@@ -179,6 +180,7 @@ class Diagnosis:
         latent: the missing force in the recordings that show it best.
         notes: what a user should know.
         chain: what the measuring chain does, which is no physics of the rig.
+        work: how often the recordings were simulated for it, and how long that took.
     """
 
     verdict: Verdict
@@ -194,6 +196,7 @@ class Diagnosis:
     latent: tuple[LatentForce, ...]
     notes: tuple[str, ...]
     chain: tuple[ChainFact, ...] = ()
+    work: Work | None = None
 
     def __repr__(self) -> str:
         return f"<Diagnosis: {self.verdict}. {self.sentence}>"
@@ -258,6 +261,7 @@ class Diagnosis:
                 for c in self.chain
             ],
             "notes": list(self.notes),
+            "work": None if self.work is None else self.work.as_json(),
         }
 
 

@@ -7,6 +7,7 @@ only where the regression fails.
 from __future__ import annotations
 
 import difflib
+import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import MappingProxyType
@@ -24,6 +25,7 @@ from ..recording.checks import reversed_force
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
+from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import blame
 from .fit.climb import QUIET
 from .fit.hold import held_as, with_hold
@@ -39,6 +41,8 @@ from .provenance import with_provenance
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
 from .start.start import HilbertEstimate, hilbert_start, plain_starts
+
+_log = logging.getLogger(__name__)
 
 #: Recordings of one rig whose response per force differ by more than this are not in the same units.
 _GAIN_RATIO = 300.0
@@ -59,6 +63,7 @@ class Identification:
         faults: one sentence each on what the measuring chain did to a recording, or that it is of another rig, where
             that explains what the model leaves; the parameters are those of the recordings as given, with errors that
             cover it.
+        work: how often the recordings were simulated for it, and how long that took.
     """
 
     oscillator: Oscillator
@@ -67,6 +72,7 @@ class Identification:
     recordings: tuple[Recording, ...]
     notes: tuple[str, ...]
     faults: tuple[str, ...] = ()
+    work: Work | None = None
 
     def __repr__(self) -> str:
         return f"<Identification of {self.oscillator!r} from {', '.join(r.name for r in self.recordings)}>"
@@ -125,6 +131,7 @@ def identify(
         BadInput: where the recordings do not belong together, or cannot carry a model; where a law or a parameter is
             not known.
     """
+    meter = Meter()
     recordings = recordings_of(recordings)
     belong_together(recordings)
     progress("free motion, start values by regression")
@@ -168,6 +175,8 @@ def identify(
         fit, told, chain = found.fit, found.faults, (*chain, *found.notes)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band, faults=told)
+    work = meter.read(sum(recording.n for recording in recordings))
+    _log.info("%s", work)
     return Identification(
         oscillator=oscillator,
         hilbert=hilbert,
@@ -175,6 +184,7 @@ def identify(
         recordings=tuple(recordings),
         notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings), *left_over(oscillator)),
         faults=tuple(f"{recordings[i].name}: {words}" for i, words in told.items()),
+        work=work,
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import time
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import cache
@@ -19,6 +20,7 @@ from .compiler import loaded_library
 from .force import Force, straight_lines
 from .law_source import law_source
 from .slopes_source import LANES
+from .work import TOTAL
 
 if TYPE_CHECKING:
     from ..model import Oscillator
@@ -214,7 +216,9 @@ class Core:
         asked.y, asked.z, asked.kept = _pointer(y), _pointer(z), _bytes(keep)
         asked.shown = self.equations.output(quantity or self.quantity)
         with _filled(self._library, sides, asked, 0):
+            begin = time.thread_time()
             self._record(ctypes.byref(asked))
+            TOTAL.run(n, 0, time.thread_time() - begin)
         del kept
         return y if z is None else z
 
@@ -324,7 +328,7 @@ class Core:
             directions[k // LANES, :, k % LANES] = one
         for k, pair in enumerate(sensed):
             of_sensor[k // LANES, :, k % LANES] = pair
-        anew = directions.copy()
+        anew, begin = directions.copy(), time.thread_time()
         self._carried(
             ctypes.byref(asked),
             blocks,
@@ -339,6 +343,7 @@ class Core:
             _pointer(anew),
             _pointer(along),
         )
+        TOTAL.run(asked.n, len(moved), time.thread_time() - begin)
 
     def _recording(
         self,

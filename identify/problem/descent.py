@@ -11,6 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...simulate.work import TOTAL
 from ..signals.noise_spectrum import NoiseSpectrum
 from .normal_equations import Block, held_at, promise, shared_information, solve
 from .output_error import OutputError, blocks_of
@@ -49,6 +50,7 @@ class Descent:
         noise: Sequence[NoiseSpectrum] | None = None,
         residuals: tuple[np.ndarray, ...] | None = None,
     ) -> None:
+        TOTAL.fit()
         self.problem = problem
         self.noise = noise
         self.state = state
