@@ -323,6 +323,17 @@ class OutputError:
         if np.any(beyond):
             rows[:, beyond] = 0.0
 
+    def size(self, i: int, k: int, state: State) -> float:
+        """What the step of an unknown is measured by."""
+        if k < len(self.free):
+            place = self.free[k]
+            return max(abs(float(state.values[place])), float(self.scale[place]))
+        if k < self.shared:
+            place = k - len(self.free)
+            return max(abs(float(state.offsets[place])), self.offsets[place].scale)
+        own = k - self.shared
+        return max(abs(float(state.initial[i, own])), float(self.state_scale[own]))
+
     def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
         """(k, k) information of the free parameters, initial states eliminated."""
         blocks = blocks_of(self, derivatives, [np.zeros(rows.shape[1]) for rows in derivatives], noise)
