@@ -10,7 +10,8 @@ import numpy as np
 
 from ...identify.fit.evidence import Prior, Told, cross_validated, evidence, predictive, told
 from ...identify.problem.data import Data, likelihood
-from ...identify.problem.output_error import State, blocks_of
+from ...identify.problem.linearised import Linearised
+from ...identify.problem.output_error import State
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure
 from ...model import Oscillator
@@ -112,12 +113,12 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
     """The same of each segment."""
     structure, state, slopes = _linearised(fitted, data, free)
     problem = structure.problem
-    blocks = blocks_of(problem, slopes, fitted.residuals, measure.spectra(fitted.residuals))
+    linearised = Linearised.of(problem, state, fitted.residuals, measure.spectra(fitted.residuals), slopes)
     k, whole = len(structure.free), initial_prior(fitted.model, data)
     shared = [free.index(name) for name in structure.free]  # free motion says nothing of the mass
     by_segment = []
-    for segment, begin, block, value in zip(
-        problem.segments, state.initial, blocks, measure.values(fitted.residuals), strict=True
+    for segment, begin, sums, value in zip(
+        problem.segments, state.initial, linearised.sums, measure.values(fitted.residuals), strict=True
     ):
         places = np.array(problem.own(segment), int)
         # an offset belongs to its recording; it is averaged over with the states, in each of its segments
@@ -126,7 +127,7 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
         middle = np.concatenate([[-problem.offsets[i].taken for i in own], whole[0, places]])
         width = np.concatenate([[_SIZES * problem.offsets[i].scale for i in own], whole[1, places]])
         values = np.concatenate([state.offsets[own], begin[places]])
-        part = told(value, [block], [(where, values, np.array([middle, width]))], k)
+        part = told(value, sums, k + where, values, np.array([middle, width]), k)
         information, gradient = np.zeros((len(free), len(free))), np.zeros(len(free))
         information[np.ix_(shared, shared)], gradient[shared] = part.information, part.gradient
         by_segment.append(Told(part.log_likelihood, information, gradient))

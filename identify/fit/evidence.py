@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..problem.normal_equations import Block
+from ..problem.linearised import Sums
 
 #: (2, unknowns): middle and width of Cauchy's density.
 Prior = np.ndarray
@@ -37,27 +37,24 @@ class Told:
     gradient: np.ndarray
 
 
-def told(
-    log_likelihood: float, blocks: Sequence[Block], initial: Sequence[tuple[np.ndarray, np.ndarray, Prior]], k: int
-) -> Told:
-    """Average a likelihood over the initial states of each segment.
+def told(log_likelihood: float, own: Sums, unknown: np.ndarray, values: np.ndarray, prior: Prior, k: int) -> Told:
+    """Average a likelihood over the initial states of a segment, and over what else is its own.
 
     Args:
-        log_likelihood: at the point where ``blocks`` were taken.
-        blocks: normal matrix and gradient of each segment.
-        initial: of each segment which of its states are unknown, their values, and their prior.
-        k: number of shared unknowns, which come first in the blocks.
+        log_likelihood: at the point where ``own`` was taken.
+        own: of the segment; the k shared unknowns come first.
+        unknown: (m,) places of its own unknowns. Others that are neither these nor shared are known.
+        values: (m,) of these.
+        prior: of these.
+        k: number of shared unknowns.
     """
-    total, information, gradient = log_likelihood, np.zeros((k, k)), np.zeros(k)
-    for (normal, slope), (places, values, prior) in zip(blocks, initial, strict=True):
-        own = k + np.asarray(places, int)
-        inner = normal[np.ix_(own, own)] + np.diag(prior[1] ** -2.0)
-        border = normal[:k, own]
-        solved = np.linalg.solve(inner, np.column_stack([border.T, slope[own]]))
-        information += normal[:k, :k] - border @ solved[:, :-1]
-        gradient += slope[:k] - border @ solved[:, -1]
-        total += log_prior(values, prior) + 0.5 * float(slope[own] @ solved[:, -1]) - _half_volume(inner)
-    return Told(total, information, gradient)
+    of_both = own.only(np.concatenate([np.arange(k), unknown]))
+    precision = prior[1] ** -2.0
+    averaged = of_both.without(slice(k, None), precision)
+    inner = of_both.normal[k:, k:] + np.diag(precision)
+    gained = 0.5 * (own.power - averaged.power)
+    total = log_likelihood + log_prior(values, prior) + gained - _half_volume(inner)
+    return Told(total, averaged.normal, averaged.gradient)
 
 
 def evidence(training: Told, values: np.ndarray, prior: Prior) -> float:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.identify.fit.evidence import Told, cross_validated, evidence, log_prior, predictive, told
+from dashpot.identify.problem.linearised import Sums
 
 NOISE = 0.1
 
@@ -88,10 +89,9 @@ def test_initial_states_are_averaged_over():
     """One segment with an unknown of its own beside the shared one, as one model with two unknowns has it."""
     design, measured = line(80, seed=5, columns=2)
     at, prior = best(design, measured), wide(2)
-    residual = measured - design @ at
-    block = (design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
     alone = told_by(design, measured, at)
-    split = told(alone.log_likelihood, [block], [(np.array([0]), at[1:], prior[:, 1:])], 1)
+    sums = Sums.of(design.T / NOISE, (measured - design @ at) / NOISE)
+    split = told(alone.log_likelihood, sums, np.array([1]), at[1:], prior[:, 1:], 1)
     assert evidence(split, at[:1], prior[:, :1]) == pytest.approx(evidence(alone, at, prior), rel=1e-9)
 
 
@@ -109,10 +109,8 @@ def test_initial_states_need_not_be_at_their_best():
     points = []
     for shift in (0.0, 0.03):
         here = at + np.array([0.0, shift])
-        residual = measured - design @ here
-        block = (design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
-        log_likelihood = -0.5 * float(residual @ residual) / NOISE**2
-        points.append(told(log_likelihood, [block], [(np.array([0]), here[1:], wide(1, 1e4))], 1))
+        sums = Sums.of(design.T / NOISE, (measured - design @ here) / NOISE)
+        points.append(told(-0.5 * sums.power, sums, np.array([1]), here[1:], wide(1, 1e4), 1))
     assert points[0].log_likelihood == pytest.approx(points[1].log_likelihood, abs=1e-3)
     assert points[0].gradient == pytest.approx(points[1].gradient, rel=1e-6)
     # the best of the shared one is below the point that was taken
