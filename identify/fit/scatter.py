@@ -9,10 +9,10 @@ import numpy as np
 from ...recording.recording import Recording
 from ...simulate.force import Force
 from ..motion.blows import ContactForce
-from ..problem.normal_equations import products, pseudo_inverse, shared_information
-from ..problem.output_error import OutputError, State, in_lines
+from ..problem.linearised import Linearised
+from ..problem.normal_equations import products, pseudo_inverse
+from ..problem.output_error import OutputError, State
 from ..problem.rounding import measure_rounding, scatter_of_rounding
-from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum
 
 
@@ -47,23 +47,11 @@ def scatter(
     for recording in recordings:
         measure_rounding(recording)  # which takes memory of its own
     residuals = problem.residuals(state)
-    derivatives = problem.derivatives(state, residuals, single=True)
-    in_lines(problem, derivatives, noise)
-    shared, free = problem.shared, len(problem.free)
-    total = np.zeros((shared, shared))
-    blocks = [(products(lines, lines), np.zeros(lines.shape[0])) for lines in derivatives]
-    of_shared = pseudo_inverse(shared_information(blocks, shared))
+    linearised = Linearised.of(problem, state, residuals, noise)
+    total = np.zeros((problem.shared, problem.shared))
+    covariance = pseudo_inverse(linearised.shared.normal)
     for i, segment in enumerate(problem.segments):
-        lines, normal = derivatives[i], blocks[i][0]
-        of_own = pseudo_inverse(normal[shared:, shared:])
-        border = normal[:shared, shared:] @ of_own
-        projected, taken = lines[:shared], np.zeros(segment.n)
-        for begin in range(0, segment.n, LONG):
-            part = slice(begin, begin + LONG)
-            own = lines[shared:, part]
-            projected[:, part] -= border @ own
-            taken[part] = np.sum(projected[:, part] * (of_shared @ projected[:, part]), axis=0)
-            taken[part] += np.sum(own * (of_own @ own), axis=0)
+        projected, taken = linearised.projected(i, covariance)
         wider = noise[i].widened(taken)
         force = problem.force(segment) if force_noise[i] else None
         informed = products(projected, projected)
@@ -85,11 +73,8 @@ def scatter(
         elif force is not None:
             drawn = _of_force(problem, state, i, force, force_noise[i], weighed, base, draws, seed)
             total += informed if drawn is None else drawn
-    if shared == free:
-        return total
-    normal = shared_information(blocks, shared)  # the parameters' score once the offsets have taken their part
-    part = normal[:free, free:] @ pseudo_inverse(normal[free:, free:])
-    kept = np.hstack([np.eye(free), -part])
+    # the parameters' score once the offsets have taken their part
+    kept = linearised.shared.reduction(slice(len(problem.free), None))
     return kept @ total @ kept.T
 
 

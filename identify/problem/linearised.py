@@ -23,6 +23,9 @@ from .output_error import OutputError, in_lines
 from .search_point import State
 from .unknowns import Unknown, Unknowns
 
+#: Some of the columns.
+Places = slice | Sequence[int] | np.ndarray
+
 
 @dataclass(frozen=True, eq=False)
 class Sums:
@@ -61,25 +64,36 @@ class Sums:
         more = m - len(self.gradient)
         return replace(self, normal=np.pad(self.normal, (0, more)), gradient=np.pad(self.gradient, (0, more)))
 
-    def without(self, gone: slice | Sequence[int] | np.ndarray, precision: np.ndarray | float = 0.0) -> Sums:
+    def without(self, gone: Places, precision: np.ndarray | float = 0.0) -> Sums:
         """Those of the other columns, when the columns ``gone`` take the values that leave the least power.
 
         Args:
             gone: places of columns.
             precision: (gone,) of a Gaussian prior of their values, about those at the point.
         """
-        places = np.arange(len(self.gradient))
-        out = places[gone]
-        stay = np.delete(places, out)
-        corner = self.normal[np.ix_(out, out)] + np.diag(np.broadcast_to(precision, out.size))
+        stay, out, inverse = self._split(gone, precision)
         border = self.normal[np.ix_(out, stay)]
-        toward = pseudo_inverse(corner) @ np.column_stack([border, self.gradient[out]])
+        toward = inverse @ np.column_stack([border, self.gradient[out]])
         return Sums(
             self.normal[np.ix_(stay, stay)] - border.T @ toward[:, :-1],
             self.gradient[stay] - border.T @ toward[:, -1],
             self.power - float(self.gradient[out] @ toward[:, -1]),
             self.samples,
         )
+
+    def reduction(self, gone: Places) -> np.ndarray:
+        """(others, m) by which a gradient becomes that of the other columns when the columns ``gone`` follow it."""
+        stay, out, inverse = self._split(gone)
+        made = np.eye(len(self.gradient))[stay]
+        made[:, out] = -self.normal[np.ix_(stay, out)] @ inverse
+        return made
+
+    def _split(self, gone: Places, precision: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Places of the columns that stay and of those that go, and the inverse of the information on the latter."""
+        places = np.arange(len(self.gradient))
+        out = places[gone]
+        corner = self.normal[np.ix_(out, out)] + np.diag(np.broadcast_to(precision, out.size))
+        return np.delete(places, out), out, pseudo_inverse(corner)
 
     def only(self, places: np.ndarray) -> Sums:
         """Those of some columns, when the others stay as they are."""
@@ -246,9 +260,9 @@ class Linearised:
         k = len(self.unknowns.shared)
         total = np.zeros((k, k))
         for own, blocks in zip(self.sums, self.block(edges), strict=True):
-            part = own.normal[:k, k:] @ pseudo_inverse(own.normal[k:, k:])
+            reduction = own.reduction(self.own)
             for block in blocks:
-                score = block.gradient[:k] - part @ block.gradient[k:]
+                score = reduction @ block.gradient
                 total += np.outer(score, score)
         return total
 
@@ -261,9 +275,8 @@ class Linearised:
             i: index of the segment.
             of_shared: (k, k) covariance of the shared unknowns.
         """
-        k, rows, normal = len(of_shared), self.columns[i], self.sums[i].normal
-        of_own = pseudo_inverse(normal[k:, k:])
-        border = normal[:k, k:] @ of_own
+        k, rows, sums = len(of_shared), self.columns[i], self.sums[i]
+        of_own, border = pseudo_inverse(sums.normal[k:, k:]), -sums.reduction(self.own)[:, k:]
         taken = np.zeros(rows.shape[1])
         for begin in range(0, rows.shape[1], LONG):
             shared, own = rows[:k, begin : begin + LONG], rows[k:, begin : begin + LONG]

@@ -9,9 +9,8 @@ import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
-from dashpot.identify.fit import scatter
 from dashpot.identify.hilbert import forced_regression
-from dashpot.identify.problem import output_error
+from dashpot.identify.problem import linearised, output_error
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.prediction import FREE
@@ -24,7 +23,7 @@ SECONDS = 40.0
 
 
 def taken_for_long(monkeypatch, samples):
-    for module in (forced_regression, hilbert, output_error, scatter):
+    for module in (forced_regression, hilbert, linearised, output_error):
         monkeypatch.setattr(module, "LONG", samples)
     monkeypatch.setattr(force, "_LONG", samples)
 
