@@ -23,7 +23,7 @@ from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import concentrated, over_noise
 from ..problem.data import noise_of
 from ..problem.descent import search
-from ..problem.normal_equations import pseudo_inverse
+from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE
@@ -275,8 +275,7 @@ def _told(
     residuals = faulty.residuals(state)
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
     noise = noise_of(faulty.segments, residuals, values, FREE)
-    covariance = pseudo_inverse(faulty.shared_information(state, residuals, noise))
-    errors = np.sqrt(np.maximum(np.diag(covariance)[len(faulty.free) :], 0.0))
+    errors = Linearised.of(faulty, state, residuals, noise).shared.errors()[len(faulty.free) :]
     told = []
     drive = _lag_of_the_drive(faulty, state, errors)
     for fault, sizes, error, gain in zip(

@@ -15,7 +15,7 @@ from ...model import Oscillator
 from ...recording.recording import Recording
 from ..motion.blows import ContactForce
 from ..problem.data import Data, noise_of
-from ..problem.normal_equations import pseudo_inverse
+from ..problem.linearised import Linearised
 from ..problem.offset import FoundOffset, Offset, centre, drift_of, zero_of_load_cell
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
@@ -89,8 +89,8 @@ def _without_those_of_chance(
         return problem, state
     judged, residuals = _simulating(problem, state)
     free = len(problem.free)
-    information = judged.shared_information(state, residuals, _noise(judged, residuals, state, start))
-    errors = np.sqrt(np.maximum(np.diag(pseudo_inverse(information))[free:], 0.0))
+    sums = Linearised.of(judged, state, residuals, _noise(judged, residuals, state, start)).shared
+    errors = sums.errors()[free:]
     asked = np.array([offset.channel == channel for offset in problem.offsets])
     stays = ~asked | (np.abs(state.offsets) > BEYOND_ERRORS * errors)
     if np.all(stays):
@@ -98,8 +98,8 @@ def _without_those_of_chance(
     # the others take over what those that go have told: the maximum of the likelihood under that they are zero
     kept, gone = np.flatnonzero(stays), np.flatnonzero(~stays)
     within = np.concatenate([np.arange(free), free + kept]).astype(int)
-    part = pseudo_inverse(information[np.ix_(within, within)]) @ information[np.ix_(within, free + gone)]
-    shift = (part @ state.offsets[gone])[free:] if channel == "force" else np.zeros(kept.size)
+    follows = -sums.reduction(within)[:, within]
+    shift = (state.offsets[gone] @ follows)[free:] if channel == "force" else np.zeros(kept.size)
     offsets = state.offsets[kept] + shift
     return problem.with_offsets([problem.offsets[i] for i in kept]), replace(state, offsets=offsets)
 
@@ -128,7 +128,8 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
     point = replace(state, offsets=np.concatenate([state.offsets, np.zeros(len(added))]))
     straight = [r - _line(r) for r in residuals]
     noise = _noise(judged, straight, state, start)
-    step, errors = tried.score(point, residuals, noise)
+    linearised = Linearised.of(tried, point, residuals, noise)
+    step, errors = linearised.step()[0], linearised.shared.errors()
     first = len(problem.free)
     stands = {
         tried.offsets[i].recording
@@ -179,8 +180,7 @@ def found_offsets(
     """The problem's offsets with their standard errors, at the maximum of the likelihood."""
     if not problem.offsets:
         return ()
-    covariance = pseudo_inverse(problem.shared_information(state, residuals, noise))
-    errors = np.sqrt(np.maximum(np.diag(covariance)[len(problem.free) :], 0.0))
+    errors = Linearised.of(problem, state, residuals, noise).shared.errors()[len(problem.free) :]
     return tuple(
         FoundOffset(offset.recording, offset.channel, float(value), float(error), offset.middle)
         for offset, value, error in zip(problem.offsets, state.offsets, errors, strict=True)

@@ -21,7 +21,7 @@ from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
 from .adjoint import felt
 from .jump_sides import nearer_sides
-from .normal_equations import Block, products, pseudo_inverse, shared_information, solve
+from .normal_equations import Block, products, shared_information
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .release_memory import give_back
@@ -127,12 +127,6 @@ class OutputError:
             less.append(replace(segment, response=segment.response - shown, force=force))
         other.segments = tuple(less)
         return other
-
-    def shared_information(
-        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
-    ) -> np.ndarray:
-        """(shared, shared) information on free parameters and offsets, initial states eliminated."""
-        return shared_information(self.blocks(state, residuals, noise), self.shared)
 
     def simulate(
         self,
@@ -333,19 +327,6 @@ class OutputError:
             return max(abs(float(state.offsets[place])), self.offsets[place].scale)
         own = k - self.shared
         return max(abs(float(state.initial[i, own])), float(self.state_scale[own]))
-
-    def information(self, derivatives: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]) -> np.ndarray:
-        """(k, k) information of the free parameters, initial states eliminated."""
-        blocks = blocks_of(self, derivatives, [np.zeros(rows.shape[1]) for rows in derivatives], noise)
-        return self.of_parameters(shared_information(blocks, self.shared))
-
-    def score(
-        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """(shared,) first step of a search from here, and the standard errors of what it would find."""
-        blocks = self.blocks(state, residuals, noise)
-        covariance = pseudo_inverse(shared_information(blocks, self.shared))
-        return solve(blocks, 0.0, self.shared)[0], np.sqrt(np.maximum(np.diag(covariance), 0.0))
 
     def of_parameters(self, shared: np.ndarray) -> np.ndarray:
         """(k, k) information on the free parameters, the offsets eliminated."""

@@ -75,6 +75,11 @@ class Unknowns:
         for own in self.of_segments:
             yield from own
 
+    @property
+    def parameters(self) -> tuple[Unknown, ...]:
+        """The model's own."""
+        return tuple(unknown for unknown in self.shared if unknown.kind == "parameter")
+
     def own(self, i: int) -> tuple[Unknown, ...]:
         """The initial states that segment ``i`` has to find for itself."""
         return self.of_segments[i]

@@ -14,6 +14,7 @@ from dashpot.identify.fit.from_prediction import memories
 from dashpot.identify.fit.likelihood import maximum_likelihood
 from dashpot.identify.fit.reported_result import _said_otherwise
 from dashpot.identify.problem.data import data_of, noise_spectra
+from dashpot.identify.problem.linearised import Linearised
 from dashpot.identify.problem.prediction import FREE
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator
@@ -179,8 +180,8 @@ def test_the_errors_of_a_wrong_model_cover_what_another_memory_says(rig):
     state = structure.state(np.array([fit.segments[0].initial]))
     residuals = structure.problem.residuals(state)
     spectra = noise_spectra(residuals, fit.oscillator, data)
-    information = structure.problem.information(structure.problem.derivatives(state, residuals), spectra)
-    without = np.sqrt(np.diag(np.linalg.inv(information)))
+    linear = Linearised.of(structure.problem, state, residuals, spectra)
+    without = np.sqrt(np.diag(np.linalg.inv(linear.information(linear.unknowns.parameters))))
     assert np.max(apart / without) > 3
     assert np.max(errors / without) > 2
 

@@ -8,6 +8,7 @@ from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.fit.scatter import scatter
 from dashpot.identify.problem.data import data_of, noise_of
+from dashpot.identify.problem.linearised import Linearised
 from dashpot.identify.problem.normal_equations import pseudo_inverse
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.structure import Structure
@@ -76,7 +77,8 @@ def test_of_white_noise_it_is_the_information():
     expected = dense(problem, state)
     same(scatter(problem, state, flat(problem), [0.0, 0.0], 10), expected, 1e-6)
     noise = flat(problem)
-    same(problem.information(problem.derivatives(state, problem.residuals(state)), noise), expected, 1e-6)
+    linear = Linearised.of(problem, state, problem.residuals(state), noise)
+    same(linear.information(linear.unknowns.parameters), expected, 1e-6)
 
 
 def test_with_offsets_it_is_that_of_the_parameters_alone():
@@ -139,7 +141,7 @@ def test_of_a_long_sweep_the_errors_are_near_those_of_the_information():
     residuals = problem.residuals(state)
     noise = noise_of(problem.segments, residuals, TRUTH, np.inf)
     spread = scatter(problem, state, noise, [level], 60, seed=5)
-    inverse = pseudo_inverse(problem.shared_information(state, residuals, noise))
+    inverse = pseudo_inverse(Linearised.of(problem, state, residuals, noise).shared.normal)
     ratios = np.sqrt(np.diag(inverse @ spread @ inverse) / np.diag(inverse))
     assert np.all(ratios > 0.25)
     assert np.all(ratios < 1.0)
