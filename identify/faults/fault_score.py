@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..problem.normal_equations import pseudo_inverse
+from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
@@ -99,36 +99,21 @@ def expected_gains(
         noise: by which they are weighed.
         faults: that are asked for.
     """
-    k = problem.shared
-    matrix, right = np.zeros((k, k)), np.zeros(k)
-    whitened = []
-    for rows, residual, spectrum in zip(problem.derivatives(state, residuals), residuals, noise, strict=True):
-        made = spectrum.lines(np.vstack([rows, residual]))
-        shared, own, left = made[:k], made[k:-1], made[-1]
-        inverse = pseudo_inverse(own @ own.T)
-        whitened.append((shared, own, left, inverse))
-        matrix += shared @ shared.T - (shared @ own.T) @ inverse @ (own @ shared.T)
-        right += shared @ left - (shared @ own.T) @ inverse @ (own @ left)
-    solved = pseudo_inverse(matrix)
-    gains = []
+    linearised = Linearised.of(problem, state, residuals, noise, single=False)
+    k, gains = problem.shared, []
     for fault in faults:
         faulty = FaultyFit(problem, [fault])
         point = faulty.with_sizes(state)
-        corner, border, slope = np.zeros((fault.count, fault.count)), np.zeros((fault.count, k)), np.zeros(fault.count)
-        for i, segment in enumerate(problem.segments):
-            if segment.recording != fault.recording:
-                continue
-            shared, own, left, inverse = whitened[i]
-            columns = noise[i].lines(_columns(faulty, point, i, segment.response - residuals[i]))
-            toward = (columns @ own.T) @ inverse
-            corner += columns @ columns.T - toward @ (own @ columns.T)
-            border += columns @ shared.T - toward @ (own @ shared.T)
-            slope += columns @ left - toward @ (own @ left)
-        reduced = corner - border @ solved @ border.T
-        asks = slope - border @ solved @ right
+        columns = {
+            i: noise[i].lines(_columns(faulty, point, i, segment.response - residuals[i]))
+            for i, segment in enumerate(problem.segments)
+            if segment.recording == fault.recording
+        }
+        beside = linearised.beside(columns)
+        asked = beside.without(slice(k))
         # what the parameters can do themselves is no fault's
-        kept = np.diag(reduced) > _OWN * np.maximum(np.diag(corner), np.finfo(float).tiny)
-        gains.append(0.5 * float(asks @ pseudo_inverse(reduced) @ asks) if np.all(kept) else 0.0)
+        before = np.maximum(np.diag(beside.normal)[k:], np.finfo(float).tiny)
+        gains.append(asked.gain() if np.all(np.diag(asked.normal) > _OWN * before) else 0.0)
     return np.array(gains)
 
 

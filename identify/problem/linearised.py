@@ -137,6 +137,8 @@ class Linearised:
         residuals: Sequence[np.ndarray],
         noise: Sequence[NoiseSpectrum] | None,
         derivatives: Sequence[np.ndarray] | None = None,
+        *,
+        single: bool = True,
     ) -> Linearised:
         """The problem at ``state``, whitened: lines of the spectrum, which have the inner products of the samples.
 
@@ -145,10 +147,11 @@ class Linearised:
             state: the point.
             residuals: there.
             noise: of each segment; None takes it for white with the level of the residual.
-            derivatives: there, where they are known; else those of long segments come in single precision.
+            derivatives: there, where they are known.
+            single: whether those of long segments may come in single precision.
         """
         if derivatives is None:
-            rows = problem.derivatives(state, residuals, single=True)
+            rows = problem.derivatives(state, residuals, single=single)
         else:
             rows = [own.copy() for own in derivatives]
         spectra = [white(residual) for residual in residuals] if noise is None else noise
