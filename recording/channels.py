@@ -89,12 +89,17 @@ def passed_over(where: str, passed: Mapping[str, str]) -> list[str]:
     return [f"{where}: passed over, as no real numbers: {names}"]
 
 
+def text_of_name(name: Any) -> str:
+    """A channel's name as text: of bytes what they spell, for a unit stands in it."""
+    return name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)
+
+
 def _records(
     where: str, tree: Mapping[str, Any], units: Mapping[str, str], path: str, fs: float | None, depth: int
 ) -> Iterator[tuple[str, list[Channel], dict[str, str], float | None]]:
     if depth > _DEEPEST:
         raise BadInput(f"{where}: has groups more than {_DEEPEST} deep at '{path[:80]}'; export the record as CSV")
-    values = {str(name): value for name, value in tree.items() if not isinstance(value, Mapping)}
+    values = {text_of_name(name): value for name, value in tree.items() if not isinstance(value, Mapping)}
     fs = _one_rate(where, values) or fs
     channels, others = [], {}
     for name, value in values.items():
@@ -108,7 +113,9 @@ def _records(
     yield path, channels, passed, fs
     for name, value in tree.items():
         if isinstance(value, Mapping):
-            yield from _records(where, value, units, f"{path}/{name}" if path else str(name), fs, depth + 1)
+            yield from _records(
+                where, value, units, f"{path}/{text_of_name(name)}" if path else text_of_name(name), fs, depth + 1
+            )
 
 
 def _one_rate(where: str, values: Mapping[str, Any]) -> float | None:

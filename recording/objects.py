@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput
-from .channels import Channel, passed_over, table_of, tables_of_tree
+from .channels import Channel, passed_over, table_of, tables_of_tree, text_of_name
 from .plain_numbers import Numbers, numbers_of
 from .table import Table
 
@@ -51,7 +51,7 @@ def is_sep5(data: Any) -> bool:
 
 
 def _of_frame(data: Any, name: str) -> Table:
-    found = {str(label): numbers_of(data[label]) for label in dict.fromkeys(data.columns)}
+    found = {text_of_name(label): numbers_of(data[label]) for label in dict.fromkeys(data.columns)}
     index = numbers_of(data.index)
     if index.values is not None and (index.unit or index.values.dtype.kind == "f" or data.index.name):
         found = {"time" if index.unit else str(data.index.name or "time"): _since_first(index), **found}

@@ -20,7 +20,7 @@ def parse_part(text: str) -> tuple[float, float]:
         part = (float(begin) if begin.strip() else 0.0, float(end) if end.strip() else math.inf)
     except ValueError:
         colon, part = "", (0.0, 0.0)
-    if not colon or not part[0] < part[1] or math.isnan(part[0]):
+    if not colon or not part[0] < part[1] or not part[1] > 0:
         raise BadInput(
             f"part {text!r} is not understood; write FROM:TO in seconds from the first sample, such as 2:30 or 5:"
         )
@@ -34,8 +34,8 @@ def part_of(given: Any) -> tuple[float, float] | None:
     if not isinstance(given, list | tuple) or len(given) != 2:
         raise BadInput(f"part must be such as '2:30' or (2.0, 30.0), not {shown(given)}")
     begin, end = (number_of(side, "a side of part") for side in given)
-    if not begin < end:
-        raise BadInput(f"part {shown(given)} ends before it begins; give (FROM, TO) in seconds")
+    if not begin < end or not end > 0:
+        raise BadInput(f"part {shown(given)} ends before it begins, or before the first sample; give (FROM, TO) in s")
     return begin, end
 
 
@@ -61,7 +61,7 @@ def rows_of(where: str, time: np.ndarray, part: tuple[float, float]) -> tuple[sl
     Rows are chosen before the stamps are looked at any closer: a gap outside of the part is none of its own.
 
     Raises:
-        BadInput: where the recording ends before the part begins.
+        BadInput: where the recording ends before the part begins, or no sample lies in it.
     """
     begin, end = part
     since = time - time[0]
@@ -70,7 +70,9 @@ def rows_of(where: str, time: np.ndarray, part: tuple[float, float]) -> tuple[sl
     _begins_within(where, begin, after)
     hair = 1e-6 * abs(float(np.median(steps))) if steps.size else 0.0
     inside = np.flatnonzero((since >= begin - hair) & (since < end - hair))
-    if inside.size in (0, since.size):
+    if not inside.size and np.all(np.isfinite(since)):
+        raise BadInput(f"{where}: no sample lies between {begin:.6g} and {end:.6g} s; choose a longer part")
+    if inside.size in (0, since.size):  # none where stamps are no numbers, which is said of them
         return slice(None), ()
     return slice(int(inside[0]), int(inside[-1]) + 1), (_said(where, part, after),)
 

@@ -62,3 +62,7 @@ def test_xarray():
 def test_what_is_none_is_said(data, says):
     with pytest.raises(BadInput, match=says):
         from_data(data)
+
+
+def test_names_of_bytes_are_read_as_text_for_a_unit_stands_in_them():
+    same(from_data({b"time_s": T, b"force_N": F, b"x_mm": 1e3 * X}))

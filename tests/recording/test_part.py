@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
-from dashpot.recording import Recording, read
+from dashpot.recording import Recording, read, recordings_of
 from dashpot.recording.part import cut_out, parse_part
 
 
@@ -20,7 +20,7 @@ def test_a_part_is_understood(text, part):
     assert parse_part(text) == part
 
 
-@pytest.mark.parametrize("text", ["5", "5:2", "a:b", "3:3", "nan:2", "1:2:3"])
+@pytest.mark.parametrize("text", ["5", "5:2", "a:b", "3:3", "nan:2", "1:2:3", "-5:-1", "-1:0"])
 def test_what_is_no_part_is_refused(text):
     with pytest.raises(BadInput, match="FROM:TO"):
         parse_part(text)
@@ -65,3 +65,25 @@ def test_a_gap_outside_of_the_part_is_none_of_its_own(tmp_path):
     assert read(path, part=(8.0, math.inf)).n == 200
     with pytest.raises(BadInput, match="lasts 10 s, and the part to use begins at 10 s"):
         read(path, part=(10.0, math.inf))
+
+
+@pytest.mark.parametrize(
+    ("part", "says"),
+    [
+        ((-5.0, -1.0), "before the first sample"),
+        ((2.0, 1.0), "ends before it begins"),
+        ((0.1005, 0.1007), "no sample lies between"),
+        ((1.0, 2.0, 3.0), "must be such as"),
+        ("1:b", "FROM:TO"),
+    ],
+)
+def test_a_part_without_samples_never_stands_for_all_of_them(part, says):
+    time = np.arange(1000) / 500.0
+    with pytest.raises(BadInput, match=says):
+        recordings_of({"time_s": time, "x_m": np.sin(80 * time)}, part=part)
+
+
+def test_a_part_in_a_gap_of_the_time_stamps_is_said():
+    time = np.concatenate([np.arange(500), 1000 + np.arange(500)]) / 500.0
+    with pytest.raises(BadInput, match=r"no sample lies between 1.2 and 1.8 s"):
+        recordings_of({"time_s": time, "x_m": np.sin(80 * time)}, part=(1.2, 1.8))
