@@ -46,7 +46,8 @@ def _beside(name: str) -> ModuleType:
     return module
 
 
-lanes = _beside("lanes")
+lanes, sentences = _beside("lanes"), _beside("sentences")
+reads = sentences.reads
 
 #: The paper's stand, and the sizes of its motion.
 STAND = {"mass": 0.27, "omega0": 79.6, "cubic": 4.6e5, "preload": 0.02 / 0.27, "viscous": 5.0, "dry": 0.015}
@@ -279,12 +280,15 @@ def unless_refused() -> Callable[..., Any]:
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    lanes.pytest_addoption(parser)
+    parser.addoption("--write-durations", action="store_true", help="write what tests cost to tests/durations.json")
+    parser.addoption("--write-sentences", action="store_true", help="write what tests read to tests/sentences.yaml")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(lanes.Lanes(), "lanes")
     config.pluginmanager.register(lanes.Measured(config.getoption("--write-durations")), "measured")
+    texts = sentences.Sentences(config.getoption("--write-sentences"), lanes.exists)
+    config.pluginmanager.register(texts, "sentences")
 
 
 _status = 0

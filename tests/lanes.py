@@ -177,12 +177,6 @@ class Lanes:
 # --- measuring ---
 
 
-def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption(
-        "--write-durations", action="store_true", help="write what the tests of this run cost to tests/durations.json"
-    )
-
-
 class Measured:
     """What the tests of this run cost."""
 

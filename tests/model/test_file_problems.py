@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import re
 
 import pytest
 from dashpot.errors import BadInput
@@ -50,155 +51,57 @@ def test_the_good_file_is_good():
 
 
 @pytest.mark.parametrize(
-    ("old", "new", "said"),
+    ("old", "new"),
     [
-        ("name: rig\n", "", "line 1: $.name: is missing; write name: my-rig"),
-        ("name: rig", 'name: "a\\nb"', "line 2: $.name: holds a line break or a control character; take it out"),
-        ("name: rig", f"name: {'x' * 300}", "line 2: $.name: is longer than 255 characters; shorten it"),
-        ("name: rig", "name: ''", "line 2: $.name: is empty; write something there"),
-        ("name: rig", "name: 12", "line 2: $.name: must be text, not 12; put it in quotes"),
-        ("value: 0.27", "value: -0.27", "line 3: $.mass.value: must be greater than 0, not -0.27"),
-        ("value: 79.61", "value: 0", "line 4: $.omega0.value: must be greater than 0, not 0"),
-        ("std: 0.002, unit: rad", "std: -1, unit: rad", "line 4: $.omega0.std: must not be below 0, but is -1"),
-        (
-            "rad/s",
-            "Hz",
-            "line 4: $.omega0.unit: must be rad/s for a displacement in m, not 'Hz'; multiply the value by 2 pi",
-        ),
-        ("4.6e5", "true", "line 5: $.cubic.value: must be a plain number such as 4.6e5, not true"),
-        ("4.6e5", "four", "line 5: $.cubic.value: must be a plain number such as 4.6e5, not 'four'"),
-        ("4.6e5", ".nan", "line 5: $.cubic.value: must be a finite number"),
-        ("4.6e5", "-.inf", "line 5: $.cubic.value: must be a finite number"),
-        ("4.6e5", "1e999", "line 5: $.cubic.value: must be a finite number"),
-        ("4.6e5", "9" * 6000, "line 5: $.cubic.value: must be a finite number"),
-        (
-            "1/(m2.s2)",
-            "1/s2",
-            "line 5: $.cubic.unit: must be 1/(m2.s2) for a displacement in m, not '1/s2'; convert the value",
-        ),
-        (
-            "0.0008, unit: m/s2",
-            "0.0008, unit: m/s^2",
-            "line 6: $.preload.unit: must be m/s2 for a displacement in m, not 'm/s^2'; convert the value",
-        ),
-        ("value: 0.0741, std", "value: 0.0741, sdt", "line 6: $.preload.sdt: unknown key; did you mean std?"),
-        ("viscous:", "viscuos:", "line 7: $.viscuos: unknown key; did you mean viscous?"),
-        (
-            "viscous: {value: 5.0, std: 0.002, unit: 1/s}",
-            "viscous: 5.0",
-            "line 7: $.viscous: must be a mapping, not 5.0; write viscous: {value: 0.0, std: null, unit: 1/s}",
-        ),
-        (
-            "dry: {value: 0.015, std: 0.0005, unit: m/s2}\n",
-            "",
-            "line 1: $.dry: is missing; write dry: {value: 0.0, std: null, unit: m/s2}",
-        ),
-        (
-            "dry: {value: 0.015, ",
-            "dry: {value: 0.015, value: 3, ",
-            "line 8: $.dry.value: stands here for the second time (first on line 8); keep one",
-        ),
-        (
-            "quadratic-drag",
-            "quadratic-drga",
-            "line 10: $.terms[0].effect: effect 'quadratic-drga' is not in the library of laws; "
-            "did you mean quadratic-drag",
-        ),
-        (
-            "coefficient:",
-            "coeficient:",
-            "line 10: $.terms[0].parameters.coeficient: quadratic-drag has no such parameter; "
-            "did you mean coefficient?",
-        ),
-        (
-            "unit: 1/m}",
-            "unit: m}",
-            "line 10: $.terms[0].parameters.coefficient.unit: must be 1/m for a displacement in m, not 'm'; "
-            "convert the value",
-        ),
-        (
-            "response:",
-            "  - {effect: quadratic-drag, parameters: {coefficient: {value: 1, unit: 1/m}}}\nresponse:",
-            "line 11: $.terms[1].effect: quadratic-drag is there already; add its parameters to that one",
-        ),
-        (
-            "quantity: displacement",
-            "quantity: position",
-            "line 11: $.response.quantity: must be 'displacement', 'velocity' or 'acceleration', not 'position'",
-        ),
-        (
-            "displacement, unit: m}",
-            "displacement, unit: m^2}",
-            "line 11: $.response.unit: cannot read 'm^2'; write it like m, rad, V, m/s2 or counts",
-        ),
-        (
-            "max: 9.0e-3",
-            "max: 9.0e-5",
-            "line 13: $.valid.amplitude: min 0.0002 is above max 9e-05; exchange them",
-        ),
-        (
-            "unit: Hz",
-            "unit: rad/s",
-            "line 14: $.valid.frequency.unit: must be Hz for a displacement in m, not 'rad/s'; convert the value",
-        ),
-        (
-            "sha256: null",
-            "sha256: abc",
-            "line 16: $.identified.recordings[0].sha256: must be 64 hexadecimal digits in lower case, or null",
-        ),
-        (
-            "[preload, dry]",
-            "[preload, drt]",
-            "line 17: $.identified.parameters[1]: the model has no parameter 'drt'; did you mean dry?",
-        ),
-        (
-            "[preload, dry]",
-            "[dry, dry]",
-            "line 17: $.identified.parameters[1]: dry is there already; name each row of the covariance once",
-        ),
-        (
-            "[preload, dry]",
-            "[preload]",
-            "line 18: $.identified.covariance: must be 1 by 1 for preload, not 2 rows of 2 numbers; "
-            "name its rows in identified.parameters",
-        ),
-        (
-            "[1.0e-7, 2.5e-7]]",
-            "[1.5e-7, 2.5e-7]]",
-            "line 18: $.identified.covariance: is not symmetric: preload with dry differs from the other way round",
-        ),
-        (
-            "[[6.4e-7",
-            "[[-6.4e-7",
-            "line 18: $.identified.covariance: the variance of preload is negative; a variance is a square",
-        ),
-        (
-            "[[6.4e-7, 1.0e-7], [1.0e-7, 2.5e-7]]",
-            "[[1.0, 3.0], [3.0, 1.0]]",
-            "line 18: $.identified.covariance: a covariance is larger than the two variances allow (correlation above "
-            "1); check the numbers",
-        ),
+        ("name: rig\n", ""),
+        ("name: rig", 'name: "a\\nb"'),
+        ("name: rig", f"name: {'x' * 300}"),
+        ("name: rig", "name: ''"),
+        ("name: rig", "name: 12"),
+        ("value: 0.27", "value: -0.27"),
+        ("value: 79.61", "value: 0"),
+        ("std: 0.002, unit: rad", "std: -1, unit: rad"),
+        ("rad/s", "Hz"),
+        ("4.6e5", "true"),
+        ("4.6e5", "four"),
+        ("4.6e5", ".nan"),
+        ("4.6e5", "-.inf"),
+        ("4.6e5", "1e999"),
+        ("4.6e5", "9" * 6000),
+        ("1/(m2.s2)", "1/s2"),
+        ("0.0008, unit: m/s2", "0.0008, unit: m/s^2"),
+        ("value: 0.0741, std", "value: 0.0741, sdt"),
+        ("viscous:", "viscuos:"),
+        ("viscous: {value: 5.0, std: 0.002, unit: 1/s}", "viscous: 5.0"),
+        ("dry: {value: 0.015, std: 0.0005, unit: m/s2}\n", ""),
+        ("dry: {value: 0.015, ", "dry: {value: 0.015, value: 3, "),
+        ("quadratic-drag", "quadratic-drga"),
+        ("coefficient:", "coeficient:"),
+        ("unit: 1/m}", "unit: m}"),
+        ("response:", "  - {effect: quadratic-drag, parameters: {coefficient: {value: 1, unit: 1/m}}}\nresponse:"),
+        ("quantity: displacement", "quantity: position"),
+        ("displacement, unit: m}", "displacement, unit: m^2}"),
+        ("max: 9.0e-3", "max: 9.0e-5"),
+        ("unit: Hz", "unit: rad/s"),
+        ("sha256: null", "sha256: abc"),
+        ("[preload, dry]", "[preload, drt]"),
+        ("[preload, dry]", "[dry, dry]"),
+        ("[preload, dry]", "[preload]"),
+        ("[1.0e-7, 2.5e-7]]", "[1.5e-7, 2.5e-7]]"),
+        ("[[6.4e-7", "[[-6.4e-7"),
+        ("[[6.4e-7, 1.0e-7], [1.0e-7, 2.5e-7]]", "[[1.0, 3.0], [3.0, 1.0]]"),
         (
             "[preload, dry]\n  covariance: [[6.4e-7, 1.0e-7], [1.0e-7, 2.5e-7]]",
             "[cubic, preload, dry]\n  covariance: [[1, 0.9, 0.9], [0.9, 1, -0.9], [0.9, -0.9, 1]]",
-            "line 18: $.identified.covariance: is not positive semidefinite, so no set of measurements has it; "
-            "check the numbers",
         ),
-        (
-            "[[6.4e-7, 1.0e-7]",
-            "[[6.4, 1.0e-7]",
-            "line 18: $.identified.covariance[0]: preload has the standard error 2.53 here and std: 0.0008 where it "
-            "stands; give both the same, or leave the covariance out",
-        ),
+        ("[[6.4e-7, 1.0e-7]", "[[6.4, 1.0e-7]"),
     ],
 )
-def test_one_problem_is_one_sentence_with_its_line_and_path(old, new, said):
+def test_one_problem_is_one_sentence_with_its_line_and_path(old, new, reads):
     assert GOOD.count(old) >= 1
     lines = problems(GOOD.replace(old, new, 1))
-    assert any(line.startswith(f"m.yaml: {said}") for line in lines), lines
-    others = [line for line in lines if not line.startswith(f"m.yaml: {said}")]
-    related = ("is missing", "unknown key", "the model has no parameter", "covariance: must be")  # of a wrong name
-    assert all(any(word in line for word in related) for line in others), others
+    reads("\n".join(lines))
+    assert all(re.match(r"m\.yaml: line \d+: \$\.[\w.[\]]+: \w", line) for line in lines), lines
 
 
 def test_every_problem_is_reported_at_once_in_the_order_of_the_lines():
@@ -238,47 +141,45 @@ LAUGHS = "a: &a [x, x]\n" + "".join(
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    "text",
     [
-        ("", "holds no model"),
-        ("# only a comment", "holds no model"),
-        ("just text", "holds no model"),
-        ("- 1\n- 2", "holds no model"),
-        ("name: x", "has no 'format'"),
-        ("format: dashpot-model/2", "says format 'dashpot-model/2'; this version of dashpot reads"),
-        ("format: [1]", "says format a list"),
-        ("format: null", "says format null"),
-        ("a: [1, 2", "line 1: cannot be read as YAML"),
-        ("a: b: c", "line 1: cannot be read as YAML: mapping values are not allowed here"),
-        ("\tformat: x", "cannot be read as YAML"),
-        ("a: 'x", "cannot be read as YAML"),
-        ("--- 1\n--- 2", "line 2: cannot be read as YAML"),
-        ("[" * 100_000, "nested more than 16 levels deep"),
-        ("{a: " * 1000, "nested more than 16 levels deep"),
-        ("- " * 5000, "nested more than 16 levels deep"),
-        (LAUGHS, "line 2: cannot be read as YAML: aliases"),
-        ("a: &a [*a]", "aliases"),
-        ("a: !!python/object/apply:os.system ['echo']", "tags"),
-        ("!!python/object/apply:os.system ['echo']", "tags"),
-        ("a: !!python/name:os.system", "tags"),
-        ("a: !!binary x", "tags"),
-        ("!!set {a}", "tags"),
-        ("? [a, b]\n: 1", "has no 'format'"),
-        ("format: dashpot-model/1\n? {a: 1}\n: 1", "a key must be a word"),
-        ("format: dashpot-model/1\n<<: {name: x}", "$['<<']: unknown key"),
-        ('a: "\\UFFFFFFFF"', "cannot be read as YAML"),
-        ('format: "\\ud800"', "says format '\\ud800'"),
-        ("%YAML " + "9" * 5000 + ".1\n---\na", "cannot be read as YAML"),
-        ("a\x00b", "has a character that text cannot contain"),
-        ("x" * 1_000_001, "longer than 1000000 characters"),
+        "",
+        "# only a comment",
+        "just text",
+        "- 1\n- 2",
+        "name: x",
+        "format: dashpot-model/2",
+        "format: [1]",
+        "format: null",
+        "a: [1, 2",
+        "a: b: c",
+        "\tformat: x",
+        "a: 'x",
+        "--- 1\n--- 2",
+        "[" * 100_000,
+        "{a: " * 1000,
+        "- " * 5000,
+        LAUGHS,
+        "a: &a [*a]",
+        "a: !!python/object/apply:os.system ['echo']",
+        "!!python/object/apply:os.system ['echo']",
+        "a: !!python/name:os.system",
+        "a: !!binary x",
+        "!!set {a}",
+        "? [a, b]\n: 1",
+        "format: dashpot-model/1\n? {a: 1}\n: 1",
+        "format: dashpot-model/1\n<<: {name: x}",
+        'a: "\\UFFFFFFFF"',
+        'format: "\\ud800"',
+        "%YAML " + "9" * 5000 + ".1\n---\na",
+        "a\x00b",
+        "x" * 1_000_001,
     ],
 )
-def test_what_is_no_model_file_gets_one_sentence(text, said):
-    with pytest.raises(BadInput) as caught:
-        loads(text, "m.yaml")
-    message = str(caught.value)
+def test_what_is_no_model_file_gets_one_sentence(text, reads):
+    message = "\n".join(problems(text))
+    reads(re.sub(r"(as YAML): (?!tags|aliases|nested).*", r"\1: ...", message))  # what follows are the library's words
     assert message.startswith("m.yaml: ")
-    assert said in message
     assert len(message) < 1500
 
 
