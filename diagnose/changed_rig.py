@@ -16,14 +16,13 @@ import numpy as np
 from ..errors import BadInput
 from ..identify.faults.stranger_among import KEPT
 from ..identify.signals.odds import BEYOND_ERRORS
+from ..identify.signals.registry import numerics
 from ..identify.start.start import Curve, hilbert_start
 from ..recording.recording import Recording
+from .limits import BOTH_FELL, ENDS_OF_BACKBONE
 from .wording import figure
 
-#: Two decays are compared where both fell by this factor at least, on so many levels of amplitude ...
-_BOTH_FELL, _LEVELS = 2.0, 32
-#: ... but for this part of what both passed at either end, where a curve bends as its filter does.
-_ENDS = 0.1
+_LEVELS = numerics(32, "levels of amplitude", why="backbones are smooth: their comparison does not change with more")
 
 
 def changed_rig(training: Sequence[Recording], holdout: Sequence[Recording]) -> str | None:
@@ -72,9 +71,9 @@ def _passed(one: Curve, other: Curve) -> np.ndarray | None:
     """Levels (n,) of amplitude that both curves passed; None where that is too little to compare."""
     low = math.log(max(float(np.min(curve.amplitude)) for curve in (one, other)))
     high = math.log(min(float(np.max(curve.amplitude)) for curve in (one, other)))
-    if high - low < math.log(_BOTH_FELL):
+    if high - low < math.log(BOTH_FELL):
         return None
-    rim = _ENDS * (high - low)
+    rim = ENDS_OF_BACKBONE * (high - low)
     return np.exp(np.linspace(low + rim, high - rim, _LEVELS))
 
 

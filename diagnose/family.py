@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..errors import BadInput
+from ..identify.faults.stranger_among import KEPT
 from ..identify.fit.from_prediction import keeps_step, memories
 from ..identify.fit.hold import held_as
 from ..identify.fit.likelihood import maximum_likelihood
@@ -22,27 +23,13 @@ from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
+from .limits import KNOWN_PART, OFFSET_FEELER, OTHER_FREQUENCY, OTHER_MASS, STRANGE
 from .measuring_chain import agree, alike, drifts_and_loads, hold_of
 from .measuring_chain import drifts as drifts_of
 from .measuring_chain import zeros as zeros_of
 from .result import ChainFact
 from .search.residual_test import Leftover, leftovers
 from .search.search import best_of_family
-
-#: Physical limit: a rig whose natural frequency or mass is off by more than these is another rig. What is left out (a
-#: spring that softens, mass that moves along) bends a fitted frequency by a few per cent, a mass by some ten ...
-_OTHER_FREQUENCY = 1.3
-_OTHER_MASS = 2.0
-#: ... error rate: where the model knows its own to this part, so that the least of these factors is three of its
-#: errors; else its file is of no use, and the recordings answer.
-_KNOWN = 0.1
-#: Physical limit: training recordings told this well, and held-out ones not to its square, are not of one rig.
-_STRANGE = 1.5
-#: Physical limit: frequency and mass of one rig stay within this part from one recording to the next (the modulus of
-#: steel falls by about 0.03 % a kelvin: its springs keep their frequency to this over 7 K).
-_KEPT = 1e-3
-#: Size of an offset for finite differences, in the motion's.
-_FEELER = 1e-2
 
 _log = logging.getLogger(__name__)
 
@@ -207,7 +194,7 @@ def _drifts(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> 
     for offset in offsets:
         if offset.channel == "drift":
             recording = recordings[offset.recording]
-            size = _FEELER * float(np.std(recording.response))
+            size = OFFSET_FEELER * float(np.std(recording.response))
             drifts.append(Offset(offset.recording, "response", size))
             drifts.append(
                 Offset(offset.recording, "drift", size / recording.duration, middle=offset.middle, taken=offset.value)
@@ -222,7 +209,7 @@ def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator, 
     offsets = () if judged else tuple(offset for offset in family.drifts if offset.recording in used)
     if family.free_zeros:
         there = {offset.recording for offset in offsets}
-        sizes = {i: _FEELER * float(np.std(data.recordings[i].response)) for i in used if i not in there}
+        sizes = {i: OFFSET_FEELER * float(np.std(data.recordings[i].response)) for i in used if i not in there}
         offsets = (*(Offset(i, "response", size) for i, size in sizes.items()), *offsets)
     shown = family.shown_elsewhere if judged else family.shown
     offsets = tuple(
@@ -281,12 +268,12 @@ def _same_rig(given: Oscillator, identified: Oscillator, *, slide: bool) -> list
         BadInput: where one that does know it is: the recordings are of another.
     """
     apart = []
-    if not slide and _differ(identified.omega0.value, given.omega0.value, _OTHER_FREQUENCY):
+    if not slide and _differ(identified.omega0.value, given.omega0.value, OTHER_FREQUENCY):
         apart.append("omega0")
     if (
         given.mass is not None
         and identified.mass is not None
-        and _differ(identified.mass.value, given.mass.value, _OTHER_MASS)
+        and _differ(identified.mass.value, given.mass.value, OTHER_MASS)
     ):
         apart.append("mass")
     if not apart:
@@ -314,7 +301,7 @@ def _is_known(model: Oscillator, name: str) -> bool:
     """
     parameter = model.parameters()[name]
     if parameter.std is not None:
-        return parameter.std < _KNOWN * abs(parameter.value)
+        return parameter.std < KNOWN_PART * abs(parameter.value)
     return bool(model.identified.recordings) and name not in model.identified.parameters
 
 
@@ -329,16 +316,16 @@ def stranger(final: Fitted, data: Data, holdout: Data | None, left: Sequence[Lef
     ratios, training = [leftover.ratio for leftover in left], len(data.segments)
     if holdout is None:
         return None
-    if max(ratios[:training]) > _STRANGE or max(ratios[training:]) < _STRANGE**2:
+    if max(ratios[:training]) > STRANGE or max(ratios[training:]) < STRANGE**2:
         return None
     worst: dict[str, float] = {}
     for leftover in left[training:]:
         worst[leftover.file] = max(leftover.ratio, worst.get(leftover.file, 0.0))
-    if min(worst.values()) < _STRANGE:  # another rig shows in each; one alone may jump where small changes decide
+    if min(worst.values()) < STRANGE:  # another rig shows in each; one alone may jump where small changes decide
         return None
     own = Structure(final.model, holdout).fit(settle=True)
     again = [leftover.ratio for leftover in leftovers(own, holdout)]
-    if not own.finite or max(again) > 0.5 * max(ratios[training:]):
+    if not own.finite or 2 * max(again) > max(ratios[training:]):
         return None
     here, there = final.model, own.model
     if not _moved(here, there, slide=data.segments[0].slide):
@@ -358,4 +345,4 @@ def _moved(here: Oscillator, there: Oscillator, *, slide: bool) -> bool:
     ratios = [] if slide else [there.omega0.value / here.omega0.value]
     if here.mass is not None and there.mass is not None:
         ratios.append(there.mass.value / here.mass.value)
-    return any(ratio <= 0.0 or abs(math.log(ratio)) > _KEPT for ratio in ratios)
+    return any(ratio <= 0.0 or abs(math.log(ratio)) > KEPT for ratio in ratios)

@@ -16,22 +16,13 @@ from ..identify.motion.decays import find_free_motion, force_is_silent
 from ..identify.motion.envelope import SHORTEST_CYCLES
 from ..identify.problem.data import natural_frequency
 from ..identify.problem.segments import cut, pace_of
+from ..identify.signals.registry import budget
 from ..identify.signals.signals import response_of
 from ..model import Oscillator
 from ..recording.recording import Recording
+from .limits import FEWEST_CYCLES, LEAST_DAMPING, MEMORIES, QUIET, SHORTEST_END, THIRDS
 
-#: Of three stretches one is held out, and of one motion no more than three: each bears an initial state of its own.
-_THIRDS, _MOST_HELD = 3, 3
-#: A driven stretch is long against what its rig remembers of the stretch before, which falls by exp(-3) meanwhile ...
-_MEMORIES = 3.0
-#: ... where it is damped by this part of the critical or more.
-_LEAST_DAMPING = 1e-3
-#: A recording of fewer cycles than this holds no stretch to fit.
-_FEWEST_CYCLES = 10.0
-#: ... and one whose last third has fewer than these is learnt from whole.
-_SHORTEST_END = 3.0
-#: A response below this many times its noise says little.
-_QUIET = 3.0
+_MOST_HELD = budget(3, "stretches of one motion", why="each bears an initial state of its own")
 
 
 def same_quantity(model: Oscillator, recordings: Sequence[Recording]) -> None:
@@ -56,9 +47,9 @@ def why_unused(recording: Recording, model: Oscillator) -> str:
     cycles = recording.n * recording.dt * frequency
     noise = response_of(recording).noise
     loudness = float(np.std(recording.response)) / noise if noise > 0 else math.inf
-    if cycles < _FEWEST_CYCLES:
-        why = f"too short: {cycles:.2g} cycles of {frequency:.3g} Hz; record at least {_FEWEST_CYCLES:.0f}"
-    elif loudness < _QUIET:
+    if cycles < FEWEST_CYCLES:
+        why = f"too short: {cycles:.2g} cycles of {frequency:.3g} Hz; record at least {FEWEST_CYCLES:.0f}"
+    elif loudness < QUIET:
         why = f"too quiet: its response is {loudness:.2g} times its noise"
     elif model.mass is None and recording.force is not None:
         why = "driven, and the model has no mass to tell what a force does; no free decay was found in it"
@@ -112,19 +103,19 @@ def _blocks(recording: Recording, model: Oscillator) -> list[_Block]:
     of_each = [_even(decay.start, decay.stop, SHORTEST_CYCLES * cycle, free=True) for decay in motion.decays]
     ringing = [block for blocks in of_each for block in blocks]
     if recording.force is None or not np.any(recording.force) or (motion.decays and force_is_silent(recording)):
-        return [_Block(d.start, d.stop, free=True) for d in motion.decays] if len(motion.decays) >= _THIRDS else ringing
-    if len(motion.blows) >= _THIRDS:
+        return [_Block(d.start, d.stop, free=True) for d in motion.decays] if len(motion.decays) >= THIRDS else ringing
+    if len(motion.blows) >= THIRDS:
         return _between(0, *(max(0, round(blow.start - cycle / 2)) for blow in motion.blows[1:]), recording.n)
     if motion.blows and len(motion.decays) == len(motion.blows) and all(of_each):  # else a blow would be left out
         begins = {blow.stop: max(0, round(blow.start - cycle / 2)) for blow in motion.blows}
         return [_Block(begins[b.start], b.stop) if b.start in begins else b for b in ringing]
-    if len(motion.decays) >= _THIRDS:
+    if len(motion.decays) >= THIRDS:
         return _between(0, *(decay.stop for decay in motion.decays[:-1]), recording.n)
-    rate = max(0.5 * model.viscous.value, _LEAST_DAMPING * natural)
-    if blocks := _even(0, recording.n, max(_FEWEST_CYCLES * cycle, _MEMORIES / rate * recording.fs)):
+    rate = max(model.viscous.value / 2, LEAST_DAMPING * natural)
+    if blocks := _even(0, recording.n, max(FEWEST_CYCLES * cycle, MEMORIES / rate * recording.fs)):
         return blocks
-    at = recording.n * 2 // _THIRDS  # the end of what is driven is as loud as its beginning
-    return _between(0, recording.n) if recording.n - at < _SHORTEST_END * cycle else _between(0, at, recording.n)
+    at = recording.n * 2 // THIRDS  # the end of what is driven is as loud as its beginning
+    return _between(0, recording.n) if recording.n - at < SHORTEST_END * cycle else _between(0, at, recording.n)
 
 
 def _between(*edges: int, free: bool = False) -> list[_Block]:
@@ -133,7 +124,7 @@ def _between(*edges: int, free: bool = False) -> list[_Block]:
 
 def _even(start: int, stop: int, shortest: float, *, free: bool = False) -> list[_Block]:
     """Blocks of equal length, three or six or nine of them, each of `shortest` samples or more; none where none fit."""
-    count = _THIRDS * min(int((stop - start) / (_THIRDS * shortest)), _MOST_HELD)
+    count = THIRDS * min(int((stop - start) / (THIRDS * shortest)), _MOST_HELD)
     return _between(*np.linspace(start, stop, count + 1).round().astype(int).tolist(), free=free) if count else []
 
 

@@ -26,11 +26,10 @@ from ..model import Oscillator, Response
 from ..recording.recording import Recording
 from ..verify.fmu_run import FmuRun, FmuStopped
 from ..verify.noise_floor import floor_of_model, pieces
+from .limits import COMPUTED
 from .result import RecordFit
 from .search.judgement import MATTERS
 
-#: What a model leaves of a measured record is its noise at least; less than this part of it was computed.
-_COMPUTED = 0.5
 #: What the user is told of it.
 FITTED_TO_ALL = "the model is fitted to what was held out too; the table is of the same structure fitted without"
 
@@ -117,7 +116,7 @@ def takes_something(records: Sequence[RecordFit]) -> bool:
     Less than half of its noise is in no measured record. Where most are so, they were computed, and what tells two
     models apart there is how.
     """
-    computed = [r.nrmse_before < _COMPUTED * r.noise_floor for r in records]
+    computed = [r.nrmse_before < COMPUTED * r.noise_floor for r in records]
     return 2 * sum(computed) <= len(computed)
 
 

@@ -9,11 +9,13 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..identify.signals.registry import shown
 from ..model import Oscillator, Parameter, Response
 from ..simulate.work import Work
 
-#: Odds beyond this say no more than that nothing else is left: the noise itself is known no better.
-SURE = 1e6
+SURE = shown(
+    1e6, "odds", why="odds beyond this say no more than that nothing else is left: the noise itself is known no better"
+)
 
 Verdict = Literal["consistent", "missing-physics", "unexplained"]
 

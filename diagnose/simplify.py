@@ -30,12 +30,14 @@ from ..identify.problem.data import Data
 from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted, Structure, without_states
 from ..identify.signals.odds import BEYOND_ERRORS, DECISIVE
+from ..identify.signals.registry import numerics
 from ..model import Oscillator
 from ..model.library import find
 from ..model.terms import with_term, without_term
 from .case import Case, Progress
 from .delivery import finely
 from .family import cut_for
+from .limits import ALIKE, TOLD
 from .search.candidate import Candidate, key
 from .search.found import Found
 from .search.judgement import MATTERS, leaves_mismatch
@@ -44,12 +46,7 @@ from .search.race import PATIENCE, Entry, led, race, started
 from .search.starts import handed_down
 from .search.weigh import forget, judged
 
-#: Standard errors: within so many of them, 95 % of what is none comes out.
-_TOLD = 1.96
-#: Physical limit: motions that differ by less than this part of the noise are alike.
-_ALIKE = 0.01
-#: Gain in log-likelihood below which nothing is left to be found: a fourteenth of a standard error.
-_AT_REST = 0.0025
+_AT_REST = numerics(0.0025, "log-likelihood", why="a fourteenth of a standard error: nothing is left to be found")
 
 _log = logging.getLogger(__name__)
 
@@ -116,7 +113,7 @@ def of_unknown_size(model: Oscillator, laws: tuple[str, ...]) -> list[str]:
         f"{law}: its strength is zero within its error: something acts like it, and how much of it there "
         "is, and whether it is this, these recordings leave open"
         for law, sure in certainty(model, laws).items()
-        if sure < _TOLD
+        if sure < TOLD
     ]
 
 
@@ -197,7 +194,7 @@ def _alike(case: Oscillator, fitted: Fitted, data: Data) -> bool:
     structure = Structure(case, data)
     residuals = structure.problem.residuals(structure.state(fitted.initial, fitted.offsets))
     pairs = zip(residuals, fitted.residuals, data.sensor, strict=True)
-    return all(float(np.sqrt(np.mean((new - old) ** 2))) <= _ALIKE * noise for new, old, noise in pairs)
+    return all(float(np.sqrt(np.mean((new - old) ** 2))) <= ALIKE * noise for new, old, noise in pairs)
 
 
 def _weighed(laws: tuple[str, ...], case: Oscillator, fitted: Fitted, found: Found) -> Candidate | None:

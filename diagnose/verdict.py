@@ -6,13 +6,13 @@ import math
 from collections.abc import Sequence
 
 from ..identify.signals.odds import ABOVE_NOISE
+from ..identify.signals.registry import shown
 from ..model.effect_words import effect_in_words
 from .result import Effect, RecordFit, Verdict
 from .search.residual_test import FAR_ABOVE_NOISE, Leftover
 from .wording import effects_in_words, figure, spoken
 
-#: So many effects and rivals can be put into words in one sentence.
-_IN_WORDS = 5
+_IN_WORDS = shown(5, "effects and rivals", why="more cannot be put into words in one sentence")
 
 
 def verdict_of(effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]) -> Verdict:

@@ -4,9 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..identify.signals.registry import shown
 from ..model.effect_words import effect_in_words
 
-_PREFIXES = ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
+_PREFIXES = shown(
+    ((1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n")),
+    "prefixes of units",
+    why="those that an engineer reads without thought",
+)
 
 
 def figure(value: float, digits: int = 3) -> str:
@@ -18,7 +23,7 @@ def quantity(value: float, unit: str) -> str:
     """A value with its unit, in thousandths where that reads better: ``4.1 mm``."""
     if unit in ("m", "m/s", "N"):
         for size, prefix in _PREFIXES:
-            if abs(value) >= 0.5 * size:
+            if abs(value) >= size / 2:
                 return f"{figure(value / size)} {prefix}{unit}"
     return f"{figure(value)} {unit}"
 

@@ -252,6 +252,53 @@ def test_test_folders_mirror_the_package() -> None:
     assert folders <= {*TABLE, "benchmarks", "docs"}
 
 
+# Numbers that decide -------------------------------------------------------------------------------------------------
+
+sys.path.append(str(ROOT / "benchmarks"))
+
+import deciding_numbers  # noqa: E402  (it lies beside the package, not in it)
+
+DECIDING = deciding_numbers.all_numbers(ROOT)
+
+
+def test_no_more_numbers_decide_than_before() -> None:
+    count = sum(number.counts for number in DECIDING)
+    assert count <= deciding_numbers.MOST, "take a number away, or say in a registry why it decides nothing"
+
+
+def test_registries_hold_all_that_is_registered_to_decide() -> None:
+    elsewhere = [n for n in DECIDING if n.kind == "decides" and Path(n.file).name != "limits.py"]
+    others = [n for n in DECIDING if n.kind != "decides" and Path(n.file).name == "limits.py" and n.counts]
+    assert (elsewhere, others) == ([], [])
+
+
+def test_the_page_prints_the_registries() -> None:
+    text = (ROOT / "docs/limits.md").read_text(encoding="utf-8")
+    table = text.partition("<!-- the numbers -->\n\n")[2].rstrip()
+    assert table == deciding_numbers.page(ROOT), "docs/limits.md: put behind its marker what --page prints"
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("_A = 3", [3]),
+        ("_A: float = 1 / 8", [8]),
+        ("A, _B = 1.5, 4", [1.5, 4]),
+        ("_A = budget(64, 's', why='b')", []),
+        ("_A = decides(0.5, 'm', 'c', why='b')", [0.5]),
+        ("_A = 2.0 * OTHER", []),
+        ("name = 3", []),
+        ("def f(x):\n    return x > 0.3 * x.y[5] ** 3 or x < 1", [0.3]),
+        ("def f(x):\n    return max(min(x, 7), 1e-300)", [7]),
+        ("def f(x):\n    return np.clip(x, -1.0, 4.0)", [4]),
+        ("def f(x):\n    return 5 * x", []),
+    ],
+)
+def test_a_number_that_decides_is_counted(text: str, values: list[float]) -> None:
+    counted = [number for number in deciding_numbers.numbers_of("diagnose/m.py", text) if number.counts]
+    assert sorted(number.value for number in counted) == sorted(values)
+
+
 # Packaging and documents ---------------------------------------------------------------------------------------------
 
 

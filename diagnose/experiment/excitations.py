@@ -8,15 +8,11 @@ import numpy as np
 
 from ...identify.motion.excitation import band_of
 from ...identify.problem.data import Data
+from ...identify.signals.registry import numerics
+from ..limits import BEYOND, CYCLES, DRIVE_LEVELS, RELEASE_LEVELS
 
-#: How far beyond what was recorded an experiment may go.
-BEYOND = 1.5
-#: Natural cycles of each: enough to pass a resonance slowly beside its own decay.
-CYCLES = 90.0
-_LEVELS = (0.15, 0.4, 1.0, BEYOND)
-_RELEASES = (0.3, 0.6, 1.0, BEYOND)
-_LINES = 40
-_SEED = 1
+_LINES = numerics(40, "lines of a multisine", why="enough to look like noise, few enough for each to stand above it")
+_SEED = numerics(1, "of the phases", why="any seed gives a multisine of as low a crest")
 
 
 @dataclass(frozen=True)
@@ -84,17 +80,17 @@ def candidates(limits: Limits, natural: float) -> list[Excitation]:
     seconds = CYCLES / natural
     low, high = max(limits.band_hz[0], 0.3 * natural), min(limits.band_hz[1], 3.0 * natural)
     if limits.force > 0:
-        for relative in _LEVELS:
+        for relative in DRIVE_LEVELS:
             level = relative * limits.force
             excitations.append(Excitation("sweep", level, relative, (low, high), seconds))
             excitations.append(Excitation("sweep", level, relative, (high, low), seconds))
-            if relative > _LEVELS[0]:
+            if relative > DRIVE_LEVELS[0]:
                 excitations.append(Excitation("multisine", level, relative, (low, high), seconds))
                 excitations.append(Excitation("sine", level, relative, (natural, natural), seconds))
         wide = low / BEYOND, high * BEYOND
         excitations.append(Excitation("sweep", limits.force, 1.0, wide, seconds))
         excitations.append(Excitation("sine", BEYOND * limits.force, BEYOND, (natural / 3, natural / 3), seconds))
-    for relative in _RELEASES:
+    for relative in RELEASE_LEVELS:
         release = relative * limits.displacement
         excitations.append(Excitation("decay", release, relative, (natural, natural), seconds))
     return excitations

@@ -13,30 +13,32 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.problem.data import Data
+from ...identify.signals.registry import budget, numerics
 from ...model import Oscillator
 from ...model.effect_words import effect_in_words
 from ...simulate.core import STEPS_PER_PERIOD, internal_step
+from ..limits import DARING, POORLY_KNOWN, TELLS
 from ..result import Experiment
 from ..wording import effects_in_words, figure, quantity
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
 from .rehearsal import Played, apart, off, rehearse
 
-#: Models that are compared: the first, and its closest rivals.
-_MODELS = 4
-#: Samples a cycle in the simulations.
-_DENSITY = 60.0
-#: A difference of so many standard deviations of the noise tells two models apart.
-TELLS = 5.0
-#: Going beyond what was recorded has to pay: as if the difference were smaller by this factor.
-_DARING = 0.7
-#: A parameter whose error exceeds this part of it is poorly known.
-_POOR = 0.1
-_FINALISTS = 3
-#: A rival that takes so many times the first model's internal steps is a fit that ran away; it would take minutes.
-_SLOWER = 10.0
-#: A model that takes so many times the internal steps of a plain oscillator has a contact that rings at a hundred times
-#: the rig's frequency, which no recording shows: it would take minutes to hours, and its answer would be worth nothing.
-_STIFFEST = 40.0
+_MODELS = budget(
+    4, "models", why="the first and its closest rivals; each further one costs a simulation of every experiment"
+)
+_DENSITY = numerics(60.0, "samples a cycle", why="ten harmonics are sampled six times each")
+_FINALISTS = budget(3, "experiments", why="those that tell most; only these are rehearsed with rivals fitted anew")
+_SLOWER = budget(
+    10.0, "times the internal steps", why="a rival that takes more is a fit that ran away; it would take minutes"
+)
+_STIFFEST = budget(
+    40.0,
+    "times the internal steps",
+    why=(
+        "a model that takes more has a contact that rings at a hundred times the frequency of the rig, which no "
+        "recording shows: it would take minutes to hours, and its answer would be worth nothing"
+    ),
+)
 
 
 def next_experiment(models: Mapping[str, Oscillator], data: Data, *, limits: Limits | None = None) -> Experiment:
@@ -105,7 +107,7 @@ def _separating(
     """
 
     def worth(i: int, differ: Mapping[str, float]) -> float:
-        return min(differ.values()) * (_DARING if plans[i].relative > 1.0 else 1.0)
+        return min(differ.values()) * (DARING if plans[i].relative > 1.0 else 1.0)
 
     linear = {i: {rival: apart(played[name], played[rival], i) for rival in rivals} for i in safe}
     leading = sorted(safe, key=lambda i: -worth(i, linear[i]))[:_FINALISTS]
@@ -169,7 +171,7 @@ def _sharpening(
         rows = np.stack([off(row, slopes[count:]) for row in slopes[:count]]) * size[:, None]
         information = prior + rows @ rows.T
         # twice what it tells beyond what is known (Lindley 1956), which is never negative
-        gain = (float(np.linalg.slogdet(information)[1]) - known) * (1.0 if plans[i].relative <= 1.0 else _DARING)
+        gain = (float(np.linalg.slogdet(information)[1]) - known) * (1.0 if plans[i].relative <= 1.0 else DARING)
         if gain > most:
             best, most = i, gain
             after = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information, hermitian=True)), 0.0))
@@ -179,7 +181,9 @@ def _sharpening(
     if not np.any(np.isfinite(before)):
         why = f"no rival of {effect_in_words(name)} is left; this would test it hardest"
         return _experiment(plans[best], model, why, (), fs)
-    poor = [k for k in range(count) if np.isfinite(before[k]) and before[k] > _POOR and after[k] < 0.7 * before[k]]
+    poor = [
+        k for k in range(count) if np.isfinite(before[k]) and before[k] > POORLY_KNOWN and after[k] < 0.7 * before[k]
+    ]
     if poor:
         k = max(poor, key=lambda k: before[k] / after[k])
         named = list(parameters)[k]

@@ -13,16 +13,15 @@ from ...identify.problem.output_error import OutputError, State
 from ...identify.problem.segments import FORCE_BAND, Segment
 from ...identify.problem.structure import parameter_bounds, parameter_sizes
 from ...identify.signals.noise_spectrum import NoiseSpectrum
+from ...identify.signals.registry import budget, numerics
 from ...model import Oscillator
 from ...simulate.core import core_of, internal_step
 from ...simulate.force import smooth_force
 from .excitations import BEYOND, Excitation
 
-_SMALL = 1e-2
-#: Longer steps than those of a model that is delivered: the error stays far below any noise.
-_COARSER = 1.6
-#: Steps of a rival's fit to a rehearsed response.
-_STEPS = 8
+_SMALL = numerics(1e-2, "of a parameter", why="the step of a difference quotient: its error is of second order")
+_COARSER = numerics(1.6, "times the steps of a model that is delivered", why="the error stays far below any noise")
+_STEPS = budget(8, "steps", why="quadratic convergence: a rival near its minimum needs fewer")
 
 
 @dataclass(frozen=True, eq=False)

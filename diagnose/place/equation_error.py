@@ -13,14 +13,13 @@ import numpy as np
 from ...errors import BadInput
 from ...identify.problem.data import Data
 from ...identify.signals.hilbert import analytic_signal
+from ...identify.signals.registry import numerics
 from ...model import Oscillator
+from ..limits import BLOCK_CYCLES
 from .smoother import Smoothed, Smoother
 
-#: Samples a cycle that are kept: eight harmonics.
-_DENSITY = 16.0
-#: Cycles that count as one independent piece of evidence: longer than the smoother's memory and the resonance's.
-BLOCK_CYCLES = 4.0
-_MARGIN_CYCLES = 1.0
+_DENSITY = numerics(16.0, "samples a cycle that are kept", why="eight harmonics")
+_MARGIN_CYCLES = numerics(1.0, "cycles", why="left out at either end of a stretch, where a filter sees one side alone")
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,14 +11,27 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...identify.signals.registry import numerics
 from .equation_error import Stretch
 
-#: Free-form functions have this many pieces over the range of their coordinate.
-_PIECES = 20
-_FORCE_PIECES = 10
-#: Sliders give way at these parts of the largest displacement, dampers relax at these multiples of the motion's rate.
-_REACHES = (0.02, 0.06, 0.18, 0.5)
-_PACES = (0.2, 1.0, 5.0)
+_PIECES = numerics(
+    20,
+    "pieces over the range of a coordinate",
+    why="finer than any law of the library bends; a penalty on roughness decides how many are used",
+)
+_FORCE_PIECES = numerics(
+    10,
+    "pieces over the range of the force",
+    why="as the pieces of a coordinate; a characteristic of an actuator is smoother",
+)
+_REACHES = numerics(
+    (0.02, 0.06, 0.18, 0.5),
+    "parts of the largest displacement",
+    why="where sliders give way: a grid that is even in the logarithm",
+)
+_PACES = numerics(
+    (0.2, 1.0, 5.0), "times the rate of the motion", why="at which dampers relax: a grid that is even in the logarithm"
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,14 +7,12 @@ import numpy as np
 from ...errors import DashpotError
 from ...identify.problem.data import Data
 from ...identify.problem.structure import Fitted
+from ..limits import LEAST_EVIDENCE
 from ..result import Location
 from .equation_error import equation_error
 from .mismatch_ranges import excess_range
 from .statement import how_far_off, in_which_recordings, what_it_follows
 from .what_it_follows import Symptoms, symptoms
-
-#: Log-likelihood a sample that a missing force must gain: less is 2 % of the noise's power, which is known no better.
-_EVIDENCE = 0.01
 
 
 def locate(fitted: Fitted, data: Data) -> Location:
@@ -37,7 +35,7 @@ def locate(fitted: Fitted, data: Data) -> Location:
     if not stretches:
         return _everywhere(data, "the place is not known: the recordings move too little or for too few cycles")
     off = how_far_off(fitted, data)
-    if evidence < _EVIDENCE:
+    if evidence < LEAST_EVIDENCE:
         return _everywhere(data, f"no missing force stands out of the noise in any recording{off}")
     signature = symptoms(stretches)
     if not signature.here:
@@ -48,7 +46,7 @@ def locate(fitted: Fitted, data: Data) -> Location:
 def _everywhere(data: Data, statement: str) -> Location:
     """The widest ranges, with an honest sentence."""
     length, speed = data.scales.length, data.scales.length * data.scales.omega
-    nyquist = max(0.5 * r.fs for r in data.recordings)
+    nyquist = max(r.fs / 2 for r in data.recordings)
     return Location(
         path="unknown",
         statement=statement,

@@ -6,24 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...identify.signals.registry import numerics
+from ..limits import LINE_CYCLES, NOISE_DOUBT, NOTABLE, SAME_LINE, SIGNIFICANT, STANDING_LINE, STEADY
 from .equation_error import Stretch
 from .free_form import Rows
 
-#: A range is reported where the excess is beyond this many of its standard errors ...
-SIGNIFICANT = 3.0
-#: ... and at least this part of the largest.
-_NOTABLE = 0.05
-_BINS = 20
-#: The noise's own power is known no better than to this part.
-_DOUBT = 0.2
-ORDERS = 6
-#: A line stands out of the spectrum around it by this factor of power: by chance once in 10,000 recordings.
-_LINE = 25.0
-#: In the other recordings the same frequency is asked for, not any.
-_SAME_LINE = 8.0
-_LONG_CYCLES = 80.0
-#: A force from outside has one size; recordings cut and fade it by less than this.
-_STEADY = 0.5
+_BINS = numerics(20, "ranges of a coordinate", why="as many as a picture shows")
+ORDERS = numerics(6, "harmonics", why="above the sixth nothing of a smooth force is left")
 
 
 @dataclass(frozen=True)
@@ -58,7 +47,7 @@ def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) 
         here = place == i
         if np.count_nonzero(here) >= 10:
             clear[i], mean[i] = _beyond(left[here], silent[here], blocks[here])
-    clear &= mean > _NOTABLE * np.max(mean, initial=0.0, where=clear)
+    clear &= mean > NOTABLE * np.max(mean, initial=0.0, where=clear)
     if not np.any(clear):
         return None
     return float(edges[np.argmax(clear)]), float(edges[_BINS - np.argmax(clear[::-1])])
@@ -80,7 +69,7 @@ def _beyond(left: np.ndarray, silent: np.ndarray, block: np.ndarray) -> tuple[bo
     sums = np.bincount(block, silent)[count > 0]
     spread = np.sqrt(2.0 * np.sum((sums - np.mean(sums)) ** 2)) if sums.size > 2 else 2.0 * np.sum(sums)
     excess, noise = float(np.sum(left) - np.sum(silent)), float(np.sum(silent))
-    return bool(excess > SIGNIFICANT * spread and excess > _DOUBT * noise), excess / left.size
+    return bool(excess > SIGNIFICANT * spread and excess > NOISE_DOUBT * noise), excess / left.size
 
 
 def orders(rows: Rows) -> tuple[dict[int, float], tuple[float, float]]:
@@ -120,7 +109,7 @@ def line_in(rows: Rows) -> Line | None:
         return None
     frequency, standing, _ = max(spectra, key=lambda spectrum: float(np.max(spectrum[1])))
     best = int(np.argmax(standing))
-    if standing[best] < _LINE:
+    if standing[best] < STANDING_LINE:
         return None
     beside = np.r_[standing[max(best - 12, 0) : max(best - 6, 0)], standing[best + 7 : best + 13]]
     if np.max(beside, initial=0.0) > 0.2 * standing[best]:
@@ -128,16 +117,16 @@ def line_in(rows: Rows) -> Line | None:
     amplitudes = []
     for other, level, size in spectra:
         near = np.abs(other - frequency[best]) < 1.5 * (other[2] - other[0])
-        if not np.any(near) or np.max(level[near]) < _SAME_LINE:
+        if not np.any(near) or np.max(level[near]) < SAME_LINE:
             return None
         amplitudes.append(float(np.max(size[near])))
-    steady = min(amplitudes) > _STEADY * max(amplitudes)
+    steady = min(amplitudes) > STEADY * max(amplitudes)
     return Line(float(frequency[best]), float(np.median(amplitudes)), steady)
 
 
 def _long(s: Stretch) -> bool:
     finite = s.frequency_hz[np.isfinite(s.frequency_hz)]
-    return bool(finite.size) and float(np.ptp(s.time)) * float(np.median(finite)) > _LONG_CYCLES
+    return bool(finite.size) and float(np.ptp(s.time)) * float(np.median(finite)) > LINE_CYCLES
 
 
 def _spectrum(rows: Rows, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -15,6 +15,7 @@ import numpy as np
 from ...errors import DashpotError
 from ...identify.problem.data import Data
 from ...identify.problem.structure import Fitted
+from ...identify.signals.registry import budget, shown
 from ...model import Oscillator
 from ...model.equations import equations
 from ...model.oscillator import Term
@@ -22,11 +23,9 @@ from ..result import LatentForce
 from .model_force import term_force
 from .smoother import Smoothed, Smoother
 
-_RECORDINGS = 3
-#: Segments that are smoothed to choose from, those with the most beyond their noise.
-_LOOKED_AT = 6
-#: Samples shown of each.
-_SHOWN = 4000
+_RECORDINGS = shown(3, "recordings", why="as many as a page shows")
+_LOOKED_AT = budget(6, "segments", why="those with the most beyond their noise are smoothed, to choose from")
+_SHOWN = shown(4000, "samples", why="as many as a picture shows")
 
 
 def latent_forces(before: Fitted, data: Data, named: Oscillator | None) -> tuple[LatentForce, ...]:

@@ -12,17 +12,19 @@ from ...errors import BadInput
 from ...identify.motion.displacement import displacement
 from ...identify.motion.excitation import band_of
 from ...identify.signals.hilbert import AnalyticSignal, analytic_signal
+from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ...recording.recording import QUANTITIES, Recording
+from ..limits import LARGE_PART
 from ..result import RecordFit
 
 Range = tuple[float, float]
-#: Parts of a cycle over which a velocity is taken from a displacement: three harmonics pass, the noise above does not.
-_WINDOW = 1 / 6
-#: Free motion has a frequency where its amplitude is above this part of its largest.
-_LARGE = 0.1
-#: Samples are of one piece where their spacing exceeds the shortest by no more than this.
-_GAP = 1.5
+_WINDOW = numerics(
+    1 / 6,
+    "of a cycle",
+    why="over which a velocity is taken from a displacement: three harmonics pass, the noise above does not",
+)
+_GAP = numerics(1.5, "times the shortest spacing", why="samples of one piece differ by rounding of their times alone")
 
 
 @dataclass(frozen=True)
@@ -129,7 +131,7 @@ def _frequencies(piece: Recording, envelope: AnalyticSignal | None) -> np.ndarra
         return np.array(band)
     if envelope is None:
         return np.empty(0)
-    large = envelope.amplitude > _LARGE * np.max(envelope.amplitude)
+    large = envelope.amplitude > LARGE_PART * np.max(envelope.amplitude)
     return np.quantile(envelope.omega[large] / (2 * np.pi), [0.05, 0.95]) if np.any(large) else np.empty(0)
 
 

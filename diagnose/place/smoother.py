@@ -21,29 +21,32 @@ import numpy as np
 from ...files.computed_once import computed_once
 from ...identify.motion.displacement import displacement
 from ...identify.problem.data import Data
+from ...identify.signals.registry import budget, numerics
 from ...identify.signals.signals import resting
 from ...model import Oscillator
 from ...model.oscillator import QUANTITIES
+from ..limits import LASTING_SIGN
 from .model_force import OwnForce, term_force
 from .penalised_states import PenalisedStates
 
-#: Samples on which strength and memory of the latent force are found.
-_STRETCH = 3000
-#: Recordings with at least twice as many samples a cycle are averaged to about this: no harmonic is lost.
-_DENSE = 64.0
-#: Points a cycle of the spline along the measured motion, which only has to be near it: five harmonics pass.
-_KNOTS = 14.0
-#: Parts of a sample interval at which the model's force is evaluated, so that the instant of a sign change counts.
-_PARTS = 4
-#: Sensor noise is taken to be at least this part of the signal: rounding and interpolation are not nothing.
-_LEAST_NOISE = 1e-4
-#: Standard deviations are found at this many places and interpolated: they change slowly.
-_PLACES = 24
-_TRIALS = 45
-#: A sign that noise hides is another one only after this part of a cycle.
-_LASTING = 0.1
-#: A missing force of this part of the spring's is none.
-_NONE = 1e-6
+_STRETCH = budget(3000, "samples", why="on which strength and memory of the latent force are found")
+_DENSE = numerics(
+    64.0, "samples a cycle", why="recordings with twice as many are averaged to about this: no harmonic is lost"
+)
+_KNOTS = numerics(
+    14.0,
+    "points a cycle",
+    why="of the spline along the measured motion, which only has to be near it: five harmonics pass",
+)
+_PARTS = numerics(
+    4,
+    "parts of a sample interval",
+    why="at which the force of the model is evaluated, so that the instant of a sign change counts",
+)
+_LEAST_NOISE = numerics(1e-4, "part of the signal", why="rounding and interpolation are not nothing")
+_PLACES = numerics(24, "places", why="standard deviations are found there and interpolated: they change slowly")
+_TRIALS = budget(45, "values of strength and memory", why="a search in two unknowns with a smooth likelihood")
+_NONE = numerics(1e-6, "of the force of the spring", why="a missing force below this is none")
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,7 +167,7 @@ class Smoother:
                 sides.append(own(beside, self.dt)[0])
             doubt = np.exp(-0.5 * (motion[:, i] / self.spread[i]) ** 2)
             total += ((sides[1] - sides[0]) * self.dt * doubt) ** 2
-        return total * max(_LASTING * self.period / self.dt, 1.0)
+        return total * max(LASTING_SIGN * self.period / self.dt, 1.0)
 
     @computed_once
     def input(self) -> np.ndarray:

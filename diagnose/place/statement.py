@@ -6,6 +6,7 @@ import numpy as np
 
 from ...identify.problem.data import Data
 from ...identify.problem.structure import Fitted
+from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ...model.units import compose
 from ..wording import figure, quantity, spoken
@@ -13,12 +14,17 @@ from .free_form import KINDS, Rows, explained, idle, solve
 from .mismatch_ranges import where_it_is
 from .what_it_follows import LOCKED, Symptoms, with_kind
 
-#: Places at which an onset is looked for, in parts of the largest displacement.
-_ONSETS = np.linspace(0.1, 0.9, 17)
-#: Speeds at which friction may change, in parts of the largest.
-_SPEEDS = np.array([0.02, 0.04, 0.08, 0.15])
-#: Physical limit: a delay by more than a cycle (rad) of the force would look like one by a cycle less.
-_NO_DELAY = 2 * np.pi
+_ONSETS = numerics(
+    np.linspace(0.1, 0.9, 17),
+    "parts of the largest displacement",
+    why="a grid of places at which an onset is looked for",
+)
+_SPEEDS = numerics(
+    np.array([0.02, 0.04, 0.08, 0.15]),
+    "parts of the largest speed",
+    why="a grid of speeds at which friction may change, even in the logarithm",
+)
+_NO_DELAY = numerics(2 * np.pi, "rad", why="a delay by more than a cycle would look like one by a cycle less")
 
 #: Low and high by the name of the coordinate, as in ``Location``.
 Ranges = dict[str, tuple[float, float]]

@@ -7,15 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..limits import AHEAD, FAINT, GENERALITY, LOCKED, PLAINER, TELLING
 from .equation_error import Stretch
 from .free_form import KINDS, Rows, explained, idle, rows_of, shares, solve
 from .mismatch_ranges import Line, line_in, orders, where_it_is
 
 #: Kinds of coordinates, the plainest first: a less plain one has to explain more than this part beyond the plainer one.
 _ORDER = ("constant", "delay", "time", "displacement", "velocity", "damping by position", "sensor", "force")
-#: A memory is so general that it imitates a function of displacement and velocity well, with fewer terms.
-_GENERAL = {"displacement and velocity": 0.8, "memory": 1.0}
-_PLAINER = 0.9
 #: Kinds that hold another one within them, or lie within it.
 _RELATED = {
     "constant": ("displacement", "velocity", "force", "displacement and velocity"),
@@ -26,13 +24,6 @@ _RELATED = {
     "damping by position": ("displacement and velocity",),
     "displacement and velocity": ("constant", "displacement", "velocity", "damping by position"),
 }
-#: A kind that explains less of the excess than this has not found it.
-_TELLING = 0.35
-#: ... unless it explains at least this part, and so many times as much as any kind that has nothing to do with it.
-_FAINT = 0.12
-_AHEAD = 1.4
-#: With less than this share in step with the motion, the motion does not make the force.
-LOCKED = 0.4
 _PATHS = {
     "constant": "restoring",
     "delay": "excitation",
@@ -94,14 +85,14 @@ def symptoms(stretches: Sequence[Stretch]) -> Symptoms:
 def _kind(explains: dict[str, float]) -> str:
     best = max(explains.values())
     for name in ("tone", "ringing"):
-        if explains.get(name, 0.0) > max(_TELLING, _PLAINER * best):
+        if explains.get(name, 0.0) > max(TELLING, PLAINER * best):
             return name
-    if best < _TELLING:
+    if best < TELLING:
         leader = max(explains, key=lambda kind: explains[kind])
         strangers = [share for kind, share in explains.items() if kind not in (leader, *_RELATED.get(leader, ()))]
-        if best < _FAINT or best < _AHEAD * max(strangers, default=0.0):
+        if best < FAINT or best < AHEAD * max(strangers, default=0.0):
             return "unknown"
-    part = dict.fromkeys(_ORDER, _PLAINER) | _GENERAL
+    part = dict.fromkeys(_ORDER, PLAINER) | GENERALITY
     name = next(kind for kind in part if explains.get(kind, -1.0) >= part[kind] * best)
     if name == "displacement and velocity":
         return max(("displacement", "velocity", "damping by position"), key=lambda kind: explains[kind])

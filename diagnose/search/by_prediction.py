@@ -24,19 +24,17 @@ from ...errors import DashpotError
 from ...identify.fit.likelihood import maximum_likelihood
 from ...identify.problem.data import Data
 from ...identify.problem.structure import Fitted, Structure, shapes_of
+from ...identify.signals.registry import budget
 from ...identify.start.further_laws import MEMORY, placed
 from ...identify.start.measured_motion import Regression, probes
 from ...model import Oscillator
 from ...model.law import Law
+from ..limits import HALF, PROBE_MEMORY
 from .race import led
-from .starts import HALF, Proposal
+from .starts import Proposal
 
-#: Memory, in cycles, over which the probes are predicted: a rung below that from which any other start is led.
-_MEMORY = 1.0 / 8.0
-#: So many places are led to a simulation, one on each core.
-_KEPT = 2
-#: The loudest segments are predicted, as many as have this many samples together.
-_SAMPLES = 30_000
+_KEPT = budget(2, "places", why="one on each core is led to a simulation")
+_SAMPLES = budget(30_000, "samples", why="of the loudest segments; more tell the same probes apart")
 
 
 def by_prediction(fitted: Fitted, data: Data, laws: Sequence[Law], cost: float) -> list[Proposal]:
@@ -88,7 +86,7 @@ def by_probing(fitted: Fitted, standing: Fitted, data: Data, laws: Sequence[Law]
     regression = Regression(data, fitted.model)
     if not regression.forced:
         return []
-    near = replace(_loudest(data), memory=_MEMORY)
+    near = replace(_loudest(data), memory=PROBE_MEMORY)
     known = [_step(one.model, None, near) for one in (fitted, standing)]
     if not all(known):  # nothing to gain over
         return []

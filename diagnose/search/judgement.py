@@ -13,14 +13,9 @@ from ...identify.signals.odds import ABOVE_NOISE, DECISIVE
 from ...model.law import Law
 from ...model.library import KNOWN, find
 from ...model.oscillator import Oscillator, Term
+from ..limits import GROUP, MATTERS
 from .candidate import Candidate
 from .residual_test import times_the_noise
-
-#: Physical limit: a law matters where it takes away this part of the power of what is left, a tenth of its size. No
-#: simulation is exact, and a longer record makes ever smaller parts significant that no engineer asks for.
-MATTERS = 0.01
-#: Odds: what cannot be told apart is the smallest set that holds this share of them, the usual credible set.
-GROUP = 0.95
 
 
 def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> float:

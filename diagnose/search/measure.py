@@ -17,11 +17,8 @@ from ...identify.problem.data import Data, noise_spectra
 from ...identify.problem.structure import Fitted
 from ...identify.signals.noise_spectrum import NoiseSpectrum, white
 from ...model import Oscillator
+from ..limits import NEAR
 from .residual_test import leftover, times_the_noise
-
-#: Physical limit: what is left within this many times the noise is near it (the levels of sensor and force noise,
-#: each good to a tenth, enter it together); beyond, it has to be shown that it is noise at all.
-NEAR = 1.2
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,21 +23,19 @@ from ...identify.problem.prediction import FREE
 from ...identify.problem.segments import Segment
 from ...identify.problem.settle import follows, settled
 from ...identify.problem.structure import Fitted, Structure, shapes_of
-from ...identify.signals.odds import DECISIVE
+from ...identify.signals.odds import DECISIVE, ONE_ERROR
+from ...identify.signals.registry import budget
 from ...model import Oscillator
 from ...model.terms import with_values
+from ..limits import KEPT_PROMISE, LEAST_CREDIT
 from .measure import Measure, measure_by
 
-#: A search rests when the next step promises less than this gain of log-likelihood: a step of one standard error.
-_TOLERANCE = 0.5
-#: Steps that a start far from the truth is given before its promise counts: the first turn into its valley.
-PATIENCE = 3
-#: Steps that one start may take: quadratic convergence needs ten, the bent valley of a contact with play some dozens.
-_MOST_STEPS = 100
-#: A step that keeps this part of its promise was in a straight valley.
-_KEPT = 0.25
-#: One that kept less is believed less, but not less than this: a valley may open after a bend.
-_LEAST_CREDIT = 0.1
+PATIENCE = budget(
+    3, "steps", why="that a start far from the truth is given before its promise counts: the first turn into its valley"
+)
+_MOST_STEPS = budget(
+    100, "steps", why="quadratic convergence needs ten, the bent valley of a contact with play some dozens"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -221,7 +219,7 @@ class Start:
         promised = max((self._promised or self.value) - self.value, 0.0)
         self.steps += 1
         before, state, residuals, self._gained = self.value, self.descent.state, self.descent.residuals, 0.0
-        moved = self.descent.step(_TOLERANCE)
+        moved = self.descent.step(ONE_ERROR)
         if moved:
             model = with_values(self.structure.model, self.descent.state.values)
             value = self.measure.value(self.descent.residuals)
@@ -230,8 +228,8 @@ class Start:
                 return
             self._gained = max(value - before, 0.0)
             self.model, self.value, self._promised = model, value, None
-            kept = self._gained / promised if self._gained < _KEPT * promised else 1.0
-            self.credit = max(kept, _LEAST_CREDIT)
+            kept = self._gained / promised if self._gained < KEPT_PROMISE * promised else 1.0
+            self.credit = max(kept, LEAST_CREDIT)
             self.resting = self.steps >= _MOST_STEPS
         self._weigh()
         if not moved and self._settled_anew():

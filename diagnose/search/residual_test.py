@@ -20,27 +20,13 @@ from ...identify.problem.data import Data, expected_noise
 from ...identify.problem.structure import Fitted
 from ...identify.signals.noise_spectrum import estimate
 from ...identify.signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE
+from ...identify.signals.registry import numerics
 from ...model import Oscillator
+from ..limits import BEYOND_CHANCE, BURST, FAR_ABOVE_NOISE, FEWEST_WINDOWS, IN_STEP, UNTOLD
 from ..wording import figure
 
-#: Physical limit: where a segment is too short to see whether it moves with the rig, more than this is a mismatch: a
-#: hundred times the power that the highest frequencies have is more than the colour of sensors' noise.
-FAR_ABOVE_NOISE = 10.0
-#: Error rate: a window with this many times the median power is a burst. Noise of two degrees of freedom a window gets
-#: there once in 1e9 windows, of a single one in 5000.
-_BURST = 30.0
-_FEWEST = 6
 _ORDERS = range(1, HARMONICS + 1)
-#: Physical limit: what keeps step with the motion or rings with the rig has this share of the power, a fifth of the
-#: size ...
-_IN_STEP = 0.05
-#: ... and error rate: how many standard deviations it lies above what noise of the same spectrum has by chance.
-#: Whatever that spectrum, fewer than one in 2000 get there (one degree of freedom: a chi-square of 12.3).
-_BEYOND_CHANCE = 8.0
-#: Odds: where noise of the same spectrum may have more than this share by chance, keeping step tells nothing.
-_UNTOLD = 0.5
-#: Half an octave: a band reaches as far on either side of its middle.
-_HALF = math.sqrt(2.0)
+_HALF = numerics(math.sqrt(2.0), "of an octave", why="half of one on either side of the middle of a band")
 
 
 @dataclass(frozen=True)
@@ -100,14 +86,14 @@ def _leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
     ratio, part = rms / expected(fitted, data, index), rms / max(float(np.std(segment.response)), 1e-300)
     size = max(4, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
     count = segment.n // size
-    if count < _FEWEST:
+    if count < FEWEST_WINDOWS:
         size = max(4, size // 3)
         count = segment.n // size
-    short = count < _FEWEST
+    short = count < FEWEST_WINDOWS
     if not np.isfinite(ratio):
         return Leftover(name, ratio, 1.0, 0.0, None, short=short, part=part)
     ringing = resonant_share(residual, segment.pace * segment.dt)
-    ringing = ringing if ringing > _IN_STEP else 0.0
+    ringing = ringing if ringing > IN_STEP else 0.0
     if short:
         return Leftover(name, ratio, 0.0, 0.0, None, short=True, part=part, resonant=ringing)
     power = np.mean(residual[: count * size].reshape(count, size) ** 2, axis=1)
@@ -119,7 +105,7 @@ def _leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
         correlation, chance = float(ranked.statistic), float(ranked.pvalue)  # type: ignore[attr-defined]
     significant = correlation > 0 and chance < BY_CHANCE
     loudest = int(np.argmax(power))
-    burst = power[loudest] > _BURST * float(np.median(power))
+    burst = power[loudest] > BURST * float(np.median(power))
     share, order, by_chance = in_step(segment.response - residual, residual)
     return Leftover(
         name,
@@ -127,7 +113,7 @@ def _leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
         correlation if significant else 0.0,
         share,
         segment.time + (loudest + 0.5) * size * segment.dt if burst else None,
-        short=by_chance > _UNTOLD,
+        short=by_chance > UNTOLD,
         part=part,
         order=order,
         resonant=ringing,
@@ -164,7 +150,7 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float
     limit = _reached(chance)
     # noise that drifts slowly lies at the offset alone, and that is no step of the motion's
     by_chance = _reached(np.delete(chance, [0, len(columns)]))
-    if share <= max(_IN_STEP, limit):
+    if share <= max(IN_STEP, limit):
         return 0.0, 0, by_chance
     sizes = np.linalg.lstsq(triangle, on_basis, rcond=None)[0].reshape(2, -1)
     first = [0, *(2 * k - 1 for k in _ORDERS)]  # place of each order among the columns
@@ -177,7 +163,7 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float
 
 def _reached(chance: np.ndarray) -> float:
     """Share of the power that noise may reach by chance, from what it has on the mean along each of a basis."""
-    return float(np.sum(chance)) + _BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
+    return float(np.sum(chance)) + BEYOND_CHANCE * float(np.sqrt(2.0 * np.sum(chance**2)))
 
 
 def resonant_share(residual: np.ndarray, turn: float) -> float:

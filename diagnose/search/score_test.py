@@ -19,18 +19,20 @@ from ...identify.problem.normal_equations import pseudo_inverse
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure, parameter_bounds
 from ...identify.signals.noise_spectrum import estimate
+from ...identify.signals.registry import budget, numerics
 from ...identify.start.measured_motion import probes
 from ...model import Oscillator
 from ...model.law import Law, LawParameter
 from ...model.library import KNOWN
 from ...model.terms import with_term, with_values
+from ..limits import LEAST_STEP
 
-#: Strength at which a plain difference is taken, in natural sizes: small beside the least friction that matters.
-_FEELER = 1e-5
-#: Of each law this many probes are simulated, those that promise most.
-_TRIED = 2
-#: A step shorter than this part, or longer by as much, is not to be believed.
-_LEAST = 0.05
+_FEELER = numerics(
+    1e-5,
+    "natural sizes",
+    why="the strength at which a plain difference is taken: small beside the least friction that matters",
+)
+_TRIED = budget(2, "probes of a law", why="those that promise most are simulated")
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +212,7 @@ class Screen:
             moved = dict(zip(names, (float(s) for s in strength), strict=True))
             return step(values | moved, strength, 0.5 * float(free @ strength))
         part = float(strength[0])
-        if len(law.parameters) == 1 and _LEAST < part < 1 / _LEAST:
+        if len(law.parameters) == 1 and LEAST_STEP < part < 1 / LEAST_STEP:
             (parameter,) = law.parameters
             moved = {parameter.name: part * values[parameter.name]}
             return step(moved, strength, 0.5 * float(free @ strength))
@@ -224,7 +226,7 @@ class Screen:
             numbers = dict(step.values)
             for p in step.law.parameters:
                 if p.strength:
-                    numbers[p.name] *= part or _LEAST
+                    numbers[p.name] *= part or LEAST_STEP
                 numbers[p.name] = float(np.clip(numbers[p.name], p.lower, p.upper))
             moved = here.copy()
             moved[list(self.places)] += part * step.shift

@@ -22,9 +22,11 @@ from ...identify.problem.data import Data
 from ...identify.problem.prediction import FREE
 from ...identify.problem.structure import Fitted
 from ...identify.signals.odds import DECISIVE
+from ...identify.signals.registry import budget
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.library import KNOWN, find
+from ..limits import HALF, MOST_EFFECTS
 from .by_prediction import by_prediction, by_probing
 from .candidate import Candidate, key
 from .found import Found, Weighing
@@ -33,15 +35,14 @@ from .likeness import alike, moves_along
 from .measure import Measure, measure_by
 from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
-from .starts import HALF, Proposal, by_motion, by_score, unseen_in_motion
+from .starts import Proposal, by_motion, by_score, unseen_in_motion
 from .weigh import judged
 
-#: A law is exchanged for the two that act most like it, and for more where they act nearly as much like it ...
-_ALIKE, _MOST_ALIKE = 2, 4
-#: ... far from the noise with the steps that quadratic convergence takes, before what they promise counts against them.
-_CONVERGES = 10
-#: Physical limit: more laws than these missing at once are not told apart by any recording that we know of.
-_MOST_EFFECTS = 3
+_ALIKE = budget(2, "laws", why="for which a law is exchanged at least: those that act most like it")
+_MOST_ALIKE = budget(4, "laws", why="the same where more act nearly as much like it")
+_CONVERGES = budget(
+    10, "steps", why="far from the noise an exchanged law is given those that quadratic convergence takes"
+)
 
 _log = logging.getLogger(__name__)
 #: What each way of asking is, for the log.
@@ -327,7 +328,7 @@ class Search:
 
     def _addable(self, leader: Candidate, *, learnt: bool = False) -> list[Law]:
         """The laws that the leader could have besides: those that have a cause, or those that are learnt."""
-        return [] if len(leader.laws) == _MOST_EFFECTS else self._beside(leader, learnt=learnt)
+        return [] if len(leader.laws) == MOST_EFFECTS else self._beside(leader, learnt=learnt)
 
     def _beside(self, leader: Candidate, *, learnt: bool = False) -> list[Law]:
         """The laws that the leader does not have."""

@@ -14,6 +14,8 @@ from ...identify.problem.data import Data, noise_spectra
 from ...identify.problem.equivalent import along_of
 from ...identify.problem.search_point import SHOWN
 from ...identify.problem.structure import Fitted, Structure, renamed, without_states
+from ...identify.signals.odds import DECISIVE
+from ...identify.signals.registry import budget, numerics
 from ...identify.start.measured_motion import Regression
 from ...model import Oscillator
 from ...model.law import Law
@@ -22,14 +24,8 @@ from ...model.terms import without_term
 from .judgement import only_a_name
 from .score_test import Screen
 
-#: Of what the best law gains, on the measured motion or predicted, others must gain this part to be simulated.
-HALF = 0.5
-#: Above the logarithm of the number of frequencies by this much, a line of a periodogram is no chance (one in 400)
-#: and a place where a search may begin, which costs little and decides nothing.
-_BEYOND_CHANCE = 6.0
-_MOST = 4
-#: A segment of fewer samples has too few frequencies for a line to stand out of.
-_FEWEST = 64
+_MOST = budget(4, "lines", why="a tone has one, its harmonics made by friction some more")
+_FEWEST = numerics(64, "samples", why="a shorter segment has too few frequencies for a line to stand out of")
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,7 +155,7 @@ def residual_lines(fitted: Fitted, data: Data) -> tuple[float, ...]:
         loudness = np.abs(np.fft.rfft(residual * window)) ** 2
         power = loudness / np.sum(window**2) / noise.density
         power[:3] = 0.0
-        standing = np.flatnonzero(power >= np.log(power.size) + _BEYOND_CHANCE)
+        standing = np.flatnonzero(power >= np.log(power.size) + DECISIVE)
         standing = standing[standing < power.size - 1]  # the highest bin has no neighbour to place it by
         if not standing.size:
             continue

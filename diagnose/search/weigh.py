@@ -14,18 +14,19 @@ from ...identify.problem.linearised import Linearised
 from ...identify.problem.output_error import State
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure
+from ...identify.signals.registry import budget
 from ...model import Oscillator
 from ...model.law import Scales
+from ..limits import OFFSET_FEELER, STRETCH_CYCLES, THIRDS
 from .measure import Measure
 
-#: A sensor may show as much at zero as the motion is large; an offset's feeler is a hundredth of that.
-_SIZES = 100.0
-#: What is foretold of itself is cut in three, as what is held out is one third ...
-_PARTS = 3
-#: ... each of two cycles at least: one tells an initial state, and the next one is foretold.
-_FEWEST_CYCLES = 2.0
-#: Fits whose derivatives are kept, some megabytes each: whenever the measure changes all are weighed again.
-_REMEMBERED = 32
+#: A sensor may show as much at zero as the motion is large.
+_SIZES = 1.0 / OFFSET_FEELER
+_REMEMBERED = budget(
+    32,
+    "fits",
+    why="whose derivatives are kept, some megabytes each: whenever the measure changes all are weighed again",
+)
 
 
 def judged(model: Oscillator, data: Data) -> Fitted:
@@ -78,7 +79,7 @@ def stretches_of(data: Data) -> Data:
     stretches, places = [], []
     for place, segment in enumerate(data.segments):
         cycles = segment.n * segment.dt * segment.pace / (2 * np.pi)
-        count = _PARTS if cycles >= _PARTS * _FEWEST_CYCLES else 1
+        count = THIRDS if cycles >= THIRDS * STRETCH_CYCLES else 1
         edges = np.linspace(0, segment.n, count + 1).round().astype(int).tolist()
         stretches += [segment.part(a, b) for a, b in pairwise(edges)]
         places += [place] * count

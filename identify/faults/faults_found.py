@@ -26,7 +26,7 @@ from ..problem.descent import search
 from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
-from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE
+from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR
 from .contradiction import Contradiction
 from .fault import Fault, ForceHum, Hum, Late, times_of
 from .fault_score import KINDS, expected_gains, possible
@@ -35,8 +35,6 @@ from .fitted_problem import fitted_problem
 
 #: Rounds of a search for sizes and place in turn, and steps in each.
 _ROUNDS, _STEPS = 6, 6
-#: Gain of log-likelihood by a round without which no further one follows: that of a step of one standard error.
-_PASSED_OVER = 0.5
 
 _log = logging.getLogger(__name__)
 
@@ -204,7 +202,7 @@ def _fitted(begun: tuple[FaultyFit, State], start: Oscillator) -> tuple[FaultyFi
         before = faulty.faults
         faulty, point = _round(faulty, point)
         likelihood = concentrated(faulty, point, start)
-        if faulty.faults == before or likelihood < known + _PASSED_OVER:
+        if faulty.faults == before or likelihood < known + ONE_ERROR:
             break
         known = likelihood
     return faulty, search(faulty, point, tolerance=0.1, most=_STEPS, informed=False).state

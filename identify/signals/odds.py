@@ -17,6 +17,8 @@ DECISIVE = math.log(1000.0)
 BY_CHANCE = 1e-3
 #: The same of a value with a standard error: so many errors from zero it is a thousand times as likely as zero is.
 BEYOND_ERRORS = math.sqrt(2.0 * DECISIVE)
+#: Gain of log-likelihood by a step of one standard error: what promises less is at rest.
+ONE_ERROR = 0.5
 #: Physical limit: residuals this many times the noise are more than its own estimate leaves open, which comes from the
 #: highest frequencies alone and is good to a tenth.
 ABOVE_NOISE = 1.1

@@ -12,6 +12,7 @@ from dashpot.identify.problem.data import Data
 from dashpot.identify.problem.segments import Segment
 from dashpot.identify.problem.structure import Fitted
 from dashpot.identify.signals.noise_spectrum import NoiseSpectrum
+from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model import Oscillator
 from dashpot.model.law import Scales
 
@@ -56,14 +57,14 @@ def test_a_line_between_the_bins_is_placed_there(part, known):
 
 @pytest.mark.parametrize(("part", "stands_out"), [(0.97, False), (1.03, True)])
 @pytest.mark.parametrize("n", [500, N])
-def test_a_line_stands_out_by_six_beyond_the_logarithm_of_the_number_of_bins(part, stands_out, n, known):
-    limit = np.log(n // 2 + 1) + 6.0
+def test_a_line_stands_out_by_decisive_odds_beyond_the_logarithm_of_the_number_of_bins(part, stands_out, n, known):
+    limit = np.log(n // 2 + 1) + DECISIVE
     assert (len(lines_of(tone(40 * N / n, part * limit, n))) > 0) == stands_out
 
 
-def test_noise_has_lines_once_in_four_hundred():
-    """The largest of m exponentials exceeds log m + 6 with a chance of exp(-6)."""
-    assert sum(len(lines_of(noise(seed, 500))) for seed in range(300)) <= 4
+def test_noise_has_lines_once_in_a_thousand():
+    """The largest of m exponentials exceeds log m + log 1000 once in a thousand."""
+    assert sum(len(lines_of(noise(seed, 500))) for seed in range(300)) <= 2
 
 
 def test_a_line_is_found_in_noise_whose_spectrum_is_estimated():
