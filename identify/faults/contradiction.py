@@ -24,14 +24,9 @@ from ..problem.segments import Segment
 from ..signals.odds import is_noise
 from ..signals.signals import noise_levels
 from .fitted_problem import fitted_problem
+from .limits import ALIKE, PROMISING
 from .part import Part
 from .without_part import Level, first_confirmed, parts_to_blame
-
-#: A part is tried where one step without it leaves this part of what is more than noise: a large lie is no small step.
-_PROMISING = 0.1
-#: Physical limit: a law of the third power that acts at some amplitude, force or frequency is still there at one a
-#: tenth lower, by three quarters.
-_ALIKE = 1.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +70,7 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     worth = np.array([level.worth * segment.n for segment, level in zip(problem.segments, levels, strict=True)])
     if is_noise(squares, worth):
         return None
-    parts = parts_to_blame(problem, state, levels, _PROMISING)
+    parts = parts_to_blame(problem, state, levels, PROMISING)
     first = first_confirmed(problem, state, levels, parts)
     if first is None:
         return None
@@ -153,7 +148,7 @@ def _reached(
         for place, mask in enumerate((~inside, inside)):
             if np.any(mask):
                 farthest[place] = max(farthest[place], float(np.max(moved[mask])) / segment.pace**segment.order)
-    if farthest[1] > _ALIKE * farthest[0]:
+    if farthest[1] > ALIKE * farthest[0]:
         return False
     if not any(s.force is not None and np.any(part.holds(s)) for s in problem.segments):
         return True
@@ -168,5 +163,5 @@ def _drives_as(other: Recording, asked: Recording) -> bool:
     has, needs = band_of(other), band_of(asked)
     if other.force is None or asked.force is None or has is None or needs is None:
         return False
-    wide = has[0] <= _ALIKE * needs[0] and needs[1] <= _ALIKE * has[1]
-    return wide and float(np.max(np.abs(asked.force))) <= _ALIKE * float(np.max(np.abs(other.force)))
+    wide = has[0] <= ALIKE * needs[0] and needs[1] <= ALIKE * has[1]
+    return wide and float(np.max(np.abs(asked.force))) <= ALIKE * float(np.max(np.abs(other.force)))

@@ -10,6 +10,7 @@ from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.registry import budget, numerics
 from .fault import Clock, Fault, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
 from .faulty_fit import FaultyFit
 from .wavering import Wavering
@@ -20,14 +21,18 @@ OF_A_WHOLE: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock)
 #: All kinds.
 KINDS: tuple[type[Fault], ...] = (*OF_A_WHOLE, Hum, ForceHum, ZeroStep, Wavering)
 
-#: Times at which a fault that begins somewhere is looked for, in each recording; from the best one the search goes on.
-TIMES = 24
-#: Lines of what is left that are looked at, in each recording.
-_LINES = 3
-#: Cycles in a record of the slowest waves of a clock that are looked for; faster ones are lines, as hum is.
-_WAVES = (1, 2, 3, 4, 5, 6)
-#: Rounding: less of a fault than this part of its power cannot be told from what the parameters do.
-_OWN = 1e-8
+TIMES = numerics(
+    24,
+    "times in a recording",
+    why="at which a fault that begins somewhere is looked for; from the best one the search goes on",
+)
+_LINES = budget(3, "lines in a recording", why="the loudest of what is left; hum has one, and its harmonics some more")
+_WAVES = numerics(
+    (1, 2, 3, 4, 5, 6), "cycles in a record", why="the slowest waves of a clock; faster ones are lines, as hum is"
+)
+_OWN = numerics(
+    1e-8, "part of the power of a fault", why="rounding: less than this cannot be told from what the parameters do"
+)
 
 
 def possible(

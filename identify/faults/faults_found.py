@@ -27,14 +27,17 @@ from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR
+from ..signals.registry import budget
 from .contradiction import Contradiction
 from .fault import Fault, ForceHum, Hum, Late, times_of
 from .fault_score import KINDS, expected_gains, possible
 from .faulty_fit import FaultyFit
 from .fitted_problem import fitted_problem
 
-#: Rounds of a search for sizes and place in turn, and steps in each.
-_ROUNDS, _STEPS = 6, 6
+_ROUNDS = budget(
+    6, "rounds", why="of a search for sizes and place in turn; it ends where a round gains less than one standard error"
+)
+_STEPS = budget(6, "steps in a round", why="quadratic convergence")
 
 _log = logging.getLogger(__name__)
 

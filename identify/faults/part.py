@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..problem.segments import Segment
+from ..signals.registry import numerics
 
-#: Pieces of a recording; none shorter than a cycle, which has no amplitude to contradict anything.
-_PIECES = 24
+_PIECES = numerics(
+    24, "pieces of a recording", why="none is shorter than a cycle, which has no amplitude to contradict anything"
+)
 
 
 @dataclass(frozen=True)

@@ -15,18 +15,12 @@ from ..fit.reported_result import Fit
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import two_sources
 from ..signals.odds import BEYOND_ERRORS
+from ..signals.registry import numerics
 from ..signals.signals import noise_levels
 from .contradiction import Contradiction
+from .limits import CUMULATED, FLAT, PASSED, STRAYS
 
-#: Cumulated periodogram: white noise is farther from a straight line, in errors, once in a thousand (Bartlett 1955).
-_CUMULATED = 1.95
-#: A walk's slowest lines: the mean of so many comes to less than this part of what is expected once in a thousand
-#: (chi-squared over its 32 degrees of freedom).
-_SLOWEST, _STRAYS = 16, 0.40
-#: Equal samples at the top of a swing that no noise makes; two are common (``recording.clipping``).
-_FLAT = 3
-#: A sensor's limit is not passed by so many times as much elsewhere.
-_PASSED = 2.0
+_SLOWEST = numerics(16, "lines", why="the slowest of a walk: their mean has 32 degrees of freedom")
 
 
 def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]) -> str | None:
@@ -42,7 +36,7 @@ def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]
     recording = recordings[found.part.recording]
     for fitted, left in zip(fit.segments, found.left, strict=True):
         segment, inside = fitted.segment, found.part.holds(fitted.segment)
-        if np.count_nonzero(inside) < _FLAT:
+        if np.count_nonzero(inside) < FLAT:
             continue
         noise = noise_levels(recording)[0]
         if (stood := stands_still(segment, left, inside, noise)) is not None:
@@ -80,7 +74,7 @@ def walk(left: np.ndarray) -> float | None:
     (Whittle 1953; Bartlett 1955).
     """
     n = left.size - 1
-    if n < _FLAT**2:
+    if n < FLAT**2:
         return None
     periodogram = np.abs(np.fft.rfft(np.diff(left))) ** 2 / n
     turn = 2.0 * np.pi * np.fft.rfftfreq(n)
@@ -88,8 +82,8 @@ def walk(left: np.ndarray) -> float | None:
     steps, noise = two_sources(periodogram[known], 2.0 - 2.0 * np.cos(turn[known]))
     over = periodogram[known] / (steps + noise)
     cumulated = np.cumsum(over) / np.sum(over) - np.arange(1, over.size + 1) / over.size
-    white = float(np.max(np.abs(cumulated))) * np.sqrt(over.size) <= _CUMULATED
-    strays = float(np.mean(over[:_SLOWEST])) >= _STRAYS  # what forgets where it was after a while stays where it was
+    white = float(np.max(np.abs(cumulated))) * np.sqrt(over.size) <= CUMULATED
+    strays = float(np.mean(over[:_SLOWEST])) >= STRAYS  # what forgets where it was after a while stays where it was
     return float(np.sqrt(np.mean(steps))) if white and strays else None
 
 
@@ -108,7 +102,7 @@ def cut_off(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float
     shown = segment.response
     for flat in _flats(shown, left, inside):
         way = np.sign(shown[flat.start])
-        limit = np.max(way * shown) <= _PASSED * way * shown[flat.start]
+        limit = np.max(way * shown) <= PASSED * way * shown[flat.start]
         if limit and np.max(-left[flat] * way) > BEYOND_ERRORS * noise:
             return float(shown[flat.start]), segment.time + 0.5 * (flat.start + flat.stop - 1) * segment.dt
     return None
@@ -141,7 +135,7 @@ def lone(segment: Segment, left: np.ndarray, inside: np.ndarray, noise: float) -
         segment, left, inside, noise: as of ``cut_off``.
     """
     off = np.flatnonzero(inside & (np.abs(left) > BEYOND_ERRORS * noise))
-    if off.size == 0 or off[-1] - off[0] >= _FLAT - 1:
+    if off.size == 0 or off[-1] - off[0] >= FLAT - 1:
         return None
     top = int(off[np.argmax(np.abs(left[off]))])
     return float(left[top]), segment.time + top * segment.dt
@@ -152,5 +146,5 @@ def _flats(shown: np.ndarray, left: np.ndarray, inside: np.ndarray) -> list[slic
     step = converter_step(shown)
     same = np.concatenate([[False], (np.diff(shown) == 0.0) & inside[1:] & inside[:-1]])
     edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]])))
-    flats = [slice(int(begin) - 1, int(end)) for begin, end in edges.reshape(-1, 2) if end - begin + 1 >= _FLAT]
+    flats = [slice(int(begin) - 1, int(end)) for begin, end in edges.reshape(-1, 2) if end - begin + 1 >= FLAT]
     return [flat for flat in flats if np.ptp(left[flat]) > step]

@@ -17,12 +17,7 @@ from ...recording.recording import Recording
 from ..fit.reported_result import Fit
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS
 from ..start.start import hilbert_start
-
-#: Physical limit: a natural frequency that differs by less than this part is one that a lab cannot keep constant.
-KEPT = 1e-3
-#: Two recordings that disagree do not say which of them is the stranger.
-FEWEST = 3
-
+from .limits import FEWEST, KEPT
 
 Fitted = Callable[[Sequence[Recording]], Fit]
 

@@ -22,14 +22,15 @@ from ..problem.normal_equations import pseudo_inverse
 from ..problem.segments import Segment
 from ..signals.hilbert import LONG
 from ..signals.odds import BY_CHANCE
+from ..signals.registry import numerics
 from ..signals.signals import noise_levels
 from .fault import with_error
 from .fitted_problem import fitted_problem
 
-#: Rounding: a direction with less than this part of its own information, once all else has taken its part, has none.
-_OWN = 1e-8
-#: Draws of force noise, as for the covariance.
-_DRAWS = 60
+_OWN = numerics(
+    1e-8, "part of its information", why="rounding: a direction with less, once all else has taken its part, has none"
+)
+_DRAWS = numerics(60, "draws of force noise", why="as for the covariance: standard errors are good to 9 %")
 
 
 @dataclass(frozen=True, eq=False)

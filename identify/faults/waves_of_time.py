@@ -11,11 +11,13 @@ from __future__ import annotations
 import numpy as np
 
 from ..problem.segments import Segment
+from ..signals.registry import budget, numerics
 
-#: Samples a cycle of the motion that are looked at, cycles in a record at most, and frequencies a line's width.
-_SAMPLES, _CYCLES, _FINE = 12, 400, 4
-#: Highest peaks that are handed on, and cycles in a record below which a wave is asked for by itself.
-_PEAKS, _SLOWEST = 2, 3
+_SAMPLES = numerics(12, "samples a cycle", why="of the motion; three harmonics")
+_CYCLES = budget(400, "cycles in a record", why="faster waves are lines, as hum is")
+_FINE = numerics(4, "frequencies a line width", why="so that no peak falls between two")
+_PEAKS = budget(2, "peaks", why="the highest are handed on")
+_SLOWEST = numerics(3, "cycles in a record", why="a slower wave is asked for by itself: it is no peak")
 
 
 def waves_of_time(residual: np.ndarray, segment: Segment) -> list[float]:

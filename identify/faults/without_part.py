@@ -11,15 +11,15 @@ import numpy as np
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.output_error import OutputError, State
 from ..signals.odds import is_noise
+from ..signals.registry import budget
+from .limits import HALVED
 from .part import Part, parts_of, spans_of
 
-#: Steps of the search without a part, at most and at least: a large lie is no small step, and what leaves no more
-#: than noise may yet be some errors from where that is least.
-_STEPS, _FEWEST_STEPS = 8, 2
-#: Each of them leaves this part of what is more than noise, or nothing comes of it.
-_HALVED = 0.5
-#: Of parts that a search does not confirm the next one tried is longer by this factor.
-_LONGER = 1.25
+_STEPS = budget(8, "steps", why="of the search without a part: a large fault is no small step")
+_FEWEST_STEPS = budget(
+    2, "steps", why="at least: what leaves no more than noise may yet be some errors from where that is least"
+)
+_LONGER = budget(1.25, "times as long", why="of parts that a search does not confirm the next one tried")
 
 
 @dataclass(frozen=True)
@@ -173,7 +173,7 @@ def _searched(problem: OutputError, state: State, levels: Sequence[Level], part:
         rest = [rows[i][:, kept[i]] for i in used]
         squares = _Reduced.squares_of(rest)
         noise, now = is_noise(squares / samples, worth), _excess(squares, samples)
-        if taken >= _FEWEST_STEPS and (noise or now > _HALVED * before):
+        if taken >= _FEWEST_STEPS and (noise or now > HALVED * before):
             return state if noise and _shows_more(rows, levels, kept) else None
         before = now
         grams = [row @ row.T for row in rest]

@@ -13,10 +13,17 @@ from ..problem.output_error import OutputError, State
 from ..problem.search_point import Outcome
 from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.odds import BY_CHANCE
+from ..signals.registry import budget
 from ..start.linear_fit import linear_fit
 
-#: Steps from the linear rig's closed form to its simulation; the force between samples is a little different there.
-_STEPS = 8
+_STEPS = budget(
+    8,
+    "steps",
+    why=(
+        "from the closed form of the linear rig to its simulation; the force between samples is a little "
+        "different there"
+    ),
+)
 _LINEAR = ("mass", "omega0", "viscous")
 
 

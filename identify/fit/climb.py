@@ -12,14 +12,11 @@ from ...model import Oscillator
 from ..problem.descent import search
 from ..problem.output_error import OutputError, State
 from ..problem.settle import settled
+from ..signals.registry import numerics
 from .from_prediction import from_prediction, growing, simulates
+from .limits import POOR_NRMSE, QUIET
 
-#: A model that leaves more than this part of the motion has not understood the recording ...
-POOR_NRMSE = 0.5
-#: ... but for stretches that move this little beside the loudest.
-QUIET = 0.01
-#: What runs away has told nothing, however far it ran.
-_NOTHING_TOLD = 1e3
+_NOTHING_TOLD = numerics(1e3, "times the motion", why="what runs away has explained nothing, however far it ran")
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,20 +12,17 @@ from ..problem.descent import search
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..problem.settle import IN_STEP, LEAST, follows, settled
+from ..signals.registry import budget, numerics
+from .limits import STRETCH
 
-#: The search begins with this memory, in cycles of the motion, and lets it grow by this factor.
-_FIRST_MEMORY = 1.0
-_GROWTH = 8.0
-#: ... or, where a start is so far off that a cycle leads it astray, with one no shorter than this: a tenth of a radian,
-#: over which any motion is a straight line.
-_SHORTEST_MEMORY = 1.0 / 64.0
-#: Free decays are fitted over this many cycles first, then over so many times as many.
-_FIRST_CYCLES = 12.0
-_LONGER = 4.0
-#: Steps at each memory: it only has to lead to the next.
-EARLY_STEPS = 8
-#: A simulation keeps step throughout where it does so in each stretch of so many cycles.
-_STRETCH = 8.0
+_FIRST_MEMORY = numerics(1.0, "cycles", why="the memory with which a search from prediction to simulation begins")
+_GROWTH = numerics(
+    8.0, "times", why="by which it grows: a phase that is right to a radian at one memory is followed at the next"
+)
+_SHORTEST_MEMORY = numerics(1.0 / 64.0, "cycles", why="a tenth of a radian, over which any motion is a straight line")
+_FIRST_CYCLES = numerics(12.0, "cycles", why="over which free decays are fitted first")
+_LONGER = numerics(4.0, "times as many", why="over which they are fitted next")
+EARLY_STEPS = budget(8, "steps", why="at each memory: it only has to lead to the next")
 
 _log = logging.getLogger(__name__)
 
@@ -125,7 +122,7 @@ def keeps_step_throughout(segments: Sequence[Segment], residuals: Sequence[np.nd
     for segment, residual in zip(segments, residuals, strict=True):
         if not np.all(np.isfinite(residual)):
             return False
-        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * _STRETCH)))
+        count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * STRETCH)))
         for measured, rest in zip(
             np.array_split(segment.response, count), np.array_split(residual, count), strict=True
         ):

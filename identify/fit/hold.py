@@ -34,22 +34,15 @@ from ..problem.segments import FORCE_BAND, Segment
 from ..problem.structure import Structure
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from ..signals.odds import ABOVE_NOISE, DECISIVE
+from ..signals.registry import budget
+from .limits import HOPELESS, MATTERS, NEAR_HOLD
 from .mismatch import gain_of_mismatch
 from .reported_result import Fit
 from .reweighted_fit import over_noise
 
-#: A further lag or loss, which one in a thousand right holds shows by chance, does not speak against a hold where it is
-#: smaller than this part of the hold's own (half a sample: a twentieth of a sample): no model is exact, and what it
-#: lacks leaves a trace of everything.
-_NEAR = 0.1
-#: It matters where it moves a parameter by this many of its standard errors.
-_MATTERS = 1.0
-#: So much less likely than a smooth force by the linearised response, in log-likelihood, it is not fitted: three times
-#: what is decisive, which is a weight of one in a thousand million. A steep resonance that a wrong mass has moved is
-#: not put back by a linear step: it counts for as much as it leads where it says.
-_HOPELESS = 3.0 * DECISIVE
-#: Steps of the search from one hold to another; the difference is small, and each step squares what is left of it.
-_STEPS = 6
+_STEPS = budget(
+    6, "steps", why="from one hold to another: the difference is small, and each step squares what is left of it"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +65,7 @@ class HoldFound:
         """Whether the hold is all that the records ask for; ``further`` stands in for that of another fit."""
         shown = self.further if further is None else further
         # a gain grows with the square of what it is gained by
-        return shown < max(DECISIVE, _NEAR**2 * self.log_odds.get(self.hold, 0.0))
+        return shown < max(DECISIVE, NEAR_HOLD**2 * self.log_odds.get(self.hold, 0.0))
 
     def spread(self, hold: str) -> np.ndarray | float:
         """(k, k) mean square of the parameters' distance from those under ``hold``, every hold by its likelihood.
@@ -122,7 +115,7 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     noise = _noise(problem, here, oscillator)
     give_back()
     there = {hold: _under(problem, hold, recordings).residuals(state) for hold in HOLDS if hold != "smooth"}
-    if max(_distance(left, here, noise) for left in there.values()) < _MATTERS:
+    if max(_distance(left, here, noise) for left in there.values()) < MATTERS:
         return unknown  # no parameter can be moved by more of its standard errors than the whole response is
     lines = problem.derivatives(state, here, single=True)
     give_back()
@@ -131,19 +124,19 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     log_odds, at_most = {"smooth": 0.0}, {}
     for hold in tuple(there):
         other = _under(problem, hold, recordings)
-        ahead, least = _led_to(other, lines, state, there.pop(hold), noise, reached + _HOPELESS)
+        ahead, least = _led_to(other, lines, state, there.pop(hold), noise, reached + HOPELESS)
         log_odds[hold], at_most[hold] = reached - ahead, reached - least
     del lines
     # of a model that leaves more than noise the difference is not believed as it is
     within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
     others = {
-        hold: _under(problem, hold, recordings) for hold, odds in at_most.items() if not (within and odds < -_HOPELESS)
+        hold: _under(problem, hold, recordings) for hold, odds in at_most.items() if not (within and odds < -HOPELESS)
     }
     if not others:
         return HoldFound("smooth", log_odds, {})
     smooth = _tried("smooth", problem, state, noise, oscillator)
     trials = [smooth, *(_tried(hold, other, state, noise, oscillator) for hold, other in others.items())]
-    moving = [trial for trial in trials[1:] if trial.moved(smooth) > _MATTERS]
+    moving = [trial for trial in trials[1:] if trial.moved(smooth) > MATTERS]
     if not moving:
         return unknown
     best = max(moving, key=lambda trial: trial.likelihood)

@@ -7,13 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ..problem.segments import Segment
-
-#: Physical limit: the noise of a lightly damped rig under force noise keeps its phase for a few cycles, so that
-#: stretches of this many are told apart; what a mismatch does repeats itself from one to the next (White 1982).
-CYCLES = 6.0
-#: Physical limit: harmonics of the motion in which a stretch of a mismatch has an amplitude and a phase to tell; forces
-#: of a cubic and a quintic have three and five.
-HARMONICS = 5
+from .limits import CYCLES, HARMONICS
 
 
 def gain_of_mismatch(before: Sequence[np.ndarray], after: Sequence[np.ndarray], segments: Sequence[Segment]) -> float:

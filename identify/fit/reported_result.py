@@ -27,6 +27,7 @@ from ..problem.settle import settled
 from ..problem.structure import Structure
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from ..signals.odds import ABOVE_NOISE, DECISIVE
+from ..signals.registry import budget, numerics
 from ..signals.signals import noise_levels
 from .choose_noise_model import plain_cost
 from .climb import nrmse_of
@@ -35,12 +36,13 @@ from .offsets import found_offsets, kept_offsets, zeros_of
 from .reweighted_fit import Answer, concentrated, over_noise, weighed, whitened
 from .scatter import scatter
 
-#: Gain of log-likelihood at which the search for what a prediction says otherwise is over: a seventh of an error.
-_NEAR_ENOUGH = 0.01
-#: Draws of force noise for the covariance: its standard errors are then good to 9 %.
-_DRAWS = 60
-#: Steps from where a coarser simulation has its maximum: each squares what is left of the way.
-_LAST_STEPS = 3
+_NEAR_ENOUGH = numerics(
+    0.01, "log-likelihood", why="a seventh of a standard error: the search for what a prediction says otherwise is over"
+)
+_DRAWS = numerics(60, "draws of force noise", why="standard errors are then good to 9 %")
+_LAST_STEPS = budget(
+    3, "steps", why="from where a coarser simulation has its maximum: each squares what is left of the way"
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -21,16 +21,15 @@ import numpy as np
 
 from ...errors import BadInput
 from ..signals.hilbert import LONG, analytic_signal
+from ..signals.registry import budget, numerics, shown
 from ..signals.signals import Signal, resting, thinned
 from ..signals.weakform import Solution, solve, windows
 
-#: Samples whose envelope is made at once, and cycles beside them.
-_AT_ONCE = 2**16
-_BESIDE = 40.0
-OVERLAP = 4
-CURVE_POINTS = 60
-#: Samples a cycle of the highest frequency that are enough of a long record.
-_SAMPLES_A_CYCLE = 12.0
+_AT_ONCE = budget(2**16, "samples", why="whose envelope is made at once")
+_BESIDE = numerics(40.0, "cycles", why="beside them: the transform has forgotten what is farther")
+OVERLAP = numerics(4, "windows", why="over each sample; errors count as many")
+CURVE_POINTS = shown(60, "points", why="of a curve")
+_SAMPLES_A_CYCLE = numerics(12.0, "samples a cycle", why="of the highest frequency of a long record")
 
 
 @dataclass(frozen=True)

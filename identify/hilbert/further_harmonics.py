@@ -21,20 +21,26 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..signals.registry import budget, numerics
+from .limits import MOST_SHIFT
+
 if TYPE_CHECKING:
     from .modal_stretch import Stretch
 
-#: Of a sign, whose harmonics fall slowly.
-_ORDERS = np.arange(3, 200, 2)
+_ORDERS = numerics(np.arange(3, 200, 2), "harmonics", why="of a sign, which fall slowly")
 _SIGNS = np.where(_ORDERS % 4 == 1, 1.0, -1.0)
 _PLACE = float(np.sum(_SIGNS / (_ORDERS * (_ORDERS**2 - 1.0))))
-#: So many of them meet the cubic, whose own fall by a factor of 20 or more from one to the next.
-_MEET = 6
-_ANGLES = 64  # more than twice three times the highest order that meets the cubic, so that none folds onto another
-_ROUNDS = 8
-_DONE = 1e-8  # of the spring's force: what a round changes below that is no error of any curve
-_A_CYCLE = 4  # the harmonics are followed at so many instants a cycle: they change as slowly as the amplitude
-_MOST_SHIFT = 0.5  # rad, of the instant at which a sign changes: beyond, the motion is all but at rest
+_MEET = numerics(
+    6, "harmonics", why="that meet the cubic, whose own fall by a factor of 20 or more from one to the next"
+)
+_ANGLES = numerics(
+    64,
+    "angles of a cycle",
+    why="more than twice three times the highest order that meets the cubic, so that none folds onto another",
+)
+_ROUNDS = budget(8, "rounds", why="it ends where a round changes less than ``_DONE``")
+_DONE = numerics(1e-8, "of the force of the spring", why="what a round changes below that is no error of any curve")
+_A_CYCLE = numerics(4, "instants a cycle", why="harmonics change as slowly as the amplitude")
 
 
 def further_harmonics(stretch: Stretch, values: Mapping[str, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -95,7 +101,7 @@ def fundamental_beyond_a_sine(
         crossing = np.sum(np.real(seen), axis=0) / slope
         turning = np.sum(np.real((change + 1j * n * omega * u) * turned_back), axis=0)
         turning = turning / (speed * amplitude + omega * np.sum(n**2 * np.real(u * turned_back), axis=0))
-        crossing, turning = (np.clip(shift, -_MOST_SHIFT, _MOST_SHIFT) for shift in (crossing, turning))
+        crossing, turning = (np.clip(shift, -MOST_SHIFT, MOST_SHIFT) for shift in (crossing, turning))
         force = p * _SIGNS[:, None] / n * _odd_powers(np.exp(-1j * crossing))
         force += d / n * _SIGNS[:, None] * _odd_powers(way * np.exp(-1j * turning))
         force[:_MEET] += met[1:]

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ... import __version__
+from ..signals.registry import shown
 from .hilbert_result import HilbertAnalysis
 from .modal_result import LawFit, ModalCurve, ModalFit
 
@@ -29,8 +30,7 @@ UNITS = {
     "F0": "Q",
     "F0/k": "X",
 }
-#: Rows of the CSV file a cycle: the curves are smooth over several.
-_A_CYCLE = 8
+_A_CYCLE = shown(8, "rows a cycle", why="of the CSV file: the curves are smooth over several")
 _HEAD = (
     "recording,method,stretch,time_s,amplitude_{x},frequency_Hz,phase_rad,omega0_rad_s,omega0_std_rad_s,"
     "damping_1_s,damping_std_1_s,decrement,force_{f},omega0_within_rad_s,hysteresis_1_s2,congruent_amplitude_{x},"

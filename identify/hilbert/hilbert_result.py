@@ -14,8 +14,10 @@ from ..motion.decays import find_free_motion
 from ..motion.displacement import displacement
 from ..motion.excitation import kind_of
 from ..motion.force_off import zero_of
+from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of
 from .instantaneous import modal_parameters
+from .limits import LOUD, SEVERAL
 from .mass_by_laws import driven_mass
 from .modal_fit import modal_fit
 from .modal_mass import MassFit, agreed
@@ -26,12 +28,7 @@ from .within_the_cycle import within_the_cycle
 if TYPE_CHECKING:
     from ...recording.recording import Recording
 
-#: So many decays show a spread that means something.
-_SEVERAL = 3
-#: A force beyond so many standard deviations of its noise pushes: noise alone gets there once in 5e8 samples.
-_LOUD = 6.0
-#: What a sensor of force resolves of its largest reading.
-_RESOLVED = 1e-6
+_RESOLVED = numerics(1e-6, "part of the largest reading", why="that a sensor of force resolves")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -70,7 +67,7 @@ class HilbertAnalysis:
         that error is right, and whether the rig stays the same.
         """
         fits = [curve.fit.values for curve in self.of(method) if curve.fit is not None]
-        if len(fits) < _SEVERAL:
+        if len(fits) < SEVERAL:
             return {}
         return {name: float(np.std([fit[name] for fit in fits], ddof=1)) for name in fits[0]}
 
@@ -147,7 +144,7 @@ def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
 def _pushed(drive: Signal, start: int, stop: int) -> tuple[int, int]:
     """Of these samples those from the first to the last at which the force is not its zero; none: both the same."""
     zero, _ = zero_of(drive.samples, max(2, round(drive.fs / drive.frequency)))
-    beyond = max(_LOUD * drive.noise, _RESOLVED * float(np.max(np.abs(drive.samples - zero))))
+    beyond = max(LOUD * drive.noise, _RESOLVED * float(np.max(np.abs(drive.samples - zero))))
     loud = np.flatnonzero(np.abs(drive.samples[start:stop] - zero) > beyond)
     return (start + int(loud[0]), start + int(loud[-1]) + 1) if loud.size else (start, start)
 

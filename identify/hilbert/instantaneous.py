@@ -13,8 +13,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..signals.hilbert import AnalyticSignal
+from ..signals.registry import numerics
 
-_STILL = 1e-12  # rad/s; a phase that stands still has no frequency to divide by
+_STILL = numerics(1e-12, "rad/s", why="a phase that stands still has no frequency to divide by")
 
 
 def free_modal_parameters(signal: AnalyticSignal) -> tuple[np.ndarray, np.ndarray]:

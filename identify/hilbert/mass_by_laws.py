@@ -12,23 +12,26 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import BadInput
+from ..signals.registry import budget, numerics
 from .further_harmonics import further_harmonics
+from .limits import CHANCE, MASS_TOLD
 from .modal_fit import EQ17, spring_and_friction
 from .modal_mass import MassFit, Slopes, mass_fit, moving, regressed
 from .modal_stretch import Stretch
 
-#: Part of the stretch over which the columns are smoothed: far more cycles than the noise of a curve lasts.
-_SMOOTHED = 1 / 4
-#: The laws' own harmonics move the mass, and it them.
-_FITS = 3
+_SMOOTHED = numerics(
+    1 / 4, "of a stretch", why="over which the columns are smoothed: far more cycles than the noise of a curve lasts"
+)
+_FITS = budget(3, "fits", why="the harmonics of the laws move the mass, and it them")
 _ADVICE = (
     "It meets no amplitude twice, and what it meets hardly tells the mass: drive it through the resonance, or nearer "
     "to it."
 )
-#: The same where smooth functions are all there is, which are more: less, or nothing is left to tell them by.
-_ASKED_ALONE = 1 / 12
-#: A mass is told where 1/m is so many standard errors above zero.
-_TOLD = 3.0
+_ASKED_ALONE = numerics(
+    1 / 12,
+    "of a stretch",
+    why="the same where smooth functions are all there is: less, or nothing is left to tell them by",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +77,7 @@ def driven_mass(whole: Stretch) -> DrivenMass:
         return found[0]
     # no law says whether the smooth functions took the noise for the mass: how far it may be off without their help
     alone = mass_fit(whole, _ASKED_ALONE)
-    if not found or not found[0].mass.inverse > _TOLD * alone.std:
+    if not found or not found[0].mass.inverse > MASS_TOLD * alone.std:
         raise BadInput(_ADVICE)
     return replace(found[0], mass=replace(found[0].mass, std=max(alone.std, found[0].mass.std)))
 
@@ -90,7 +93,7 @@ def _meets_amplitudes_twice(stretch: Stretch) -> bool:
 def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
     stretch = rung_in(whole, way)
     mass = way(stretch)
-    if not mass.inverse > _TOLD * mass.std:
+    if not mass.inverse > MASS_TOLD * mass.std:
         raise BadInput("The noise of force and motion hides the mass; force it harder, longer or nearer its resonance.")
     fits = spring_and_friction([stretch], mass)  # no positive stiffness: that mass is none
     hold = all(fit.holds for fit in fits)
@@ -126,11 +129,8 @@ def mass_by_laws(stretch: Stretch) -> MassFit:
 
 # The beginning of a driven stretch, while the rig still rings at its own frequency beside the one it is driven at.
 
-#: Motion is left out where noise would make it miss the laws as far with this chance.
-_CHANCE = 1 / 400
-_ROUNDS = 10
-#: The laws are fitted, and then with the harmonics that they make.
-_FITS_RUNG_IN = 2
+_ROUNDS = budget(10, "rounds", why="of leaving motion out; it ends where nothing changes")
+_FITS_RUNG_IN = budget(2, "fits", why="with the laws, and then with the harmonics that they make")
 
 
 def rung_in(stretch: Stretch, mass_of: Callable[[Stretch], MassFit]) -> Stretch:
@@ -163,7 +163,7 @@ def rung_in(stretch: Stretch, mass_of: Callable[[Stretch], MassFit]) -> Stretch:
             count = max(1, round(kernels / step))
             first, window = int(np.searchsorted(noise.points, left.rung_in)), count * step
             sums = np.array([np.sum(off[a : a + count]) for a in range(first, noise.points.size - count, count)])
-            bad = window * int(np.argmin(np.append(sums, 0.0) > 2 * gammaincinv(count, 1 - _CHANCE)))
+            bad = window * int(np.argmin(np.append(sums, 0.0) > 2 * gammaincinv(count, 1 - CHANCE)))
         if bad == 0:
             return left
         # where more than half is off, the ringing may have led the fit itself astray: as far again

@@ -16,17 +16,16 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model.backbone import preload_backbone
+from ..signals.registry import budget, numerics
 from .further_harmonics import further_harmonics, peak_of
+from .limits import CHANCE, LEAST_POINTS
 from .modal_mass import MassFit
 from .modal_result import LawFit, ModalFit
 from .modal_stretch import CurveNoise, Stretch, curve_noise
 
-_LEAST_POINTS = 8
-_ROUNDS = 3
+_ROUNDS = budget(3, "rounds", why="the errors of the points depend on what is found")
 EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
-#: A law holds where noise would leave as much with this chance.
-_CHANCE = 1 / 400
-_STEP = 1e-4  # of a parameter, for a derivative
+_STEP = numerics(1e-4, "of a parameter", why="for a derivative")
 
 #: Columns (p, n) of a law and their slopes with ln A, at a stretch's amplitudes.
 _Law = Callable[[Stretch, np.ndarray], tuple[np.ndarray, np.ndarray]]
@@ -131,7 +130,7 @@ class _Fit:
         if not curves:
             return
         count = sum(c.noise.count for c in curves)
-        if count < _LEAST_POINTS:
+        if count < LEAST_POINTS:
             raise BadInput(
                 "Too little of the motion stands clear of its noise and changes slowly enough to fit a curve to it; "
                 "record a larger or longer motion."
@@ -157,7 +156,7 @@ class _Fit:
         """Whether what the law leaves may be noise."""
         from scipy.special import gammaincinv
 
-        return bool(self.misfit * self.count < 2 * gammaincinv(self.count / 2, 1 - _CHANCE))
+        return bool(self.misfit * self.count < 2 * gammaincinv(self.count / 2, 1 - CHANCE))
 
     def _widened(self) -> float:
         """By how much the variance is larger than that of the sensors' noise, where the law misses by more than that.

@@ -19,17 +19,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
+from ..signals.registry import budget, numerics
 from .forced_regression import backbone_basis, damping_basis
+from .limits import LEAST_PAIRS
 from .modal_stretch import Stretch
 
-_ROUNDS = 3
-#: What the noise adds depends on what is found.
-_ROUNDS_WITH_NOISE = 6
-_LEAST = 30
-#: Low-passed values asked a cycle: neighbours say the same.
-_A_CYCLE = 8
-#: Of the logarithm of amplitude and speed, for the functions' slopes.
-_STEP = 1e-4
+_ROUNDS = budget(3, "rounds", why="of reweighting")
+_ROUNDS_WITH_NOISE = budget(6, "rounds", why="what the noise adds depends on what is found")
+_A_CYCLE = numerics(8, "values a cycle", why="low-passed neighbours say the same")
+_STEP = numerics(1e-4, "natural logarithm", why="of amplitude and speed, for the slopes of functions")
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +100,7 @@ def moving(stretch: Stretch) -> np.ndarray:
     Raises:
         BadInput: nowhere for long enough, or nothing drives it.
     """
-    if stretch.ratio is None or np.count_nonzero(stretch.clear) < _LEAST:
+    if stretch.ratio is None or np.count_nonzero(stretch.clear) < LEAST_PAIRS:
         raise BadInput(
             "The forced record has too little motion above its noise for FORCEVIB; force it harder or longer."
         )

@@ -19,19 +19,15 @@ import numpy as np
 from ...errors import BadInput
 from ...files.computed_once import computed_once
 from ..signals.hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
+from ..signals.registry import numerics
 from ..signals.signals import Signal
+from .limits import CLEAR, CUT_CYCLES, LEAST_FREQUENCY
 
-CUT_CYCLES = 2.0  # cut from both ends before low-passing: there the continuation still speaks
-#: Of the line that the kernels are made for: a motion no slower than that has its negative frequency, at twice its own,
-#: behind the first zero of both low-passes, of three cycles and of two, where less than 1e-6 passes them.
-_LEAST_FREQUENCY = 0.75
 _ADVICE = "let it ring longer or release it from a larger amplitude"
-#: A motion this many times its low-passed noise has an amplitude and a phase that follow the noise linearly.
-_CLEAR = 20.0
-#: Degree of the polynomial in time that the logarithm of a decay's amplitude follows closely enough to weigh with.
-_SMOOTH = 6
-#: White noise below this part of the largest amplitude is rounding.
-_LEAST_NOISE = 1e-9
+_SMOOTH = numerics(
+    6, "degree", why="of the polynomial in time that follows the logarithm of an amplitude closely enough to weigh with"
+)
+_LEAST_NOISE = numerics(1e-9, "part of the largest amplitude", why="white noise below this is rounding")
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +72,7 @@ class Stretch:
         A decay that came down to its noise is not clear again.
         """
         s, keep = self.signal, self.keep
-        level = _CLEAR * self.noise * float(np.sqrt(2 * np.sum(blackman(s.kernel)[0] ** 2)))
+        level = CLEAR * self.noise * float(np.sqrt(2 * np.sum(blackman(s.kernel)[0] ** 2)))
         clear = (s.amplitude[keep] > level) & (s.omega[keep] > 0)
         if self.ratio is None and not np.all(clear):
             first = int(np.argmax(clear))
@@ -247,7 +243,7 @@ def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: floa
     x, fs = displacement.samples, displacement.fs
     signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency)
     inner = slice(signal.kernel, -signal.kernel)
-    by_kernel = bool(np.min(signal.omega[inner], initial=np.inf) > _LEAST_FREQUENCY * 2 * np.pi * fs / signal.period)
+    by_kernel = bool(np.min(signal.omega[inner], initial=np.inf) > LEAST_FREQUENCY * 2 * np.pi * fs / signal.period)
     cut = CUT_CYCLES
     if by_kernel:
         signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency, by_kernel=True)
@@ -310,8 +306,8 @@ def _stretch(
 
 # The half kernel at each end of a stretch, which leans on the continuation, extrapolated from what does not.
 
-_DEGREE = 3
-_KERNELS = 1.0  # so many kernels behind the end are asked
+_DEGREE = numerics(3, "degree", why="of the polynomial that continues a decay")
+_KERNELS = numerics(1.0, "kernels", why="behind the end that are asked")
 
 
 def with_ends(signal: AnalyticSignal, fs: float) -> AnalyticSignal:
@@ -351,10 +347,12 @@ def with_ends(signal: AnalyticSignal, fs: float) -> AnalyticSignal:
 
 # The noise of low-passed curves, point against point: white in the samples, it is anything but white in a curve.
 
-#: Points a cycle: both low-passes together pass nothing faster than the frequency itself.
-_A_CYCLE = 2
-#: Part of a point's variance that is its own, so that no combination of points passes for free of noise.
-_OWN = 1e-3
+_A_CYCLE = numerics(2, "points a cycle", why="both low-passes together pass nothing faster than the frequency itself")
+_OWN = numerics(
+    1e-3,
+    "part of the variance of a point",
+    why="that is its own, so that no combination of points passes for free of noise",
+)
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,10 +22,11 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model.frequency_response import FrequencyResponse, branches, steady_amplitude
+from ..signals.registry import numerics, shown
 from .modal_result import ModalCurve
 
-_POINTS = 40
-_ANGLES = 400
+_POINTS = shown(40, "points", why="of a curve")
+_ANGLES = numerics(400, "angles of a cycle", why="of an average over it")
 
 
 @dataclass(frozen=True, eq=False)

@@ -22,18 +22,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..signals.hilbert import blackman
+from ..signals.registry import budget, numerics
 from .instantaneous import free_modal_parameters
+from .limits import CHANCE
 from .modal_stretch import Stretch
 
-#: Harmonics that are looked for.
-_MOST = 9
-#: Samples a cycle of the highest of them.
-_LEAST_SAMPLES = 4.0
-#: A harmonic counts where noise alone would be as large with this chance.
-_CHANCE = 1 / 400
-#: Angles of a cycle at which its crossings are looked for; between them a straight line is good to 1e-6 of the cycle.
-_ANGLES = 720
-_AT_ONCE = 2000
+_MOST = budget(9, "harmonics", why="that are looked for")
+_LEAST_SAMPLES = numerics(4.0, "samples a cycle", why="of the highest of them")
+_ANGLES = numerics(
+    720,
+    "angles of a cycle",
+    why="at which crossings are looked for; between them a straight line is good to 1e-6 of the cycle",
+)
+_AT_ONCE = budget(2000, "cycles", why="that are interpolated at once")
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,7 +136,7 @@ def _harmonics(
     independent = max(1.0, 3.0 * a.size / both.size)
     for i, order in enumerate(orders):
         degrees = independent * (1 if order == 0 else 2)
-        most = 2 * gammaincinv(degrees / 2, 1 - _CHANCE) / degrees
+        most = 2 * gammaincinv(degrees / 2, 1 - CHANCE) / degrees
         size = np.mean(np.abs(u[i]) ** 2) / (1 if order == 0 else 2)
         if size < most * float(np.mean(spread**2)):
             u[i] = 0.0

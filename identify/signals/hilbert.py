@@ -20,11 +20,15 @@ import numpy as np
 
 from ...errors import BadInput
 from ...recording.resolution import converter_step
+from .registry import budget, numerics
 
-#: Of so many samples something less says as much as all of them do, where an answer is not meant for the last digit.
-LONG = 2**18
-_FURTHER_PASSES = 2  # after one the knots of the first carrier still show: 6e-5 of omega0² on the built-in rig
-KERNEL_CYCLES = 3.0  # shortest Blackman kernel that has its first zero one carrier frequency away
+LONG = budget(2**18, "samples", why="something less says as much, where an answer is not meant for the last digit")
+_FURTHER_PASSES = budget(
+    2, "passes", why="after one the knots of the first carrier still show: 6e-5 of omega0² on the built-in rig"
+)
+KERNEL_CYCLES = numerics(
+    3.0, "cycles", why="the shortest Blackman kernel that has its first zero one carrier frequency away"
+)
 
 
 @dataclass(frozen=True)

@@ -11,17 +11,23 @@ import math
 
 import numpy as np
 
-#: Natural logarithm of the odds, and of a ratio of likelihoods, at which something is settled.
-DECISIVE = math.log(1000.0)
-#: The same of a test that knows no rival: how often chance alone may pass.
-BY_CHANCE = 1e-3
-#: The same of a value with a standard error: so many errors from zero it is a thousand times as likely as zero is.
+from .registry import decides
+
+DECISIVE = decides(math.log(1000.0), "log-odds", "when something is settled", why="odds: a thousand to one, as above")
+BY_CHANCE = decides(
+    1e-3, "chance", "how often a test that knows no rival may pass", why="error rate: the same level of doubt"
+)
+#: So many standard errors from zero a value is a thousand times as likely as zero is.
 BEYOND_ERRORS = math.sqrt(2.0 * DECISIVE)
-#: Gain of log-likelihood by a step of one standard error: what promises less is at rest.
-ONE_ERROR = 0.5
-#: Physical limit: residuals this many times the noise are more than its own estimate leaves open, which comes from the
-#: highest frequencies alone and is good to a tenth.
-ABOVE_NOISE = 1.1
+ONE_ERROR = decides(
+    0.5, "log-likelihood", "what promises less is at rest", why="the gain by a step of one standard error"
+)
+ABOVE_NOISE = decides(
+    1.1,
+    "times the noise",
+    "what residuals are more than noise",
+    why=("physical limit: the estimate of the noise comes from the highest frequencies alone and is good to a tenth"),
+)
 
 
 def is_noise(squares: np.ndarray, worth: np.ndarray) -> bool:

@@ -11,9 +11,8 @@ from ...files.computed_once import computed_once
 from ...recording.fact import fact
 from ...recording.recording import Recording
 from .hilbert import dominant_frequency, noise_level
-
-#: White noise of a standard deviation above this part of the signal's own is all that is in it.
-_SILENT = 0.7
+from .limits import SILENT
+from .registry import numerics
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +46,7 @@ class Signal:
     @computed_once
     def is_silent(self) -> bool:
         """Whether it holds nothing but an offset and white noise."""
-        return bool(np.ptp(self.samples) == 0 or self.noise > _SILENT * float(np.std(self.samples)))
+        return bool(np.ptp(self.samples) == 0 or self.noise > SILENT * float(np.std(self.samples)))
 
     def thinned(self, factor: int) -> Signal:
         """Every so manieth sample: see ``thinned``."""
@@ -103,10 +102,10 @@ def resting(x: np.ndarray, sigma: float, period: int) -> np.ndarray:
 
 # The band of frequencies in which a force has power.
 
-#: Part of the power that lies in the band; half of the rest is below it, half above.
-_INSIDE = 0.99
-#: A sine has at most this many times its mean power.
-_CREST = 2.0
+_INSIDE = numerics(
+    0.99, "part of the power", why="that lies in the excited band; half of the rest is below it, half above"
+)
+_CREST = numerics(2.0, "times the mean power", why="that a sine has at most")
 
 
 def excited_band(force: np.ndarray, fs: float, noise: float = 0.0) -> tuple[float, float]:

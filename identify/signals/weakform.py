@@ -16,8 +16,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Samples under windows that are transformed at once: what a processor's cache holds.
-_AT_ONCE = 100_000
+from .registry import budget
+
+_AT_ONCE = budget(100_000, "samples under windows", why="what a cache of a processor holds")
 
 
 @dataclass(frozen=True)

@@ -15,11 +15,11 @@ from ...model.library import find
 from ...model.terms import with_term
 from ..problem.data import Data
 from ..problem.structure import Fitted, Structure, shapes_of
+from ..signals.registry import budget
+from .limits import MEMORY
 from .measured_motion import Regression, probes
 
-#: Predicted over a cycle every start leads near its own place; so many steps show which is the best.
-MEMORY = 1.0
-_STEPS = 4
+_STEPS = budget(4, "steps", why="so many show which start is the best")
 
 
 def with_laws(

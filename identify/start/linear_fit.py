@@ -15,21 +15,24 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..problem.segments import Segment
+from ..signals.registry import budget, numerics
+from .limits import MOST_DAMPING
 
-#: A sine is told by so many samples a cycle; where many are only compared, by so many.
-_SAMPLES_A_CYCLE = 32.0
-_COMPARED = 8.0
-#: Dampings (parts of the critical) that are tried where a force drives, with frequencies in that of the motion.
-_DAMPING = (0.003, 0.03, 0.3)
-_FREQUENCIES = np.geomspace(0.2, 5.0, 49)
-#: Decay rates of a free decay that are tried: by how much it falls from its beginning to its end, natural logarithm.
-_FALLS = (0.3, 1.0, 3.0, 10.0, 30.0)
-#: Of all these so many are followed to their own best.
-_KEPT = 3
-#: Steps of a search; the simulation's own begins where it ends.
-_STEPS = 15
-#: What is fitted swings: a damping beyond this part of the critical has no frequency.
-_MOST_DAMPING = 0.95
+_SAMPLES_A_CYCLE = numerics(32.0, "samples a cycle", why="by which a sine is told")
+_COMPARED = numerics(8.0, "samples a cycle", why="by which many are only compared")
+_DAMPING = numerics(
+    (0.003, 0.03, 0.3),
+    "parts of the critical",
+    why="a grid, even in the logarithm, of what is tried where a force drives",
+)
+_FREQUENCIES = numerics(np.geomspace(0.2, 5.0, 49), "times that of the motion", why="a grid, even in the logarithm")
+_FALLS = numerics(
+    (0.3, 1.0, 3.0, 10.0, 30.0),
+    "natural logarithm",
+    why="a grid of how much a free decay falls from its beginning to its end",
+)
+_KEPT = budget(3, "places", why="of the grid that are followed to their own best")
+_STEPS = budget(15, "steps", why="the search of the simulation begins where this one ends")
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +164,7 @@ class _Solved:
 
 
 def _solve(signals: Sequence[_Signal], omega: float, rate: float) -> _Solved:
-    rate = min(rate, omega * _MOST_DAMPING / np.sqrt(1.0 - _MOST_DAMPING**2))
+    rate = min(rate, omega * MOST_DAMPING / np.sqrt(1.0 - MOST_DAMPING**2))
     columns = [signal.free(omega, rate) for signal in signals]
     bases = [np.linalg.qr(part / np.linalg.norm(part, axis=0))[0] for part in columns]
     rests = [s.measured - basis @ (basis.T @ s.measured) for s, basis in zip(signals, bases, strict=True)]

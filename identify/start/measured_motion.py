@@ -27,25 +27,26 @@ from ..problem.equivalent import along_of
 from ..problem.normal_equations import least_squares
 from ..problem.segments import stretches
 from ..problem.structure import SLACK
+from ..signals.registry import budget, numerics
 from ..signals.weakform import Windows, windows
+from .limits import HALF
 from .regression import smooth_motion
 
-#: Harmonics of the excited band that the windows reach: forces that are not linear show there.
-_HARMONICS = 3.5
-_CYCLES = 8.0
-_OVERLAP = 2
-_DENSITY = 30.0
-#: A place is searched by factors: the first steps and the last, as logarithms, and how often it is solved a parameter.
-_STRIDE = 0.3
-_NEAR = 0.02
-_TRIES = 40
-#: ... of many laws so often for each of them, and on for those that then gain this part of what the best does.
-_FIRST, _HALF = 10, 0.5
-#: Columns of Eq. 17: force, viscous, stiffness, cubic, preload, dry.
-_BASE = 6
-_ABSURD = 1e100
-#: A force that leaves less than this part of itself in the windows is constant but for roundings and a first sample.
-_NOTHING = 1e-6
+_HARMONICS = numerics(
+    3.5, "harmonics of the excited band", why="that the windows reach: forces that are not linear show there"
+)
+_CYCLES = numerics(8.0, "cycles", why="the length of a window")
+_OVERLAP = numerics(2, "windows", why="over each sample")
+_DENSITY = numerics(30.0, "samples a cycle", why="of the motion beside which columns are made")
+_STRIDE = numerics(0.3, "natural logarithm", why="the first steps of a search of a place by factors")
+_NEAR = numerics(0.02, "natural logarithm", why="the last ones: the race goes on from there")
+_TRIES = budget(40, "solutions a parameter", why="of a search of a place")
+_FIRST = budget(10, "solutions a parameter", why="of many laws each")
+_BASE = numerics(6, "columns of Eq. 17", why="force, viscous, stiffness, cubic, preload, dry")
+_ABSURD = numerics(1e100, "largest number", why="what is larger is no value of a law")
+_NOTHING = numerics(
+    1e-6, "part of a force", why="less is left in the windows of a constant but for roundings and a first sample"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -264,7 +265,7 @@ class Regression:
         plain = self.plain()
         with ThreadPoolExecutor(max_workers=2) as pool:
             guesses = [guess for guess in pool.map(self._begun, laws) if guess is not None]
-            least = _HALF * max((self.gain(plain, guess) for guess in guesses), default=0.0)
+            least = HALF * max((self.gain(plain, guess) for guess in guesses), default=0.0)
 
             def ended(guess: Guess) -> Guess:
                 far = self.gain(plain, guess) < least

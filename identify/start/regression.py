@@ -15,10 +15,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
+from ..signals.registry import numerics
 from ..signals.signals import Signal, resting
 from ..signals.weakform import solve, windows
 
-OVERLAP = 4
+OVERLAP = numerics(4, "windows", why="over each sample; errors count as many")
 COLUMNS = ("inverse_mass", "viscous", "stiffness", "cubic", "preload", "dry")
 OPTIONAL = ("cubic", "preload", "dry")
 

@@ -22,17 +22,17 @@ from ..hilbert.freevib import freevib
 from ..motion.decays import Decay, find_free_motion
 from ..motion.displacement import displacement
 from ..motion.envelope import motion_frequency
+from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of, response_of
+from .limits import SAME_SPRING
 from .regression import RegressionStart, Rows, Segment, regress_rows, segment_rows
 
 if TYPE_CHECKING:
     from ...recording.recording import Recording
 
-#: Viscous damping over frequency where nothing is known of it: a hundredth of the critical.
-_PLAIN_DAMPING = 0.02
-#: Two pictures of one spring show the same frequency at the same amplitude but for this part of it: the rest of what
-#: Eq. 6 leaves out is of the second order.
-_SAME_SPRING = 0.05
+_PLAIN_DAMPING = numerics(
+    0.02, "of the frequency", why="a hundredth of the critical damping, where nothing is known of it"
+)
 
 
 @dataclass(frozen=True)
@@ -250,7 +250,7 @@ def _combine(
             )
         )
     apart = _apart(curves, value)
-    if apart > _SAME_SPRING:
+    if apart > SAME_SPRING:
         notes.append(
             f"Backbone curves and regression differ by {100 * apart:.2g} % over most of the amplitudes: this may not "
             "be one oscillator of the Eq. 17 family."

@@ -1,0 +1,66 @@
+"""The numbers that decide what the measuring chain did and which recording disagrees: unit, what, and why."""
+
+from __future__ import annotations
+
+from ..signals.registry import decides
+
+# contradiction.py
+
+PROMISING = decides(
+    0.1,
+    "part of what is more than noise",
+    "that one step without a part of a recording must leave for the part to be tried",
+    why=("a large fault is no small step: the step sees a tenth of it, and more than a tenth is left of what is none"),
+)
+ALIKE = decides(
+    1.1,
+    "times",
+    "by how much amplitude, force or frequency of two parts may differ that are alike",
+    why=(
+        "physical limit: a law of the third power that acts at some level is still there at one a tenth lower, by "
+        "three quarters"
+    ),
+)
+
+# part_kinds.py
+
+CUMULATED = decides(
+    1.95,
+    "errors",
+    "how far from a straight line a cumulated periodogram is not of white noise",
+    why="error rate: once in a thousand (Bartlett 1955)",
+)
+STRAYS = decides(
+    0.40,
+    "part of what is expected",
+    "below which the mean of the slowest lines of a walk is too small",
+    why="error rate: once in a thousand (chi-squared over its 32 degrees of freedom)",
+)
+FLAT = decides(3, "equal samples", "at the top of a swing that no noise makes", why="two are common")
+PASSED = decides(
+    2.0,
+    "times the limit",
+    "by how much a sensor that clips is not passed elsewhere",
+    why="physical limit: a limit may drift, and not to twice itself",
+)
+
+# stranger_among.py
+
+KEPT = decides(
+    1e-3,
+    "part of the natural frequency",
+    "by which recordings of one rig differ",
+    why="physical limit: a lab cannot keep it more constant (the modulus of steel falls by 0.03 % a kelvin)",
+)
+FEWEST = decides(
+    3, "recordings", "of how many one can be a stranger", why="two that disagree do not say which of them it is"
+)
+
+# without_part.py
+
+HALVED = decides(
+    0.5,
+    "part of what is more than noise",
+    "that each step without a part must leave",
+    why="what does not halve it in eight steps ends above the noise",
+)

@@ -1,0 +1,65 @@
+"""The numbers that decide what the Hilbert transform says of a recording: unit, what, and why."""
+
+from __future__ import annotations
+
+from ..signals.registry import decides
+
+# further_harmonics.py
+
+MOST_SHIFT = decides(
+    0.5,
+    "rad",
+    "of the instant at which a sign changes, that is still believed",
+    why="beyond, the motion is all but at rest",
+)
+
+# hilbert_result.py
+
+SEVERAL = decides(3, "decays", "of how many a spread means something", why="of two it is good to its own size")
+LOUD = decides(
+    6.0,
+    "standard deviations of its noise",
+    "beyond which a force pushes",
+    why="error rate: noise alone gets there once in 5e8 samples",
+)
+
+# mass_by_laws.py
+
+MASS_TOLD = decides(
+    3.0,
+    "standard errors",
+    "above zero of 1/m, from which on a mass is told",
+    why="error rate: below, the mass may be any larger one",
+)
+CHANCE = decides(
+    1 / 400,
+    "chance",
+    "of noise to reach as far, below which a motion misses the laws, a law does not hold, a harmonic counts",
+    why="error rate: once in 400 is rarer than any of the tens that are asked",
+)
+
+# modal_fit.py
+
+LEAST_POINTS = decides(8, "points", "of how many a curve has laws fitted", why="five parameters and some more")
+
+# modal_mass.py
+
+LEAST_PAIRS = decides(30, "values", "of how many a mass is told", why="fewer have no spread to take an error from")
+
+# modal_stretch.py
+
+CUT_CYCLES = decides(
+    2.0, "cycles", "cut from both ends of a stretch before it is low-passed", why="there the continuation still speaks"
+)
+LEAST_FREQUENCY = decides(
+    0.75,
+    "of the line that kernels are made for",
+    "below which a motion is not followed",
+    why="its negative frequency lies behind the first zero of both low-passes, where less than 1e-6 passes",
+)
+CLEAR = decides(
+    20.0,
+    "times its low-passed noise",
+    "of a motion whose amplitude and phase follow the noise linearly",
+    why="the second order is smaller by this factor",
+)
