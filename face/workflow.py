@@ -13,6 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any
 
+from ..errors import BadInput
 from ..files.arguments import text_of
 
 if TYPE_CHECKING:
@@ -66,9 +67,12 @@ def identified(
     from ..model.library import find
     from ..model.limits import checked_value
 
-    known = {**(fixed or {}), **({} if mass is None else {"mass": mass})}
-    for key, value in known.items():
+    fixed = fixed or {}
+    known = {**fixed, **({} if mass is None else {"mass": mass})}
+    for key, value in (*fixed.items(), *known.items()):
         checked_value(text_of(key, "the name of a parameter"), value)
+    if mass is not None and fixed.get("mass", mass) != mass:
+        raise BadInput(f"the mass is fixed at {fixed['mass']:g} and given as {mass:g} kg; give it one value")
     effects = [find(law).name for law in laws]
     begin = load(start) if isinstance(start, Path) else start
     recordings = read()

@@ -286,7 +286,10 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     moved = [r for r in forced if np.std(r.response) > _MOVES * response_of(r).noise]
     for quantity in {r.quantity for r in moved}:
         alike = [r for r in moved if r.quantity == quantity]
-        gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in alike if r.force is not None}
+        driven = [r for r in alike if r.force is not None and np.std(r.force) > 0]
+        gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in driven}
+        if not gains:
+            continue
         low, high = min(gains, key=lambda k: gains[k]), max(gains, key=lambda k: gains[k])
         if gains[high] > _GAIN_RATIO * gains[low]:
             raise BadInput(

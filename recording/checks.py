@@ -25,6 +25,7 @@ FORCE_IS_NOISE = "the force is unrelated noise and the response a free decay; th
 LEAST_SAMPLES = 4  # a cycle; Hilbert envelopes and the third harmonic alias below
 SCANT_SAMPLES = 10
 NOISY_STEPS = 2.0  # noise of so many steps of a converter leaves one sample in five as it was, sixteen of sixteen never
+SAME = 1e-6  # of the range: what a file of six digits leaves of one signal that stands in it twice
 LEVELS = 256  # of eight bits; fewer, and rounding keeps step with the motion instead of averaging out
 
 
@@ -298,6 +299,23 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
     ]
 
 
+def one_signal(recording: Recording, _: Oscillation) -> list[Problem]:
+    """Find a force that is the response times a number: two sensors have noises of their own."""
+    force, response = recording.force, recording.response - np.mean(recording.response)
+    if force is None or not np.ptp(force) > 0:
+        return []
+    times = float(response @ (force - np.mean(force))) / float(response @ response)
+    if np.max(np.abs(force - np.mean(force) - times * response)) > SAME * np.ptp(force):
+        return []
+    return [
+        _error(
+            recording,
+            f"the force is the response times {times:.6g} {recording.force_unit}/{recording.unit}, sample by sample: "
+            "one signal stands in both columns; choose others with --force and --response",
+        )
+    ]
+
+
 def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
     """Find a force that takes work out of the thing all the time: its sign is wrong, or it is half a cycle late."""
     force = recording.force
@@ -330,6 +348,7 @@ _JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
     no_decay,
     wrong_unit,
     no_reach,
+    one_signal,
     reversed_force,
 )
 

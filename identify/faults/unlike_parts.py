@@ -18,6 +18,7 @@ import numpy as np
 from ...recording.recording import Recording
 from ..fit.reported_result import Fit
 from ..fit.scatter import scatter
+from ..problem.linearised import Linearised, Sums
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.segments import Segment
 from ..signals.hilbert import LONG
@@ -88,43 +89,24 @@ def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> Unlike | None:
     shown = [segment.response - left for segment, left in zip(problem.segments, residuals, strict=True)]
     divisions = divisions_of(problem.segments, shown)
     k, free = problem.shared, len(problem.free)
-    matrix, right = np.zeros((k, k)), np.zeros(k)
-    corner, border = np.zeros((len(divisions), free, free)), np.zeros((len(divisions), free, k))
-    slope = np.zeros((len(divisions), free))
     rows = problem.derivatives(state, residuals)
-    for i, (segment, spectrum) in enumerate(zip(problem.segments, fit.noise, strict=True)):
-        made = spectrum.lines(np.vstack([rows[i], residuals[i]]))
-        shared, own, left = made[:k], made[k:-1], made[-1]
-        inverse = pseudo_inverse(own @ own.T)
-        matrix += shared @ shared.T - (shared @ own.T) @ inverse @ (own @ shared.T)
-        right += shared @ left - (shared @ own.T) @ inverse @ (own @ left)
-        for place, division in enumerate(divisions):
-            inside = division.inside(segment, shown[i])
-            if not np.any(inside):
-                continue
-            columns = spectrum.lines(rows[i][:free] * inside)
-            toward = (columns @ own.T) @ inverse
-            corner[place] += columns @ columns.T - toward @ (own @ columns.T)
-            border[place] += columns @ shared.T - toward @ (own @ shared.T)
-            slope[place] += columns @ left - toward @ (own @ left)
-    solved = pseudo_inverse(matrix)
-    size = np.sqrt(np.maximum(np.diag(matrix)[:free], np.finfo(float).tiny))
-    informed = pseudo_inverse(solved[:free, :free]) / np.outer(size, size)
-    asked = [
-        (
-            (corner[place] - border[place] @ solved @ border[place].T) / np.outer(size, size),
-            (slope[place] - border[place] @ solved @ right) / size,
-        )
-        for place in range(len(divisions))
-    ]
+    linearised = Linearised.of(problem, state, residuals, fit.noise, rows)
+    size = np.sqrt(np.maximum(np.diag(linearised.shared.normal)[:free], np.finfo(float).tiny))
+    both: list[Sums] = []
+    for division in divisions:
+        sides = [division.inside(segment, made) for segment, made in zip(problem.segments, shown, strict=True)]
+        columns = {i: fit.noise[i].lines(rows[i][:free] * inside) for i, inside in enumerate(sides) if np.any(inside)}
+        both.append(linearised.beside(columns))
+    asked = [(one.normal / np.outer(size, size), one.gradient / size) for one in (b.without(slice(k)) for b in both)]
     spread = np.eye(free)
     if min(_chance(reduced, asks, spread) for reduced, asks in asked) * len(divisions) > BY_CHANCE:
         return None
     levels = [noise_levels(recordings[segment.recording])[1] for segment in problem.segments]
     scattered = scatter(problem, state, fit.noise, levels, _DRAWS, recordings=recordings)
-    spread = _spread(informed, scattered / np.outer(size, size))
+    informed = linearised.shared.without(slice(free, None)).normal
+    spread = _spread(informed / np.outer(size, size), scattered / np.outer(size, size))
     found: list[Unlike] = []
-    for (reduced, asks), division, beside in zip(asked, divisions, border, strict=True):
+    for (reduced, asks), division, sums in zip(asked, divisions, both, strict=True):
         chance = _chance(reduced, asks, spread) * len(divisions)
         if chance > BY_CHANCE:
             continue
@@ -133,7 +115,7 @@ def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> Unlike | None:
         most = int(np.argmax(asks**2 / variance))
         difference = float(asks[most] / information[most] / size[most])
         error = float(np.sqrt(variance[most]) / information[most] / size[most])
-        other = -(solved @ beside[most])[:free] * difference
+        other = -(pseudo_inverse(sums.normal[:k, :k]) @ sums.normal[:k, k + most])[:free] * difference
         this = other + difference * (np.arange(free) == most)
         found.append(Unlike(division, chance, fit.names[most], difference, error, (other, this)))
     return min(found, key=lambda unlike: unlike.chance, default=None)

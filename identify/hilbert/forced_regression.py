@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
+from ...model.limits import LEAST, MOST
 from ..signals.hilbert import LONG, analytic_signal
 from ..signals.registry import budget, numerics, shown
 from ..signals.signals import Signal, resting, thinned
@@ -107,7 +108,7 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
         half = np.array([0.5])
         stiffness = float((backbone_basis(half).T @ result.value[1 : 1 + len(backbone)])[0])
         viscous = float((damping_basis(half, half).T @ result.value[1 + len(backbone) :])[0])
-    if not inverse_mass > 0:
+    if not LEAST <= inverse_mass <= MOST:
         raise BadInput("The regression finds no positive mass: check the signs and units of force and response.")
 
     # the curves, where the windows that were used have been

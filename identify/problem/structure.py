@@ -170,11 +170,17 @@ class Structure:
             parameter_sizes(model, scales),
             np.array([_SMALL * length, _SMALL * length * scales.omega, *inner]),
             steps[0],
-            parameter_bounds(model, scales),
+            self._bounds(names, scales),
             offsets=data.offsets if offsets is None else offsets,
             memory=data.memory,
             coarse_step=steps[1],
         )
+
+    def _bounds(self, names: Sequence[str], scales: Scales) -> np.ndarray:
+        """(2, parameters) of those that are looked for; one that keeps its value keeps it wherever it lies."""
+        bounds = parameter_bounds(self.model, scales)
+        bounds[:, [name not in self.free for name in names]] = [[-np.inf], [np.inf]]
+        return bounds
 
     def _internal_steps(self, length: float) -> tuple[float, float]:
         """Longest internal step of a simulation, and of one that only leads to where a fit begins; s."""

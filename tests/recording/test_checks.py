@@ -349,3 +349,16 @@ def test_rounding_to_fewer_levels_than_eight_bits_is_told(levels, told):
     step = np.ptp(FORCED.response) / levels
     problems = check(replace(FORCED, response=np.round(FORCED.response / step) * step))
     assert [problem.severity for problem in problems if "levels" in problem.sentence] == ["note"] * told
+
+
+@pytest.mark.parametrize(("times", "noise", "found"), [(100.0, 0.0, True), (-2.0, 0.0, True), (100.0, 1e-3, False)])
+def test_one_signal_in_both_columns_is_refused(times, noise, found):
+    t = np.arange(2000) / 500.0
+    response = 1e-3 * chirp(t, 6.0, t[-1], 20.0)
+    force = times * (response + noise * 1e-3 * np.random.default_rng(0).standard_normal(t.size))
+    said = [
+        p.sentence for p in check(Recording("r", 500.0, response, force)) if "one signal stands in both" in p.sentence
+    ]
+    assert (len(said) == 1) == found
+    if found:
+        assert f"the force is the response times {times:g} N/m" in said[0]

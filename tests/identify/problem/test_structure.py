@@ -295,3 +295,10 @@ def test_what_does_not_simulate_is_refused():
     structure = structure_of(decay(), model=Oscillator.from_values(LINEAR | {"cubic": -1e12}))
     with pytest.raises(BadInput, match="does not simulate with its start values"):
         structure.fit()
+
+
+def test_what_keeps_its_value_keeps_it_beyond_the_bounds_of_a_search():
+    model = Oscillator.from_values(LINEAR)
+    data, place = data_of([decay()], model, coarse=True), list(model.parameters()).index("omega0")
+    assert Structure(model, data).problem.bounds[0][place] > 0.01
+    assert Structure(model, data, ("omega0",)).problem.bounds[:, place].tolist() == [-np.inf, np.inf]
