@@ -208,7 +208,7 @@ def kinds() -> tuple[str, ...]:
     return lanes.KINDS
 
 
-@pytest.fixture(params=[pytest.param(0.2, id="a taste"), pytest.param(5, id="at length", marks=pytest.mark.long)])
+@pytest.fixture(params=[pytest.param(0.2, id="a taste"), pytest.param(5, id="at length", marks=pytest.mark.nightly)])
 def every(request: pytest.FixtureRequest) -> Callable[..., None]:
     """``every(strategy, holds, usual=100)`` calls ``holds`` with a fifth of so many inputs, or with five times as many.
 
