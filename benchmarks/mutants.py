@@ -156,7 +156,8 @@ def own_test(file: Path) -> Path:
 def run(copied: Path, test: Path, limit: float | None) -> tuple[str, float]:
     """``"passed"``, ``"failed"`` or ``"endless"``, and the seconds; what pytest printed where it ran no test at all."""
     environment = {**os.environ, "PYTHONPATH": str(copied.parent), "PYTHONDONTWRITEBYTECODE": "1"}
-    command = [sys.executable, "-P", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", str(test)]
+    how = ["-x", "-q", "-p", "no:cacheprovider", "-m", "not nightly"]
+    command = [sys.executable, "-P", "-m", "pytest", *how, str(test)]
     begin = time.monotonic()
     try:
         done = subprocess.run(command, cwd=copied, env=environment, capture_output=True, text=True, timeout=limit)

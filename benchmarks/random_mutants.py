@@ -4,9 +4,9 @@
     python -P benchmarks/random_mutants.py --replay FILE.json [--root CHECKOUT] [--record OTHER.json]
 
 The mutants (`mutants.py` says which there are) are drawn from all files of identify, diagnose, model, export and verify
-together. Against each run the tests of the fast lane that mirror its file, by name, then those that import its module,
-until one fails. A test that fails also without the mutant kills nothing: it is left out. A mutant is killed, survives,
-or runs out of time, which says nothing where the tests take long and is a kill where the mutant never ends.
+together. Against each run the tests of `make test-all` that mirror its file, by name, then those that import its
+module, until one fails. A test that fails also without the mutant kills nothing: it is left out. A mutant is killed,
+survives, or runs out of time, which says nothing where the tests take long and is a kill where the mutant never ends.
 
 A recorded mutant is known by the name of its file, the function, and the line before and after, in the form that
 ``ast.unparse`` gives, so that it is found again wherever file and function have gone; a line that is no longer there is
@@ -193,7 +193,8 @@ class Judge:
     def _pytest(self, asked: list[str], seconds: float) -> tuple[int | None, str]:
         """The exit code of pytest and what it printed; None where it took longer."""
         environment = {**os.environ, "PYTHONPATH": str(self.copied.parent), "OPENBLAS_NUM_THREADS": "1"}
-        command = [sys.executable, "-P", "-m", "pytest", "-x", "-p", "no:cacheprovider", "-rfE", "--tb=no", *asked]
+        how = ["-x", "-p", "no:cacheprovider", "-rfE", "--tb=no", "-m", "not nightly"]
+        command = [sys.executable, "-P", "-m", "pytest", *how, *asked]
         process = subprocess.Popen(
             command,
             cwd=self.copied,

@@ -161,7 +161,8 @@ class Lanes:
     def pytest_collection_modifyitems(self, config: pytest.Config, items: list[pytest.Item]) -> None:
         seconds = known()
         cost, by_law = costs(items, seconds), lanes_by_law(items)
-        dearest_first(items, cost)
+        if hasattr(config, "workerinput"):  # of several processes; one alone keeps the order that it was asked for
+            dearest_first(items, cost)
         if any("::" in str(given) for given in config.args):
             for item in items:
                 item.own_markers[:] = [mark for mark in item.own_markers if mark.name not in LANES]
