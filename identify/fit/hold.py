@@ -25,9 +25,10 @@ from ...simulate.force import force_between, smooth_force
 from ..motion.blows import ContactForce
 from ..problem.data import measured, noise_of
 from ..problem.descent import cost_of, search
-from ..problem.normal_equations import products, promise, pseudo_inverse, solve
+from ..problem.linearised import Linearised
+from ..problem.normal_equations import pseudo_inverse
 from ..problem.offset import Offset
-from ..problem.output_error import OutputError, State, in_lines
+from ..problem.output_error import OutputError, State
 from ..problem.release_memory import give_back
 from ..problem.search_point import Outcome
 from ..problem.segments import FORCE_BAND, Segment
@@ -117,16 +118,15 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     there = {hold: _under(problem, hold, recordings).residuals(state) for hold in HOLDS if hold != "smooth"}
     if max(_distance(left, here, noise) for left in there.values()) < MATTERS:
         return unknown  # no parameter can be moved by more of its standard errors than the whole response is
-    lines = problem.derivatives(state, here, single=True)
+    linearised = Linearised.of(problem, state, here, noise)
     give_back()
-    in_lines(problem, lines, noise)
-    reached, _ = _reached(problem, lines, state, here, noise)
+    reached, _ = _reached(problem, linearised, state, here, noise)
     log_odds, at_most = {"smooth": 0.0}, {}
     for hold in tuple(there):
         other = _under(problem, hold, recordings)
-        ahead, least = _led_to(other, lines, state, there.pop(hold), noise, reached + HOPELESS)
+        ahead, least = _led_to(other, linearised, state, there.pop(hold), noise, reached + HOPELESS)
         log_odds[hold], at_most[hold] = reached - ahead, reached - least
-    del lines
+    del linearised
     # of a model that leaves more than noise the difference is not believed as it is
     within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
     others = {
@@ -282,32 +282,29 @@ def _distance(there: Sequence[np.ndarray], here: Sequence[np.ndarray], noise: Se
     """Size of the difference that a hold makes to the responses, in standard deviations of the noise."""
     if not all(np.all(np.isfinite(r)) for r in there):
         return math.inf
-    return math.sqrt(sum(_power(s.lines(r - base)) for s, r, base in zip(noise, there, here, strict=True)))
+    return math.sqrt(sum(float(np.sum(s.lines(r - b) ** 2)) for s, r, b in zip(noise, there, here, strict=True)))
 
 
 def _reached(
     problem: OutputError,
-    lines: Sequence[np.ndarray],
+    linearised: Linearised,
     state: State,
     residuals: Sequence[np.ndarray],
     noise: Sequence[NoiseSpectrum],
 ) -> tuple[float, State | None]:
     """Negative log-likelihood that the linearised response reaches, but for a constant, and where.
 
-    ``lines`` are the derivatives', which one hold or another changes by a part of a sample's turn.
+    ``linearised`` has the derivatives, which one hold or another changes by a part of a sample's turn.
     """
     if not all(np.all(np.isfinite(r)) for r in residuals):
         return -math.inf, None  # nobody knows
-    left = [spectrum.lines(r) for spectrum, r in zip(noise, residuals, strict=True)]
-    blocks = [(products(rows, rows), products(rows, r)) for rows, r in zip(lines, left, strict=True)]
-    shared, own = solve(blocks, 0.0, problem.shared)
-    reached = 0.5 * (sum(_power(r) for r in left) - promise(blocks, shared, own))
-    return reached, state.stepped(problem.free, shared, own)
+    here = linearised.leaving([spectrum.lines(r) for spectrum, r in zip(noise, residuals, strict=True)])
+    return 0.5 * here.shared.left(here.shared.step()), state.stepped(problem.free, *here.step())
 
 
 def _led_to(
     problem: OutputError,
-    lines: Sequence[np.ndarray],
+    linearised: Linearised,
     state: State,
     residuals: Sequence[np.ndarray],
     noise: Sequence[NoiseSpectrum],
@@ -320,7 +317,7 @@ def _led_to(
     """
     ahead, least, before = math.inf, math.inf, math.inf
     for _ in range(_STEPS):
-        promised, there = _reached(problem, lines, state, residuals, noise)
+        promised, there = _reached(problem, linearised, state, residuals, noise)
         if there is None:
             return min(ahead, promised), min(least, promised)
         residuals = problem.residuals(there)
@@ -330,10 +327,6 @@ def _led_to(
             break
         before = found
     return ahead, least
-
-
-def _power(lines: np.ndarray) -> float:
-    return float(np.vdot(lines, lines))
 
 
 def _further(
@@ -350,17 +343,9 @@ def _further(
             [_driven(s, recordings[s.recording], hold, delay * s.dt, loss * s.dt**2) for s in problem.segments]
         )
         directions.append([r - moved for r, moved in zip(residuals, other.residuals(state), strict=True)])
-    k = problem.shared
-    normal, gradient = np.zeros((k + 2, k + 2)), np.zeros(k + 2)
-    for i, rows in enumerate(problem.derivatives(state, residuals)):
-        columns = np.vstack([rows[:k], directions[0][i], directions[1][i], rows[k:], residuals[i]])
-        white = noise[i].lines(columns)
-        shared, own, residual = white[: k + 2], white[k + 2 : -1], white[-1]
-        shared = shared - (shared @ own.T) @ pseudo_inverse(own @ own.T) @ own
-        normal += shared @ shared.T
-        gradient += shared @ residual
-    inverse = pseudo_inverse(normal[:k, :k])
-    border = normal[k:, :k] @ inverse
-    score = gradient[k:] - border @ gradient[:k]
-    gain = 0.5 * score @ pseudo_inverse(normal[k:, k:] - border @ normal[:k, k:]) @ score
-    return float(gain) if np.isfinite(gain) else math.inf
+    columns = {
+        i: spectrum.lines(np.stack(both))
+        for i, (spectrum, both) in enumerate(zip(noise, zip(*directions, strict=True), strict=True))
+    }
+    gain = Linearised.of(problem, state, residuals, noise, single=False).gain(columns)[0]
+    return gain if np.isfinite(gain) else math.inf

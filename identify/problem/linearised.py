@@ -171,6 +171,10 @@ class Linearised:
         made = [spectrum.whiten(residual) for spectrum, residual in zip(noise, residuals, strict=True)]
         return Linearised(Unknowns.of(problem, state), tuple(rows), tuple(made))
 
+    def leaving(self, residuals: Sequence[np.ndarray]) -> Linearised:
+        """The same with other residuals, whitened as these are."""
+        return replace(self, residuals=tuple(residuals))
+
     @property
     def own(self) -> slice:
         """Rows of initial states."""

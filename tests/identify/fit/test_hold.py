@@ -241,11 +241,10 @@ def compared(
         forget=lambda: None,
         residuals=lambda _: (),
         segments=(),
-        derivatives=lambda *_, **how: [],
     )
     monkeypatch.setattr(module, "search", lambda *_, **__: point)
     linearised = chain([0.0], repeat(-ahead))
-    monkeypatch.setattr(module, "in_lines", lambda *_: None)
+    monkeypatch.setattr(module, "Linearised", SimpleNamespace(of=lambda *_: None))
     monkeypatch.setattr(module, "_reached", lambda *_: (next(linearised), point))
     monkeypatch.setattr(module, "cost_of", lambda *_: astray - ahead)
     monkeypatch.setattr(module, "over_noise", lambda *_: [1.0, times_the_noise])
