@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import add
 
 import numpy as np
 
-from ..problem.normal_equations import pseudo_inverse
+from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
+from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.odds import is_noise
 from ..signals.registry import budget
 from .limits import HALVED
@@ -42,30 +45,32 @@ def parts_to_blame(problem: OutputError, state: State, levels: Sequence[Level], 
         levels: of each segment's noise, as its response shows it.
         promising: also those that leave no more than this part of what is more than noise now.
     """
-    rows = _rows(problem, state, levels)
-    whole = _reduced([row @ row.T for row in rows], [row.shape[1] for row in rows], problem.shared)
-    enough = promising * _excess(whole.squares_of(rows), whole.samples)
+    linearised = _linearised(problem, state, levels)
+    initial, squares = linearised.own, np.array([sums.power for sums in linearised.sums])
+    count = np.array([sums.samples for sums in linearised.sums])
+    enough = promising * _excess(squares, count)
+    whole = [sums.without(initial) for sums in linearised.sums]
     worth = np.array([level.worth for level in levels])
     found = []
     for span in spans_of(problem.segments):
         own = np.array([segment.recording == span.recording for segment in problem.segments])
-        rest, cut = whole.only(~own), []
-        for i in np.flatnonzero(own):
-            edges = np.searchsorted(span.piece_of(problem.segments[i]), np.arange(1, span.pieces))
-            cut.append([(piece @ piece.T, piece.shape[1]) for piece in np.split(rows[i], edges, axis=1)])
+        rest = [whole[i] for i in np.flatnonzero(~own)]
+        edges = [
+            [0, *np.searchsorted(span.piece_of(segment), np.arange(1, span.pieces)), segment.n] if mine else []
+            for segment, mine in zip(problem.segments, own, strict=True)
+        ]
+        cut = [pieces for pieces in linearised.block(edges) if pieces]
         for part in parts_of(span):
-            kept = [[piece for at, piece in enumerate(pieces) if not part.first <= at < part.last] for pieces in cut]
-            full = np.array([any(n for _, n in pieces) for pieces in kept])
-            kept = [pieces for pieces in kept if any(n for _, n in pieces)]
-            grams = [np.sum([gram for gram, _ in pieces], axis=0) for pieces in kept]
-            samples = [sum(n for _, n in pieces) for pieces in kept]
-            if not samples and not rest.samples.size:
+            kept = [[p for at, p in enumerate(pieces) if not part.first <= at < part.last] for pieces in cut]
+            full = np.array([any(piece.samples for piece in pieces) for pieces in kept])
+            both = [*rest, *(reduce(add, kept[i]).without(initial) for i in np.flatnonzero(full))]
+            if not both:
                 continue
-            both = rest.joined(_reduced(grams, samples, problem.shared)) if samples else rest
-            left = both.left(both.step())
-            used = np.concatenate([worth[~own], worth[own][full]]) * both.samples
-            if is_noise(left / both.samples, used) or _excess(left, both.samples) < enough:
-                found.append((int(whole.samples.sum() - both.samples.sum()), part))
+            step, samples = reduce(add, both).step(), np.array([sums.samples for sums in both])
+            left = np.array([sums.left(step) for sums in both])
+            used = np.concatenate([worth[~own], worth[own][full]]) * samples
+            if is_noise(left / samples, used) or _excess(left, samples) < enough:
+                found.append((int(count.sum() - samples.sum()), part))
     found.sort(key=lambda pair: pair[0])
     return [part for _, part in found]
 
@@ -89,66 +94,19 @@ def first_confirmed(
     return None
 
 
-@dataclass(frozen=True, eq=False)
-class _Reduced:
-    """Normal equations of s segments, initial states eliminated: (s, k, k), (s, k); sums of squares, samples (s,)."""
-
-    matrix: np.ndarray
-    right: np.ndarray
-    squares: np.ndarray
-    samples: np.ndarray
-
-    def step(self) -> np.ndarray:
-        """(k,) of the shared unknowns."""
-        return pseudo_inverse(self.matrix.sum(axis=0)) @ self.right.sum(axis=0)
-
-    def left(self, step: np.ndarray) -> np.ndarray:
-        """(s,) sums of squares after a step."""
-        return self.squares - 2.0 * self.right @ step + np.einsum("i,sij,j->s", step, self.matrix, step)
-
-    def only(self, places: np.ndarray) -> _Reduced:
-        """Of some segments."""
-        return _Reduced(self.matrix[places], self.right[places], self.squares[places], self.samples[places])
-
-    def joined(self, other: _Reduced) -> _Reduced:
-        """Of the segments of both."""
-        return _Reduced(
-            np.concatenate([self.matrix, other.matrix]),
-            np.concatenate([self.right, other.right]),
-            np.concatenate([self.squares, other.squares]),
-            np.concatenate([self.samples, other.samples]),
-        )
-
-    @staticmethod
-    def squares_of(rows: Sequence[np.ndarray]) -> np.ndarray:
-        """(s,) sums of squares of what is left before any step."""
-        return np.array([np.sum(row[-1] ** 2) for row in rows])
+def _linearised(problem: OutputError, state: State, levels: Sequence[Level]) -> Linearised:
+    """The problem at a point, sample by sample, in units of the noise of each segment."""
+    noise = [
+        NoiseSpectrum(np.full(s.n // 2 + 1, v.size**2), s.n) for s, v in zip(problem.segments, levels, strict=True)
+    ]
+    return Linearised.in_time(problem, state, problem.residuals(state), noise)
 
 
-def _reduced(grams: Sequence[np.ndarray], samples: Sequence[int] | np.ndarray, k: int) -> _Reduced:
-    """Of inner products (k + states + 1, ...) of derivatives and residual of each segment."""
-    own, keep = slice(k, -1), np.r_[0:k, -1]
-    made = np.array(
-        [
-            gram[np.ix_(keep, keep)] - gram[keep, own] @ pseudo_inverse(gram[own, own]) @ gram[own][:, keep]
-            for gram in grams
-        ]
-    )
-    return _Reduced(made[:, :k, :k], made[:, :k, k], made[:, k, k], np.array(samples))
-
-
-def _rows(problem: OutputError, state: State, levels: Sequence[Level]) -> list[np.ndarray]:
-    """Of each segment derivatives and residual in units of its noise: (shared + states + 1, n)."""
-    residuals = problem.residuals(state)
-    derivatives = problem.derivatives(state, residuals)
-    return [np.vstack([d, r]) / v.size for d, r, v in zip(derivatives, residuals, levels, strict=True)]
-
-
-def _shows_more(rows: Sequence[np.ndarray], levels: Sequence[Level], kept: Sequence[np.ndarray]) -> bool:
+def _shows_more(whole: Linearised, levels: Sequence[Level], kept: Sequence[np.ndarray]) -> bool:
     """Whether more than noise is left in the samples that are not kept."""
     return any(
-        not is_noise(np.mean(row[-1][~mask] ** 2, keepdims=True), np.array([level.worth * np.count_nonzero(~mask)]))
-        for row, level, mask in zip(rows, levels, kept, strict=True)
+        not is_noise(np.mean(left[~mask] ** 2, keepdims=True), np.array([level.worth * np.count_nonzero(~mask)]))
+        for left, level, mask in zip(whole.residuals, levels, kept, strict=True)
         if not np.all(mask)
     )
 
@@ -160,29 +118,22 @@ def _excess(squares: np.ndarray, samples: np.ndarray) -> float:
 
 def _searched(problem: OutputError, state: State, levels: Sequence[Level], part: Part) -> State | None:
     """Where a search without that part comes to, if it leaves no more than noise in the rest; else None."""
-    k, free = problem.shared, list(problem.free)
     kept = [~part.holds(segment) for segment in problem.segments]
     used = [i for i, mask in enumerate(kept) if np.any(mask)]
     samples = np.array([np.count_nonzero(kept[i]) for i in used])
     worth = np.array([levels[i].worth for i in used]) * samples
     before = math.inf
     for taken in range(_STEPS):
-        rows = _rows(problem, state, levels)
-        if not all(bool(np.all(np.isfinite(rows[i]))) for i in used):
+        whole = _linearised(problem, state, levels)
+        if not all(bool(np.all(np.isfinite(rows[i]))) for rows in (whole.columns, whole.residuals) for i in used):
             return None
-        rest = [rows[i][:, kept[i]] for i in used]
-        squares = _Reduced.squares_of(rest)
+        rest = whole.keeping(kept)
+        squares = np.array([rest.sums[i].power for i in used])
         noise, now = is_noise(squares / samples, worth), _excess(squares, samples)
         if taken >= _FEWEST_STEPS and (noise or now > HALVED * before):
-            return state if noise and _shows_more(rows, levels, kept) else None
+            return state if noise and _shows_more(whole, levels, kept) else None
         before = now
-        grams = [row @ row.T for row in rest]
-        step = _reduced(grams, samples, k).step()
-        values, initial, own = state.values.copy(), state.initial.copy(), slice(k, -1)
-        values[free] += step[: len(free)]
+        state = state.stepped(problem.free, *rest.step())
         if problem.bounds is not None:
-            values = np.clip(values, *problem.bounds)
-        for i, gram in zip(used, grams, strict=True):
-            initial[i] += pseudo_inverse(gram[own, own]) @ (gram[own, -1] - gram[own, :k] @ step)
-        state = State(values, initial, state.offsets + step[len(free) :])
+            state = replace(state, values=np.clip(state.values, *problem.bounds))
     return None

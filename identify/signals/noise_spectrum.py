@@ -28,6 +28,8 @@ class NoiseSpectrum:
 
     def whiten(self, signals: np.ndarray) -> np.ndarray:
         """(..., n) signals with every frequency divided by the noise's standard deviation there."""
+        if self._flat:
+            return signals / np.sqrt(self.density[0])
         return self._filter(signals, 1.0 / np.sqrt(self.density))
 
     def lines(self, signals: np.ndarray, *, overwrite: bool = False) -> np.ndarray:
