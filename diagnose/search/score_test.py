@@ -15,9 +15,10 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.problem.data import Data, likelihood, noise_spectra
-from ...identify.problem.normal_equations import pseudo_inverse
+from ...identify.problem.linearised import Linearised, Sums, off, orthonormal
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure, parameter_bounds
+from ...identify.problem.unknowns import Unknowns
 from ...identify.signals.noise_spectrum import estimate
 from ...identify.signals.registry import budget, numerics
 from ...identify.start.measured_motion import probes
@@ -66,16 +67,6 @@ class _Step:
     left: tuple[np.ndarray, ...] = ()
 
 
-@dataclass(frozen=True, eq=False)
-class _Weighed:
-    """Residuals and derivatives of the base model, whitened, the segments' own states projected out."""
-
-    residuals: list[np.ndarray]
-    jacobians: list[np.ndarray]
-    own: list[np.ndarray]
-    normal: np.ndarray
-
-
 class Screen:
     """Laws against the residual of one fitted model.
 
@@ -90,22 +81,15 @@ class Screen:
         self.noise = noise_spectra(fitted.residuals, fitted.model, data)
         structure = Structure(fitted.model, data, fixed=[n for n in fitted.model.parameters() if n not in fitted.free])
         self.places = structure.problem.free
-        state = structure.state(fitted.initial)
-        derivatives = structure.problem.derivatives(state, fitted.residuals)
+        white = Linearised.in_time(structure.problem, structure.state(fitted.initial), fitted.residuals, self.noise)
         k = len(self.places)
-        weighed = _Weighed([], [], [], np.zeros((k, k)))
-        normal = np.zeros((k, k))
-        for spectrum, residual, rows in zip(self.noise, fitted.residuals, derivatives, strict=True):
-            white = spectrum.whiten(np.vstack([rows, residual]))
-            own = white[k:-1]
-            basis = _orthonormal(own)
-            jacobian = _off(basis, white[:k])
-            weighed.residuals.append(_off(basis, white[-1:])[0])
-            weighed.jacobians.append(jacobian)
-            weighed.own.append(basis)
-            normal += jacobian @ jacobian.T
-        self.weighed = weighed
-        self.inverse = pseudo_inverse(normal)
+        #: Of each segment what its own unknowns can do, and the model without it.
+        self.own = [orthonormal(rows[k:]) for rows in white.columns]
+        self.base = Linearised(
+            Unknowns(white.unknowns.parameters, (), ((),) * len(white.columns)),
+            tuple(off(basis, rows[:k]) for basis, rows in zip(self.own, white.columns, strict=True)),
+            tuple(off(basis, left) for basis, left in zip(self.own, white.residuals, strict=True)),
+        )
 
     def starts(self, laws: Sequence[Law] | None = None, progress: Callable[[], None] = lambda: None) -> list[Start]:
         """The best start of each law, the largest gain first; of the whole library where no laws are given (None)."""
@@ -126,7 +110,7 @@ class Screen:
 
     def _concentrated(self, step: _Step) -> _Step:
         """The same with the gain that it promises once the noise is what it leaves, not what was left before."""
-        before = sum(estimate(residual).log_determinant() for residual in self.weighed.residuals)
+        before = sum(estimate(residual).log_determinant() for residual in self.base.residuals)
         return replace(step, promise=0.5 * (before - sum(estimate(left).log_determinant() for left in step.left)))
 
     def applies(self, law: Law) -> bool:
@@ -176,10 +160,9 @@ class Screen:
         return [old - new for old, new in zip(self.fitted.residuals, residuals, strict=True)]
 
     def _weigh(self, change: list[np.ndarray]) -> list[np.ndarray]:
-        whitened = []
-        for spectrum, basis, difference in zip(self.noise, self.weighed.own, change, strict=True):
-            whitened.append(_off(basis, spectrum.whiten(difference[None]))[0])
-        return whitened
+        """What of a change (n,) of each segment its own unknowns cannot imitate, whitened."""
+        whitened = [spectrum.whiten(difference) for spectrum, difference in zip(self.noise, change, strict=True)]
+        return [off(basis, difference) for basis, difference in zip(self.own, whitened, strict=True)]
 
     def _step(
         self, law: Law, values: dict[str, float], names: list[str], directions: list[list[np.ndarray]]
@@ -192,31 +175,28 @@ class Screen:
         weighed = [self._weigh(direction) for direction in directions]
         if not all(np.all(np.isfinite(change)) for direction in weighed for change in direction):
             return None
-        residuals, jacobians = self.weighed.residuals, self.weighed.jacobians
-        columns = [np.stack([direction[i] for direction in weighed]) for i in range(len(residuals))]
-        gradient = np.sum([j @ r for j, r in zip(jacobians, residuals, strict=True)], axis=0)
-        cross = np.sum([j @ c.T for j, c in zip(jacobians, columns, strict=True)], axis=0)
-        own = np.sum([c @ c.T for c in columns], axis=0)
-        right = np.sum([c @ r for c, r in zip(columns, residuals, strict=True)], axis=0)
-        schur = own - cross.T @ self.inverse @ cross
-        free = right - cross.T @ self.inverse @ gradient
-        strength = pseudo_inverse(schur) @ free
+        columns = [np.stack(both) for both in zip(*weighed, strict=True)]
+        beside = self.base.beside(dict(enumerate(columns)))
+        asked = beside.without(self.base.shared_rows)
+        strength = asked.step()
+        alone, follows = self.base.shared.step(), beside.reduction(self.base.shared_rows)[:, self.base.shared_rows]
 
         def step(numbers: dict[str, float], size: np.ndarray, promise: float) -> _Step:
             """The base parameters alone might gain something too: that is no merit of the law."""
-            shift = self.inverse @ (gradient - cross @ size)
-            left = tuple(r - shift @ j - size @ c for r, j, c in zip(residuals, jacobians, columns, strict=True))
+            shift = alone + size @ follows
+            each = zip(self.base.residuals, self.base.columns, columns, strict=True)
+            left = tuple(residual - shift @ rows - size @ more for residual, rows, more in each)
             return _Step(law, numbers, shift, promise, left=left)
 
         if names:
             moved = dict(zip(names, (float(s) for s in strength), strict=True))
-            return step(values | moved, strength, 0.5 * float(free @ strength))
+            return step(values | moved, strength, asked.gain())
         part = float(strength[0])
         if len(law.parameters) == 1 and LEAST_STEP < part < 1 / LEAST_STEP:
             (parameter,) = law.parameters
             moved = {parameter.name: part * values[parameter.name]}
-            return step(moved, strength, 0.5 * float(free @ strength))
-        return step(values, np.ones(1), float(free[0]) - 0.5 * float(schur[0, 0]))
+            return step(moved, strength, asked.gain())
+        return step(values, np.ones(1), float(asked.gradient[0]) - 0.5 * float(asked.normal[0, 0]))
 
     def _kept(self, step: _Step) -> Start | None:
         """The better of the whole step and of a shorter one, simulated."""
@@ -267,12 +247,12 @@ class Screen:
             (slopes,) = self._slopes(law, values, [strength], initial)
             changes.append(self._weigh(slopes))
         promise, parts, left = 0.0, [], []
-        for i, residual in enumerate(self.weighed.residuals):
+        for i, residual in enumerate(self.base.residuals):
             columns = np.stack([changes[0][i], changes[1][i]])
-            normal, right = columns @ columns.T, columns @ residual
-            part = pseudo_inverse(normal) @ right
-            promise += 0.5 * float(right @ part)
-            parts.append((part, normal))
+            sums = Sums.of(columns, residual)
+            part = sums.step()
+            promise += sums.gain()
+            parts.append((part, sums.normal))
             left.append(residual - part @ columns)
         weight = sum(float(np.trace(normal)) for _, normal in parts)
         if not weight > 0:
@@ -290,18 +270,3 @@ def _inner(model: Oscillator, law: Law, values: dict[str, float]) -> tuple:
 
     before = len(equations(model).inner)
     return equations(with_term(model, law.name, values)).inner[before:]
-
-
-def _orthonormal(rows: np.ndarray) -> np.ndarray:
-    """Orthonormal basis (m, n) of the rows' span; rows of zeros add nothing."""
-    size = np.linalg.norm(rows, axis=1)
-    rows = rows[size > 0] / size[size > 0, None]
-    if not rows.size:
-        return rows
-    _, values, basis = np.linalg.svd(rows, full_matrices=False)
-    return basis[values > 1e-8 * values[0]]
-
-
-def _off(basis: np.ndarray, rows: np.ndarray) -> np.ndarray:
-    """(m, n) rows less what lies in the basis."""
-    return rows - (rows @ basis.T) @ basis if basis.size else rows

@@ -18,10 +18,13 @@ import numpy as np
 from ...files.computed_once import computed_once
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
+from ..signals.registry import numerics
 from .normal_equations import Block, products, pseudo_inverse, solve
 from .output_error import OutputError, in_lines
 from .search_point import State
 from .unknowns import Unknown, Unknowns
+
+_SAME = numerics(1e-8, "of the largest singular value", why="rounding: a direction below it is one of the others")
 
 #: Some of the columns.
 Places = slice | Sequence[int] | np.ndarray
@@ -176,6 +179,11 @@ class Linearised:
         return replace(self, residuals=tuple(residuals))
 
     @property
+    def shared_rows(self) -> slice:
+        """Rows of the shared unknowns."""
+        return slice(len(self.unknowns.shared))
+
+    @property
     def own(self) -> slice:
         """Rows of initial states."""
         return slice(len(self.unknowns.shared), None)
@@ -231,7 +239,7 @@ class Linearised:
 
         A score test (Rao 1948): the shared unknowns and the initial states are fitted along.
         """
-        asked = self.beside(columns).without(slice(len(self.unknowns.shared)))
+        asked = self.beside(columns).without(self.shared_rows)
         return asked.gain(), asked.step(), asked.normal
 
     def keeping(self, kept: Sequence[np.ndarray]) -> Linearised:
@@ -292,3 +300,18 @@ class Linearised:
                 own * (of_own @ own), axis=0
             )
         return rows[:k], taken
+
+
+def orthonormal(rows: np.ndarray) -> np.ndarray:
+    """Orthonormal basis (m, n) of the span of (.., n) rows; rows of zeros add nothing."""
+    size = np.linalg.norm(rows, axis=1)
+    rows = rows[size > 0] / size[size > 0, None]
+    if not rows.size:
+        return rows
+    _, values, basis = np.linalg.svd(rows, full_matrices=False)
+    return basis[values > _SAME * values[0]]
+
+
+def off(basis: np.ndarray, rows: np.ndarray) -> np.ndarray:
+    """Rows (.., n) less what lies in an orthonormal basis (m, n): what its columns cannot imitate."""
+    return rows - (rows @ basis.T) @ basis if basis.size else rows

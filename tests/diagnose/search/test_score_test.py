@@ -7,10 +7,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.score_test import Screen, Start, _off, _orthonormal, _Step, _Weighed
+from dashpot.diagnose.search.score_test import Screen, Start, _Step
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of, likelihood, noise_spectra
+from dashpot.identify.problem.linearised import Linearised
 from dashpot.identify.problem.structure import Structure
+from dashpot.identify.problem.unknowns import Unknown, Unknowns
 from dashpot.identify.signals.noise_spectrum import NoiseSpectrum
 from dashpot.identify.start.measured_motion import Regression, probes
 from dashpot.model import Oscillator, Response
@@ -91,9 +93,9 @@ def screen(residual: np.ndarray, *own: np.ndarray) -> Screen:
     """A screen whose residual has white noise of unit size, beside a model of these derivatives."""
     made = object.__new__(Screen)
     rows = np.array(own).reshape(-1, residual.size)
-    normal = rows @ rows.T
-    made.weighed = _Weighed([residual], [rows], [np.zeros((0, residual.size))], normal)
-    made.inverse = np.linalg.pinv(normal)
+    parameters = tuple(Unknown("parameter", f"parameter {k}") for k in range(len(rows)))
+    made.base = Linearised(Unknowns(parameters, (), ((),)), (rows,), (residual,))
+    made.own = [np.zeros((0, residual.size))]
     made.noise = [NoiseSpectrum(np.ones(residual.size // 2 + 1), residual.size)]
     made.places = (0,)
     scales = Scales(length=1e-3, omega=80.0, force=0.0, response=1e-3, duration=1.0)
@@ -331,25 +333,5 @@ def test_what_the_base_can_do_is_no_news_where_friction_jumps():
     law = find("softening-stiffness")
     (slope,) = made._slopes(law, {"stiffness": 0.0, "width": 1.0}, law.parameters[:1])
     told = made._weigh(slope)
-    by_base = sum(j @ c for j, c in zip(made.weighed.jacobians, told, strict=True))
-    own = sum(float(c @ c) for c in told)
-    assert own - by_base @ made.inverse @ by_base < 1e-4 * own
-
-
-def test_what_the_states_of_a_segment_imitate_is_projected_out():
-    random = np.random.default_rng(0)
-    rows = random.standard_normal((3, 50))
-    basis = _orthonormal(np.vstack([rows, 2.0 * rows[0], np.zeros(50)]))
-    assert basis @ basis.T == pytest.approx(np.eye(3), abs=1e-12)
-    assert _off(basis, rows) == pytest.approx(np.zeros((3, 50)), abs=1e-12)
-    other = random.standard_normal((2, 50))
-    assert _off(basis, other) @ basis.T == pytest.approx(np.zeros((2, 3)), abs=1e-12)
-    nothing = _orthonormal(np.zeros((2, 50)))
-    assert np.array_equal(_off(nothing, other), other)
-
-
-@pytest.mark.parametrize(("apart", "directions"), [(3e-9, 1), (1e-7, 2)])
-def test_directions_that_only_roundings_tell_apart_are_one(apart, directions):
-    """Two rows at an angle: the smaller singular value over the larger is half of it."""
-    rows = np.array([[1.0, 0.0, 0.0], [np.cos(apart), np.sin(apart), 0.0]])
-    assert len(_orthonormal(rows)) == directions
+    _, _, information = made.base.gain({i: change[None] for i, change in enumerate(told)})
+    assert information < 1e-4 * sum(float(change @ change) for change in told)

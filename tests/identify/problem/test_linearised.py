@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.problem.linearised import Linearised, Sums
+from dashpot.identify.problem.linearised import Linearised, Sums, off, orthonormal
 from dashpot.identify.problem.unknowns import Unknown, Unknowns
 
 SHARED, OWN, SEGMENTS, SAMPLES = 4, 2, 3, 60
@@ -128,3 +128,22 @@ def test_projected_columns_are_orthogonal_to_the_initial_states(precision):
         rows, taken = made.projected(i, covariance)
         assert rows @ own.T == pytest.approx(np.zeros((SHARED, OWN)), abs=1e3 * float(np.finfo(precision).eps))
         assert taken == pytest.approx(hat[i], abs=1e3 * float(np.finfo(precision).eps))
+
+
+def test_what_the_states_of_a_segment_imitate_is_projected_out():
+    random = np.random.default_rng(0)
+    rows = random.standard_normal((3, 50))
+    basis = orthonormal(np.vstack([rows, 2.0 * rows[0], np.zeros(50)]))
+    assert basis @ basis.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert off(basis, rows) == pytest.approx(np.zeros((3, 50)), abs=1e-12)
+    other = random.standard_normal((2, 50))
+    assert off(basis, other) @ basis.T == pytest.approx(np.zeros((2, 3)), abs=1e-12)
+    nothing = orthonormal(np.zeros((2, 50)))
+    assert np.array_equal(off(nothing, other), other)
+
+
+@pytest.mark.parametrize(("apart", "directions"), [(3e-9, 1), (1e-7, 2)])
+def test_directions_that_only_roundings_tell_apart_are_one(apart, directions):
+    """Two rows at an angle: the smaller singular value over the larger is half of it."""
+    rows = np.array([[1.0, 0.0, 0.0], [np.cos(apart), np.sin(apart), 0.0]])
+    assert len(orthonormal(rows)) == directions
