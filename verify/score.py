@@ -21,7 +21,8 @@ from ..identify.fit.scatter import scatter
 from ..identify.problem.data import data_of, noise_of
 from ..identify.problem.descent import search
 from ..identify.problem.jumps import smooth_stretches
-from ..identify.problem.normal_equations import pseudo_inverse, shared_information, solve
+from ..identify.problem.linearised import Linearised
+from ..identify.problem.normal_equations import pseudo_inverse
 from ..identify.problem.output_error import OutputError, State
 from ..identify.problem.settle import settled
 from ..identify.problem.structure import Structure
@@ -171,18 +172,11 @@ def _told(model: Oscillator, recording: Recording) -> _Told | None:
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return None
     noise = noise_of(problem.segments, residuals, model.values())
-    blocks = problem.blocks(state, residuals, noise)
-    information = shared_information(blocks, problem.shared)
-    gradient = information @ solve(blocks, 0.0, problem.shared)[0]
-    k = len(problem.free)
-    part = information[:k, k:] @ pseudo_inverse(information[k:, k:])
+    linearised = Linearised.of(problem, state, residuals, noise)
+    told = linearised.over(linearised.unknowns.parameters)
+    del linearised
     spread = scatter(problem, state, noise, [noise_levels(recording)[1]] * len(problem.segments), _DRAWS)
-    return _Told(
-        structure.free,
-        gradient[:k] - part @ gradient[k:],
-        information[:k, :k] - part @ information[k:, :k],
-        spread,
-    )
+    return _Told(structure.free, told.gradient, told.normal, spread)
 
 
 def _beside(problem: OutputError, state: State) -> State:

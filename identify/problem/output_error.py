@@ -105,13 +105,6 @@ class OutputError:
         other.shared = len(other.free) + len(other.offsets)
         return other
 
-    def blocks(
-        self, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | None
-    ) -> list[Block]:
-        """Normal matrix and gradient of each segment at a point, whitened by the noise."""
-        rows = self.derivatives(state, residuals, single=True)
-        return blocks_of(self, rows, residuals, noise, consumed=True)
-
     def map(self, function: Callable[[Item], T], items: Sequence[Item]) -> list[T]:
         """Results of a function that is mostly simulation or linear algebra, item by item."""
         return list(pool().map(function, items))
