@@ -13,6 +13,7 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.problem.data import Data
+from ...identify.problem.linearised import off, orthonormal
 from ...identify.signals.registry import budget, numerics
 from ...model import Oscillator
 from ...model.effect_words import effect_in_words
@@ -21,7 +22,7 @@ from ..limits import DARING, POORLY_KNOWN, TELLS
 from ..result import Experiment
 from ..wording import effects_in_words, figure, quantity
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
-from .rehearsal import Played, apart, off, rehearse
+from .rehearsal import Played, apart, rehearse
 
 _MODELS = budget(
     4, "models", why="the first and its closest rivals; each further one costs a simulation of every experiment"
@@ -168,7 +169,7 @@ def _sharpening(
         slopes = played.derivatives[i]
         if slopes is None:
             continue
-        rows = np.stack([off(row, slopes[count:]) for row in slopes[:count]]) * size[:, None]
+        rows = off(orthonormal(slopes[count:]), slopes[:count]) * size[:, None]
         information = prior + rows @ rows.T
         # twice what it tells beyond what is known (Lindley 1956), which is never negative
         gain = (float(np.linalg.slogdet(information)[1]) - known) * (1.0 if plans[i].relative <= 1.0 else DARING)

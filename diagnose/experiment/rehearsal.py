@@ -9,6 +9,7 @@ import numpy as np
 
 from ...identify.problem.data import Data, equivalent_resonance
 from ...identify.problem.descent import search
+from ...identify.problem.linearised import off, orthonormal
 from ...identify.problem.output_error import OutputError, State
 from ...identify.problem.segments import FORCE_BAND, Segment
 from ...identify.problem.structure import parameter_bounds, parameter_sizes
@@ -108,22 +109,7 @@ def _noise(segment: Segment, response: np.ndarray, model: Oscillator, data: Data
 def apart(played: Played, other: Played, i: int) -> float:
     """By how many times the noise two models differ, the more easily imitated direction counting."""
     a, b = played.responses[i], other.responses[i]
-    if a is None or b is None:
+    slopes = played.derivatives[i], other.derivatives[i]
+    if a is None or b is None or slopes[0] is None or slopes[1] is None:
         return 0.0
-    distances = []
-    for rival in (played, other):
-        slopes = rival.derivatives[i]
-        distances.append(float(np.linalg.norm(off(a - b, slopes))))
-    return min(distances)
-
-
-def off(difference: np.ndarray, slopes: np.ndarray | None) -> np.ndarray:
-    """What of the difference the slopes cannot imitate."""
-    if slopes is None:
-        return difference
-    size = np.linalg.norm(slopes, axis=1)
-    rows = slopes[size > 0] / size[size > 0, None]
-    if not rows.size:
-        return difference
-    basis, _ = np.linalg.qr(rows.T)
-    return difference - basis @ (basis.T @ difference)
+    return min(float(np.linalg.norm(off(orthonormal(rows), a - b))) for rows in slopes if rows is not None)

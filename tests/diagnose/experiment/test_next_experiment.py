@@ -169,7 +169,9 @@ def sweep(relative: float) -> Excitation:
 def answers(*responses: tuple[float, ...], imitates: float = np.inf) -> SimpleNamespace:
     """A model that answers each plan so, in units of the noise, and has nothing to re-tune."""
     own = tuple(np.array(response) for response in responses)
-    return SimpleNamespace(responses=own, derivatives=(None,) * len(own), imitates=lambda other, i: imitates)
+    return SimpleNamespace(
+        responses=own, derivatives=(np.zeros((0, 1)),) * len(own), imitates=lambda other, i: imitates
+    )
 
 
 @pytest.mark.parametrize(("beyond", "chosen"), [(0.98, 1.0), (1.02, 1.5)])

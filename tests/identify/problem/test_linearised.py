@@ -138,6 +138,7 @@ def test_what_the_states_of_a_segment_imitate_is_projected_out():
     assert off(basis, rows) == pytest.approx(np.zeros((3, 50)), abs=1e-12)
     other = random.standard_normal((2, 50))
     assert off(basis, other) @ basis.T == pytest.approx(np.zeros((2, 3)), abs=1e-12)
+    assert off(basis, other[0]) == pytest.approx(other[0] - rows.T @ np.linalg.lstsq(rows.T, other[0])[0], abs=1e-12)
     nothing = orthonormal(np.zeros((2, 50)))
     assert np.array_equal(off(nothing, other), other)
 
