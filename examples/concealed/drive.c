@@ -54,6 +54,18 @@ double drive_force(const Drive *drive, double t)
     return drive->peak * rise * value;
 }
 
+/* The force that is not recorded, N: straight lines between samples. */
+double drive_rest(const Drive *drive, double t)
+{
+    if (!drive->rest || t < 0.0) {
+        return 0.0;
+    }
+    const int last = drive->rests - 1, piece = (int)(t / drive->rest_interval);
+    const double *line = drive->rest + 2 * (piece < last ? piece : last);
+    const double part = t / drive->rest_interval - (piece < last ? piece : last);
+    return line[0] + line[1] * part;
+}
+
 /* Taylor coefficients of the sum of amplitude sin(2 pi f t + phase); lines holds f, amplitude, phase of each.
    With 25 samples a cycle of the highest line the remainder is (pi/25)^10/10! = 3e-16. */
 void drive_pieces(Drive *drive, const double *lines, int count)

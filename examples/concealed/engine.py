@@ -109,11 +109,13 @@ def simulate(
     samples: int,
     tolerance: float = TOLERANCE,
     steps_per_cycle: float = STEPS_PER_CYCLE,
+    rest: np.ndarray | None = None,
 ) -> Response:
     """Simulate `samples` samples at `fs` Hz of a rig that rests at `x0` m until the time 0.
 
-    `parameters` by the names of rig.h, SI and per unit mass; those not given are zero: their physics is off. Raises
-    ValueError for an unknown name, RuntimeError for a run that diverges.
+    `parameters` by the names of rig.h, SI and per unit mass; those not given are zero: their physics is off. `rest`,
+    (samples,) N, acts on the mass besides the drive, straight between the samples, and is not in the force given back.
+    Raises ValueError for an unknown name, RuntimeError for a run that diverges.
     """
     unknown = set(parameters) - set(parameter_names())
     if unknown:
@@ -123,6 +125,7 @@ def simulate(
     lines = np.ascontiguousarray(drive.lines, dtype=float)
     settings = np.array(drive.numbers(), dtype=float)
     force, x, shown = np.zeros((3, samples))
+    besides = None if rest is None else np.column_stack([rest, np.diff(rest, append=rest[-1])])
     counted = np.zeros(2, dtype=ctypes.c_long)
 
     def pointer(array: np.ndarray) -> ctypes.c_void_p:
@@ -133,6 +136,7 @@ def simulate(
         pointer(settings),
         pointer(lines),
         ctypes.c_int(len(lines)),
+        None if besides is None else pointer(besides),
         ctypes.c_double(x0),
         ctypes.c_double(fs),
         ctypes.c_int(samples),

@@ -279,11 +279,12 @@ static void begin(Walk *walk, double x0)
 
    parameters: as in PARAMETERS. drive: kind, peak N, start Hz, end Hz, length s, ramp s. lines: (count, 3) frequency
    Hz, amplitude, phase rad; of straight lines (count, 2) force and its rise; of hits (count, 3) beginning s, part of the peak, duration s.
+   rest: (samples, 2) N and its rise over a sample interval, on the mass and not recorded, or none.
    The rig rests at x0 m until t = 0. Samples are taken at i/fs s. Outputs, (samples) each:
    force N as commanded, displacement m of the mass, and what its sensor shows; counted: steps and events. Returns 0,
    or why not. */
-int concealed_run(const double *parameters, const double *drive, const double *lines, int count, double x0, double fs,
-                  int samples, double tolerance, double longest, double *force, double *x, double *shown, long *counted)
+int concealed_run(const double *parameters, const double *drive, const double *lines, int count, const double *rest,
+                  double x0, double fs, int samples, double tolerance, double longest, double *force, double *x, double *shown, long *counted)
 {
     Rig rig;
     Walk walk;
@@ -299,6 +300,9 @@ int concealed_run(const double *parameters, const double *drive, const double *l
     rig.drive.ramp = drive[5];
     rig.drive.hits = lines;
     rig.drive.count = count;
+    rig.drive.rest = rest;
+    rig.drive.rests = samples;
+    rig.drive.rest_interval = 1.0 / fs;
     if (rig.drive.kind == 3 || rig.drive.kind == 4) {
         rig.drive.interval = 1.0 / fs;
         rig.drive.pieces = samples;
@@ -313,7 +317,7 @@ int concealed_run(const double *parameters, const double *drive, const double *l
     walk.longest = walk.h = longest;
     begin(&walk, x0);
     for (int i = 0; i < samples && !status; i++) {
-        const double t = i / fs - rig.p.output_delay;
+        const double t = i / fs * (1.0 + rig.p.sensor_clock) - rig.p.output_delay;
         status = carry(&walk, t);
         force[i] = drive_force(&rig.drive, i / fs);
         x[i] = walk.y[0];

@@ -107,6 +107,17 @@ static double memory(const Rig *rig, const double *y)
     return force;
 }
 
+/* A hand that grasps the rig within a quarter of a cycle: a spring to where it is and a damper. */
+static double hand(const Parameters *p, double t, double x, double v)
+{
+    const double part = (t - p->hand_at) * p->omega / 1.5707963267948966;
+    if (p->hand_damping == 0.0 || part <= 0.0) {
+        return 0.0;
+    }
+    return (part < 1.0 ? part * part * (3.0 - 2.0 * part) : 1.0)
+         * (p->hand_damping * v + p->hand_stiffness * (x - p->hand_place));
+}
+
 /* Force per unit mass on the rig without dry friction, and the inertia that it moves, relative to the mass. */
 double rig_net(const Rig *rig, double t, const double *y, double *effective_mass)
 {
@@ -122,7 +133,8 @@ double rig_net(const Rig *rig, double t, const double *y, double *effective_mass
     if (p->tone != 0.0) {
         force += p->tone * sin(p->tone_omega * t + p->tone_phase);
     }
-    force -= spring(rig, t, y) + damping(rig, t, y) + memory(rig, y);
+    force += drive_rest(&rig->drive, t) / p->mass;
+    force -= spring(rig, t, y) + damping(rig, t, y) + memory(rig, y) + hand(p, t, x, v);
     if (p->preload != 0.0 && !rig->held) {
         force -= p->preload * rig->sign[ORIGIN];
     }

@@ -18,10 +18,11 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, as_completed
 from pathlib import Path
 
-from .make import options
+from .make import PARTS, options
+from .pace import remaining
 from .recordings import EXPERIMENTS
 from .score import score, summary
 from .scoreboard import page
@@ -38,6 +39,7 @@ def _settings(given: argparse.Namespace) -> list[str]:
     arguments += ["--count-per-effect", str(given.count_per_effect)] if given.count_per_effect else []
     arguments += ["--experiment", given.experiment] if given.experiment != "shaker" else []
     arguments += ["--sensor", given.sensor] if given.sensor != "displacement" else []
+    arguments += ["--dirty", str(given.dirty)] if given.dirty else []
     return arguments + (["--short", str(given.short)] if given.short else [])
 
 
@@ -52,17 +54,26 @@ def make_suite(folder: Path, settings: list[str]) -> str:
         known = json.loads(note.read_text(encoding="utf-8"))
         if known["settings"] != settings:
             raise ValueError(f"{folder}: holds the suite of {' '.join(known['settings'])}; name another folder")
+        if not known["sha256"]:
+            return _made(folder, settings)
         digest = sha256(suite / NAME)
         if digest != known["sha256"]:
             raise ValueError(
                 f"{suite / NAME}: is not the truth that was sealed ({known['sha256']}); start anew elsewhere"
             )
         return digest
-    if suite.exists():  # begun and not finished
+    return _made(folder, settings)
+
+
+def _made(folder: Path, settings: list[str]) -> str:
+    """Make the suite, or go on with dirty rigs that were begun."""
+    suite, note = folder / "suite", folder / "suite.json"
+    if suite.exists() and not (suite / PARTS).is_dir():  # begun and not finished
         shutil.rmtree(suite)
     folder.mkdir(parents=True, exist_ok=True)
+    note.write_text(json.dumps({"settings": settings, "sha256": ""}), encoding="utf-8")
     command = [sys.executable, "-P", "-m", "dashpot.examples.concealed.make", str(suite.resolve()), *settings]
-    run = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    run = subprocess.run(command, stdout=subprocess.PIPE, text=True, env=os.environ | ONE_THREAD, check=False)
     if run.returncode:
         raise RuntimeError(f"the suite could not be made: exit code {run.returncode}")
     digest = run.stdout.split()[-1]
@@ -125,8 +136,10 @@ def diagnose_all(folder: Path, jobs: int, timeout: float) -> None:
     todo = [rig for rig in rigs if not (folder / "results" / rig.name / "diagnosis.json").exists()]
     print(f"{len(rigs)} rigs, {len(rigs) - len(todo)} of them diagnosed already", flush=True)
     with ThreadPoolExecutor(jobs) as pool:
-        for line in pool.map(lambda rig: diagnose_rig(rig, folder / "results" / rig.name, timeout), todo):
-            print(line, flush=True)
+        futures = [pool.submit(diagnose_rig, rig, folder / "results" / rig.name, timeout) for rig in todo]
+        for count, done in enumerate(as_completed(futures), start=1):
+            seconds = [float(path.read_text()) for path in (folder / "results").glob("rig_*/seconds.txt")]
+            print(f"{done.result()}; {remaining(seconds, len(todo) - count, jobs)}", flush=True)
 
 
 def diagnose_recorded(folder: Path) -> list[dict]:
@@ -161,7 +174,7 @@ def main(arguments: list[str]) -> int:
         return 2
     print(f"SHA-256 of the sealed truth: {known}", flush=True)
     diagnose_all(given.output, given.jobs, given.timeout)
-    whole = not (given.short or given.kinds) and (given.scale, given.experiment) == ("nominal", "shaker")
+    whole = not (given.short or given.kinds or given.dirty) and (given.scale, given.experiment) == ("nominal", "shaker")
     recorded = diagnose_recorded(given.output) if whole else []
     print(report(given.output, known, recorded))
     print(given.output / "scoreboard.html")

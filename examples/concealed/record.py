@@ -17,24 +17,34 @@ FORCE_NOISE = 1e-3  # of the record's peak force, standard deviation
 def record(virtual: Virtual) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
     """Give the recordings, (n, 3) each with time s, force N, displacement m or acceleration m/s², and the truth.
 
+    Where nothing drives the rig in any recording there is no force: (n, 2).
+
     The rig was driven by the clean force; the recorded one has noise. A record's noise floor is the rms of what the
-    noise adds to the displacement over the standard deviation of the recorded one: the NRMSE of a perfect model.
+    noise adds to the displacement over the standard deviation of the recorded one: the NRMSE of a perfect model. Of a
+    dirty rig's recordings held out `reachable` is the NRMSE of the exact law.
     """
     rng = np.random.default_rng([*virtual.entropy, 4])
     tables, recordings = {}, {}
+    dirt = virtual.dirt or {}
+    driven = any(plan.drive.kind != "none" for plan in virtual.plans.values())
     for name, response in virtual.responses.items():
         peak = float(np.abs(response.force).max())
         force = response.force + FORCE_NOISE * peak * rng.standard_normal(len(response.force))
         shown = measured(rng, virtual.noise, response.shown)
-        tables[name] = np.column_stack([np.arange(len(force)) / virtual.base.fs, force, shown])
+        channels = [np.arange(len(force)) / virtual.base.fs, *([force] if driven else []), shown]
+        tables[name] = np.column_stack(channels)
+        noise = float(np.sqrt(np.mean((shown - response.shown) ** 2)))
+        moving = float(shown[dirt.get("held", {}).get(name, 0) :].std())
         recordings[name] = {
-            "noise_floor": float(np.sqrt(np.mean((shown - response.shown) ** 2)) / shown.std()),
+            "noise_floor": noise / moving,
             "peak_force_N": peak,
             "amplitude_m": amplitude(response.x),
             "length_s": len(force) / virtual.base.fs,
             "drive": virtual.plans[name].drive.kind,
             "phases": virtual.phases[name],
         }
+        if name in dirt.get("reachable", {}):
+            recordings[name]["reachable"] = float(np.hypot(dirt["reachable"][name], noise) / moving)
     spec = virtual.spec
     parameters = {
         key: float(value) for key, value in virtual.rig(virtual.trial.plan.training[-1], virtual.level).items()
@@ -54,5 +64,5 @@ def record(virtual: Virtual) -> tuple[dict[str, np.ndarray], dict[str, Any]]:
         "noise": virtual.noise,
         "redraws": virtual.redraws,
         "recordings": recordings,
-    }
+    } | ({"dirt": dirt} if dirt else {})
     return tables, truth

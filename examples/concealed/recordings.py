@@ -28,12 +28,14 @@ Rig = Callable[[str, float], dict[str, float]]
 """A rig's parameters in the recording of that name, when the strong sweep has that peak force, N."""
 
 
-def run(rig: Rig, base: Base, name: str, plan: Plan, level: float, **accuracy: float) -> Response:
-    """Simulate one recording of a rig; `level` N is the peak force of its strong sweep.
+def run(
+    rig: Rig, base: Base, name: str, plan: Plan, level: float, rest: np.ndarray | None = None, **accuracy: float
+) -> Response:
+    """Simulate one recording of a rig; `level` N is the peak force of its strong sweep, `rest` as in `simulate`.
 
     Raises RuntimeError where it diverges.
     """
-    return simulate(rig(name, level), plan.drive, plan.x0, base.fs, plan.samples, **accuracy)
+    return simulate(rig(name, level), plan.drive, plan.x0, base.fs, plan.samples, rest=rest, **accuracy)
 
 
 def _sweep(rng: np.random.Generator, base: Base, length: float) -> Drive:
@@ -103,6 +105,34 @@ def _shaken_at_random(rng: np.random.Generator, base: Base) -> list[Plan]:
     return [strong, weak, _ringdown(base), other, sweep]
 
 
+def _steps(rng: np.random.Generator, base: Base, length: float) -> Drive:
+    """A sine whose frequency is stepped through the resonance, its phase continuous; straight between the samples."""
+    frequency = base.omega / (2 * np.pi)
+    lines = np.linspace(rng.uniform(0.55, 0.75), rng.uniform(1.3, 1.7), int(rng.integers(12, 25))) * frequency
+    if rng.uniform() < 0.4:
+        lines = lines[::-1]
+    samples = round(length * base.fs)
+    step = np.minimum(np.arange(samples) * len(lines) // samples, len(lines) - 1)
+    phase = 2 * np.pi * np.cumsum(lines[step]) / base.fs
+    force = np.sin(phase - phase[0])
+    table = np.column_stack([force, np.diff(force, append=0.0)])
+    return Drive("straight", 1.0, length=length, ramp=rng.uniform(2.0, 5.0) / frequency, lines=table)
+
+
+def _stepped(rng: np.random.Generator, base: Base) -> list[Plan]:
+    """Stepped sines at two levels, a decay; a stepped sine and a sweep held out."""
+    drives = [_steps(rng, base, base.length) for _ in range(3)] + [_sweep(rng, base, base.length)]
+    strong, weak, other, sweep = (_plan(base, drive) for drive in drives)
+    return [strong, weak, _ringdown(base), other, sweep]
+
+
+def _decays(rng: np.random.Generator, base: Base) -> list[Plan]:
+    """Let go five times, farther or less far, from either side; nothing else drives it."""
+    parts = [1.0, *(rng.uniform(low, high) for low, high in ((0.35, 0.5), (0.6, 0.75), (0.75, 0.95), (0.3, 0.5)))]
+    sides = rng.choice([-1.0, 1.0], len(parts))
+    return [replace(_ringdown(base), x0=base.amplitude * part * side) for part, side in zip(parts, sides, strict=True)]
+
+
 def _hits(rng: np.random.Generator, base: Base, count: int, weakest: float) -> Drive:
     """Blows of a hammer with the ring-down after each, the strongest of part 1; first the rig is at rest."""
     frequency = base.omega / (2 * np.pi)
@@ -146,6 +176,10 @@ EXPERIMENTS = {
     "random": Experiment(
         ("random_high", "random_low", "ringdown"), ("holdout_random", "holdout_sweep"), _shaken_at_random
     ),
+    "stepped": Experiment(("stepped_high", "stepped_low", "ringdown"), ("holdout_stepped", "holdout_sweep"), _stepped),
+    "decays": Experiment(
+        ("release_high", "release_low", "release_between"), ("holdout_release", "holdout_small_release"), _decays
+    ),
     # a blow lasts a tenth of a cycle, and its shape must be seen
     "hammer": Experiment(("hits_high", "hits_low", "hits_mixed"), ("holdout_hits", "holdout_high"), _hammer, 3.0),
 }
@@ -185,6 +219,8 @@ def set_levels(
         return amplitude(run(rig, base, name, at_level(plans[name], peak), level).x)
 
     force = _first_guess(base, plans[strong].drive)
+    if plans[strong].drive.kind == "none":
+        return plans, force
     for _ in range(8):
         peak = reached(strong, force, force)
         if abs(peak / base.amplitude - 1) < 0.05:

@@ -36,6 +36,8 @@
     X(speed_stiffness) X(inertia) X(damping_rate) X(friction_gain) X(friction_time) \
     X(valve_damping) X(valve_speed) X(switched_damping) X(switch_omega) X(switch_width) X(switch_memory) \
     X(second_coupling) X(second_omega) X(second_zeta) X(force_factor) X(sensor_play) \
+    /* a lab's imperfections: a hand that stops the rig from `hand_at` s on; a sensor whose clock runs fast by a part */ \
+    X(hand_at) X(hand_damping) X(hand_stiffness) X(hand_place) X(sensor_clock) \
     /* sizes, for tolerances: working amplitude m, natural frequency rad/s, peak force per mass m/s^2 */ \
     X(amplitude) X(omega) X(force)
 
@@ -87,6 +89,9 @@ typedef struct {
     double *taylor;             /* (pieces, TAYLOR), of kinds 3 and 4, about the middle of the piece */
     const double *hits;         /* (count, 3), of kind 5: beginning s, part of the peak, duration s */
     int count;
+    const double *rest;         /* (rests, 2) N, or none: a force on the mass that is not recorded, in straight lines */
+    int rests;
+    double rest_interval;       /* s */
 } Drive;
 
 typedef struct {
@@ -102,6 +107,7 @@ typedef struct {
 
 const double *rig_branch(const Parameters *p, int i); /* stiffness and relaxation rate of a Maxwell branch */
 double drive_force(const Drive *drive, double t);
+double drive_rest(const Drive *drive, double t);
 void drive_pieces(Drive *drive, const double *lines, int count);
 void drive_straight(Drive *drive, const double *lines, int count);
 

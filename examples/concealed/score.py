@@ -2,125 +2,21 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from itertools import pairwise
 from pathlib import Path
 from statistics import median
 from typing import Any
 
+from .answer import RigScore, read_answer, score_rig
+from .dirty_score import dirty_score, dirty_targets
+
 CLOSE = 1.03  # times the noise floor: as good as the truth itself
 #: Edges of the calibration curve: probabilities that diagnoses give for what they name.
 EDGES = (0.0, 0.5, 0.9, 0.95, 0.99, 0.999, 1.0)
 FORMAT = "concealed-score/1"
-
-
-@dataclass(frozen=True)
-class Answer:
-    """What a diagnosis says: its effects in order, each with those it calls indistinguishable from it.
-
-    `odds` are those stated with each effect. `held_out` has each record's name with its NRMSE before and after.
-    `problem` says why there is no answer, if so.
-    """
-
-    verdict: str = ""
-    named: tuple[str, ...] = ()
-    groups: tuple[tuple[str, ...], ...] = ()
-    odds: tuple[float, ...] = ()
-    remainder: bool = False
-    held_out: tuple[tuple[str, float, float], ...] = ()
-    problem: str = ""
-
-
-@dataclass(frozen=True)
-class RigScore:
-    """One rig: what was concealed, what was said, and how that counts.
-
-    `strict`: the first effect named is the concealed one; `alone`: and no other is called indistinguishable; `group`:
-    it is the first effect or in its group; `twin`: the first effect gives the very same equation. `found` counts the
-    concealed effects that are in any group. `before` and `after`: worst held-out NRMSE over the truth's noise floor.
-    """
-
-    rig: str
-    kind: str
-    concealed: tuple[str, ...]
-    variants: tuple[str, ...]
-    answer: Answer
-    strict: bool
-    alone: bool
-    group: bool
-    twin: bool
-    found: int
-    false_alarm: bool
-    unexplained: bool
-    before: float | None
-    after: float | None
-
-
-def _number(value: Any) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not value >= 0:
-        raise ValueError(f"{value!r} is no positive number")
-    return float(value)
-
-
-def read_answer(path: Path) -> Answer:
-    """Read a diagnosis.json; one that is missing or broken gives an answer with a `problem`, never an exception."""
-    try:
-        content = json.loads(path.read_text(encoding="utf-8"))
-        effects = content["effects"]
-        return Answer(
-            verdict=str(content["verdict"]),
-            named=tuple(str(effect["effect"]) for effect in effects),
-            groups=tuple(tuple(map(str, effect.get("indistinguishable_from") or ())) for effect in effects),
-            odds=tuple(_number(effect.get("odds", 0.0)) for effect in effects),
-            remainder=content.get("remainder") is not None,
-            held_out=tuple(
-                (Path(str(row["file"])).name.split(".")[0], _number(row["nrmse_before"]), _number(row["nrmse_after"]))
-                for row in content["fit"]["holdout"]
-                if row["nrmse_before"] is not None and row["nrmse_after"] is not None
-            ),
-        )
-    except OSError:
-        return Answer(problem="no diagnosis.json")
-    except (ValueError, KeyError, TypeError, AttributeError) as problem:
-        return Answer(problem=f"diagnosis.json cannot be read: {type(problem).__name__}: {problem}")
-
-
-def score_rig(rig: str, truth: dict[str, Any], answer: Answer) -> RigScore:
-    """Hold one answer against the truth of its rig."""
-    concealed = tuple(truth["effects"])
-    first = answer.named[0] if answer.named else ""
-    sets = [{name, *group} for name, group in zip(answer.named, answer.groups, strict=True)]
-    strict = truth["kind"] == "single" and first == concealed[0]
-    floors = {name: record["noise_floor"] for name, record in truth["recordings"].items()}
-    ratios = [
-        (before / floors[name], after / floors[name]) for name, before, after in answer.held_out if name in floors
-    ]
-    return RigScore(
-        rig=rig,
-        kind=truth["kind"],
-        concealed=concealed,
-        variants=tuple(truth["variants"]),
-        answer=answer,
-        strict=strict,
-        alone=strict and len(sets[0]) == 1,
-        group=truth["kind"] == "single" and bool(sets) and concealed[0] in sets[0],
-        twin=first in truth.get("twins", ()),
-        found=sum(any(name in names for names in sets) for name in concealed)
-        if truth["kind"] in {"single", "two"}
-        else 0,
-        false_alarm=truth["kind"] == "none" and bool(answer.named),
-        unexplained=answer.verdict == "unexplained" or answer.remainder or any(map(_learnt, answer.named)),
-        before=max((before for before, _ in ratios), default=None),
-        after=max((after for _, after in ratios), default=None),
-    )
-
-
-def _learnt(effect: str) -> bool:
-    """Whether what is named has a shape and no cause: physics of no list is told as such."""
-    return effect.startswith("free/")
 
 
 def _share(flags: Iterable[bool]) -> float | None:
@@ -171,10 +67,10 @@ def _target(words: str, value: float | None, limit: float, at_most: bool = False
 def calibration(rigs: Sequence[RigScore]) -> list[dict[str, Any]]:
     """How often what is named with a stated probability is right; only rigs whose physics has a name count."""
     stated = [
-        (odds / (1.0 + odds), bool({name, *group} & set(rig.concealed)))
+        (chance, bool({name, *group} & set(rig.concealed)))
         for rig in rigs
         if rig.kind != "open"
-        for name, group, odds in zip(rig.answer.named, rig.answer.groups, rig.answer.odds, strict=False)
+        for name, group, chance in zip(rig.answer.named, rig.answer.groups, rig.answer.chances, strict=False)
     ]
     curve = []
     for low, high in pairwise(EDGES):
@@ -217,8 +113,8 @@ def targets(rigs: Sequence[RigScore], scale: str) -> list[dict[str, Any]]:
 def score(truth: dict[str, Any], results: Path) -> dict[str, Any]:
     """Score a suite: `truth` as unsealed, `results` the folder with rig_001/diagnosis.json and so on.
 
-    Gives targets, one row for each effect (then none, open, two), and one entry for each rig. A diagnosis that is
-    missing counts as a miss.
+    Gives targets, one row for each effect (then none, open, two), and one entry for each rig; for dirty rigs also
+    their own score as `dirty`, with their own targets. A diagnosis that is missing counts as a miss.
     """
     rigs = [
         score_rig(name, concealed, read_answer(results / name / "diagnosis.json"))
@@ -230,11 +126,13 @@ def score(truth: dict[str, Any], results: Path) -> dict[str, Any]:
     others = {"none": "nothing missing", "open": "physics of no list", "two": "two effects"}
     rows += [row(words, some) for kind, words in others.items() if (some := [rig for rig in rigs if rig.kind == kind])]
     singles = [rig for rig in rigs if rig.kind == "single"]
+    dirty = dirty_score(rigs, truth["rigs"]) if truth.get("dirty") else None
     return {
         "format": FORMAT,
         "seed": truth["seed"],
         "scale": truth["scale"],
-        "targets": targets(rigs, truth["scale"]),
+        "targets": dirty_targets(dirty["figures"]) if dirty else targets(rigs, truth["scale"]),
+        "dirty": dirty,
         "calibration": calibration(rigs),
         "singles": row("one effect", singles) if singles else None,
         "rows": rows,
@@ -247,9 +145,10 @@ def summary(board: dict[str, Any]) -> str:
     """The score in a few lines for a terminal."""
     lines = []
     for target in board["targets"]:
-        value, limit = (
-            f"{x:.0f}" if target["at_most"] else f"{100 * x:.0f} %" for x in (target["value"], target["limit"])
-        )
+        counted = target["at_most"] and "error" not in target
+        scale, unit = (1, "") if counted else (100, " %")
+        error = f" ± {100 * target['error']:.0f}" if "error" in target else ""
+        value, limit = f"{scale * target['value']:.0f}{error}{unit}", f"{scale * target['limit']:.0f}{unit}"
         asked = f"{'at most' if target['at_most'] else 'target'} {limit}"
         lines.append(f"{'met   ' if target['met'] else 'missed'} {target['target']}: {value} ({asked})")
     singles = board["singles"]
@@ -259,11 +158,16 @@ def summary(board: dict[str, Any]) -> str:
             f"{singles['group']} in the group, {singles['twin']} named by a twin, {singles['failed']} failed; "
             f"a further effect is named beside it on {singles['more_named']}"
         )
-    for part in board["calibration"]:
+    for part in board["calibration"] if not board["dirty"] else []:
         lines.append(
             f"named with {100 * part['above']:g} to {100 * part['below']:g} %: {part['right']} of {part['named']} right"
         )
     for group in board["rows"]:
         if group["name"] == "two effects":
             lines.append(f"{group['rigs']} rigs with two effects: both found in {group['both']}, one in {group['one']}")
+    for part in board["dirty"]["reliability"] if board["dirty"] else []:
+        lines.append(
+            f"stated {100 * part['stated']:.1f} % ({100 * part['low']:.1f} to {100 * part['high']:.1f}): right in "
+            f"{part['right']} of {part['of']}, {100 * part['share']:.0f} ± {100 * part['error']:.0f} %"
+        )
     return "\n".join(lines)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,7 @@ STRENGTH = {"nominal": 1.0, "small": 0.2}
 VISIBLE = 3.0  # times the noise: the least rms difference that an effect makes in a training record
 ATTEMPTS = 200
 CHAOTIC = {"rattling-mass"}  # never comes out the same twice, and is wanted all the same
+CAMERA = 0.35  # times as often as another sensor
 BARELY = 1e-9  # relative change of the stiffness that must not change a record visibly: else it does not repeat
 
 Conceal = Callable[[float, str], Rig]
@@ -26,7 +28,10 @@ Conceal = Callable[[float, str], Rig]
 
 @dataclass(frozen=True)
 class Trial:
-    """How a rig is tried: the name of its experiment, and what its sensor shows, displacement or acceleration."""
+    """How a rig is tried: the name of its experiment, and what its sensor shows: displacement or acceleration.
+
+    A camera shows displacement, a third as often.
+    """
 
     experiment: str = "shaker"
     quantity: str = "displacement"
@@ -46,7 +51,8 @@ class Virtual:
     """A virtual rig that is fit for a test.
 
     `plans` are its recordings with their force levels, `level` N the peak force of the strong sweep, `responses` what
-    they give without noise, `phases` the random phases of each recording, rad. `entropy` seeds its sensors' noise.
+    they give without noise, `phases` the random phases of each recording, rad. `entropy` seeds its sensors' noise;
+    `dirt` has what was measured of its imperfections, where it has any.
     """
 
     spec: Spec
@@ -61,6 +67,7 @@ class Virtual:
     phases: dict[str, dict[str, float]]
     entropy: list[int]
     redraws: int
+    dirt: dict[str, Any] | None = None
 
 
 def draw(
@@ -89,7 +96,8 @@ def _draw_once(
 ) -> Virtual:
     rngs = [np.random.default_rng([*entropy, stream]) for stream in range(4)]
     base, experiment = draw_base(rngs[0], cycles), trial.plan
-    base = replace(base, fs=base.fs * experiment.faster)
+    slower = CAMERA if trial.quantity == "camera" else 1.0
+    base = replace(base, fs=base.fs * experiment.faster * slower)
     if trial.quantity == "acceleration":
         parameters = base.parameters | {"accelerometer": 1.0}
         base = replace(base, noise=base.noise * base.omega**2, parameters=parameters)

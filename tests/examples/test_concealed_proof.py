@@ -80,3 +80,20 @@ def test_the_blind_test_from_suite_to_scoreboard(tmp_path, stand_in, capsys):
     (folder / "suite/truth.sealed").write_bytes(b"forged")
     assert proof.main(command) == 2
     assert "is not the truth that was sealed" in capsys.readouterr().err
+
+
+@pytest.mark.long
+def test_the_blind_test_of_dirty_rigs_goes_on_where_it_stopped(tmp_path, stand_in, capsys):
+    folder = tmp_path / "blind"
+    command = ["-o", str(folder), "--seed", "6", "--dirty", "2"]
+    (folder / "suite" / "parts").mkdir(parents=True)
+    note = {"settings": ["--seed", "6", "--scale", "nominal", "--dirty", "2"], "sha256": ""}
+    (folder / "suite.json").write_text(json.dumps(note))
+    proof.main(command)
+    assert "rig_002: diagnosed" in capsys.readouterr().out
+    board = json.loads((folder / "scoreboard.json").read_text())
+    assert board["dirty"]["figures"]["false"]["of"] == 0
+    assert board["dirty"]["figures"]["first"]["of"] == 2
+    assert json.loads((folder / "suite.json").read_text())["sha256"] == board["sha256"]
+    proof.main(command)
+    assert "2 of them diagnosed already" in capsys.readouterr().out

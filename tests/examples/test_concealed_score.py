@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from dashpot.examples.concealed.score import read_answer, score, summary
+from dashpot.examples.concealed.answer import read_answer
+from dashpot.examples.concealed.score import score, summary
 from dashpot.examples.concealed.scoreboard import page
 from dashpot.examples.concealed.seal import SealBroken, open_sealed, seal, sha256
 
