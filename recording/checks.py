@@ -12,13 +12,11 @@ import numpy as np
 from .channel_range import lasting, reach
 from .clipping import Clipping, clipping, measured, noise_of
 from .continuity import folded, leaps, noise_beside, repeated, wrapped
-from .oscillation import Oscillation, decays, is_one_decay, is_white, oscillation_of
+from .oscillation import Oscillation, is_one_decay, is_white, oscillation_of
 from .recording import QUANTITIES, Recording
 from .resolution import converter_step
-from .short_decay import is_short_decay
 from .units import STANDARD_GRAVITY, parse_unit
 
-FREE_CYCLES = 5  # a decay has to be seen to fall
 FORCED_CYCLES = 4  # the force says where each cycle comes from, so slightly fewer do
 SCANT_CYCLES = 10
 FORCE_IS_NOISE = "the force is unrelated noise and the response a free decay; the force is left out"
@@ -233,36 +231,14 @@ def too_few_cycles(recording: Recording, motion: Oscillation) -> list[Problem]:
     """Find a record in which the response swings only a few times beyond its noise."""
     if any(problem.severity == "error" for problem in undersampled(recording, motion)):
         return []  # the cycles are not in the samples: said already
-    need = FREE_CYCLES if _free(recording) else FORCED_CYCLES
     what = f"only {motion.cycles:g} oscillation cycles stand out of the noise in {recording.duration:.4g} s"
-    if motion.cycles < need and not (_free(recording) and is_short_decay(recording.response, recording.fs)):
-        return [_error(recording, f"{what}, {_too_few(recording, need)}; record for longer or at a higher level")]
+    if motion.cycles < FORCED_CYCLES and not _free(recording):
+        return [
+            _error(recording, f"{what}, at least {FORCED_CYCLES} are needed; record for longer or at a higher level")
+        ]
     if motion.cycles < SCANT_CYCLES:
         return [_note(recording, f"{what}; {SCANT_CYCLES} or more would give better estimates")]
     return []
-
-
-def _too_few(recording: Recording, need: int) -> str:
-    """What is missing: cycles or, in free motion, knowledge of its fall."""
-    if _free(recording):
-        return f"at least {need} are needed where their fall cannot be told from noise or from a steady tone"
-    return f"at least {need} are needed"
-
-
-def no_decay(recording: Recording, motion: Oscillation) -> list[Problem]:
-    """Find a record without force whose amplitude nowhere falls, so that it is no free decay."""
-    if not _free(recording) or motion.cycles < FREE_CYCLES:
-        return []
-    if decays(recording.response, recording.fs, motion.frequency):
-        return []
-    how = "the force is zero throughout" if recording.force is not None else "there is no force column"
-    return [
-        _error(
-            recording,
-            f"no decay: {how}, yet the amplitude of the response nowhere falls steadily; "
-            "record a release and what follows, or give the force with --force",
-        )
-    ]
 
 
 def wrong_unit(recording: Recording, motion: Oscillation) -> list[Problem]:
@@ -345,7 +321,6 @@ _JUDGES: tuple[Callable[[Recording, Oscillation], list[Problem]], ...] = (
     clipped,
     undersampled,
     too_few_cycles,
-    no_decay,
     wrong_unit,
     no_reach,
     one_signal,

@@ -11,11 +11,10 @@ from .recording import Recording
 
 NOISE_BAND = 0.8  # of Nyquist: above it a vibration record holds little but noise
 SMALLEST = 1e-3  # of the peak: -60 dB, below it no cycle is counted even without noise
-DECAY_WINDOWS = (5, 10, 20, 40)  # cycles
 LEAST_FALL = 0.10  # relative: a steady tone's amplitude stays within a few percent
 LEAST_SWINGS = 5  # what swings fewer times in a record is no oscillation of it
 SLOW_PARTS = 3  # a held position, a rest position and a drift
-LUCK = 0.01  # chance of calling noise a decay, over all windows tried
+LUCK = 0.01  # chance of calling noise a decay
 
 
 @dataclass(frozen=True)
@@ -122,28 +121,3 @@ def _cycle_rms(signal: np.ndarray, fs: float, frequency: float) -> np.ndarray:
     block = min(max(round(fs / frequency), 3), len(signal))
     blocks = len(signal) // block
     return np.std(signal[: blocks * block].reshape(blocks, block), axis=1)
-
-
-def decays(signal: np.ndarray, fs: float, frequency: float) -> bool:
-    """Whether the amplitude falls steadily anywhere, over 5 cycles or more.
-
-    The logarithm of the rms of each cycle is fitted by straight lines over windows of several lengths; a decay is a
-    fall of at least 10 % whose slope white noise would not show by chance in any of the windows tried (Bonferroni).
-    """
-    from scipy.stats import t as student
-
-    rms = _cycle_rms(signal / np.max(np.abs(signal)), fs, frequency)  # whose squares are still numbers
-    blocks = len(rms)
-    level = np.log(np.maximum(rms, 1e-9 * rms.max()))
-    windows = [w for w in {*DECAY_WINDOWS, blocks} if 5 <= w <= blocks]
-    tried = sum(blocks - w + 1 for w in windows)
-    for width in windows:
-        view = np.lib.stride_tricks.sliding_window_view(level, width)
-        x = np.arange(width) - (width - 1) / 2
-        slope = view @ x / (x @ x)
-        residual = view - view.mean(axis=1, keepdims=True) - slope[:, None] * x
-        error = np.sqrt((residual**2).sum(axis=1) / (width - 2) / (x @ x)) + np.finfo(float).eps
-        chance = student.cdf(slope / error, width - 2) * tried
-        if np.any((chance < LUCK) & (slope * (width - 1) < np.log(1 - LEAST_FALL))):
-            return True
-    return False

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
 class Decay:
-    """A free decay: samples start to stop of a recording, as Python slices them."""
+    """A free decay: samples start to stop of a recording, as Python slices them.
+
+    ``omega`` and ``rate``: its natural frequency, rad/s, and the rate of its fall, 1/s, where it was taken because
+    these are known, however few cycles it has.
+    """
 
     start: int
     stop: int
+    omega: float | None = field(default=None, compare=False)
+    rate: float | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from ...recording.fact import fact
 from ...recording.short_decay import LEAST_CYCLES, is_short_decay
+from ..signals.signals import Signal, response_of
 from .beating import without_beats
 from .blow_answer import answers_against
 from .blows import blows_of, ringing
@@ -17,10 +19,17 @@ from .envelope import SHORTEST_CYCLES, envelope_of
 from .excluded_ranges import left_out
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
+from .free_motion import goes_on, pieces_of
+from .pieces import FREE, Piece, free_pieces
 from .swings import swings_of
 
 if TYPE_CHECKING:
     from ...recording.recording import Recording
+
+#: What swings for so many cycles beside a free piece, and is none, was driven; a hand's way is shorter.
+_DRIVEN = 3.0
+#: Pieces that leave out more than a tenth of what an envelope takes are those of a model that does not fit.
+_TAKES = 0.9
 
 __all__ = ["Blow", "Decay", "FreeMotion", "find_decays", "find_free_motion", "force_is_silent"]
 
@@ -33,6 +42,72 @@ def find_decays(recording: Recording) -> tuple[Decay, ...]:
 @fact("name", "response", "force", "fs", "start", "free", "quantity")
 def find_free_motion(recording: Recording) -> FreeMotion:
     """Find the free decays of a recording and say what was left out.
+
+    Without a force the recording is divided into pieces (``motion.segmentation``), and the free ones that tell
+    frequency and damping of one rig are its decays, however few cycles they have. Where one damped mode is no model of
+    the motion, because several ring or its frequency glides within two cycles, its envelope decides.
+    """
+    by_envelope = _by_envelope(recording)
+    force = recording.force
+    if recording.free or not (force is None or np.ptp(force) == 0):
+        return by_envelope
+    pieces = pieces_of(response_of(recording))
+    if not _believed(pieces, by_envelope.decays, recording.n):
+        return by_envelope
+    decays: list[Decay] = []
+    for piece in free_pieces(pieces):
+        decay = _decay(piece, pieces, recording.fs)
+        if decays and _is_one(response_of(recording), decays[-1], decay, by_envelope.decays):
+            decay = replace(decays.pop(), stop=decay.stop)
+        decays.append(decay)
+    motion, envelope = FreeMotion(tuple(decays)), envelope_of(recording)
+    return replace(motion, notes=left_out(recording, envelope, motion) if envelope is not None else ())
+
+
+def _is_one(response: Signal, one: Decay, other: Decay, by_envelope: Sequence[Decay]) -> bool:
+    """Whether two decays that meet are one that glides: neither its envelope nor its swings break between them."""
+    omega = one.omega or 0.0
+    near = (other.start - one.stop) * omega < np.pi * response.fs
+    whole = any(
+        decay.start <= one.start + (one.stop - one.start) / 2 and other.stop <= decay.stop for decay in by_envelope
+    )
+    return bool(near and whole and goes_on(response, (one.stop + other.start) // 2, omega))
+
+
+def _decay(piece: Piece, pieces: Sequence[Piece], fs: float) -> Decay:
+    """The decay of a free piece: after motion that swings and is not free, a cycle later.
+
+    What drove it was switched off where the amplitude had its corner, which the noise and the glide hide for a while.
+    """
+    cycle = 2 * np.pi / piece.omega * fs
+    before = max((p for p in pieces if p.start < piece.start), key=lambda p: p.start, default=None)
+    late = (
+        before is not None
+        and before.kind == FREE
+        and before not in free_pieces(pieces)
+        and min(before.stop - before.start, piece.stop - piece.start) > _DRIVEN * cycle
+    )
+    start = piece.start + (round(cycle) if late else 0)
+    stop = max(piece.audible, min(piece.stop, start + round(cycle)))
+    return Decay(start, stop, float(piece.omega), float(piece.rate))
+
+
+def _believed(pieces: Sequence[Piece], decays: Sequence[Decay], n: int) -> bool:
+    """Whether the pieces tell the free motion: a third of what swings, nearly all of what envelopes take."""
+    taken, free, before = (np.zeros(n, bool) for _ in range(3))
+    for piece in free_pieces(pieces):
+        taken[piece.start : piece.stop] = True
+    for piece in pieces:
+        free[piece.start : piece.stop] = piece.kind == FREE
+    for decay in decays:
+        before[decay.start : decay.stop] = True
+    before &= free
+    much = np.count_nonzero(taken) > np.count_nonzero(free) / 3  # a hand's ways swing too
+    return bool(much and np.count_nonzero(taken & before) >= _TAKES * np.count_nonzero(before))
+
+
+def _by_envelope(recording: Recording) -> FreeMotion:
+    """The free decays by their envelope, and what was left out.
 
     With a force: from the sample after the force went off (its level over a cycle is down at its own noise) to where it
     comes on again. Without one, or with a force that is zero throughout: from where the motion was let go, or a cycle

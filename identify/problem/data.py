@@ -71,8 +71,8 @@ def data_of(
         names = ", ".join(recording.name for recording in recordings)
         raise BadInput(
             f"{names}: neither a free decay nor a stretch driven by a force that is long and loud enough to fit; "
-            "record a decay of at least ten cycles or a sweep through the resonance; where several modes ring, --mode "
-            "with the frequency of one in Hz takes that one alone"
+            "record a release and the ringing after it, or a sweep through the resonance; where several modes ring, "
+            "--mode with the frequency of one in Hz takes that one alone"
         )
     return measured(segments, recordings, model, lines, coarse=coarse)
 

@@ -138,6 +138,8 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
     if estimate.backbone is not None:
         omegas.insert(0, float(estimate.backbone.omega0))
     starts = [{"omega0": omega, "viscous": _PLAIN_DAMPING * omega} for omega in omegas]
+    if (told := _of_decays(estimate.decays)) is not None:
+        starts.insert(0, told)
     linear = estimate.linear
     if linear is not None:
         known = {"omega0": linear.omega0, "viscous": max(linear.viscous, 1e-3 * linear.omega0)}
@@ -201,6 +203,15 @@ def _regression(segments: list[Segment], notes: list[str]) -> tuple[RegressionSt
     return regressions[0], regressions[1]
 
 
+def _of_decays(decays: Sequence[Sequence[Decay]]) -> dict[str, float] | None:
+    """A linear rig by the frequencies and the falls of the decays of which they are known: of the longest."""
+    known = [d for some in decays for d in some if d.omega is not None and d.rate is not None]
+    if not known:
+        return None
+    longest = max(known, key=lambda d: d.stop - d.start)
+    return {"omega0": float(longest.omega or 0.0), "viscous": max(2 * float(longest.rate or 0.0), 0.0)}
+
+
 def _line(signal: Signal) -> float:
     """Frequency in Hz of a signal's largest line, whatever rests elsewhere or drifts beneath it."""
     return motion_frequency(signal.samples, signal.fs) or signal.frequency
@@ -233,9 +244,14 @@ def _combine(
         std = {k: fits[k + "_std"] for k in value}
     else:
         source = "spectrum"
-        value["omega0"] = 2 * np.pi * float(np.median([_line(m.displacement) for m in motions]))
-        value["viscous"] = _PLAIN_DAMPING * value["omega0"]
-        notes.append("No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum.")
+        if (known := _of_decays(decays)) is not None:
+            value |= known
+        else:
+            value["omega0"] = 2 * np.pi * float(np.median([_line(m.displacement) for m in motions]))
+            value["viscous"] = _PLAIN_DAMPING * value["omega0"]
+            notes.append(
+                "No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum."
+            )
     moved = [m.displacement.samples for m in motions]
     reach = max(float(np.quantile(np.abs(x - np.median(x)), 0.999)) for x in moved)
     _make_safe(value, reach, backbone, damping, notes)

@@ -115,20 +115,14 @@ def test_square_force_is_not_clipped():
 
 
 def test_too_few_cycles():
-    assert "only 1 oscillation cycles" in the_error(DECAY.slice(0, 90))
-    assert "at least 5 are needed" in the_error(DECAY.slice(0, 90))
-    assert errors(DECAY.slice(0, 200)) == []  # two and a half, and their fall is plain
-    steady = 5e-3 * np.cos(2 * np.pi * 12.67 * TIME[:200])
-    assert "at least 5 are needed" in the_error(replace(DECAY.slice(0, 200), response=steady))
-    assert any("oscillation cycles" in sentence for sentence in errors(FORCED.slice(0, 300)))
-    assert errors(DECAY.slice(0, 500)) == []
+    assert any("at least 4 are needed" in sentence for sentence in errors(FORCED.slice(0, 300)))
+    assert errors(DECAY.slice(0, 90)) == []  # of free motion what its cycles tell is asked, not how many they are
 
 
 def test_cycles_hidden_in_noise_do_not_count():
     noise = DECAY.response.max() * 0.2 * RNG.standard_normal(N)
-    assert any(
-        "stand out of the noise" in sentence for sentence in errors(replace(DECAY, response=rig(0 * TIME) + noise))
-    )
+    hidden = replace(FORCED, response=rig(0 * TIME) + noise)
+    assert any("stand out of the noise" in sentence for sentence in errors(hidden))
 
 
 def test_few_cycles_are_noted():
@@ -150,21 +144,6 @@ def test_undersampled():
 
 
 # --- decay
-
-
-@pytest.mark.parametrize("noise", [0.0, 0.01, 0.1])
-def test_steady_tone_is_no_decay(noise):
-    tone = 1e-3 * (np.sin(2 * np.pi * 13 * TIME) + noise * RNG.standard_normal(N))
-    assert "no decay: there is no force column" in the_error(replace(DECAY, response=tone))
-    assert "force is zero throughout" in the_error(replace(DECAY, response=tone, force=np.zeros(N)))
-
-
-def test_growth_is_no_decay():
-    assert "no decay" in the_error(replace(DECAY, response=1e-6 * np.exp(0.3 * TIME) * np.sin(2 * np.pi * 13 * TIME)))
-
-
-def test_noise_alone_is_refused():
-    assert "stand out of the noise" in the_error(replace(DECAY, response=1e-3 * RNG.standard_normal(N)))
 
 
 @pytest.mark.parametrize("rate", [0.02, 0.2, 2.0, 6.0])

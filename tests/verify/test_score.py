@@ -69,7 +69,7 @@ def test_a_decay_says_nothing_of_the_mass(recorded):
 
 
 def test_a_recording_that_tells_nothing_has_no_score(recorded):
-    record = recorded(begin=(8e-3, 0.1), fs=1000.0, seconds=0.05)
+    record = recorded(begin=(8e-3, 0.1), fs=1000.0, seconds=0.02)
     assert score_of(MODEL, record) is None
     assert standard_errors(MODEL, record) == {}
 
