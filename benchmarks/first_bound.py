@@ -37,6 +37,8 @@ def plain_errors(case: Case) -> tuple[float, float]:
     names = [name for name in NAMES if truth[name] or name == "viscous"]
     covariance = _covariance(case, names)[: len(NAMES), : len(NAMES)]
     size = 0.5 * float(np.max(np.abs(case.clean()[slice(*case.cut), 0])))
+    if size == 0.0:  # what moved it was cut away
+        return np.inf, np.inf
 
     def logarithms(values: np.ndarray) -> np.ndarray:
         p = dict(zip(NAMES, values, strict=True))
