@@ -19,8 +19,9 @@ from .envelope import SHORTEST_CYCLES, envelope_of
 from .excluded_ranges import left_out
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import goes_on, pieces_of
+from .free_motion import goes_on, modes_of_response, pieces_of
 from .pieces import FREE, Piece, free_pieces
+from .shared_modes import SharedModes
 from .swings import swings_of
 
 if TYPE_CHECKING:
@@ -43,15 +44,53 @@ def find_decays(recording: Recording) -> tuple[Decay, ...]:
 def find_free_motion(recording: Recording) -> FreeMotion:
     """Find the free decays of a recording and say what was left out.
 
-    Without a force the recording is divided into pieces (``motion.segmentation``), and the free ones that tell
-    frequency and damping of one rig are its decays, however few cycles they have. Where one damped mode is no model of
-    the motion, because several ring or its frequency glides within two cycles, its envelope decides.
+    Without a force, what the modes of one linear rig explain is its decays (``motion.shared_modes``), however few
+    cycles they have. Where its frequency glides, the recording is divided into pieces (``motion.segmentation``), and
+    the free ones that tell frequency and damping of one rig are its decays; where it glides within two cycles, its
+    envelope decides.
     """
     by_envelope = _by_envelope(recording)
     force = recording.force
     if recording.free or not (force is None or np.ptp(force) == 0):
         return by_envelope
-    pieces = pieces_of(response_of(recording))
+    shared = modes_of_response(response_of(recording))
+    if shared is not None and _explains(shared, by_envelope.decays, recording.n):
+        decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
+        motion = _described(recording, decays)
+        return replace(motion, notes=(*motion.notes, *_of_modes(recording, shared)))
+    return _by_pieces(recording, pieces_of(response_of(recording)), by_envelope)
+
+
+def _explains(shared: SharedModes, decays: Sequence[Decay], n: int) -> bool:
+    """Whether shared modes take nearly all of what is taken without them."""
+    taken, before = np.zeros(n, bool), np.zeros(n, bool)
+    for start, stop, _ in shared.pieces:
+        taken[start:stop] = True
+    for decay in decays:
+        before[decay.start : decay.stop] = True
+    return bool(np.count_nonzero(taken & before) >= _TAKES * np.count_nonzero(before))
+
+
+def _of_modes(recording: Recording, shared: SharedModes) -> tuple[str, ...]:
+    if shared.omega.size == 1:
+        return ()
+    at = ", ".join(f"{omega / (2 * np.pi):.4g}" for omega in shared.omega)
+    return (f"{recording.name}: several modes ring at once, at {at} Hz; a model of one is fitted to them",)
+
+
+def _shared_decay(shared: SharedModes, which: int, fs: float) -> Decay:
+    start, stop, audible = shared.pieces[which]
+    omega = float(shared.omega[shared.main])
+    return Decay(start, max(audible, min(stop, start + round(2 * np.pi / omega * fs))), omega, shared.rate)
+
+
+def _described(recording: Recording, decays: Sequence[Decay]) -> FreeMotion:
+    motion, envelope = FreeMotion(tuple(decays)), envelope_of(recording)
+    return replace(motion, notes=left_out(recording, envelope, motion) if envelope is not None else ())
+
+
+def _by_pieces(recording: Recording, pieces: Sequence[Piece], by_envelope: FreeMotion) -> FreeMotion:
+    """What is free of a motion that no modes of a linear rig explain: its frequency glides with its amplitude."""
     if not _believed(pieces, by_envelope.decays, recording.n):
         return by_envelope
     decays: list[Decay] = []
@@ -60,8 +99,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
         if decays and _is_one(response_of(recording), decays[-1], decay, by_envelope.decays):
             decay = replace(decays.pop(), stop=decay.stop)
         decays.append(decay)
-    motion, envelope = FreeMotion(tuple(decays)), envelope_of(recording)
-    return replace(motion, notes=left_out(recording, envelope, motion) if envelope is not None else ())
+    return _described(recording, decays)
 
 
 def _is_one(response: Signal, one: Decay, other: Decay, by_envelope: Sequence[Decay]) -> bool:

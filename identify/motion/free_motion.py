@@ -8,6 +8,7 @@ from ..signals.signals import Signal
 from .damped_windows import fit_windows
 from .pieces import Piece
 from .segmentation import segmented
+from .shared_modes import SharedModes, shared_modes
 
 #: Lines of the spectrum, of the motion and of its derivative, that a rig's own frequency is sought among.
 _LINES = 2
@@ -24,6 +25,12 @@ _LEAST = 4.0
 def pieces_of(response: Signal) -> tuple[Piece, ...]:
     """All pieces of a response, in order of time: free, held or moved."""
     return segmented(response.samples, response.fs, still_noise(response), periods_of(response.samples))[0]
+
+
+def modes_of_response(response: Signal) -> SharedModes | None:
+    """The pieces of a response that the modes of one linear rig explain; None where there are none."""
+    x = response.samples
+    return shared_modes(x, response.fs, still_noise(response), periods_of(x)) if np.ptp(x) > 0 else None
 
 
 def goes_on(response: Signal, edge: int, omega: float) -> bool:

@@ -1,0 +1,126 @@
+"""Damped modes that several pieces of a recording share, fitted to all of them by variable projection.
+
+Frequencies, damping ratios and the sensor's drift are common; the amplitudes and the constant of each piece are its own
+and linear, so that only the former are searched for (Golub and Pereyra 1973, with the Jacobian of Kaufman 1975).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+#: Steps of a search, and the gain of a step, as a part of what is left, below which it has converged.
+_STEPS, _CONVERGED = 10, 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Modes, and the drift of the sensor that shows them.
+
+    Attributes:
+        omega: (K,) undamped natural frequencies in radians a sample.
+        zeta: (K,) damping ratios.
+        covariance: (2K, 2K) of ln omega and zeta.
+        drift: of the constant, a sample.
+    """
+
+    omega: np.ndarray
+    zeta: np.ndarray
+    covariance: np.ndarray
+    drift: float = 0.0
+
+    @property
+    def count(self) -> int:
+        """Number of modes."""
+        return self.omega.size
+
+    @property
+    def cycle(self) -> float:
+        """Samples of a cycle of the slowest mode."""
+        return float(2 * np.pi / np.min(self.omega))
+
+    @property
+    def unknown(self) -> float:
+        """Standard deviation of ln omega and zeta together, the mean over the modes."""
+        return float(np.sqrt(np.trace(self.covariance) / self.count))
+
+    def columns(self, n: int) -> np.ndarray:
+        """(n, 2K + 1) cosine and sine of each mode, and a constant, over a piece of n samples."""
+        return _columns(self.omega, self.zeta, np.arange(n, dtype=float))[0]
+
+
+def fit_modes(pieces: Sequence[np.ndarray], start: Modes, deviation: Sequence[float]) -> tuple[Modes, np.ndarray]:
+    """Fit modes to pieces, each (n,), whose residuals have these standard deviations.
+
+    Returns:
+        The modes, and the sum of squares that each piece leaves, in its own unit.
+    """
+    count = start.count
+    unknown = np.concatenate([np.log(start.omega), start.zeta, [start.drift]])
+    low = np.concatenate([np.full(count, -np.inf), np.full(count, -0.5), [-np.inf]])
+    high = np.concatenate([np.full(count, np.log(3.1)), np.full(count, 0.99), [np.inf]])
+    normal, gradient, rss = _linearised(pieces, unknown, deviation)
+    damping, cost = 1e-3, float(np.sum(rss / np.square(deviation)))
+    for _ in range(_STEPS):
+        diagonal = np.diag(normal)
+        scale = np.sqrt(np.maximum(diagonal, 1e-300))
+        raised = normal / np.outer(scale, scale) + damping * np.eye(scale.size)
+        step = np.linalg.lstsq(raised, gradient / scale)[0] / scale
+        step[:-1] = np.clip(step[:-1], -0.3, 0.3)
+        tried_at = np.clip(unknown + step, low, high)
+        new = _linearised(pieces, tried_at, deviation)
+        tried = float(np.sum(new[2] / np.square(deviation)))
+        if tried < cost:
+            done = cost - tried < _CONVERGED * cost
+            (normal, gradient, rss), unknown, cost, damping = new, tried_at, tried, damping / 10
+            if done:
+                break
+        else:
+            damping = max(10 * damping, 1e-6)
+            if damping > 1e6:
+                break
+    scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
+    covariance = np.linalg.pinv(normal / np.outer(scale, scale), hermitian=True) / np.outer(scale, scale)
+    modes = Modes(np.exp(unknown[:count]), unknown[count:-1], covariance[:-1, :-1], float(unknown[-1]))
+    return modes, rss
+
+
+def _linearised(
+    pieces: Sequence[np.ndarray], unknown: np.ndarray, deviation: Sequence[float]
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Normal equations of ln omega, zeta and drift, the unknowns of each piece eliminated, and what is left of each."""
+    count = unknown.size // 2
+    omega, zeta, drift = np.exp(unknown[:count]), unknown[count:-1], unknown[-1]
+    normal, gradient, rss = np.zeros((unknown.size, unknown.size)), np.zeros(unknown.size), np.zeros(len(pieces))
+    for k, (piece, spread) in enumerate(zip(pieces, deviation, strict=True)):
+        times = np.arange(piece.size, dtype=float)
+        columns, moving = _columns(omega, zeta, times)
+        scale = np.linalg.norm(columns, axis=0)
+        basis, triangle = np.linalg.qr(columns / scale)
+        steady = piece - drift * times
+        seen = basis.T @ steady
+        residual = steady - basis @ seen
+        weights = (np.linalg.lstsq(triangle, seen)[0] / scale)[: 2 * count].reshape(count, 2)
+        jacobian = np.einsum("nmcp,mc->npm", moving, weights).reshape(piece.size, -1)
+        jacobian = np.concatenate([jacobian, times[:, None]], axis=1)
+        jacobian = jacobian - basis @ (basis.T @ jacobian)
+        normal += jacobian.T @ jacobian / spread**2
+        gradient += jacobian.T @ residual / spread**2
+        rss[k] = residual @ residual
+    return normal, gradient, rss
+
+
+def _columns(omega: np.ndarray, zeta: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(n, 2K + 1) columns, and (n, K, 2, 2) what each mode's cosine and sine change with its ln omega and its zeta."""
+    t = times[:, None]
+    root = np.sqrt(1 - zeta**2)
+    size = np.exp(-np.clip(zeta * omega * t, -50, 50))
+    cosine, sine = size * np.cos(omega * root * t), size * np.sin(omega * root * t)
+    faster, slower = -zeta * omega * t, -omega * t  # of the envelope's logarithm, by ln omega and by zeta
+    turn, back = omega * root * t, -omega * zeta / root * t
+    of_cosine = np.stack([faster * cosine - turn * sine, slower * cosine - back * sine], axis=-1)
+    of_sine = np.stack([faster * sine + turn * cosine, slower * sine + back * cosine], axis=-1)
+    columns = np.stack([cosine, sine], axis=-1).reshape(times.size, -1)
+    return np.concatenate([columns, np.ones_like(t)], axis=1), np.stack([of_cosine, of_sine], axis=2)

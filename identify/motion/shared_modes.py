@@ -1,0 +1,337 @@
+"""The free pieces of a recording whose rig is linear: those that the same modes explain down to the noise.
+
+Short windows show modes (``subspace``). A set of modes is judged by all windows of the recording that it explains, each
+with amplitudes and a constant of its own: runs of such windows are pieces, to which the modes are fitted together
+(``damped_modes``). Of several sets that one is taken which is likeliest against a hand's smooth ways over the same
+pieces. Nothing is asked of the number of cycles or of what stands around a piece.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from .damped_modes import Modes, fit_modes
+from .subspace import poles_of_windows
+
+#: Block means a cycle.
+_A_CYCLE = 24
+#: Radians a block mean beyond which a mode is asked for in finer blocks: six of them are a cycle.
+_FASTEST = np.pi / 3
+#: Cycles of the windows that show modes, and of those that ask for them.
+_SHOWING, _ASKING = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0), (8.0, 2.0, 0.5)
+#: Windows of a length that are looked at, points of each, and sets of modes that are followed further.
+_WINDOWS, _POINTS, _FOLLOWED = 32, 48, 2
+#: Chance that noise alone makes a window or a piece look as if it were not free.
+_CHANCE = 1e-4
+#: Parameters of a hand's smooth way, a polynomial, over a piece; odds with which a piece is none.
+_OF_MOVED, _ODDS = 6, 20.0
+#: Places at which a hand may have stopped, or begun.
+_STOPS = 24
+#: What is known to a third of itself is known.
+KNOWN = 1 / 3
+#: Modes that differ by less than this in ln omega and in the damping ratio lead to the same pieces.
+_SAME = 0.003
+#: How often pieces and modes follow from one another.
+_ROUNDS = 2
+#: What a sensor and its clock bend a linear motion by, as a part of it.
+_SHARES = (0.0, 0.01)
+#: A decay ends where its amplitude has come down to this many times that of the noise.
+_ABOVE_NOISE = 2.0
+#: Means whose windows are asked in a second.
+_MOST_MEANS = 2**16
+
+
+@dataclass(frozen=True, eq=False)
+class SharedModes:
+    """The free pieces of a recording and their modes.
+
+    Attributes:
+        pieces: (start, stop, audible) in samples; by the last it has come down to its noise, ``stop`` where it has not.
+        omega, zeta: (K,) rad/s, and damping ratios, of those modes that stand out of the noise.
+        main: which mode swings most.
+        rate, rate_std: of its fall, 1/s.
+        evidence: logarithm of the odds that the pieces are free and not a hand's ways.
+    """
+
+    pieces: tuple[tuple[int, int, int], ...]
+    omega: np.ndarray
+    zeta: np.ndarray
+    main: int
+    rate: float
+    rate_std: float
+    evidence: float
+
+
+def shared_modes(x: np.ndarray, fs: float, noise: float, periods: Sequence[float]) -> SharedModes | None:
+    """The free pieces of a response (n,) with so much white noise; None if there are none.
+
+    ``periods``: samples a cycle that it may have.
+    """
+    best: tuple[_Search, _Found] | None = None
+    followed: list[tuple[float, Modes]] = []  # in radians a sample: what two lengths of window show is asked once
+    for period in periods:
+        search = _Search.of(x, noise, max(1, int(period / _A_CYCLE)))
+        if search is None:
+            continue
+        for share in _SHARES:
+            for start in search.starts(period / search.block, share):
+                if any(share == of and _is_near(start, modes, search.block) for of, modes in followed):
+                    continue
+                found = search.followed(start, share)
+                modes = start if found is None else found.modes
+                followed.append((share, replace(modes, omega=modes.omega / search.block)))
+                if found is not None and (best is None or found.evidence > best[1].evidence):
+                    best = search, found
+    if best is None:
+        return None
+    search, found = best
+    block = max(1, int(2 * np.pi / np.max(found.modes.omega) * search.block / _A_CYCLE))
+    finer = _Search.of(x, noise, min(block, search.block))
+    if finer is not None:  # edges as fine as the modes allow, and pieces that the first search was too coarse for
+        ratio = finer.block / search.block
+        modes = replace(found.modes, omega=found.modes.omega * ratio, drift=found.modes.drift * ratio)
+        again = finer.followed(modes, found.share)
+        if again is not None:
+            search, found = finer, again
+    return _in_samples(search, found, x.size, fs)
+
+
+@dataclass(frozen=True, eq=False)
+class _Found:
+    """Modes by the block mean, their pieces, the evidence for them, and what share of the motion they may leave."""
+
+    modes: Modes
+    pieces: list[tuple[int, int]]
+    evidence: float
+    share: float
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """Block means (N,) about their median, their noise, and samples a block."""
+
+    means: np.ndarray
+    noise: float
+    block: int
+
+    @classmethod
+    def of(cls, x: np.ndarray, noise: float, block: int) -> _Search | None:
+        """Of samples (n,) with so much noise; None where there are too many or too few means."""
+        count = x.size // block
+        if not 2 * _OF_MOVED <= count <= _MOST_MEANS:
+            return None
+        means = x[: count * block].reshape(count, block).mean(axis=1)
+        return cls(means - np.median(means), max(noise / np.sqrt(block), 1e-9 * float(np.ptp(x))), block)
+
+    def starts(self, period: float, share: float) -> list[Modes]:
+        """Sets of modes that windows show: of each length those that most others agree with."""
+        starts: list[Modes] = []
+        for cycles in _SHOWING[::-1]:
+            length = round(cycles * period)
+            thin = max(1, min(length // _POINTS, int(period / 6)))
+            length -= length % thin
+            if length < 2 * _OF_MOVED * thin or length > self.means.size or length // thin > 4 * _POINTS:
+                continue
+            places = np.unique(
+                np.linspace(
+                    0, self.means.size - length, min(_WINDOWS, 1 + 4 * (self.means.size - length) // length)
+                ).astype(int)
+            )
+            windows = self.means[places[:, None] + np.arange(length)].reshape(places.size, -1, thin).mean(axis=2)
+            shown = poles_of_windows(windows, self.noise / np.sqrt(thin), share)
+            for count in {omega.size for omega, _ in shown}:
+                some = [(omega / thin, zeta) for omega, zeta in shown if omega.size == count]
+                starts += [s for s in _agreed(some, cycles) if self.block == 1 or np.max(s.omega) < _FASTEST]
+        return starts
+
+    def followed(self, modes: Modes, share: float) -> _Found | None:
+        """Pieces that modes explain, the modes that these share, and once more."""
+        pieces: list[tuple[int, int]] = []
+        for _ in range(_ROUNDS):
+            pieces = [
+                edges for run in self._runs(modes, share) if (edges := self._edges(modes, run, share)) is not None
+            ]
+            if not pieces:
+                return None
+            modes = fit_modes(
+                [self.means[a:b] for a, b in pieces], modes, [self._deviation(a, b, share) for a, b in pieces]
+            )[0]
+        evidence, kept = -modes.count * float(np.log(self.means.size)), []  # what the modes take to state
+        for a, b in pieces:
+            odds = self._odds(modes, a, b, share)
+            if odds > np.log(_ODDS):
+                evidence, kept = evidence + odds, [*kept, (a, b)]
+        if evidence < np.log(_ODDS):
+            return None
+        modes = fit_modes([self.means[a:b] for a, b in kept], modes, [self._deviation(a, b, share) for a, b in kept])[0]
+        return _Found(modes, kept, evidence, share) if _known(modes) else None
+
+    def _steady(self, modes: Modes, a: int, b: int) -> np.ndarray:
+        return self.means[a:b] - modes.drift * np.arange(b - a)
+
+    def _deviation(self, a: int, b: int, share: float) -> float:
+        return float(np.hypot(self.noise, share * np.std(self.means[a:b])))
+
+    def _runs(self, modes: Modes, share: float) -> list[tuple[int, int]]:
+        """Runs of windows that the modes explain, those of many cycles first."""
+        from scipy.special import chdtri
+
+        runs: list[tuple[int, int]] = []
+        taken = np.zeros(self.means.size, bool)
+        sums, squares = (np.concatenate([[0.0], np.cumsum(self.means**power)]) for power in (1, 2))
+        for cycles in _ASKING:
+            length = max(round(cycles * modes.cycle), 2 * modes.count + 8)
+            if length > self.means.size:
+                continue
+            columns = np.column_stack([modes.columns(length)[:, :-1], np.arange(length)])
+            basis = _orthonormal(columns - np.mean(columns, axis=0))
+            seen = np.stack([np.convolve(self.means, column[::-1], mode="valid") for column in basis.T])
+            varied = squares[length:] - squares[:-length] - (sums[length:] - sums[:-length]) ** 2 / length
+            left = varied - np.sum(seen**2, axis=0)
+            freedom = length - 1 - basis.shape[1]
+            unknown = min(6 * modes.unknown * cycles, 0.1)  # of the modes so far: radians over half a window
+            limit = self.noise**2 * float(chdtri(freedom, _CHANCE / self.means.size)) + (share**2 + unknown**2) * varied
+            fine = left < limit
+            moves = varied > self.noise**2 * float(chdtri(length - 1, _CHANCE / self.means.size))
+            for a, b in _runs_of(fine):
+                for first, last in _runs_of(~taken[a : b + length - 1]) if np.any(moves[a:b]) else []:
+                    if last - first >= length:
+                        taken[a + first : a + last] = True
+                        runs.append((a + first, a + last))
+        return sorted(runs)
+
+    def _edges(self, modes: Modes, run: tuple[int, int], share: float) -> tuple[int, int] | None:
+        """First and last block mean of a run that its own fit explains; None where it explains too few.
+
+        A block mean beyond two standard deviations is likelier something else's, where more such than others follow
+        towards the edge; one more is left out, for what begins is smaller than the noise at first.
+        """
+        a, b = run
+        n, shy = b - a, min((b - a) // 8, round(modes.cycle / 4))
+        columns, steady = modes.columns(n), self._steady(modes, a, b)
+        if modes.drift == 0.0:  # not known yet
+            columns = np.column_stack([columns, np.arange(n)])
+        columns = columns / np.linalg.norm(columns, axis=0)
+        basis, triangle = np.linalg.qr(columns[shy : n - shy])
+        if np.min(np.abs(np.diag(triangle))) < 1e-9:
+            return None
+        spread = np.linalg.solve(triangle.T, columns.T)  # what the fit to the inside does not know of the edges
+        off = steady - spread.T @ (basis.T @ steady[shy : n - shy])
+        gain = 4.0 - off**2 / (1.0 + np.sum(spread**2, axis=0)) / self._deviation(a, b, share) ** 2
+        middle = n // 2
+        before, after = np.cumsum(gain[middle::-1]), np.cumsum(gain[middle:])
+        first, last = middle - int(np.argmax(before)), middle + int(np.argmax(after)) + 1
+        first, last = a + first, a + last
+        first += first > 0
+        last -= last < self.means.size
+        least = 2 * modes.count + 4
+        return (first, last) if last - first >= least else None
+
+    def _odds(self, modes: Modes, a: int, b: int, share: float) -> float:
+        """Logarithm of the odds that these modes made a piece and not a hand; minus infinity where neither did."""
+        from scipy.special import chdtri
+
+        piece, n = self._steady(modes, a, b), b - a
+        spread = self._deviation(a, b, share)
+        columns = _orthonormal(modes.columns(n))
+        left = float(np.sum((piece - columns @ (columns.T @ piece)) ** 2)) / spread**2
+        if n <= columns.shape[1] or left > float(chdtri(n - columns.shape[1], _CHANCE / n)) * 1.1:
+            return -np.inf
+        return 0.5 * (_moved(piece / spread) - left - columns.shape[1] * np.log(n))
+
+
+def _moved(piece: np.ndarray) -> float:
+    """What a hand leaves of a piece (n,) in units of its noise, with what it costs to state its parameters.
+
+    It holds still, or goes a smooth way, before or after which it may hold still.
+    """
+    n = piece.size
+    still = float(np.sum((piece - np.mean(piece)) ** 2)) + np.log(n)
+    best = min(still, _smooth(piece))
+    for edge in (
+        np.unique(np.linspace(_OF_MOVED + 1, n - _OF_MOVED - 1, _STOPS).astype(int)) if n > 4 * _OF_MOVED else ()
+    ):
+        for way, rest in ((piece[:edge], piece[edge:]), (piece[edge:], piece[:edge])):
+            best = min(best, _smooth(way) + float(np.sum((rest - np.mean(rest)) ** 2)) + 2 * np.log(n))
+    return best
+
+
+def _smooth(way: np.ndarray) -> float:
+    count = min(_OF_MOVED, way.size - 1)
+    smooth = np.linalg.qr(np.vander(np.linspace(-1, 1, way.size), count))[0]
+    return float(np.sum((way - smooth @ (smooth.T @ way)) ** 2)) + count * np.log(way.size)
+
+
+def _known(modes: Modes) -> bool:
+    """Whether all frequencies and the fall of one mode are known to a third: what falls by itself is free."""
+    spread = np.sqrt(np.diag(modes.covariance))
+    falls = spread[modes.count :] < KNOWN * modes.zeta
+    return bool(np.any(falls) and np.all(spread[: modes.count] < KNOWN) and np.all(modes.zeta > -spread[modes.count :]))
+
+
+def _agreed(shown: list[tuple[np.ndarray, np.ndarray]], cycles: float) -> list[Modes]:
+    """The sets of modes that most others are near, two at most."""
+    place = np.array([np.concatenate([np.log(omega), zeta]) for omega, zeta in shown])
+    near = np.max(np.abs(place[:, None] - place[None]), axis=2) < 0.1 / max(cycles, 1.0)
+    starts: list[Modes] = []
+    open_ = np.ones(len(shown), bool)
+    for _ in range(_FOLLOWED):
+        votes = np.sum(near & open_[None], axis=1) * open_
+        if not np.any(votes):
+            break
+        k = int(np.argmax(votes))
+        some = place[near[k] & open_]
+        middle = np.median(some, axis=0)
+        spread = np.maximum(1.4826 * np.median(np.abs(some - middle), axis=0), 1e-3 / cycles)
+        half = middle.size // 2
+        starts.append(Modes(np.exp(middle[:half]), middle[half:], np.diag(spread**2)))
+        open_ &= ~near[k]
+    return starts
+
+
+def _orthonormal(columns: np.ndarray) -> np.ndarray:
+    """(n, r) orthonormal basis of the columns, those left out that the others hold."""
+    scale = np.linalg.norm(columns, axis=0)
+    left, sizes, _ = np.linalg.svd(columns[:, scale > 0] / scale[scale > 0], full_matrices=False)
+    return left[:, sizes > 1e-7 * sizes[0]]
+
+
+def _runs_of(mask: np.ndarray) -> list[tuple[int, int]]:
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], mask.astype(int), [0]])))
+    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+
+
+def _is_near(start: Modes, found: Modes, block: int) -> bool:
+    """Whether modes by the block mean are those that were found, by the sample, as far as they are known."""
+    if start.count != found.count:
+        return False
+    spread = 3 * np.sqrt(np.diag(start.covariance)) + _SAME
+    apart = np.concatenate([np.log(start.omega / block / found.omega), start.zeta - found.zeta])
+    return bool(np.all(np.abs(apart) < spread))
+
+
+def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedModes:
+    """Pieces and modes by the sample and the second."""
+    modes, block = found.modes, search.block
+    unit, rates = fs / block, modes.zeta * modes.omega
+    floor = _ABOVE_NOISE * np.sqrt(2.0 * block) * search.noise
+    edges, moved, largest = [], np.zeros(modes.count), np.zeros(modes.count)
+    for a, b in found.pieces:
+        columns = modes.columns(b - a)
+        scale = np.linalg.norm(columns, axis=0)
+        weights = np.linalg.lstsq(columns / scale, search.means[a:b] - modes.drift * np.arange(b - a))[0] / scale
+        sizes = np.hypot(*weights[:-1].reshape(-1, 2).T)
+        moved, largest = moved + sizes**2 * (b - a), np.maximum(largest, sizes)
+        loud = np.flatnonzero(np.exp(-np.arange(b - a)[:, None] * rates) @ sizes > floor)
+        stop = n if b >= search.means.size else b * block
+        audible = stop if not loud.size or loud[-1] == b - a - 1 else (a + int(loud[-1]) + 1) * block
+        edges.append((a * block, stop, audible))
+    main = int(np.argmax(moved))
+    rate_std = float(np.sqrt(modes.covariance[modes.count + main, modes.count + main]) * modes.omega[main]) * unit
+    seen = (largest > floor) | (np.arange(modes.count) == main)
+    omega, zeta, rate = modes.omega[seen] * unit, modes.zeta[seen], float(rates[main]) * unit
+    main = int(np.count_nonzero(seen[:main]))
+    return SharedModes(tuple(edges), omega, zeta, main, rate, rate_std, found.evidence)

@@ -1,0 +1,88 @@
+"""Free pieces that the modes of one rig explain: linear motion of known truth, and what is no free motion."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify.motion.decays import find_free_motion
+from dashpot.identify.motion.free_motion import periods_of
+from dashpot.identify.motion.shared_modes import SharedModes, shared_modes
+from dashpot.recording import Recording
+
+FS = 200.0
+
+
+def ringing(seconds: float, *modes: tuple[float, float, float]) -> np.ndarray:
+    """(n,) let go at rest, of modes (size, Hz, damping ratio)."""
+    t, total = np.arange(round(seconds * FS)) / FS, 0.0
+    for size, hertz, zeta in modes:
+        omega = 2 * np.pi * hertz
+        turn = omega * np.sqrt(1 - zeta**2)
+        total = total + size * np.exp(-zeta * omega * t) * (np.cos(turn * t) + zeta * omega / turn * np.sin(turn * t))
+    return np.asarray(total)
+
+
+def way(a: float, b: float, seconds: float) -> np.ndarray:
+    s = np.linspace(0, 1, round(seconds * FS))
+    return a + (b - a) * s**3 * (10 - 15 * s + 6 * s**2)
+
+
+def found(*parts: np.ndarray, noise: float = 1e-3, drift: float = 0.0) -> SharedModes | None:
+    x = np.concatenate(parts)
+    x = x + noise * np.random.default_rng(4).standard_normal(x.size) + drift * np.arange(x.size)
+    return shared_modes(x, FS, noise, periods_of(x))
+
+
+@pytest.mark.parametrize("zeta", [0.01, 0.1, 0.3, 0.6])
+@pytest.mark.parametrize("cycles", [1.0, 6.0])
+def test_releases_begin_and_end_where_they_do(zeta, cycles):
+    """Few cycles or many, much damping or little: every release is found, and frequency and fall are right."""
+    sizes, seconds = (1.0, -0.7, 0.9), cycles / 1.5
+    parts = [p for a in sizes for p in (way(0, a, 0.8), np.full(60, a), ringing(seconds, (a, 1.5, zeta)), np.zeros(5))]
+    modes = found(*parts)
+    assert modes is not None
+    begun = 220 + (225 + round(seconds * FS)) * np.arange(3)
+    assert len(modes.pieces) >= 2  # of a cycle with much damping the smallest tells least
+    cycle = FS / 1.5
+    assert all(np.any((start >= begun) & (start < begun + cycle / 6)) for start, _, _ in modes.pieces)
+    assert all(np.min(np.abs(stop - begun - seconds * FS)) < cycle / 6 for _, stop, _ in modes.pieces)
+    assert modes.omega == pytest.approx([3 * np.pi], rel=0.01)
+    assert modes.rate == pytest.approx(zeta * 3 * np.pi, abs=4 * modes.rate_std)
+
+
+def test_modes_three_per_cent_apart_are_two_modes_of_each_piece():
+    pulled = [ringing(3.0, (a, 1.5, 0.004), (b, 1.545, 0.006)) for a, b in ((1.0, 0.5), (0.8, -0.5), (0.6, 0.4))]
+    modes = found(np.full(50, 1.5), pulled[0], np.full(40, 0.3), pulled[1], np.full(40, 1.0), pulled[2])
+    assert modes is not None
+    assert len(modes.pieces) == 3
+    assert modes.omega / (2 * np.pi) == pytest.approx([1.5, 1.545], rel=2e-3)
+
+
+def test_a_drift_of_the_sensor_is_no_motion():
+    modes = found(np.zeros(100), ringing(3.0, (1.0, 1.5, 0.3)), ringing(3.0, (0.8, 1.5, 0.3)), drift=5e-5)
+    assert modes is not None
+    assert len(modes.pieces) == 2
+    assert modes.rate == pytest.approx(0.9 * np.pi, abs=4 * modes.rate_std)
+
+
+STEADY = np.sin(3 * np.pi * np.arange(2000) / FS)
+
+
+@pytest.mark.parametrize(
+    "x",
+    [
+        pytest.param(np.zeros(2000), id="noise"),
+        pytest.param(STEADY, id="tone"),
+        pytest.param(np.exp(0.3 * np.arange(2000) / FS) * STEADY, id="growth"),
+        pytest.param(np.concatenate([way(0, 1, 2.0), np.ones(300), way(1, -1, 1.3), np.full(300, -1.0)]), id="hand"),
+    ],
+)
+def test_what_does_not_fall_by_itself_is_no_free_motion(x):
+    assert found(x) is None
+
+
+def test_a_beat_is_no_reason_to_refuse():
+    x = np.concatenate([ringing(6.0, (1.0, 10.0, 0.002), (0.8, 10.6, 0.003))] * 2)
+    x = x + 1e-3 * np.random.default_rng(5).standard_normal(x.size)
+    decays = find_free_motion(Recording("beating", FS, 1e-3 * x)).decays
+    assert [(decay.start <= 1200 * k + 2, decay.stop) for k, decay in enumerate(decays)] == [(True, 1199), (True, 2400)]
