@@ -23,7 +23,7 @@ from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
-from .limits import KNOWN_PART, OFFSET_FEELER, OTHER_FREQUENCY, OTHER_MASS, STRANGE
+from .limits import KNOWN_PART, OTHER_FREQUENCY, OTHER_MASS, STRANGE
 from .measuring_chain import agree, alike, drifts_and_loads, hold_of
 from .measuring_chain import drifts as drifts_of
 from .measuring_chain import zeros as zeros_of
@@ -193,12 +193,9 @@ def _drifts(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> 
     drifts = []
     for offset in offsets:
         if offset.channel == "drift":
-            recording = recordings[offset.recording]
-            size = OFFSET_FEELER * float(np.std(recording.response))
-            drifts.append(Offset(offset.recording, "response", size))
-            drifts.append(
-                Offset(offset.recording, "drift", size / recording.duration, middle=offset.middle, taken=offset.value)
-            )
+            drifts.append(Offset.of(recordings, offset.recording, "response"))
+            drift = Offset.of(recordings, offset.recording, "drift", middle=offset.middle)
+            drifts.append(replace(drift, taken=offset.value))
     return tuple(drifts)
 
 
@@ -209,8 +206,8 @@ def cut_for(family: Family, recordings: Sequence[Recording], model: Oscillator, 
     offsets = () if judged else tuple(offset for offset in family.drifts if offset.recording in used)
     if family.free_zeros:
         there = {offset.recording for offset in offsets}
-        sizes = {i: OFFSET_FEELER * float(np.std(data.recordings[i].response)) for i in used if i not in there}
-        offsets = (*(Offset(i, "response", size) for i, size in sizes.items()), *offsets)
+        zeros = (Offset.of(data.recordings, i, "response") for i in used if i not in there)
+        offsets = (*zeros, *offsets)
     shown = family.shown_elsewhere if judged else family.shown
     offsets = tuple(
         replace(offset, taken=shown.get(offset.recording, 0.0)) if offset.channel == "response" else offset
@@ -236,8 +233,8 @@ def less_offsets(
         else:
             rates[offset.recording] = offset.taken + float(value)
         recording = corrected[offset.recording]
-        line = np.ones(recording.n) if offset.channel == "response" else np.asarray(recording.time) - offset.middle
-        corrected[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - value * line)
+        line = value * offset.along(np.asarray(recording.time))
+        corrected[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - line)
     return corrected, zeros_of(recordings, zeros) + drifts_of(recordings, rates)
 
 

@@ -93,12 +93,6 @@ STRANGE = decides(
     "that training recordings are told, and held-out ones not to its square, which are then of another rig",
     why="physical limit: the noise is known to a tenth; half as much again is no error of its estimate",
 )
-OFFSET_FEELER = decides(
-    1e-2,
-    "part of the motion",
-    "the step of a difference quotient of an offset; a sensor may show as much at zero as its inverse",
-    why="the response is linear in it",
-)
 
 # place/equation_error.py
 

@@ -34,7 +34,6 @@ from .fit.reported_result import Fit, SegmentFit
 from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
 from .motion.excitation import kind_of
 from .problem.data import Data, data_of
-from .problem.offset import FoundOffset
 from .problem.prediction import FREE
 from .problem.structure import shapes_of
 from .provenance import with_provenance
@@ -314,8 +313,7 @@ def _same_signals(recording: Recording, other: Recording) -> bool:
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     remarks = []
     family = "model" if fit.oscillator.terms else "Eq. 17 family"
-    for offset in fit.offsets:
-        remarks.append(_offset_told(offset, recordings[offset.recording]))
+    remarks += [offset.sentence(recordings[offset.recording]) for offset in fit.offsets]
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
         if parameter.std is not None and parameter.value < -3 * parameter.std:
@@ -337,18 +335,6 @@ def _has_lost(segment: SegmentFit, fit: Fit) -> bool:
     """Whether the simulation does not follow the motion of a segment that carries some, noise aside."""
     off = segment.nrmse > FOLLOWS and segment.over_noise > LACKING
     return off and not _is_quiet(segment.segment.response, fit)
-
-
-def _offset_told(offset: FoundOffset, recording: Recording) -> str:
-    size = f"{offset.value:.4g} ± {offset.std:.2g}"
-    if offset.channel == "drift":
-        return f"{recording.name}: the sensor drifts by {size} {recording.unit} in a second; that was taken off"
-    if offset.channel == "force":
-        return (
-            f"{recording.name}: the force sensor shows {size} {recording.force_unit} at zero; it was taken off (a "
-            "constant load on the mass, the other way round, would look the same)"
-        )
-    return f"{recording.name}: the sensor shows {size} {recording.unit} at zero; it was taken off"
 
 
 def _is_quiet(response: np.ndarray, fit: Fit) -> bool:

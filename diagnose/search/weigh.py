@@ -11,17 +11,18 @@ import numpy as np
 from ...identify.fit.evidence import Prior, Told, cross_validated, evidence, predictive, told
 from ...identify.problem.data import Data, likelihood
 from ...identify.problem.linearised import Linearised
+from ...identify.problem.offset import FEELER
 from ...identify.problem.output_error import State
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure
 from ...identify.signals.registry import budget
 from ...model import Oscillator
 from ...model.law import Scales
-from ..limits import OFFSET_FEELER, STRETCH_CYCLES, THIRDS
+from ..limits import STRETCH_CYCLES, THIRDS
 from .measure import Measure
 
 #: A sensor may show as much at zero as the motion is large.
-_SIZES = 1.0 / OFFSET_FEELER
+_SIZES = 1.0 / FEELER
 _REMEMBERED = budget(
     32,
     "fits",

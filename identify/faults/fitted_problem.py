@@ -24,16 +24,7 @@ def fitted_problem(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputErr
     model = fit.oscillator
     data = data_of(recordings, model, coarse=True)
     fixed = [name for name in model.parameters() if name not in fit.names]
-    spread = [1e-2 * float(np.std(recording.response)) for recording in recordings]
-    offsets = []
-    for found in fit.offsets:
-        recording = recordings[found.recording]
-        size = spread[found.recording]
-        if found.channel == "force":
-            size = 1e-2 * float(np.std(recording.force if recording.force is not None else 0.0))
-        elif found.channel == "drift":
-            size /= recording.duration
-        offsets.append(Offset(found.recording, found.channel, size, middle=found.middle))
+    offsets = [Offset.of(recordings, o.recording, o.channel, middle=o.middle) for o in fit.offsets]
     structure = Structure(model, data, fixed, offsets)
     problem = structure.problem.over([s.segment for s in fit.segments]).coarsely()
     values = np.array(list(model.values().values()))

@@ -16,7 +16,7 @@ from ...recording.recording import Recording
 from ..motion.blows import ContactForce
 from ..problem.data import Data, noise_of
 from ..problem.linearised import Linearised
-from ..problem.offset import FoundOffset, Offset, centre, drift_of, zero_of_load_cell
+from ..problem.offset import FEELER, FoundOffset, Offset, centre, drift_of, zero_of_load_cell
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
@@ -43,12 +43,8 @@ def response_offsets(data: Data, recordings: Sequence[Recording], model: Oscilla
     offsets = []
     for index in used:
         recording = recordings[index]
-        size = 1e-2 * float(np.std(recording.response))
-        offsets.append(
-            Offset(
-                index, "response", size, centre(np.asarray(recording.response, float), recording.fs, data.scales.omega)
-            )
-        )
+        guess = centre(np.asarray(recording.response, float), recording.fs, data.scales.omega)
+        offsets.append(Offset.of(recordings, index, "response", guess=guess))
     return tuple(offsets)
 
 
@@ -67,7 +63,7 @@ def force_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator
         force = np.asarray(recordings[index].force, float)
         zero = zero_of_load_cell(force, recordings[index].fs, data.scales.omega)
         if zero:
-            offsets.append(Offset(index, "force", 1e-2 * float(np.std(force)), zero))
+            offsets.append(Offset.of(recordings, index, "force", guess=zero))
     return tuple(offsets)
 
 
@@ -120,7 +116,7 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
     for index in sorted({segment.recording for segment in problem.segments}):
         parts = [(s, r) for s, r in zip(problem.segments, residuals, strict=True) if s.recording == index]
         begin, end = parts[0][0].time, parts[-1][0].time + parts[-1][0].n * parts[-1][0].dt
-        size = 1e-2 * float(np.std(np.concatenate([s.response for s, _ in parts])))
+        size = FEELER * float(np.std(np.concatenate([s.response for s, _ in parts])))
         if not any((o.recording, o.channel) == (index, "response") for o in problem.offsets):
             added.append(Offset(index, "response", size))
         added.append(Offset(index, "drift", size / (end - begin), middle=0.5 * (begin + end)))

@@ -2,18 +2,59 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...recording.recording import Recording
 from ..motion.force_off import FEWEST_MEANS, zero_of
 from ..signals.odds import BEYOND_ERRORS
+from ..signals.registry import numerics
 from .normal_equations import pseudo_inverse
 
 if TYPE_CHECKING:
     from .segments import Segment
+
+
+FEELER = numerics(1e-2, "standard deviations of the signal", why="the size by which an offset is felt")
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one kind of offset does; its kinds are the table ``ROWS``.
+
+    Attributes:
+        forced: whether it is on the force's channel, and not on the response's.
+        along: of a response's, what it shows for each unit at times (n,) about its middle, s: () or (n,).
+        rate: whether its unit is the channel's per second.
+        sentence: for a user.
+    """
+
+    forced: bool
+    along: Callable[[np.ndarray], np.ndarray]
+    rate: bool
+    sentence: str
+
+    def size(self, recording: Recording) -> float:
+        """A hundredth of what the channel shows, and for a rate that in the time of the recording."""
+        signal = recording.force if self.forced else recording.response
+        size = FEELER * float(np.std(0.0 if signal is None else signal))
+        return size / recording.duration if self.rate else size
+
+
+ROWS = {
+    "response": Row(False, lambda _: np.ones(()), False, "the sensor shows {} at zero; it was taken off"),
+    "drift": Row(False, lambda times: times, True, "the sensor drifts by {} in a second; that was taken off"),
+    "force": Row(
+        True,
+        lambda _: np.zeros(()),
+        False,
+        "the force sensor shows {} at zero; it was taken off (a constant load on the mass, the other way round, would "
+        "look the same)",
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -32,6 +73,17 @@ class Offset:
     middle: float = 0.0
     taken: float = 0.0
 
+    @staticmethod
+    def of(
+        recordings: Sequence[Recording], index: int, channel: str, *, guess: float = 0.0, middle: float = 0.0
+    ) -> Offset:
+        """That of one of the recordings, of the size that its channel has."""
+        return Offset(index, channel, ROWS[channel].size(recordings[index]), guess, middle)
+
+    def along(self, times: np.ndarray) -> np.ndarray:
+        """() or (n,) what the response shows for each unit of it at times (n,), s."""
+        return ROWS[self.channel].along(times - self.middle)
+
 
 @dataclass(frozen=True)
 class FoundOffset:
@@ -43,20 +95,23 @@ class FoundOffset:
     std: float
     middle: float = 0.0
 
+    def sentence(self, recording: Recording) -> str:
+        """What a user reads of it."""
+        row = ROWS[self.channel]
+        unit = recording.force_unit if row.forced else recording.unit
+        return f"{recording.name}: {row.sentence.format(f'{self.value:.4g} ± {self.std:.2g} {unit}')}"
+
 
 def zeros_along(offsets: Sequence[Offset], values: np.ndarray, segment: Segment) -> tuple[np.ndarray, float]:
     """What the sensors show at zero along a segment: the response's, () or where it drifts (n,), and the force's."""
     shown = np.zeros(())
     pushes = 0.0
-    for offset, value in zip(offsets, values, strict=True):
-        if offset.recording != segment.recording:
-            continue
-        if offset.channel == "response":
-            shown = shown + float(value)
-        elif offset.channel == "drift":
-            shown = shown + float(value) * (segment.time + np.arange(segment.n) * segment.dt - offset.middle)
-        else:
+    own = [pair for pair in zip(offsets, values, strict=True) if pair[0].recording == segment.recording]
+    for offset, value in own:
+        if ROWS[offset.channel].forced:
             pushes = float(value)
+        else:
+            shown = shown + float(value) * offset.along(segment.time + np.arange(segment.n) * segment.dt)
     return shown, pushes
 
 
