@@ -19,7 +19,7 @@ from ...files.computed_once import computed_once
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
 from ..signals.registry import numerics
-from .normal_equations import Block, products, pseudo_inverse, solve
+from .normal_equations import products, pseudo_inverse, solve
 from .output_error import OutputError, in_lines
 from .search_point import State
 from .unknowns import Unknown, Unknowns
@@ -198,11 +198,6 @@ class Linearised:
         """Those over the shared unknowns, initial states eliminated, of all segments together."""
         return reduce(add, (own.without(self.own) for own in self.sums))
 
-    @property
-    def blocks(self) -> list[Block]:
-        """Normal matrix and gradient of each segment."""
-        return [(own.normal, own.gradient) for own in self.sums]
-
     def over(self, kept: Sequence[Unknown]) -> Sums:
         """Those over some of the shared unknowns, in their order among these, all else eliminated."""
         places = [self.unknowns.index(unknown) for unknown in kept]
@@ -214,7 +209,7 @@ class Linearised:
 
     def step(self, damping: float = 0.0) -> tuple[np.ndarray, np.ndarray]:
         """Step of the shared unknowns (k,) and of the initial states (segments, states), damped in their scales."""
-        return solve(self.blocks, damping, len(self.unknowns.shared))
+        return solve([(own.normal, own.gradient) for own in self.sums], damping, len(self.unknowns.shared))
 
     def beside(self, columns: Mapping[int, np.ndarray]) -> Sums:
         """Those over the shared unknowns and further columns behind them, initial states eliminated.
