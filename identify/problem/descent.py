@@ -18,10 +18,13 @@ from .output_error import OutputError, blocks_of
 from .search_point import Outcome, State
 from .state_from_previous_segment import handed_over
 
-#: A step that leads nowhere is damped by this factor more, and by this much more each further time (Nielsen 1999): what
-#: is damped by 1e-12 or by 1e-6 is the same step.
+#: A step that leads nowhere is damped by this factor more, and by this much more each further time (Nielsen 1999),
+#: until it promises a tenth less: what is damped by 1e-12 or by 1e-6 is often the same step.
 _DAMPED = 8.0
-#: ... at most this often: from 1e-12 to beyond one.
+_LESS = 0.9
+#: Damping beyond which there is no step.
+_LARGEST = 1e12
+#: So many steps are tried in all.
 _SHORTENED = 6
 MOST_STEPS = 40
 
@@ -101,19 +104,14 @@ class Descent:
                 a step of one standard error.
         """
         self.taken += 1
-        problem, more = self.problem, _DAMPED
+        more, tried = _DAMPED, np.inf
         for _ in range(_SHORTENED):
-            shared, own = self._solved(self._damping)
-            if not (np.all(np.isfinite(shared)) and np.all(np.isfinite(own))):
-                self._damping *= more  # derivatives too large to be solved for, which nothing can be simulated with
-                more *= _DAMPED
-                continue
-            gain = 0.5 * promise(self.blocks, shared, own)
+            shared, own, gain = self._next(tolerance, _LESS * tried)
             if gain < tolerance:
                 self.resting = True
                 return False
             trial, residuals, cost = self._tried(shared, own)
-            if not cost < self.cost and self._natural_frequency in problem.free:
+            if not cost < self.cost and self._is_bent(shared, tolerance):
                 trial, residuals, cost = self._tried(shared, own, self._natural_frequency)
             if cost < self.cost:
                 better = self.cost - cost > 0.25 * gain
@@ -121,10 +119,29 @@ class Descent:
                 self.state, self.residuals, self.cost = trial, residuals, cost
                 self._blocks = self._expected = None
                 return True
-            self._damping *= more
-            more *= _DAMPED
+            self._damping, more, tried = self._damping * more, more * _DAMPED, gain
         self.resting = True  # no step in any direction helps: the maximum, to the precision of the derivatives
         return False
+
+    def _next(self, tolerance: float, most: float) -> tuple[np.ndarray, np.ndarray, float]:
+        """The next step that promises no more than so much, or less than the tolerance; with what it promises."""
+        while True:
+            shared, own = self._solved(self._damping)
+            if np.all(np.isfinite(shared)) and np.all(np.isfinite(own)):
+                gain = 0.5 * promise(self.blocks, shared, own)
+                if gain <= max(most, tolerance) or not gain >= tolerance:
+                    return shared, own, gain
+            elif self._damping > _LARGEST:  # derivatives too large to be solved for
+                return shared, own, 0.0
+            self._damping *= _DAMPED
+
+    def _is_bent(self, shared: np.ndarray, tolerance: float) -> bool:
+        """Whether it matters if the natural frequency or its square goes straight: they part by the step's square."""
+        if self._natural_frequency not in self.problem.free:
+            return False
+        place = self.problem.free.index(self._natural_frequency)
+        apart = shared[place] ** 2 / (2.0 * self.state.values[self._natural_frequency])
+        return bool(0.5 * apart**2 * sum(float(normal[place, place]) for normal, _ in self.blocks) > tolerance)
 
     def _tried(
         self, shared: np.ndarray, own: np.ndarray, squared: int | None = None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from types import SimpleNamespace
 
 import numpy as np
@@ -157,3 +158,36 @@ def test_a_step_that_keeps_its_promise_is_tried_once():
     descent.step(1e-6)
     assert problem.simulated == before + 1
     assert descent.state.values[0] != pytest.approx(0.5, rel=1e-6)  # in the natural frequency, which bends
+
+
+class Wall(Line):
+    """No step leads anywhere."""
+
+    def __init__(self, size: float) -> None:
+        super().__init__()
+        self.size, self.tried = size, []
+
+    def residuals(self, state):
+        self.tried.append(np.array(state.values))
+        return (self.measured * (2.0 if len(self.tried) > 1 else 1.0) * self.size,)
+
+
+def test_what_was_tried_in_vain_is_not_tried_again_a_hair_shorter():
+    from dashpot.identify.problem.output_error import State
+
+    descent = Descent(Wall(1.0), State(np.array([50.0, 1.0]), np.zeros((1, 0))), [white(np.ones(50))])  # type: ignore[arg-type]
+    assert not descent.step(1e-2)
+    steps = [np.linalg.norm(values - [50.0, 1.0]) for values in descent.problem.tried[1:]]
+    assert 2 <= len(steps) <= 6
+    assert all(after < 0.97 * before for before, after in pairwise(steps))  # a tenth less of a promise
+
+
+@pytest.mark.parametrize(("begin", "tries"), [(50.0, 1), (1e-2, 2)])
+def test_the_square_of_the_frequency_is_tried_where_it_makes_a_difference(begin, tries):
+    """A step of two is bent at a hundredth, and straight at fifty, by what a tolerance of ten notices."""
+    from dashpot.identify.problem.output_error import State
+
+    descent = Descent(Wall(1.0), State(np.array([begin, 1.0]), np.zeros((1, 0))), [white(np.ones(50))])  # type: ignore[arg-type]
+    descent.step(10.0)
+    first = [values for values in descent.problem.tried[1:3] if abs(values[1] + 1.0) < 0.5]
+    assert len(first) == tries
