@@ -91,6 +91,23 @@ static void dp_beside(const dp_engine *e, dp_sides_shown *sides, const dp_last *
     }
 }
 
+/* The same of the first sample, before which nothing was recorded: the surfaces that the motion has crossed, as it moves,
+ * within an interval before it. */
+static void dp_beside_first(const dp_engine *e, dp_sides_shown *sides, const dp_last *last, double dt, int shown) {
+    const dp_line line = {{last->u, 0.0, 0.0, 0.0}, e->t};
+    double f[DP_NZ], g[DP_NS + 1], gd[DP_NS + 1];
+    signed char given[DP_NS + 1];
+    int j;
+    if (e->hold >= 0) return;
+    dp_surfaces_at(e, &line, 0.0, e->z, f, g, gd);
+    for (j = 0; j < DP_NS; ++j) {
+        if (last->here[j] * gd[j] <= 0.0 || fabs(g[j]) > fabs(gd[j]) * dt) continue;
+        memcpy(given, last->here, sizeof given);
+        given[j] = -given[j];
+        dp_side(e, sides, last, given, 0, shown);
+    }
+}
+
 /* Moves the state by the gain times what was measured beyond what the model predicted; a motion that is held moves as a
  * whole, its velocity stays zero. */
 static void dp_correct(dp_engine *e, const double *gain, double innovation, double u) {
@@ -186,6 +203,7 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
             memcpy(last.here, now, sizeof now);
             last.engine = *e, last.u = u;
             DP_ON(e);
+            if (i == 0) dp_beside_first(e, r->sides, &last, r->dt, r->shown);
             if (i + 1 == r->n) dp_beside(e, r->sides, &last, 0, i, r->shown);
         }
         if (!r->measured) continue;
