@@ -91,7 +91,7 @@ def _of_segment(
     with np.errstate(invalid="ignore"):  # where it does not simulate to its end
         ways = [np.nan_to_num(quotient(step), posinf=0.0, neginf=0.0) for step in (_STEP, -_STEP)]
     largest = float(np.max(np.abs(segment.response)))
-    effect = np.max(np.abs(rows[: len(sizes)]) * sizes[:, None], axis=0)
+    effect = np.max(np.abs([*(rows[: len(sizes)] * sizes[:, None]), *ways]), axis=0)
     found = _jumps(np.abs(ways[0] - ways[1]), effect, _cycle_of(segment), _VISIBLE * largest)
     informs = (rows[: len(sizes)] / max(segment.noise, _ROUNDING * largest)) ** 2
     return found, np.sum(informs[:, found], axis=1), np.sum(informs[:, ~found], axis=1)
