@@ -33,7 +33,7 @@ from .choose_noise_model import plain_cost
 from .climb import nrmse_of
 from .from_prediction import EARLY_STEPS, keeps_step, memories, simulates
 from .offsets import found_offsets, kept_offsets, zeros_of
-from .reweighted_fit import Answer, concentrated, over_noise, weighed, whitened
+from .reweighted_fit import Answer, concentrated, over_noise, weighed, whitened, within_reach
 from .scatter import scatter
 
 _NEAR_ENOUGH = numerics(
@@ -220,18 +220,25 @@ def _said_otherwise(
 ) -> tuple[np.ndarray, int]:
     """(parameters,) by how much the most likely prediction differs from a simulation that keeps step, and the steps.
 
-    0 where none is decisively more likely.
+    0 where none is decisively more likely. One step of the linearised prediction tells how likely each memory becomes:
+    none is searched where twice what that gains would not be decisive, and only those that promise to be the most
+    likely, the first first.
     """
-    predicted, steps = [], 0
+    begun = []
     for memory in memories(problem.segments):
         predicting = problem.predicting(memory)
         state = _nearest(predicting, rungs, answer.outcome.state, start)
+        begun.append((*within_reach(predicting, state, start), predicting, state))
+    likeliest, steps = answer, 0
+    for here, there, predicting, state in sorted(begun, key=lambda one: -one[1]):
+        least = answer.likelihood + DECISIVE if likeliest is answer else likeliest.likelihood
+        if not (there > least or (likeliest is answer and here + 2.0 * (there - here) > least)):
+            break
         other, taken = whitened(predicting, state, start, tolerance=_NEAR_ENOUGH, most=most, informed=False)
-        predicted.append(other)
         steps += taken
-    likeliest = max(predicted, key=lambda other: other.likelihood)
-    decisive = likeliest.likelihood > answer.likelihood + DECISIVE
-    return _apart(likeliest, answer if decisive else likeliest), steps
+        if other.likelihood > least:
+            likeliest = other
+    return _apart(likeliest, answer), steps
 
 
 def _nearest(problem: OutputError, rungs: Mapping[float, State], state: State, start: Oscillator) -> State:

@@ -10,7 +10,7 @@ import numpy as np
 from ...model import Oscillator
 from ...recording.recording import Recording
 from ..problem.data import equivalent_resonance, expected_noise, noise_of
-from ..problem.descent import MOST_STEPS, search
+from ..problem.descent import MOST_STEPS, Descent, search
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
 from ..problem.search_point import Outcome
@@ -107,6 +107,19 @@ def concentrated(problem: OutputError, state: State, start: Oscillator) -> float
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return -np.inf
     return concentrated_likelihood(_noise(problem, residuals, state, start))
+
+
+def within_reach(problem: OutputError, state: State, start: Oscillator) -> tuple[float, float]:
+    """Log-likelihood, as ``concentrated`` has it, here and where the whole next step would lead if the response were
+    linear; -inf where it does not simulate."""
+    residuals = problem.residuals(state)
+    if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
+        return -np.inf, -np.inf
+    here = _noise(problem, residuals, state, start)
+    expected = Descent(problem, state, here, residuals).expected
+    there = [left if np.all(np.isfinite(left)) else now for left, now in zip(expected, residuals, strict=True)]
+    likelihood = concentrated_likelihood(here)
+    return likelihood, max(likelihood, concentrated_likelihood(_noise(problem, there, state, start)))
 
 
 def over_noise(

@@ -193,16 +193,25 @@ def test_a_structure_that_simulates_nowhere_is_refused():
         maximum_likelihood(bad, [strange(*RIGS[0])])
 
 
-@pytest.mark.parametrize(("odds", "counts"), [(999.0, False), (1001.0, True)])
-def test_a_prediction_counts_against_a_simulation_at_odds_of_a_thousand(monkeypatch, odds, counts):
+@pytest.mark.parametrize(
+    ("odds", "promised", "searched", "counts"),
+    [
+        (999.0, {1.0: (-9.0, 5.0), 8.0: (0.0, 4.0)}, [1.0, 8.0], False),  # twice what each gains would be decisive
+        (1001.0, {1.0: (-9.0, -5.0), 8.0: (0.0, 4.0)}, [8.0], True),  # the likelier first, which is decisive
+        (1001.0, {1.0: (-9.0, -5.0), 8.0: (0.0, 3.4)}, [], False),  # twice 3.4 is odds of 898
+        (np.inf, {1.0: (-np.inf, -np.inf), 8.0: (-np.inf, -np.inf)}, [], False),
+    ],
+)
+def test_a_prediction_counts_against_a_simulation_at_odds_of_a_thousand(monkeypatch, odds, promised, searched, counts):
     """Of two memories the likelier is asked; what it says otherwise goes into the standard errors."""
-    module = "dashpot.identify.fit.reported_result"
-    likelihoods = iter((-5.0, float(np.log(odds))))
+    module, asked = "dashpot.identify.fit.reported_result", []
+    found = SimpleNamespace(likelihood=float(np.log(odds)))
     monkeypatch.setattr(f"{module}.memories", lambda _: [1.0, 8.0])
     monkeypatch.setattr(f"{module}._nearest", lambda *_: None)
-    monkeypatch.setattr(f"{module}.whitened", lambda *_, **__: (SimpleNamespace(likelihood=next(likelihoods)), 3))
-    monkeypatch.setattr(f"{module}._apart", lambda one, other: (one.likelihood, one is not other))
+    monkeypatch.setattr(f"{module}.within_reach", lambda memory, *_: promised[memory])
+    monkeypatch.setattr(f"{module}.whitened", lambda memory, *_, **__: asked.append(memory) or (found, 3))
+    monkeypatch.setattr(f"{module}._apart", lambda one, other: one is not other)
     simulated = SimpleNamespace(likelihood=0.0, outcome=SimpleNamespace(state=None))
     problem = SimpleNamespace(segments=(), predicting=lambda memory: memory)
-    (likelihood, apart), steps = _said_otherwise(problem, simulated, {}, None, 5)
-    assert (likelihood, apart, steps) == (pytest.approx(np.log(odds)), counts, 6)
+    apart, steps = _said_otherwise(problem, simulated, {}, None, 5)
+    assert (asked, apart, steps) == (searched, counts, 3 * len(searched))

@@ -6,7 +6,14 @@ import numpy as np
 import pytest
 from dashpot.identify.fit import reweighted_fit as module
 from dashpot.identify.fit.choose_noise_model import plain_cost
-from dashpot.identify.fit.reweighted_fit import _remainders, concentrated, over_noise, weighed, whitened
+from dashpot.identify.fit.reweighted_fit import (
+    _remainders,
+    concentrated,
+    over_noise,
+    weighed,
+    whitened,
+    within_reach,
+)
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.output_error import State
@@ -214,3 +221,20 @@ def test_the_state_is_not_touched(right):
     whitened(problem, state, model, most=2)
     assert np.array_equal(before.values, state.values)
     assert np.array_equal(before.initial, state.initial)
+
+
+@pytest.mark.parametrize("memory", [1.0, 8.0])
+def test_what_is_within_reach_of_a_prediction_is_what_its_search_finds(memory):
+    """A prediction is nearly straight in its parameters: one step tells most of what a search gains."""
+    problem, state, model = problem_of(ringing(5e-3, white(2e-5), softer=0.3), viscous=4.2, omega0=60.2)
+    predicting = problem.predicting(memory)
+    here, there = within_reach(predicting, state, model)
+    found = whitened(predicting, state, model)[0].likelihood
+    assert here == concentrated(predicting, state, model)
+    assert found - here > 20.0
+    assert 0.5 * (found - here) < there - here <= found - here
+
+
+def test_nothing_is_within_reach_where_nothing_simulates():
+    problem, state, model = problem_of(ringing(6e-3, white(1e-5)), **RUNAWAY)
+    assert within_reach(problem, state, model) == (-np.inf, -np.inf)
