@@ -285,8 +285,8 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     moved = [r for r in forced if np.std(r.response) > _MOVES * response_of(r).noise]
     for quantity in {r.quantity for r in moved}:
         alike = [r for r in moved if r.quantity == quantity]
-        driven = [r for r in alike if r.force is not None and np.std(r.force) > 0]
-        gains = {r.name: float(np.std(r.response) / np.std(r.force)) for r in driven}
+        forces = {r.name: 0.0 if r.force is None else float(np.std(r.force)) for r in alike}
+        gains = {r.name: float(np.std(r.response)) / forces[r.name] for r in alike if forces[r.name] > 0}
         if not gains:
             continue
         low, high = min(gains, key=lambda k: gains[k]), max(gains, key=lambda k: gains[k])
