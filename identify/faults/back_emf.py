@@ -9,6 +9,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
 
 from ...recording.recording import Recording
 from ..fit.reported_result import Fit
@@ -20,8 +23,25 @@ from .stranger_among import KEPT, Fitted, of_one_rig
 _CHANGED = 2.0 * KEPT
 
 
-def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> dict[int, str]:
-    """What is said of the driven recordings, by their places; nothing where a measured force explains them.
+@dataclass(frozen=True)
+class Braked:
+    """Driven recordings that are braked more than free ones.
+
+    Attributes:
+        words: by the places of the driven recordings.
+        size: by how much more viscous they are.
+    """
+
+    words: dict[int, str]
+    size: float
+
+    def shift(self, names: Sequence[str]) -> np.ndarray:
+        """(free,) by how much the parameters of these names may be off: nobody knows which damping is the rig's."""
+        return np.array([self.size if name == "viscous" else 0.0 for name in names])
+
+
+def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> Braked | None:
+    """What is said of the driven recordings; None where a measured force explains them.
 
     Args:
         recordings: driven ones and free ones, which contradict each other.
@@ -30,18 +50,18 @@ def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> dict[int, str]:
     driven = [place for place, recording in enumerate(recordings) if recording.force is not None]
     free = [place for place in range(len(recordings)) if place not in driven]
     if not driven or not free:
-        return {}
+        return None
     forced = of_one_rig([recordings[place] for place in driven], fitted)
     let_go = None if forced is None else of_one_rig([recordings[place] for place in free], fitted)
     if forced is None or let_go is None or not (excess := braked(forced, let_go)):
-        return {}
+        return None
     size, error, unit = excess
     words = (
         f"driven, it is braked by {with_error(size, error)} {unit} more than what is free, and agrees with that in all "
         "else: so does a voltage that is taken for a force, whose shaker brakes the rig (back-EMF), or a damper that "
         "is there only when it is driven; record the force itself, or the current"
     )
-    return dict.fromkeys(driven, words)
+    return Braked(dict.fromkeys(driven, words), size)
 
 
 def braked(forced: Fit, let_go: Fit) -> tuple[float, float, str] | None:

@@ -64,6 +64,8 @@ def blame(
         found = _from_the_others(fit, recordings, alone)
     if found is None and not asked:
         return Blame(fit, {}, ())
+    if found is not None and alone is not None and (braked := back_emf(recordings, alone)) is not None:
+        return Blame(covering(fit, (*found.shifts, braked.shift(fit.names))), braked.words, ())
     told = _told(fit, recordings, found, alone)
     if found is None:
         return Blame(fit, told, ())
@@ -130,8 +132,6 @@ def _told(
     suspect = None if found is None or found.other is not None or not found.part.whole else found.part.recording
     own = None if suspect is None or alone is None else of_one_rig([recordings[suspect]], alone)
     # what agrees with a rig of its own has no fault that begins somewhere, and no line or wave on it
-    if found is not None and alone is not None and (braked := back_emf(recordings, alone)):
-        return braked
     faults = faults_found(fit, recordings, found, KINDS if own is None else OF_A_WHOLE)
     if faults:
         return {fault.fault.recording: fault.words for fault in faults}

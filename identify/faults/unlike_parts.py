@@ -23,7 +23,7 @@ from ..problem.normal_equations import pseudo_inverse
 from ..problem.segments import Segment
 from ..signals.hilbert import LONG
 from ..signals.odds import BY_CHANCE
-from ..signals.registry import numerics
+from ..signals.registry import numerics, shown
 from ..signals.signals import noise_levels
 from .fault import with_error
 from .fitted_problem import fitted_problem
@@ -32,6 +32,8 @@ _OWN = numerics(
     1e-8, "part of its information", why="rounding: a direction with less, once all else has taken its part, has none"
 )
 _DRAWS = numerics(60, "draws of force noise", why="as for the covariance: standard errors are good to 9 %")
+
+_NAMED = shown(3, "recordings", why="a sentence names no more")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,15 +88,15 @@ def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> Unlike | None:
     residuals = problem.residuals(state)
     if not all(bool(np.all(np.isfinite(r))) for r in residuals):
         return None
-    shown = [segment.response - left for segment, left in zip(problem.segments, residuals, strict=True)]
-    divisions = divisions_of(problem.segments, shown)
+    simulated = [segment.response - left for segment, left in zip(problem.segments, residuals, strict=True)]
+    divisions = divisions_of(problem.segments, simulated)
     k, free = problem.shared, len(problem.free)
     rows = problem.derivatives(state, residuals)
     linearised = Linearised.of(problem, state, residuals, fit.noise, rows)
     size = np.sqrt(np.maximum(np.diag(linearised.shared.normal)[:free], np.finfo(float).tiny))
     both: list[Sums] = []
     for division in divisions:
-        sides = [division.inside(segment, made) for segment, made in zip(problem.segments, shown, strict=True)]
+        sides = [division.inside(segment, made) for segment, made in zip(problem.segments, simulated, strict=True)]
         columns = {i: fit.noise[i].lines(rows[i][:free] * inside) for i, inside in enumerate(sides) if np.any(inside)}
         both.append(linearised.beside(columns))
     asked = [(one.normal / np.outer(size, size), one.gradient / size) for one in (b.without(slice(k)) for b in both)]
@@ -125,7 +127,7 @@ def unlike_in_words(unlike: Unlike, fit: Fit, recordings: Sequence[Recording]) -
     """Which sides contradict each other, by how much, and what does that: a sentence."""
     division, parameter = unlike.division, fit.oscillator.parameters()[unlike.name]
     share = 100.0 / abs(parameter.value) if parameter.value else 0.0
-    if abs(unlike.difference) * share < 100.0 and share:
+    if abs(unlike.difference) < abs(parameter.value):
         size = f"{with_error(abs(unlike.difference) * share, unlike.error * share)} %"
     else:
         size = f"{with_error(abs(unlike.difference), unlike.error)} {parameter.unit}"
@@ -155,16 +157,16 @@ def unlike_in_words(unlike: Unlike, fit: Fit, recordings: Sequence[Recording]) -
 
 def _others(place: int, fit: Fit, recordings: Sequence[Recording]) -> str:
     used = sorted({s.segment.recording for s in fit.segments} - {place})
-    more = f" and {len(used) - 3} more" if len(used) > 3 else ""
-    return ", ".join(recordings[other].name for other in used[:3]) + more
+    more = f" and {len(used) - _NAMED} more" if len(used) > _NAMED else ""
+    return ", ".join(recordings[other].name for other in used[:_NAMED]) + more
 
 
-def divisions_of(segments: Sequence[Segment], shown: Sequence[np.ndarray]) -> list[Division]:
+def divisions_of(segments: Sequence[Segment], simulated: Sequence[np.ndarray]) -> list[Division]:
     """Every division that is asked for, of segments and what the model shows of each (n,)."""
     divisions: list[Division] = []
     recordings = sorted({segment.recording for segment in segments})
     for recording in recordings:
-        own = [(s, made) for s, made in zip(segments, shown, strict=True) if s.recording == recording]
+        own = [(s, made) for s, made in zip(segments, simulated, strict=True) if s.recording == recording]
         middle = float(np.median(np.concatenate([_times(s) for s, _ in own])))
         divisions.append(Division(recording, "later", _later(recording, middle), middle))
         if any(s.force is not None for s, _ in own):  # of a decay these are the two halves
@@ -197,7 +199,7 @@ def _amplitude(segment: Segment, made: np.ndarray) -> np.ndarray:
     """(n,) the largest deflection from the middle within a cycle about each sample."""
     from scipy.ndimage import maximum_filter1d
 
-    return maximum_filter1d(np.abs(made - np.mean(made)), max(3, round(2 * np.pi / segment.pace / segment.dt)))
+    return maximum_filter1d(np.abs(made - np.mean(made)), max(1, round(2 * np.pi / segment.pace / segment.dt)))
 
 
 def _spread(informed: np.ndarray, scattered: np.ndarray) -> np.ndarray:

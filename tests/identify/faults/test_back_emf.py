@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS, Lie, of_another_rig, told
 from dashpot.examples.odd_chains import voltage_for_force
@@ -24,10 +25,11 @@ def alone(recordings):
 
 def test_a_voltage_in_the_forces_place_is_named():
     said = back_emf(told(STAND, Lie("", "", 2, voltage_for_force(BRAKE), driven=True)), alone)
-    assert set(said) == {1, 2}
-    assert "back-EMF" in said[1]
-    size = float(said[1].split("braked by ")[1].split()[0])
+    assert set(said.words) == {1, 2}
+    assert "back-EMF" in said.words[1]
+    size = float(said.words[1].split("braked by ")[1].split()[0])
     assert size == pytest.approx(BRAKED, rel=0.02)
+    np.testing.assert_allclose(said.shift(("mass", "viscous")), [0.0, BRAKED], rtol=0.02)
 
 
 @pytest.mark.parametrize(
@@ -42,7 +44,7 @@ def test_a_voltage_in_the_forces_place_is_named():
     ids=["honest", "pushed", "driven alone", "another spring", "another friction"],
 )
 def test_nothing_else_is(change, used):
-    assert back_emf(told(STAND, Lie("", "", 2, change, driven=True))[used], alone) == {}
+    assert back_emf(told(STAND, Lie("", "", 2, change, driven=True))[used], alone) is None
 
 
 @pytest.mark.long
@@ -50,3 +52,5 @@ def test_a_user_is_told():
     found = identify(told(STANDS["built-in"], Lie("", "", 2, voltage_for_force(BRAKE), driven=True)))
     assert [words.split(":")[0] for words in found.faults] == ["weak.csv", "strong.csv"]
     assert all("back-EMF" in words for words in found.faults)
+    viscous = found.oscillator.viscous
+    assert abs(viscous.value - STAND.values["viscous"]) < 2.0 * viscous.std
