@@ -126,11 +126,27 @@ def _stepped(rng: np.random.Generator, base: Base) -> list[Plan]:
     return [strong, weak, _ringdown(base), other, sweep]
 
 
+def _stops(base: Base, part: float) -> float:
+    """When dry friction stops the base that is let go at a part of its amplitude, s: who sees that ends the recording.
+
+    The envelope falls by zeta omega A + 2 dry/(pi omega) a second.
+    """
+    dry, rate = base.parameters["dry"], base.zeta * base.omega
+    if dry == 0.0:
+        return np.inf
+    return float(np.log1p(rate * base.amplitude * part * np.pi * base.omega / (2 * dry)) / rate)
+
+
 def _decays(rng: np.random.Generator, base: Base) -> list[Plan]:
     """Let go five times, farther or less far, from either side; nothing else drives it."""
     parts = [1.0, *(rng.uniform(low, high) for low, high in ((0.35, 0.5), (0.6, 0.75), (0.75, 0.95), (0.3, 0.5)))]
     sides = rng.choice([-1.0, 1.0], len(parts))
-    return [replace(_ringdown(base), x0=base.amplitude * part * side) for part, side in zip(parts, sides, strict=True)]
+    plans = []
+    for part, side in zip(parts, sides, strict=True):
+        plan = _ringdown(base)
+        samples = round(np.clip(1.5 * _stops(base, part) * base.fs, 0.25 * plan.samples, plan.samples))
+        plans.append(Plan(plan.drive, base.amplitude * part * side, samples))
+    return plans
 
 
 def _hits(rng: np.random.Generator, base: Base, count: int, weakest: float) -> Drive:

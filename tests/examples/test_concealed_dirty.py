@@ -8,12 +8,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.examples.concealed import dirty, make
+from dashpot.examples.concealed.base import Base
 from dashpot.examples.concealed.dirty import IMPERFECTIONS, LEAST, MOST, SHARE, TRIALS, candidate, draw_dirty
 from dashpot.examples.concealed.engine import Drive, simulate
 from dashpot.examples.concealed.exact_law import Dirty, exact_law, left, without_effect
 from dashpot.examples.concealed.pace import remaining
 from dashpot.examples.concealed.record import record
-from dashpot.examples.concealed.recordings import run
+from dashpot.examples.concealed.recordings import _stops, run
 from dashpot.examples.concealed.seal import NAME, open_sealed
 from dashpot.examples.concealed.suite import Spec
 from dashpot.examples.concealed.virtual import Trial, draw
@@ -161,3 +162,12 @@ def test_the_time_that_is_left_comes_with_its_range():
     assert remaining([60.0] * 4, 0, 2) == "none left"
     assert remaining([60.0] * 4, 10, 2) == "10 left, about 5 min (5 to 5)"
     assert remaining([30.0, 90.0, 30.0, 90.0], 100, 2) == "100 left, about 50 min (21 to 79)"
+
+
+def test_a_recording_of_a_decay_ends_where_dry_friction_has_stopped_the_rig():
+    for zeta, dry in ((0.01, 0.01), (0.005, 0.02), (0.04, 0.002)):
+        values = PLAIN | {"viscous": 2 * zeta * W, "dry": dry * W**2 * A}
+        base = Base(W, A, zeta, values, FS, 10.0, 1e-5)
+        x = simulate(values, Drive("none"), 0.7 * A, FS, N).x
+        assert np.flatnonzero(np.diff(x))[-1] / FS == pytest.approx(_stops(base, 0.7), abs=0.6 * 2 * np.pi / W)
+    assert _stops(Base(W, A, 0.01, PLAIN | {"dry": 0.0}, FS, 10.0, 1e-5), 1.0) == np.inf
