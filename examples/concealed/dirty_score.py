@@ -160,13 +160,18 @@ def dirty_score(rigs: Sequence[RigScore], truths: Mapping[str, Mapping[str, Any]
 
 def dirty_targets(figures: Mapping[str, Mapping[str, Any]]) -> list[dict[str, Any]]:
     """Hold the figures against what is asked, as lines of the scoreboard; nothing where no rig says anything."""
-    lines = []
-    for key, (words, limit, at_most) in ASKED.items():
-        one = figures.get(key)
-        if one and one["share"] is not None:
-            met = one["share"] <= limit if at_most else one["share"] >= limit
-            lines.append(
-                {"target": words, "value": one["share"], "error": one["error"], "limit": limit}
-                | {"at_most": at_most, "met": met}
-            )
-    return lines
+    return [
+        line
+        for key, (words, limit, at_most) in ASKED.items()
+        if key in figures
+        for line in target(words, figures[key], limit, at_most)
+    ]
+
+
+def target(words: str, one: Mapping[str, Any], limit: float, at_most: bool = False) -> list[dict[str, Any]]:
+    """One line of the scoreboard, or none where nothing was counted."""
+    if one["share"] is None:
+        return []
+    met = one["share"] <= limit if at_most else one["share"] >= limit
+    line = {"target": words, "value": one["share"], "error": one["error"], "limit": limit}
+    return [line | {"at_most": at_most, "met": met}]

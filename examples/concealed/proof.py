@@ -27,6 +27,7 @@ from .recordings import EXPERIMENTS
 from .score import score, summary
 from .scoreboard import page
 from .seal import NAME, open_sealed, sha256
+from .stability import CHANGES, Change, stability, stability_target
 
 ONE_THREAD = {f"{name}_NUM_THREADS": "1" for name in ("OMP", "OPENBLAS", "MKL", "NUMEXPR")}
 DASHPOT = (sys.executable, "-P", "-m", "dashpot")
@@ -104,8 +105,11 @@ def _command(command: Sequence[str], cwd: Path, log: Path, timeout: float) -> in
         return run.returncode
 
 
-def diagnose_rig(rig: Path, result: Path, timeout: float) -> str:
-    """Identify and diagnose one rig; its files end in `result`. Gives one line for the terminal."""
+def diagnose_rig(rig: Path, result: Path, timeout: float, change: Change | None = None) -> str:
+    """Identify and diagnose one rig, its files changed first; what comes of it ends in `result`.
+
+    Gives one line for the terminal.
+    """
     started = time.monotonic()
     shutil.rmtree(result, ignore_errors=True)
     result.mkdir(parents=True)
@@ -115,7 +119,10 @@ def diagnose_rig(rig: Path, result: Path, timeout: float) -> str:
             shutil.copy(path, here)
         (trial,) = (e for e in EXPERIMENTS.values() if all((here / f"{name}.csv.gz").exists() for name in e.recordings))
         training = [f"{kind}.csv.gz" for kind in trial.training]
-        held_out = [word for kind in trial.held_out for word in ("--holdout", f"{kind}.csv.gz")]
+        judged = [f"{kind}.csv.gz" for kind in trial.held_out]
+        if change:
+            training, judged = change(here, training), change(here, judged)
+        held_out = [word for name in judged for word in ("--holdout", name)]
         log = here / "log.txt"
         _command(["identify", *training, "-o", "model.yaml"], here, log, timeout)
         if (here / "model.yaml").exists():  # what identification says of the fit does not stop a diagnosis
@@ -130,15 +137,15 @@ def diagnose_rig(rig: Path, result: Path, timeout: float) -> str:
     return f"{rig.name}: {said} ({seconds:.0f} s)"
 
 
-def diagnose_all(folder: Path, jobs: int, timeout: float) -> None:
-    """Diagnose every rig of folder/suite that has no diagnosis in folder/results yet."""
-    rigs = sorted(path for path in (folder / "suite").iterdir() if path.is_dir())
-    todo = [rig for rig in rigs if not (folder / "results" / rig.name / "diagnosis.json").exists()]
+def diagnose_all(suite: Path, results: Path, jobs: int, timeout: float, change: Change | None = None) -> None:
+    """Diagnose every rig of a suite that has no diagnosis among the results yet."""
+    rigs = sorted(path for path in suite.iterdir() if path.is_dir())
+    todo = [rig for rig in rigs if not (results / rig.name / "diagnosis.json").exists()]
     print(f"{len(rigs)} rigs, {len(rigs) - len(todo)} of them diagnosed already", flush=True)
     with ThreadPoolExecutor(jobs) as pool:
-        futures = [pool.submit(diagnose_rig, rig, folder / "results" / rig.name, timeout) for rig in todo]
+        futures = [pool.submit(diagnose_rig, rig, results / rig.name, timeout, change) for rig in todo]
         for count, done in enumerate(as_completed(futures), start=1):
-            seconds = [float(path.read_text()) for path in (folder / "results").glob("rig_*/seconds.txt")]
+            seconds = [float(path.read_text()) for path in results.glob("rig_*/seconds.txt")]
             print(f"{done.result()}; {remaining(seconds, len(todo) - count, jobs)}", flush=True)
 
 
@@ -153,7 +160,10 @@ def diagnose_recorded(folder: Path) -> list[dict]:
 def report(folder: Path, known: str, recorded: Sequence[dict] = ()) -> str:
     """Open the seal, score, write scoreboard.json and scoreboard.html, and give the summary."""
     board = score(open_sealed(folder / "suite" / NAME, known), folder / "results")
+    changed, rigs = folder / "changed", [rig["rig"] for rig in board["rigs"]]
     board |= {"sha256": known, "recorded": list(recorded)}
+    board["stability"] = stability(folder / "results", changed, rigs) if changed.exists() else None
+    board["targets"] += stability_target(board["stability"]) if board["stability"] else []
     (folder / "scoreboard.json").write_text(json.dumps(board, indent=1), encoding="utf-8")
     (folder / "scoreboard.html").write_text(page(board, known), encoding="utf-8")
     return summary(board)
@@ -164,6 +174,7 @@ def main(arguments: list[str]) -> int:
     parser = argparse.ArgumentParser(prog="concealed.proof", description="Blind test of the diagnosis.")
     parser.add_argument("-o", "--output", type=Path, required=True, metavar="DIR")
     options(parser)
+    parser.add_argument("--stability", action="store_true", help="diagnose again with files changed a little")
     parser.add_argument("--jobs", type=int, default=2, help="rigs diagnosed at a time; default 2")
     parser.add_argument("--timeout", type=float, default=1800.0, metavar="S", help="seconds for one command")
     given = parser.parse_args(arguments)
@@ -173,7 +184,11 @@ def main(arguments: list[str]) -> int:
         print(problem, file=sys.stderr)
         return 2
     print(f"SHA-256 of the sealed truth: {known}", flush=True)
-    diagnose_all(given.output, given.jobs, given.timeout)
+    suite, results = given.output / "suite", given.output / "results"
+    diagnose_all(suite, results, given.jobs, given.timeout)
+    for name, change in CHANGES.items() if given.stability else ():
+        print(f"with a change, {name}:", flush=True)
+        diagnose_all(suite, given.output / "changed" / name, given.jobs, given.timeout, change)
     whole = not (given.short or given.kinds or given.dirty) and (given.scale, given.experiment) == ("nominal", "shaker")
     recorded = diagnose_recorded(given.output) if whole else []
     print(report(given.output, known, recorded))
