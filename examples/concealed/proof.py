@@ -143,10 +143,13 @@ def diagnose_all(suite: Path, results: Path, jobs: int, timeout: float, change: 
     todo = [rig for rig in rigs if not (results / rig.name / "diagnosis.json").exists()]
     print(f"{len(rigs)} rigs, {len(rigs) - len(todo)} of them diagnosed already", flush=True)
     with ThreadPoolExecutor(jobs) as pool:
-        futures = [pool.submit(diagnose_rig, rig, results / rig.name, timeout, change) for rig in todo]
-        for count, done in enumerate(as_completed(futures), start=1):
-            seconds = [float(path.read_text()) for path in results.glob("rig_*/seconds.txt")]
-            print(f"{done.result()}; {remaining(seconds, len(todo) - count, jobs)}", flush=True)
+        futures = {pool.submit(diagnose_rig, rig, results / rig.name, timeout, change): rig for rig in todo}
+        pending = set(todo)
+        for done in as_completed(futures):
+            pending.discard(futures[done])
+            took = [results / rig.name / "seconds.txt" for rig in rigs if rig not in pending]
+            seconds = [float(path.read_text()) for path in took if path.exists()]
+            print(f"{done.result()}; {remaining(seconds, len(pending), jobs)}", flush=True)
 
 
 def diagnose_recorded(folder: Path) -> list[dict]:
