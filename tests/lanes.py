@@ -184,13 +184,13 @@ class Measured:
     def __init__(self, write: bool) -> None:
         self.write = write
         self.before = known()
-        self.began = 0.0
+        self.began, self.skipped = 0.0, False
         self.shared: dict[str, float] = {}  # of the present test: what was made for others too
         self.seconds: dict[str, float] = {}
 
     @pytest.hookimpl(wrapper=True, tryfirst=True)
     def pytest_runtest_protocol(self) -> Iterator[None]:
-        self.began = processor_time()
+        self.began, self.skipped = processor_time(), False
         self.shared.clear()
         return (yield)
 
@@ -207,7 +207,8 @@ class Measured:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_makereport(self, call: pytest.CallInfo[None]) -> Iterator[None]:
         report: Any = yield
-        if call.when == "teardown":  # the report goes to the process that writes
+        self.skipped |= report.skipped  # which says nothing of what it costs elsewhere
+        if call.when == "teardown" and not self.skipped:  # the report goes to the process that writes
             report.cost = processor_time() - self.began - sum(self.shared.values())
             report.shared = dict(self.shared)
         return report

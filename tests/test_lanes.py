@@ -125,6 +125,30 @@ def test_a_run_adds_what_it_measured_and_drops_what_is_gone_or_cheap(lanes):
     assert lanes.updated(after, {here: 0.01, f"{here}[a]": 4.0}) == {f"{here}[a]": 4.0, f"{here}[b]": 3.1}
 
 
+PROGRAM = """
+import pytest
+
+@pytest.fixture(scope="module")
+def made():
+    return sum(i for i in range(3_000_000))
+
+def test_works(made):
+    assert sum(i for i in range(6_000_000)) > made
+
+def test_is_not_for_this_machine():
+    pytest.skip("another")
+"""
+
+
+def test_what_a_test_costs_is_measured_and_what_it_shares_apart(lanes, tmp_path):
+    file = tmp_path / "test_work.py"
+    file.write_text(PROGRAM)
+    run = lanes.Measured(write=False)
+    assert pytest.main(["-q", "-c", "/dev/null", "-p", "no:cacheprovider", str(file)], plugins=[run]) == 0
+    assert [name.rpartition("::")[2] for name in sorted(run.seconds)] == ["fixture made", "test_works"]
+    assert min(run.seconds.values()) > 0.0
+
+
 def test_the_file_reads_back_as_it_was_written(lanes, tmp_path):
     seconds = {"tests/a.py::TestThis::test[x::y]": 0.5, "tests/a.py::fixture made": 2.0, "tests/b.py::test": 1.0}
     path = tmp_path / "durations.json"

@@ -102,7 +102,6 @@ def test_tests_mirror_folders():
     assert own_test(Path("identify/backbone.py")) == Path("tests/identify/test_backbone.py")
 
 
-@pytest.mark.long
 def test_thorough_tests_kill_every_mutant_and_the_checkout_stays_as_it_is(tmp_path):
     root = checkout(tmp_path, THOROUGH)
     before = {path: path.read_bytes() for path in root.rglob("*") if path.is_file()}

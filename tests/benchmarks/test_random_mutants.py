@@ -162,7 +162,6 @@ def test_what_is_killed_and_what_survives_is_recorded_and_what_was_lost_is_said(
     assert "killed before, and survive:\n  identify/fit/door.py, clipped" in done.stdout
 
 
-@pytest.mark.long
 def test_a_mutant_that_never_ends_runs_out_of_time(tmp_path):
     endless = "def f(n):\n    while n > 0:\n        n = n - 1\n    return n\n"
     test = "from tiny.identify.door import f\n\n\ndef test_f():\n    assert f(2) == 0\n"

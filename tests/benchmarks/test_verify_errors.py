@@ -38,7 +38,6 @@ def test_a_wrong_model_is_off_in_one_parameter():
     assert moved.values()["dry"] == pytest.approx(TRUTH["dry"] + 0.01)
 
 
-@pytest.mark.long
 def test_it_prints_the_rates_of_right_and_wrong_models(capsys):
     main(["3", "10"])
     out = capsys.readouterr().out

@@ -36,7 +36,6 @@ def test_recordings_are_made_again(stand, kind):
     assert np.abs(stored[:, 2] - made[:, 2]).max() < 1.01 * QUANTUM["displacement"]
 
 
-@pytest.mark.long
 def test_the_command_writes_the_same_bytes_twice(tmp_path, monkeypatch):
     monkeypatch.setattr("dashpot.examples.rig.KINDS", ("bursts",))
     main([str(tmp_path / "a")])

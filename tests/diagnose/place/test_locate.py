@@ -22,7 +22,6 @@ def found(case):
     return locate(Structure(case.model, data).fit(settle=True, most=40), data)
 
 
-@pytest.mark.long  # of each sentence a case by hand: test_statement.py
 def test_a_stop_is_beyond_its_position_and_on_its_side(rig):
     case = rig("single", "one-sided-stop", variants=("elastic",))
     where = found(case)
@@ -39,7 +38,6 @@ def test_a_stop_is_beyond_its_position_and_on_its_side(rig):
     assert where.harmonics[0] + where.harmonics[2] > 0.3
 
 
-@pytest.mark.long
 def test_drag_grows_with_speed_at_every_displacement(rig):
     where = found(rig("single", "quadratic-drag"))
     assert where.path == "dissipation"
@@ -47,7 +45,6 @@ def test_drag_grows_with_speed_at_every_displacement(rig):
     assert where.displacement[0] < 0 < where.displacement[1]
 
 
-@pytest.mark.long
 def test_a_constant_force_is_told_with_its_size(rig):
     case = rig("single", "constant-force")
     where = found(case)
@@ -56,7 +53,6 @@ def test_a_constant_force_is_told_with_its_size(rig):
     assert where.harmonics[0] > 0.7
 
 
-@pytest.mark.long
 def test_a_tone_is_told_with_its_frequency(rig):
     case = rig("single", "tonal-disturbance")
     where = found(case)
@@ -65,7 +61,6 @@ def test_a_tone_is_told_with_its_frequency(rig):
     assert where.frequency_hz == pytest.approx((tone, tone), rel=0.01)
 
 
-@pytest.mark.long
 def test_a_delay_enters_with_the_force(rig):
     where = found(rig("single", "time-delay"))
     assert where.path == "excitation"

@@ -42,7 +42,6 @@ def test_the_smoother_finds_the_drag_that_the_law_names(rig):
     )
 
 
-@pytest.mark.long
 def test_a_disturbance_has_its_own_phase_in_each_recording(rig):
     case = rig("single", "tonal-disturbance")
     truth = case.truth["parameters"]
@@ -53,7 +52,6 @@ def test_a_disturbance_has_its_own_phase_in_each_recording(rig):
         assert np.sqrt(2) * np.std(force.named) == pytest.approx(truth["tone"], rel=0.01)  # its peak has noise on it
 
 
-@pytest.mark.long
 def test_a_delay_is_the_difference_of_two_forces(rig):
     case = rig("single", "time-delay")
     (delay,) = (value for name, value in case.truth["parameters"].items() if name.endswith("_delay"))

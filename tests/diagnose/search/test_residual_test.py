@@ -302,7 +302,6 @@ def with_residuals(data, fit, residuals):
     return replace(fit, residuals=tuple(residuals)), replace(data, segments=tuple(segments))
 
 
-@pytest.mark.long
 @pytest.mark.parametrize("noise", [coloured, stepped])
 def test_noise_of_any_colour_is_no_mismatch_of_a_rig(fitted, noise):
     data, fit = fitted
@@ -313,7 +312,6 @@ def test_noise_of_any_colour_is_no_mismatch_of_a_rig(fitted, noise):
     assert sentence(left) is None
 
 
-@pytest.mark.long
 def test_what_grows_with_the_motion_is_a_mismatch_of_a_rig(fitted):
     data, fit = fitted
     residuals = tuple(
@@ -324,7 +322,6 @@ def test_what_grows_with_the_motion_is_a_mismatch_of_a_rig(fitted):
     assert "growing with the motion" in said
 
 
-@pytest.mark.long
 def test_what_keeps_step_with_a_rig_is_a_mismatch_however_large_the_motion_is(fitted):
     data, fit = fitted
     residuals = []
@@ -336,7 +333,6 @@ def test_what_keeps_step_with_a_rig_is_a_mismatch_however_large_the_motion_is(fi
     assert "in step with the motion" in (sentence(left) or "") or any(leftover.with_motion for leftover in left)
 
 
-@pytest.mark.long
 def test_noise_keeps_step_with_no_rig(fitted):
     data, fit = fitted
     random = np.random.default_rng(8)
@@ -347,7 +343,6 @@ def test_noise_keeps_step_with_no_rig(fitted):
             assert in_step(motion, coloured(random, r.size))[0] == 0.0
 
 
-@pytest.mark.long
 def test_a_burst_is_a_mismatch_of_a_rig(fitted):
     data, fit = fitted
     first = fit.residuals[0].copy()
