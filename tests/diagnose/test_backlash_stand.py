@@ -13,6 +13,7 @@ from dashpot.examples.truth import ACTUATOR
 TRAIN = ("bursts", "sweep_low", "sweep_high")
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("kinds", [TRAIN, TRAIN[:1]], ids=["bursts and sweeps", "bursts alone"])
 def test_the_backlash_that_the_paper_leaves_out_is_named_and_mended(tmp_path, capsys, kinds):
     """Bursts alone say nothing of it in a regression on the measured motion: its probes are predicted.
