@@ -15,10 +15,10 @@ from ..problem.jump_sides import put_on_same_sides
 from ..problem.offset import Offset
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
+from ..signals.registry import numerics
 from .fault import Fault
 
-#: Step of the difference quotient by a fault's size, as a part of that: the event-exact core is smooth to 1e-12.
-_STEP = 1e-5
+_STEP = numerics(1e-5, "of a size", why="of its difference quotient: the event-exact core is smooth to 1e-12")
 
 
 class FaultyFit(OutputError):

@@ -13,20 +13,19 @@ import numpy as np
 
 from ...simulate.work import TOTAL
 from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.registry import budget, numerics
 from .normal_equations import Block, held_at, promise, shared_information, solve
 from .output_error import OutputError, blocks_of
 from .search_point import Outcome, State
 from .state_from_previous_segment import handed_over
 
-#: A step that leads nowhere is damped by this factor more, and by this much more each further time (Nielsen 1999),
-#: until it promises a tenth less: what is damped by 1e-12 or by 1e-6 is often the same step.
-_DAMPED = 8.0
-_LESS = 0.9
-#: Damping beyond which there is no step.
-_LARGEST = 1e12
-#: So many steps are tried in all.
-_SHORTENED = 6
-MOST_STEPS = 40
+_DAMPED = numerics(
+    8.0, "times", why="by which a rejected step is damped more, and by as much more each further time (Nielsen 1999)"
+)
+_LESS = numerics(0.9, "of a promise", why="what is tried next promises less: damped by 1e-12 or by 1e-6 it is the same")
+_LARGEST = numerics(1e12, "damping", why="beyond it nothing of a step is left")
+_SHORTENED = budget(6, "steps", why="tried in one direction: from a damping of 1e-12 to beyond one")
+MOST_STEPS = budget(40, "steps", why="a search takes ten to twenty")
 
 
 class Descent:
@@ -141,7 +140,7 @@ class Descent:
             return False
         place = self.problem.free.index(self._natural_frequency)
         apart = shared[place] ** 2 / (2.0 * self.state.values[self._natural_frequency])
-        return bool(0.5 * apart**2 * sum(float(normal[place, place]) for normal, _ in self.blocks) > tolerance)
+        return bool(apart**2 * sum(float(normal[place, place]) for normal, _ in self.blocks) > 2 * tolerance)
 
     def _tried(
         self, shared: np.ndarray, own: np.ndarray, squared: int | None = None

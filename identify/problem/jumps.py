@@ -13,12 +13,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..signals.registry import numerics
 from .jump_sides import put_on_same_sides
 from .output_error import OutputError, State
 from .segments import Segment
 
-#: By this part of themselves, or of their typical sizes, the parameters are moved; the core is smooth to 1e-12.
-_STEP = 1e-5
+_STEP = numerics(1e-5, "of a value or its size", why="by which parameters are moved: the core is smooth to 1e-12")
 #: Forward and backward differences that disagree by more than this part of the largest effect of any parameter there
 #: are no derivative.
 _DISAGREE = 0.3

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...model.fit_state import FOLLOWS
 from ...simulate.core import STEPS_PER_PERIOD
+from ..signals.registry import budget
 from .output_error import OutputError, State
 from .prediction import FREE
 from .search_point import SHOWN
@@ -26,8 +27,7 @@ _SIZES = 100.0
 LEAST = 8
 #: Cycles that are asked first where the beginning is lost, and by which factor ever more of them.
 _FIRST, _LONGER = 0.25, 2**0.5
-#: Gauss and Newton's steps, each of two runs.
-_STEPS = 8
+_STEPS = budget(8, "steps", why="of Gauss and Newton, each of two runs of a few cycles")
 
 
 def follows(left: float, measured: np.ndarray, noise: float) -> bool:
