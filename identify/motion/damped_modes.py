@@ -11,8 +11,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-#: Steps of a search, and the gain of a step, as a part of what is left, below which it has converged.
-_STEPS, _CONVERGED = 10, 1e-5
+from ..signals.registry import budget, numerics
+
+_STEPS = budget(10, "steps", why="of a search that begins near its end")
+_CONVERGED = numerics(1e-5, "part of what is left", why="gained by a step, below which the search has converged")
+_DAMPED, _STUCK = numerics((1e-3, 1e6), "of the diagonal", why="Marquardt's damping at first, and at most")
+_GONE = numerics(50.0, "nepers", why="e to the minus fifty is nothing beside any noise")
+_TURN = numerics(0.3, "of ln omega and zeta", why="a step is at most that long")
+_FASTEST, _GROWS, _OVER = numerics((3.1, -0.5, 0.99), "rad, ratios", why="the half turn, growth and critical damping")
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,16 +65,16 @@ def fit_modes(pieces: Sequence[np.ndarray], start: Modes, deviation: Sequence[fl
     """
     count = start.count
     unknown = np.concatenate([np.log(start.omega), start.zeta, [start.drift]])
-    low = np.concatenate([np.full(count, -np.inf), np.full(count, -0.5), [-np.inf]])
-    high = np.concatenate([np.full(count, np.log(3.1)), np.full(count, 0.99), [np.inf]])
+    low = np.concatenate([np.full(count, -np.inf), np.full(count, _GROWS), [-np.inf]])
+    high = np.concatenate([np.full(count, np.log(_FASTEST)), np.full(count, _OVER), [np.inf]])
     normal, gradient, rss = _linearised(pieces, unknown, deviation)
-    damping, cost = 1e-3, float(np.sum(rss / np.square(deviation)))
+    damping, cost = _DAMPED, float(np.sum(rss / np.square(deviation)))
     for _ in range(_STEPS):
         diagonal = np.diag(normal)
         scale = np.sqrt(np.maximum(diagonal, 1e-300))
         raised = normal / np.outer(scale, scale) + damping * np.eye(scale.size)
         step = np.linalg.lstsq(raised, gradient / scale)[0] / scale
-        step[:-1] = np.clip(step[:-1], -0.3, 0.3)
+        step[:-1] = np.clip(step[:-1], -_TURN, _TURN)
         tried_at = np.clip(unknown + step, low, high)
         new = _linearised(pieces, tried_at, deviation)
         tried = float(np.sum(new[2] / np.square(deviation)))
@@ -78,8 +84,8 @@ def fit_modes(pieces: Sequence[np.ndarray], start: Modes, deviation: Sequence[fl
             if done:
                 break
         else:
-            damping = max(10 * damping, 1e-6)
-            if damping > 1e6:
+            damping = 10 * damping
+            if damping > _STUCK:
                 break
     scale = np.sqrt(np.maximum(np.diag(normal), 1e-300))
     covariance = np.linalg.pinv(normal / np.outer(scale, scale), hermitian=True) / np.outer(scale, scale)
@@ -116,7 +122,7 @@ def _columns(omega: np.ndarray, zeta: np.ndarray, times: np.ndarray) -> tuple[np
     """(n, 2K + 1) columns, and (n, K, 2, 2) what each mode's cosine and sine change with its ln omega and its zeta."""
     t = times[:, None]
     root = np.sqrt(1 - zeta**2)
-    size = np.exp(-np.clip(zeta * omega * t, -50, 50))
+    size = np.exp(-np.clip(zeta * omega * t, -_GONE, _GONE))
     cosine, sine = size * np.cos(omega * root * t), size * np.sin(omega * root * t)
     faster, slower = -zeta * omega * t, -omega * t  # of the envelope's logarithm, by ln omega and by zeta
     turn, back = omega * root * t, -omega * zeta / root * t

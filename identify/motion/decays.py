@@ -10,8 +10,7 @@ import numpy as np
 
 from ...recording.fact import fact
 from ...recording.short_decay import LEAST_CYCLES, is_short_decay
-from ..signals.signals import Signal, response_of
-from .beating import without_beats
+from ..signals.signals import response_of
 from .blow_answer import answers_against
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
@@ -19,18 +18,13 @@ from .envelope import SHORTEST_CYCLES, envelope_of
 from .excluded_ranges import left_out
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import goes_on, modes_of_response, pieces_of
-from .pieces import FREE, Piece, free_pieces
+from .free_motion import modes_of_response
+from .limits import TAKES
 from .shared_modes import SharedModes
 from .swings import swings_of
 
 if TYPE_CHECKING:
     from ...recording.recording import Recording
-
-#: What swings for so many cycles beside a free piece, and is none, was driven; a hand's way is shorter.
-_DRIVEN = 3.0
-#: Pieces that leave out more than a tenth of what an envelope takes are those of a model that does not fit.
-_TAKES = 0.9
 
 __all__ = ["Blow", "Decay", "FreeMotion", "find_decays", "find_free_motion", "force_is_silent"]
 
@@ -45,9 +39,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     """Find the free decays of a recording and say what was left out.
 
     Without a force, what the modes of one linear rig explain is its decays (``motion.shared_modes``), however few
-    cycles they have. Where its frequency glides, the recording is divided into pieces (``motion.segmentation``), and
-    the free ones that tell frequency and damping of one rig are its decays; where it glides within two cycles, its
-    envelope decides.
+    cycles they have. Where its frequency glides with its amplitude, the envelope decides.
     """
     by_envelope = _by_envelope(recording)
     force = recording.force
@@ -58,7 +50,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
         decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
         motion = _described(recording, decays)
         return replace(motion, notes=(*motion.notes, *_of_modes(recording, shared)))
-    return _by_pieces(recording, pieces_of(response_of(recording)), by_envelope)
+    return by_envelope
 
 
 def _explains(shared: SharedModes, decays: Sequence[Decay], n: int) -> bool:
@@ -68,7 +60,7 @@ def _explains(shared: SharedModes, decays: Sequence[Decay], n: int) -> bool:
         taken[start:stop] = True
     for decay in decays:
         before[decay.start : decay.stop] = True
-    return bool(np.count_nonzero(taken & before) >= _TAKES * np.count_nonzero(before))
+    return bool(np.count_nonzero(taken & before) >= TAKES * np.count_nonzero(before))
 
 
 def _of_modes(recording: Recording, shared: SharedModes) -> tuple[str, ...]:
@@ -89,61 +81,6 @@ def _described(recording: Recording, decays: Sequence[Decay]) -> FreeMotion:
     return replace(motion, notes=left_out(recording, envelope, motion) if envelope is not None else ())
 
 
-def _by_pieces(recording: Recording, pieces: Sequence[Piece], by_envelope: FreeMotion) -> FreeMotion:
-    """What is free of a motion that no modes of a linear rig explain: its frequency glides with its amplitude."""
-    if not _believed(pieces, by_envelope.decays, recording.n):
-        return by_envelope
-    decays: list[Decay] = []
-    for piece in free_pieces(pieces):
-        decay = _decay(piece, pieces, recording.fs)
-        if decays and _is_one(response_of(recording), decays[-1], decay, by_envelope.decays):
-            decay = replace(decays.pop(), stop=decay.stop)
-        decays.append(decay)
-    return _described(recording, decays)
-
-
-def _is_one(response: Signal, one: Decay, other: Decay, by_envelope: Sequence[Decay]) -> bool:
-    """Whether two decays that meet are one that glides: neither its envelope nor its swings break between them."""
-    omega = one.omega or 0.0
-    near = (other.start - one.stop) * omega < np.pi * response.fs
-    whole = any(
-        decay.start <= one.start + (one.stop - one.start) / 2 and other.stop <= decay.stop for decay in by_envelope
-    )
-    return bool(near and whole and goes_on(response, (one.stop + other.start) // 2, omega))
-
-
-def _decay(piece: Piece, pieces: Sequence[Piece], fs: float) -> Decay:
-    """The decay of a free piece: after motion that swings and is not free, a cycle later.
-
-    What drove it was switched off where the amplitude had its corner, which the noise and the glide hide for a while.
-    """
-    cycle = 2 * np.pi / piece.omega * fs
-    before = max((p for p in pieces if p.start < piece.start), key=lambda p: p.start, default=None)
-    late = (
-        before is not None
-        and before.kind == FREE
-        and before not in free_pieces(pieces)
-        and min(before.stop - before.start, piece.stop - piece.start) > _DRIVEN * cycle
-    )
-    start = piece.start + (round(cycle) if late else 0)
-    stop = max(piece.audible, min(piece.stop, start + round(cycle)))
-    return Decay(start, stop, float(piece.omega), float(piece.rate))
-
-
-def _believed(pieces: Sequence[Piece], decays: Sequence[Decay], n: int) -> bool:
-    """Whether the pieces tell the free motion: a third of what swings, nearly all of what envelopes take."""
-    taken, free, before = (np.zeros(n, bool) for _ in range(3))
-    for piece in free_pieces(pieces):
-        taken[piece.start : piece.stop] = True
-    for piece in pieces:
-        free[piece.start : piece.stop] = piece.kind == FREE
-    for decay in decays:
-        before[decay.start : decay.stop] = True
-    before &= free
-    much = np.count_nonzero(taken) > np.count_nonzero(free) / 3  # a hand's ways swing too
-    return bool(much and np.count_nonzero(taken & before) >= _TAKES * np.count_nonzero(before))
-
-
 def _by_envelope(recording: Recording) -> FreeMotion:
     """The free decays by their envelope, and what was left out.
 
@@ -162,12 +99,11 @@ def _by_envelope(recording: Recording) -> FreeMotion:
         return FreeMotion((Decay(0, recording.n),) if free and is_short_decay(x, recording.fs) else ())
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):
-        slow, beats = without_beats(envelope)
         swings, shortest = swings_of(x, envelope), SHORTEST_CYCLES
-        decays = falling(x, slow, swings)
-        if not decays and not beats:  # few cycles between a hold and a stop: their errors decide, not their number
+        decays = falling(x, envelope, swings)
+        if not decays:  # few cycles between a hold and a stop: their errors decide, not their number
             shortest = LEAST_CYCLES
-            short = falling(x, slow, swings, shortest)
+            short = falling(x, envelope, swings, shortest)
             decays = [d for d in short if is_short_decay(x[d.start : d.stop], recording.fs)]
         if force is not None and np.ptp(force) > 0:
             # white noise may be a shaker's too: only a fall to the noise, or the whole record, is a free decay then
@@ -180,8 +116,8 @@ def _by_envelope(recording: Recording) -> FreeMotion:
         if answers_against(blows, force, x, period, recording.quantity):
             blows = tuple(replace(blow, answered=False) for blow in blows)
         # a blow says how the motion began, which a decay must show by itself
-        beats, shortest = False, LEAST_CYCLES if blows else SHORTEST_CYCLES
+        shortest = LEAST_CYCLES if blows else SHORTEST_CYCLES
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period)[0], envelope)
     decays = tuple(sorted((d for d in decays if d.stop - d.start >= shortest * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)
-    return replace(motion, notes=left_out(recording, envelope, motion, beats))
+    return replace(motion, notes=left_out(recording, envelope, motion))

@@ -18,7 +18,7 @@ AGAINST = (
 )
 
 
-def left_out(recording: Recording, envelope: Envelope, motion: FreeMotion, beats: bool = False) -> tuple[str, ...]:
+def left_out(recording: Recording, envelope: Envelope, motion: FreeMotion) -> tuple[str, ...]:
     """Sentences for the user; none where the whole motion is used.
 
     The noise that a decay ends in needs no word. Where a force was recorded, what lies between decays is driven by it.
@@ -33,11 +33,6 @@ def left_out(recording: Recording, envelope: Envelope, motion: FreeMotion, beats
         if parts:
             used = " and ".join(_span(recording, decay.start, decay.stop) for decay in motion.decays)
             sentences.append(f"{recording.name}: free motion is used, {used}; left out: {', '.join(parts)}")
-    if beats:
-        sentences.append(
-            f"{recording.name}: its amplitude rises and falls evenly while it decays, so several modes ring at once; "
-            "a model of one is fitted to them"
-        )
     return tuple(sentences)
 
 

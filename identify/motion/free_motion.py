@@ -1,46 +1,24 @@
-"""The free pieces of a recording without a force, in its own samples."""
+"""What the modes of one linear rig explain of a recording, with its noise and the periods that it may have."""
 
 from __future__ import annotations
 
 import numpy as np
 
+from ..signals.registry import budget, numerics
 from ..signals.signals import Signal
-from .damped_windows import fit_windows
-from .pieces import Piece
-from .segmentation import segmented
 from .shared_modes import SharedModes, shared_modes
 
-#: Lines of the spectrum, of the motion and of its derivative, that a rig's own frequency is sought among.
-_LINES = 2
-#: A line of less than this part of the largest amplitude is not where the rig moves most.
-_WEAK = 0.1
-#: Cycles that a record may hold where no line of a spectrum tells them.
-_FEW = (1.0, 2.0, 4.0)
-#: A motion that begins anew leaves more than this of the cycles beside its beginning to one that runs on.
-_BREAKS = 0.1
-#: Fewest samples a cycle; of the fourth differences leave little but the noise.
-_LEAST = 4.0
-
-
-def pieces_of(response: Signal) -> tuple[Piece, ...]:
-    """All pieces of a response, in order of time: free, held or moved."""
-    return segmented(response.samples, response.fs, still_noise(response), periods_of(response.samples))[0]
+_LINES = budget(2, "lines", why="of the motion and of its derivative, that a rig's own frequency is sought among")
+_WEAK = budget(0.1, "part of the largest amplitude", why="a weaker line is not where the rig moves most")
+_APART = budget(0.2, "of the logarithm", why="nearer periods show the same windows")
+_FEW = budget((1.0, 2.0, 4.0), "cycles a record", why="where no line of a spectrum tells them")
+_LEAST = numerics(4.0, "samples a cycle", why="of the fourth differences fewer leave little but the noise")
 
 
 def modes_of_response(response: Signal) -> SharedModes | None:
     """The pieces of a response that the modes of one linear rig explain; None where there are none."""
     x = response.samples
     return shared_modes(x, response.fs, still_noise(response), periods_of(x)) if np.ptp(x) > 0 else None
-
-
-def goes_on(response: Signal, edge: int, omega: float) -> bool:
-    """Whether one motion of ``omega`` rad/s runs on across a sample: it leaves little of the cycles beside it."""
-    cycle = round(2 * np.pi / omega * response.fs)
-    near = response.samples[max(0, edge - cycle) : edge + cycle]
-    thin = max(1, cycle // (2 * int(_LEAST) ** 2))
-    means = near[: near.size // thin * thin].reshape(-1, thin).mean(axis=1)
-    left = fit_windows(means[None, :], omega / response.fs * thin, slope=True).rss[0]
-    return bool(left < _BREAKS**2 * np.sum((means - np.mean(means)) ** 2))
 
 
 def still_noise(response: Signal) -> float:
@@ -50,7 +28,7 @@ def still_noise(response: Signal) -> float:
     samples; steps of a converter are at least what the spectrum is given.
     """
     differences = np.abs(np.diff(response.samples, 4))
-    if differences.size < 8:
+    if not differences.size:
         return response.noise
     by_differences = float(np.median(differences)) / 0.6745 / np.sqrt(70.0)
     return min(response.noise, by_differences) if by_differences > 0 else response.noise
@@ -72,7 +50,7 @@ def periods_of(x: np.ndarray) -> list[float]:
             if power[k] <= _WEAK**2 * largest:
                 break
             period = size / k
-            if all(abs(np.log(period / known)) > 0.2 for known in periods):
+            if all(abs(np.log(period / known)) > _APART for known in periods):
                 periods.append(period)
             power[int(k / 1.4) : int(k * 1.4) + 1] = 0.0
     return periods

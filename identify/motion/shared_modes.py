@@ -13,35 +13,32 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE
+from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
+from .envelope import ABOVE_FLOOR
+from .limits import BENT, BEYOND, KNOWN
 from .subspace import poles_of_windows
 
-#: Block means a cycle.
-_A_CYCLE = 24
-#: Radians a block mean beyond which a mode is asked for in finer blocks: six of them are a cycle.
-_FASTEST = np.pi / 3
-#: Cycles of the windows that show modes, and of those that ask for them.
-_SHOWING, _ASKING = (0.5, 1.0, 2.0, 4.0, 8.0, 16.0), (8.0, 2.0, 0.5)
-#: Windows of a length that are looked at, points of each, and sets of modes that are followed further.
-_WINDOWS, _POINTS, _FOLLOWED = 32, 48, 2
-#: Chance that noise alone makes a window or a piece look as if it were not free.
-_CHANCE = 1e-4
-#: Parameters of a hand's smooth way, a polynomial, over a piece; odds with which a piece is none.
-_OF_MOVED, _ODDS = 6, 20.0
-#: Places at which a hand may have stopped, or begun.
-_STOPS = 24
-#: What is known to a third of itself is known.
-KNOWN = 1 / 3
-#: Modes that differ by less than this in ln omega and in the damping ratio lead to the same pieces.
-_SAME = 0.003
-#: How often pieces and modes follow from one another.
-_ROUNDS = 2
-#: What a sensor and its clock bend a linear motion by, as a part of it.
-_SHARES = (0.0, 0.01)
-#: A decay ends where its amplitude has come down to this many times that of the noise.
-_ABOVE_NOISE = 2.0
-#: Means whose windows are asked in a second.
-_MOST_MEANS = 2**16
+_A_CYCLE = numerics(24, "block means a cycle", why="a damped sine needs no more")
+_FASTEST = numerics(np.pi / 3, "rad a block mean", why="what is faster is asked for in finer blocks")
+_SHOWING = budget(
+    (0.5, 1.0, 2.0, 4.0, 8.0, 16.0), "cycles", why="of windows that show modes, each length twice the next"
+)
+_ASKING = budget((8.0, 2.0, 0.5), "cycles", why="of windows that ask for modes, those that tell most first")
+_WINDOWS, _POINTS = budget((32, 48), "windows, points", why="of each length")
+_FOLLOWED = budget(2, "sets of modes", why="that windows of a length agree on")
+_STOPS = budget(24, "places", why="at which a hand may have stopped or begun")
+_ROUNDS = budget(2, "rounds", why="pieces and modes follow from one another; the best once more")
+_MOST_MEANS = budget(2**16, "block means", why="whose windows are asked in a second")
+_OF_MOVED = numerics(6, "parameters", why="of a polynomial that joins two positions, speeds and accelerations")
+_OF_HELD = numerics(2, "parameters", why="of a sensor that drifts where the rig is held")
+_LEAST_SAMPLES = numerics(8, "samples", why="of a window beside those that its amplitudes take")
+_SAME = numerics(0.003, "of ln omega and zeta", why="nearer modes lead to the same pieces")
+_NEAR = numerics(0.1, "rad", why="windows of a cycle that differ by less show one set of modes")
+_INSIDE = numerics((1 / 8, 1 / 4), "of a run, of a cycle", why="so far from its ends a run is free")
+_SMALL = numerics(1e-9, "of the largest", why="columns, and a noise, that are none")
+_SHARES = (0.0, BENT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,20 +121,20 @@ class _Search:
         if not 2 * _OF_MOVED <= count <= _MOST_MEANS:
             return None
         means = x[: count * block].reshape(count, block).mean(axis=1)
-        return cls(means - np.median(means), max(noise / np.sqrt(block), 1e-9 * float(np.ptp(x))), block)
+        return cls(means - np.median(means), max(noise / np.sqrt(block), _SMALL * float(np.ptp(x))), block)
 
     def starts(self, period: float, share: float) -> list[Modes]:
         """Sets of modes that windows show: of each length those that most others agree with."""
         starts: list[Modes] = []
         for cycles in _SHOWING[::-1]:
             length = round(cycles * period)
-            thin = max(1, min(length // _POINTS, int(period / 6)))
+            thin = max(1, min(length // _POINTS, int(period * _FASTEST / (2 * np.pi))))
             length -= length % thin
-            if length < 2 * _OF_MOVED * thin or length > self.means.size or length // thin > 4 * _POINTS:
+            if length < 2 * _OF_MOVED * thin or length > self.means.size or length // thin > 2**2 * _POINTS:
                 continue
             places = np.unique(
                 np.linspace(
-                    0, self.means.size - length, min(_WINDOWS, 1 + 4 * (self.means.size - length) // length)
+                    0, self.means.size - length, min(_WINDOWS, 1 + 2**2 * (self.means.size - length) // length)
                 ).astype(int)
             )
             windows = self.means[places[:, None] + np.arange(length)].reshape(places.size, -1, thin).mean(axis=2)
@@ -162,9 +159,9 @@ class _Search:
         evidence, kept = -modes.count * float(np.log(self.means.size)), []  # what the modes take to state
         for a, b in pieces:
             odds = self._odds(modes, a, b, share)
-            if odds > np.log(_ODDS):
+            if odds > DECISIVE:
                 evidence, kept = evidence + odds, [*kept, (a, b)]
-        if evidence < np.log(_ODDS):
+        if evidence < DECISIVE:
             return None
         modes = fit_modes([self.means[a:b] for a, b in kept], modes, [self._deviation(a, b, share) for a, b in kept])[0]
         return _Found(modes, kept, evidence, share) if _known(modes) else None
@@ -183,7 +180,7 @@ class _Search:
         taken = np.zeros(self.means.size, bool)
         sums, squares = (np.concatenate([[0.0], np.cumsum(self.means**power)]) for power in (1, 2))
         for cycles in _ASKING:
-            length = max(round(cycles * modes.cycle), 2 * modes.count + 8)
+            length = max(round(cycles * modes.cycle), 2 * modes.count + _LEAST_SAMPLES)
             if length > self.means.size:
                 continue
             columns = np.column_stack([modes.columns(length)[:, :-1], np.arange(length)])
@@ -192,10 +189,12 @@ class _Search:
             varied = squares[length:] - squares[:-length] - (sums[length:] - sums[:-length]) ** 2 / length
             left = varied - np.sum(seen**2, axis=0)
             freedom = length - 1 - basis.shape[1]
-            unknown = min(6 * modes.unknown * cycles, 0.1)  # of the modes so far: radians over half a window
-            limit = self.noise**2 * float(chdtri(freedom, _CHANCE / self.means.size)) + (share**2 + unknown**2) * varied
+            unknown = min(2 * np.pi * modes.unknown * cycles, _NEAR)  # of the modes so far: radians over half a window
+            limit = (
+                self.noise**2 * float(chdtri(freedom, BY_CHANCE / self.means.size)) + (share**2 + unknown**2) * varied
+            )
             fine = left < limit
-            moves = varied > self.noise**2 * float(chdtri(length - 1, _CHANCE / self.means.size))
+            moves = varied > self.noise**2 * float(chdtri(length - 1, BY_CHANCE / self.means.size))
             for a, b in _runs_of(fine):
                 for first, last in _runs_of(~taken[a : b + length - 1]) if np.any(moves[a:b]) else []:
                     if last - first >= length:
@@ -210,17 +209,17 @@ class _Search:
         towards the edge; one more is left out, for what begins is smaller than the noise at first.
         """
         a, b = run
-        n, shy = b - a, min((b - a) // 8, round(modes.cycle / 4))
+        n, shy = b - a, round(min(_INSIDE[0] * (b - a), _INSIDE[1] * modes.cycle))
         columns, steady = modes.columns(n), self._steady(modes, a, b)
         if modes.drift == 0.0:  # not known yet
             columns = np.column_stack([columns, np.arange(n)])
         columns = columns / np.linalg.norm(columns, axis=0)
         basis, triangle = np.linalg.qr(columns[shy : n - shy])
-        if np.min(np.abs(np.diag(triangle))) < 1e-9:
+        if np.min(np.abs(np.diag(triangle))) < _SMALL:
             return None
         spread = np.linalg.solve(triangle.T, columns.T)  # what the fit to the inside does not know of the edges
         off = steady - spread.T @ (basis.T @ steady[shy : n - shy])
-        gain = 4.0 - off**2 / (1.0 + np.sum(spread**2, axis=0)) / self._deviation(a, b, share) ** 2
+        gain = BEYOND**2 - off**2 / (1.0 + np.sum(spread**2, axis=0)) / self._deviation(a, b, share) ** 2
         middle = n // 2
         before, after = np.cumsum(gain[middle::-1]), np.cumsum(gain[middle:])
         first, last = middle - int(np.argmax(before)), middle + int(np.argmax(after)) + 1
@@ -238,7 +237,7 @@ class _Search:
         spread = self._deviation(a, b, share)
         columns = _orthonormal(modes.columns(n))
         left = float(np.sum((piece - columns @ (columns.T @ piece)) ** 2)) / spread**2
-        if n <= columns.shape[1] or left > float(chdtri(n - columns.shape[1], _CHANCE / n)) * 1.1:
+        if n <= columns.shape[1] or left > float(chdtri(n - columns.shape[1], BY_CHANCE / n)) * ABOVE_NOISE**2:
             return -np.inf
         return 0.5 * (_moved(piece / spread) - left - columns.shape[1] * np.log(n))
 
@@ -246,21 +245,27 @@ class _Search:
 def _moved(piece: np.ndarray) -> float:
     """What a hand leaves of a piece (n,) in units of its noise, with what it costs to state its parameters.
 
-    It holds still, or goes a smooth way, before or after which it may hold still.
+    It holds still while the sensor drifts, or goes a smooth way, before or after which it may hold still.
     """
     n = piece.size
-    still = float(np.sum((piece - np.mean(piece)) ** 2)) + np.log(n)
-    best = min(still, _smooth(piece))
-    for edge in (
-        np.unique(np.linspace(_OF_MOVED + 1, n - _OF_MOVED - 1, _STOPS).astype(int)) if n > 4 * _OF_MOVED else ()
-    ):
-        for way, rest in ((piece[:edge], piece[edge:]), (piece[edge:], piece[:edge])):
-            best = min(best, _smooth(way) + float(np.sum((rest - np.mean(rest)) ** 2)) + 2 * np.log(n))
+    best = min(_smooth(piece, _OF_HELD), _smooth(piece, _OF_MOVED))
+    low, high = _OF_MOVED + 1, n - _OF_MOVED - 1
+    while high > low:  # where it stopped or began, ever finer about the best
+        edges = np.unique(np.linspace(low, high, _STOPS).astype(int))
+        costs = [min(_way(piece[:edge], piece[edge:]), _way(piece[edge:], piece[:edge])) for edge in edges]
+        best, k = min(best, *costs), int(np.argmin(costs))
+        if edges.size < _STOPS:
+            break
+        low, high = int(edges[max(k - 1, 0)]), int(edges[min(k + 1, edges.size - 1)])
     return best
 
 
-def _smooth(way: np.ndarray) -> float:
-    count = min(_OF_MOVED, way.size - 1)
+def _way(way: np.ndarray, rest: np.ndarray) -> float:
+    return _smooth(way, _OF_MOVED) + _smooth(rest, _OF_HELD) + np.log(way.size + rest.size)
+
+
+def _smooth(way: np.ndarray, parameters: int) -> float:
+    count = min(parameters, way.size)
     smooth = np.linalg.qr(np.vander(np.linspace(-1, 1, way.size), count))[0]
     return float(np.sum((way - smooth @ (smooth.T @ way)) ** 2)) + count * np.log(way.size)
 
@@ -274,8 +279,10 @@ def _known(modes: Modes) -> bool:
 
 def _agreed(shown: list[tuple[np.ndarray, np.ndarray]], cycles: float) -> list[Modes]:
     """The sets of modes that most others are near, two at most."""
+    from scipy.special import ndtri
+
     place = np.array([np.concatenate([np.log(omega), zeta]) for omega, zeta in shown])
-    near = np.max(np.abs(place[:, None] - place[None]), axis=2) < 0.1 / max(cycles, 1.0)
+    near = np.max(np.abs(place[:, None] - place[None]), axis=2) < _NEAR / max(cycles, 1.0)
     starts: list[Modes] = []
     open_ = np.ones(len(shown), bool)
     for _ in range(_FOLLOWED):
@@ -285,7 +292,8 @@ def _agreed(shown: list[tuple[np.ndarray, np.ndarray]], cycles: float) -> list[M
         k = int(np.argmax(votes))
         some = place[near[k] & open_]
         middle = np.median(some, axis=0)
-        spread = np.maximum(1.4826 * np.median(np.abs(some - middle), axis=0), 1e-3 / cycles)
+        scatter = np.median(np.abs(some - middle), axis=0) / ndtri(0.75)
+        spread = np.maximum(scatter, _SAME / cycles)
         half = middle.size // 2
         starts.append(Modes(np.exp(middle[:half]), middle[half:], np.diag(spread**2)))
         open_ &= ~near[k]
@@ -296,7 +304,7 @@ def _orthonormal(columns: np.ndarray) -> np.ndarray:
     """(n, r) orthonormal basis of the columns, those left out that the others hold."""
     scale = np.linalg.norm(columns, axis=0)
     left, sizes, _ = np.linalg.svd(columns[:, scale > 0] / scale[scale > 0], full_matrices=False)
-    return left[:, sizes > 1e-7 * sizes[0]]
+    return left[:, sizes > _SMALL * sizes[0]]
 
 
 def _runs_of(mask: np.ndarray) -> list[tuple[int, int]]:
@@ -317,7 +325,7 @@ def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedMode
     """Pieces and modes by the sample and the second."""
     modes, block = found.modes, search.block
     unit, rates = fs / block, modes.zeta * modes.omega
-    floor = _ABOVE_NOISE * np.sqrt(2.0 * block) * search.noise
+    floor = ABOVE_FLOOR * np.sqrt(2.0 * block) * search.noise
     edges, moved, largest = [], np.zeros(modes.count), np.zeros(modes.count)
     for a, b in found.pieces:
         columns = modes.columns(b - a)

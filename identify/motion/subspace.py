@@ -9,8 +9,13 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Modes that a window may hold; damping ratios beyond these are no oscillation, or grow.
-MOST_MODES, _LEAST, _MOST = 3, -0.02, 0.97
+from ..signals.odds import ABOVE_NOISE
+from ..signals.registry import budget, numerics
+
+MOST_MODES = budget(3, "modes", why="of which a window is asked")
+_LEAST, _MOST = numerics(
+    (-0.02, 0.97), "damping ratios", why="what grows or is over at once is no oscillation of a window"
+)
 
 
 def poles_of_windows(windows: np.ndarray, noise: float, share: float) -> list[tuple[np.ndarray, np.ndarray]]:
@@ -28,8 +33,8 @@ def poles_of_windows(windows: np.ndarray, noise: float, share: float) -> list[tu
     rows = n // 2
     hankel = np.lib.stride_tricks.sliding_window_view(windows, n - rows + 1, axis=1)
     left, sizes, _ = np.linalg.svd(hankel, full_matrices=False)
-    # the largest singular value of noise alone (Davidson and Szarek 2001, theorem II.13), with an eighth to spare
-    floor = 1.125 * noise * (np.sqrt(rows) + np.sqrt(n - rows + 1)) + share * sizes[:, 0]
+    # the largest singular value of noise alone (Davidson and Szarek 2001, theorem II.13)
+    floor = ABOVE_NOISE * noise * (np.sqrt(rows) + np.sqrt(n - rows + 1)) + share * sizes[:, 0]
     ranks = np.sum(sizes > floor[:, None], axis=1)
     found = []
     for basis, rank in zip(left, ranks.tolist(), strict=True):
@@ -45,5 +50,5 @@ def poles_of_windows(windows: np.ndarray, noise: float, share: float) -> list[tu
         zeta = -pairs.real / omega
         order = np.argsort(omega)
         if np.all((zeta > _LEAST) & (zeta < _MOST) & (omega < np.pi)):
-            found.append((omega[order], np.maximum(zeta[order], 1e-6)))
+            found.append((omega[order], np.abs(zeta[order])))
     return found

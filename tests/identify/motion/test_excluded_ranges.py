@@ -24,9 +24,9 @@ def sizes(**level):
     return size
 
 
-def said(size, *decays, force=None, blows=(), beats=False):
+def said(size, *decays, force=None, blows=()):
     motion = FreeMotion(tuple(Decay(*decay) for decay in decays), blows)
-    return left_out(recording(force), Envelope(size, PERIOD, FLOOR, 0.01), motion, beats)
+    return left_out(recording(force), Envelope(size, PERIOD, FLOOR, 0.01), motion)
 
 
 def gaps(size, *decays, force=None):
@@ -36,7 +36,7 @@ def gaps(size, *decays, force=None):
 
 
 def test_nothing_is_said_where_nothing_moves_freely():
-    assert said(sizes(), beats=True) == ()
+    assert said(sizes()) == ()
 
 
 def test_the_whole_sentence():
@@ -119,10 +119,3 @@ def test_what_is_said_of_blows():
         "run: the force of the blow at 15 s is clipped; the ringing after it is used, the blow is not",
     )
     assert len(said(sizes(), blows=(twice, cut))) == 2
-
-
-def test_what_is_said_of_beats():
-    (sentence,) = said(sizes(), (0, 3000), beats=True)
-    assert sentence.startswith("run: its amplitude rises and falls evenly")
-    assert len(said(sizes(), (500, 3000), beats=True)) == 2
-    assert said(sizes(), (0, 3000)) == ()

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dashpot.errors import BadInput
+from dashpot.identify import identify
 from dashpot.identify.motion.decays import find_free_motion
 from dashpot.identify.motion.free_motion import periods_of
 from dashpot.identify.motion.shared_modes import SharedModes, shared_modes
@@ -79,6 +81,8 @@ STEADY = np.sin(3 * np.pi * np.arange(2000) / FS)
 )
 def test_what_does_not_fall_by_itself_is_no_free_motion(x):
     assert found(x) is None
+    with pytest.raises(BadInput, match="neither a free decay nor"):
+        identify(Recording("still", FS, 1e-3 * (x + 1e-3 * np.random.default_rng(4).standard_normal(x.size))))
 
 
 def test_a_beat_is_no_reason_to_refuse():
@@ -86,3 +90,28 @@ def test_a_beat_is_no_reason_to_refuse():
     x = x + 1e-3 * np.random.default_rng(5).standard_normal(x.size)
     decays = find_free_motion(Recording("beating", FS, 1e-3 * x)).decays
     assert [(decay.start <= 1200 * k + 2, decay.stop) for k, decay in enumerate(decays)] == [(True, 1199), (True, 2400)]
+
+
+@pytest.mark.parametrize("times", [(0.4, 1.5, 2.6, 3.7), (0.4, 1.5, 3.3, 4.4)])
+def test_plucks_to_a_beat_or_not_are_the_same(times):
+    """Each pluck moves the velocity at once: what rings on and what begins are two pieces."""
+    x, fs = np.zeros(round(5.4 * 532.48)), 532.48
+    for place, size in zip(times, (12.0, 10.8, 9.6, 8.4), strict=True):
+        first = round(place * fs)
+        t = np.arange(x.size - first) / fs
+        x[first:] += size * np.exp(-0.04 * 42 * np.pi * t) * np.cos(42 * np.pi * t)
+    x += 0.02 * np.random.default_rng(2).standard_normal(x.size) - 0.93
+    decays = find_free_motion(Recording("plucks", fs, x, quantity="acceleration", unit="m/s2")).decays
+    assert len(decays) == 4
+    assert all(abs(d.start / fs - place) < 0.02 for d, place in zip(decays, times, strict=True))
+
+
+@pytest.mark.parametrize("zeta", [0.1, 0.35])
+def test_the_plain_answer_of_a_held_release_is_right(zeta):
+    x = np.concatenate([np.ones(200), ringing(5.0, (1.0, 1.5, zeta))])
+    x = x + 1e-3 * np.random.default_rng(1).standard_normal(x.size)
+    values = identify(Recording("held", FS, 3e-3 * x)).oscillator.parameters()
+    for name, true in (("omega0", 3 * np.pi), ("viscous", 2 * zeta * 3 * np.pi)):
+        parameter = values[name]
+        assert parameter.std is not None
+        assert parameter.value == pytest.approx(true, abs=3.5 * parameter.std)
