@@ -12,8 +12,11 @@ import numpy as np
 
 from ..errors import BadInput
 from ..files.writing import check_ours, remove, together, writable, write
+from ..identify.signals.registry import budget
 from ..model.file import dumps
 from .result import Diagnosis, Experiment
+
+_HEAD = budget(100_000, "bytes", why="of a model description: who made it stands in its first lines")
 
 DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT = (
     "diagnosis.json",
@@ -44,7 +47,7 @@ def _is_ours(fmu: Path) -> bool:
     """Whether an FMU says that dashpot made it."""
     try:
         with zipfile.ZipFile(fmu) as archive, archive.open("modelDescription.xml") as description:
-            return b'generationTool="dashpot' in description.read(100_000)
+            return b'generationTool="dashpot' in description.read(_HEAD)
     except (OSError, KeyError, ValueError, RuntimeError, EOFError, zlib.error, zipfile.BadZipFile):
         return False
 

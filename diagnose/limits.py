@@ -394,3 +394,39 @@ TOLD = decides(
 ALIKE = decides(
     0.01, "part of the noise", "by how much motions differ that are alike", why="physical limit: no sensor shows it"
 )
+
+# experiment/next_experiment.py
+
+SHARPENS = decides(
+    0.7,
+    "of its error before",
+    "to what an experiment must bring the error of a parameter",
+    why="a third less is worth a recording; a tenth less is not",
+)
+
+# place/mismatch_ranges.py and place/statement.py: what a sentence needs
+
+SAMPLES_A_RANGE = decides(
+    3, "samples a range", "of how many on average ranges are told", why="fewer leave most of the ranges empty"
+)
+FEWEST_IN_RANGE = decides(
+    10, "samples", "of how many a range has an excess", why="a mean of fewer has no error to hold it against"
+)
+SAMPLES_AN_ORDER = decides(
+    4, "samples an order", "of how many harmonics of a stretch are told", why="twice as many as it has coefficients"
+)
+NARROW = decides(
+    0.2, "of its power", "what a line may have beside it", why="a resonance or the passage of a sweep has more"
+)
+ALL_AMPLITUDES = decides(
+    0.8, "of the largest", "how wide a range of amplitudes is all of them", why="its ends hold few samples"
+)
+
+# search/score_test.py
+
+ENOUGH_KEPT = decides(
+    0.3,
+    "of what was promised",
+    "what a start must gain for no shorter step to be tried",
+    why="as of a step of the race: less was around a bend",
+)

@@ -18,11 +18,13 @@ from ...identify.signals.registry import budget, numerics
 from ...model import Oscillator
 from ...model.effect_words import effect_in_words
 from ...simulate.core import STEPS_PER_PERIOD, internal_step
-from ..limits import DARING, POORLY_KNOWN, TELLS
+from ..limits import DARING, POORLY_KNOWN, SHARPENS, TELLS
 from ..result import Experiment
 from ..wording import effects_in_words, figure, quantity
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
 from .rehearsal import Played, apart, rehearse
+
+_ROUNDED = numerics(1.05, "times the limit", why="a peak is met between samples")
 
 _MODELS = budget(
     4, "models", why="the first and its closest rivals; each further one costs a simulation of every experiment"
@@ -90,7 +92,7 @@ def _pace(model: Oscillator, reach: float) -> float:
 
 def _safe(i: int, played: Mapping[str, Played], limits: Limits) -> bool:
     """Whether no model expects the rig to move farther than it may."""
-    return all(model.peaks[i] <= 1.05 * BEYOND * limits.displacement for model in played.values())
+    return all(model.peaks[i] <= _ROUNDED * BEYOND * limits.displacement for model in played.values())
 
 
 def _separating(
@@ -183,7 +185,9 @@ def _sharpening(
         why = f"no rival of {effect_in_words(name)} is left; this would test it hardest"
         return _experiment(plans[best], model, why, (), fs)
     poor = [
-        k for k in range(count) if np.isfinite(before[k]) and before[k] > POORLY_KNOWN and after[k] < 0.7 * before[k]
+        k
+        for k in range(count)
+        if np.isfinite(before[k]) and before[k] > POORLY_KNOWN and after[k] < SHARPENS * before[k]
     ]
     if poor:
         k = max(poor, key=lambda k: before[k] / after[k])

@@ -13,10 +13,13 @@ import numpy as np
 from ...errors import BadInput
 from ...identify.problem.data import Data
 from ...identify.signals.hilbert import analytic_signal
+from ...identify.signals.limits import SHORTEST_PERIOD
 from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ..limits import BLOCK_CYCLES
 from .smoother import Smoothed, Smoother
+
+_SPAN = numerics(6, "spans a cycle", why="of a filter that three harmonics pass")
 
 _DENSITY = numerics(16.0, "samples a cycle that are kept", why="eight harmonics")
 _MARGIN_CYCLES = numerics(1.0, "cycles", why="left out at either end of a stretch, where a filter sees one side alone")
@@ -95,7 +98,7 @@ def _stretch(name: str, driven: bool, smoothed: Smoothed, smoother: Smoother) ->
     keep = keep[smoothed.moving[keep]]
     if keep.size < 2 * _DENSITY:
         return None
-    span = max(int(period / dt / 6) | 1, 5)
+    span = max(int(period / dt / _SPAN) | 1, SHORTEST_PERIOD)
     rate, bend = (np.asarray(savgol_filter(smoothed.drive, span, 3, deriv=k, delta=dt)) for k in (1, 2))
     amplitude = frequency = phase = np.full(smoothed.time.size, np.nan)
     try:

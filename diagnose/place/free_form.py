@@ -14,6 +14,13 @@ import numpy as np
 from ...identify.signals.registry import numerics
 from .equation_error import Stretch
 
+TURNING = numerics(
+    0.1,
+    "of the usual rate",
+    why="over which a force turns from one direction to the other, so that noise does not turn it",
+)
+_SIGN = numerics(0.05, "of the size", why="over which a sign goes from -1 to 1, so that it has a slope")
+
 _PIECES = numerics(
     20,
     "pieces over the range of a coordinate",
@@ -101,7 +108,7 @@ def family(s: Stretch) -> np.ndarray:
 def _soft_sign(y: np.ndarray, slope: np.ndarray) -> np.ndarray:
     """Sign of y where it is well beyond what it changes in a fiftieth of a cycle, linear between."""
     size = max(float(np.std(y)), 1e-300)
-    return np.clip(y / (0.05 * size), -1.0, 1.0) if np.any(slope) else np.sign(y)
+    return np.clip(y / (_SIGN * size), -1.0, 1.0) if np.any(slope) else np.sign(y)
 
 
 def hats(values: np.ndarray, nodes: np.ndarray) -> np.ndarray:
@@ -172,7 +179,7 @@ def _force(rows: Rows) -> np.ndarray:
         return _nothing(rows)
     rate = rows.joined(lambda s: s.drive_rate)
     bend = rows.joined(lambda s: s.drive_bend)
-    turning = np.clip(rate / max(0.1 * float(np.std(rate)), 1e-300), -1.0, 1.0)
+    turning = np.clip(rate / max(TURNING * float(np.std(rate)), 1e-300), -1.0, 1.0)
     columns = [hats(force, nodes_of(force, _FORCE_PIECES)), rate, bend, turning]
     return np.column_stack(columns) * driven[:, None]
 

@@ -7,9 +7,26 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...identify.signals.registry import numerics
-from ..limits import LINE_CYCLES, NOISE_DOUBT, NOTABLE, SAME_LINE, SIGNIFICANT, STANDING_LINE, STEADY
+from ..limits import (
+    FEWEST_IN_RANGE,
+    LINE_CYCLES,
+    NARROW,
+    NOISE_DOUBT,
+    NOTABLE,
+    SAME_LINE,
+    SAMPLES_A_RANGE,
+    SAMPLES_AN_ORDER,
+    SIGNIFICANT,
+    STANDING_LINE,
+    STEADY,
+)
 from .equation_error import Stretch
 from .free_form import Rows
+
+_SAME = numerics(1.5, "bins", why="one frequency in spectra of two lengths")
+_AROUND = numerics(50, "bins", why="on either side of a line, whose median is the spectrum around it")
+_BESIDE = numerics(6, "bins", why="a line under its window is no wider")
+_FAR = numerics(12, "bins", why="as far again")
 
 _BINS = numerics(20, "ranges of a coordinate", why="as many as a picture shows")
 ORDERS = numerics(6, "harmonics", why="above the sixth nothing of a smooth force is left")
@@ -33,7 +50,7 @@ class Line:
 def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) -> tuple[float, float] | None:
     """Lowest and highest value between which the missing force's power stands out; None where it does nowhere."""
     fine = np.isfinite(values) if use is None else np.isfinite(values) & use
-    if np.count_nonzero(fine) < 3 * _BINS:
+    if np.count_nonzero(fine) < SAMPLES_A_RANGE * _BINS:
         return None
     values = values[fine]
     low, high = np.quantile(values, [0.002, 0.998])
@@ -45,7 +62,7 @@ def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) 
     mean = np.zeros(_BINS)
     for i in range(_BINS):
         here = place == i
-        if np.count_nonzero(here) >= 10:
+        if np.count_nonzero(here) >= FEWEST_IN_RANGE:
             clear[i], mean[i] = _beyond(left[here], silent[here], blocks[here])
     clear &= mean > NOTABLE * np.max(mean, initial=0.0, where=clear)
     if not np.any(clear):
@@ -89,7 +106,7 @@ def orders(rows: Rows) -> tuple[dict[int, float], tuple[float, float]]:
         signals = np.column_stack([rows.part(rows.left, i), rows.part(rows.silent, i)])
         for block in np.unique(blocks):
             here = blocks == block
-            if np.count_nonzero(here) < 4 * ORDERS:
+            if np.count_nonzero(here) < SAMPLES_AN_ORDER * ORDERS:
                 continue
             coefficients = np.linalg.lstsq(columns[here], signals[here], rcond=1e-6)[0]
             count = np.count_nonzero(here)
@@ -111,12 +128,14 @@ def line_in(rows: Rows) -> Line | None:
     best = int(np.argmax(standing))
     if standing[best] < STANDING_LINE:
         return None
-    beside = np.r_[standing[max(best - 12, 0) : max(best - 6, 0)], standing[best + 7 : best + 13]]
-    if np.max(beside, initial=0.0) > 0.2 * standing[best]:
+    beside = np.r_[
+        standing[max(best - _FAR, 0) : max(best - _BESIDE, 0)], standing[best + _BESIDE + 1 : best + _FAR + 1]
+    ]
+    if np.max(beside, initial=0.0) > NARROW * standing[best]:
         return None  # a resonance or a sweep's passage, not a line
     amplitudes = []
     for other, level, size in spectra:
-        near = np.abs(other - frequency[best]) < 1.5 * (other[2] - other[0])
+        near = np.abs(other - frequency[best]) < _SAME * (other[2] - other[0])
         if not np.any(near) or np.max(level[near]) < SAME_LINE:
             return None
         amplitudes.append(float(np.max(size[near])))
@@ -142,6 +161,6 @@ def _spectrum(rows: Rows, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
     signal[place] = rows.part(rows.left, index) / rows.part(rows.weight, index)
     transform = np.abs(np.fft.rfft(signal * window, 2 * signal.size))
     frequency = np.fft.rfftfreq(2 * signal.size, step)
-    around = median_filter(transform**2, 101, mode="nearest")
-    standing = np.where(np.arange(frequency.size) > 50, transform**2 / np.maximum(around, 1e-300), 0.0)
+    around = median_filter(transform**2, 2 * _AROUND + 1, mode="nearest")
+    standing = np.where(np.arange(frequency.size) > _AROUND, transform**2 / np.maximum(around, 1e-300), 0.0)
     return frequency, standing, 2 * transform / float(np.sum(window))

@@ -12,6 +12,7 @@ from ...errors import BadInput
 from ...identify.motion.displacement import displacement
 from ...identify.motion.excitation import band_of
 from ...identify.signals.hilbert import AnalyticSignal, analytic_signal
+from ...identify.signals.limits import SHORTEST_PERIOD
 from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ...recording.recording import QUANTITIES, Recording
@@ -105,7 +106,7 @@ def _velocity(x: np.ndarray, piece: Recording, cycle: float) -> np.ndarray:
         return piece.response
     if piece.quantity == "acceleration":  # integrated twice already: its slope holds no more than the sensor's noise
         return np.gradient(x, piece.dt)
-    span = max(int(_WINDOW * cycle * piece.fs) | 1, 5)
+    span = max(int(_WINDOW * cycle * piece.fs) | 1, SHORTEST_PERIOD)
     return np.empty(0) if x.size < span else np.asarray(savgol_filter(x, span, 3, deriv=1, delta=piece.dt))
 
 

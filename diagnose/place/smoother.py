@@ -29,6 +29,8 @@ from ..limits import LASTING_SIGN
 from .model_force import OwnForce, term_force
 from .penalised_states import PenalisedStates
 
+_SHORTEST = numerics(7, "samples", why="of a filter of third order")
+
 _STRETCH = budget(3000, "samples", why="on which strength and memory of the latent force are found")
 _DENSE = numerics(
     64.0, "samples a cycle", why="recordings with twice as many are averaged to about this: no harmonic is lost"
@@ -118,7 +120,7 @@ class Smoother:
 
         step = max(int(self.period / self.dt / _KNOTS), 1)
         noise = np.array([1.0, 1.0 / self.dt])
-        span = max(2 * step + 1, 7)
+        span = max(2 * step + 1, _SHORTEST)
         if step > 1 and self.n > 2 * span:  # a quartic over two steps loses nothing that one knot a step can follow
             raw = np.asarray(savgol_filter(raw, span, 4))
             gains = [savgol_coeffs(span, 4, deriv=k, delta=self.dt) for k in (0, 1)]

@@ -9,10 +9,14 @@ from ...identify.problem.structure import Fitted
 from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ...model.units import compose
+from ..limits import ALL_AMPLITUDES
 from ..wording import figure, quantity, spoken
-from .free_form import KINDS, Rows, explained, idle, solve
+from .free_form import KINDS, TURNING, Rows, explained, idle, solve
 from .mismatch_ranges import where_it_is
 from .what_it_follows import LOCKED, Symptoms, with_kind
+
+_PARAMETERS = numerics(3, "parameters", why="place, side and strength of an onset")
+_FEWEST = numerics(50, "samples", why="beyond an onset, or it is fitted to their noise")
 
 _ONSETS = numerics(
     np.linspace(0.1, 0.9, 17),
@@ -62,9 +66,9 @@ def _over_displacement(rows: Rows, unit: str, full: tuple[float, float]) -> tupl
         for part in middle + places * size:
             plus, minus = np.maximum(x - part, 0.0), np.maximum(-x - part, 0.0)
             for which, column in ((1, plus), (-1, -minus), (0, plus - minus)):
-                if np.count_nonzero(column) > 50 and (gain := _gain(rows, column)) > best:
+                if np.count_nonzero(column) > _FEWEST and (gain := _gain(rows, column)) > best:
                     best, side, onset = gain, which, float(part)
-    if best > smooth + idle(rows, 3):
+    if best > smooth + idle(rows, _PARAMETERS):
         low, high = full if side == 0 else (onset, float(x.max())) if side > 0 else (float(x.min()), -onset)
         sides = {1: "on the positive side", -1: "on the negative side", 0: "on both sides"}[side]
         at = onset if side >= 0 else -onset
@@ -158,7 +162,7 @@ def _in_words(signature: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges
             "second body"
         )
     locked = sum(signature.orders.values())
-    if locked < LOCKED and np.ptp(ranges["amplitude"]) > 0.8 * np.max(ranges["amplitude"]):
+    if locked < LOCKED and np.ptp(ranges["amplitude"]) > ALL_AMPLITUDES * np.max(ranges["amplitude"]):
         return "at all times and amplitudes, and in step with nothing: noise that is not white, or a force from outside"
     strongest = max(signature.orders, key=lambda k: signature.orders[k])
     low, high = ranges["amplitude"]
@@ -171,7 +175,7 @@ def _in_words(signature: Symptoms, rows: Rows, model: Oscillator, ranges: Ranges
 def _over_force(rows: Rows) -> str:
     """What happens between the recorded force and the mass, as far as its shape tells."""
     force, rate = rows.joined(lambda s: s.drive), rows.joined(lambda s: s.drive_rate)
-    turning = np.clip(rate / max(0.1 * float(np.std(rate)), 1e-300), -1.0, 1.0)
+    turning = np.clip(rate / max(TURNING * float(np.std(rate)), 1e-300), -1.0, 1.0)
     bend = np.abs(force) * force
     if _gain(rows, turning) > max(_gain(rows, bend), _gain(rows, force**3)):
         return "it holds back when the force turns (play or friction between the recorded force and the mass)"
@@ -199,7 +203,7 @@ def in_which_recordings(signature: Symptoms, names: list[str]) -> str:
         quiet = set()
         for i, s in enumerate(rows.stretches):
             made = rows.part(rows.left, i) - rest.part(rest.left, i)
-            if float(made @ made) < 0.5 * float(np.sum(rows.part(rows.silent, i) ** 2)):
+            if 2 * float(made @ made) < float(np.sum(rows.part(rows.silent, i) ** 2)):
                 quiet.add(s.name)
         if set(absent) <= quiet:
             return f"in {spoken(here)}; in {spoken(absent)} it would be too small to see"

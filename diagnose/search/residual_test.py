@@ -20,10 +20,14 @@ from ...identify.problem.data import Data, expected_noise
 from ...identify.problem.structure import Fitted
 from ...identify.signals.noise_spectrum import estimate
 from ...identify.signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE
-from ...identify.signals.registry import numerics
+from ...identify.signals.registry import numerics, shown
 from ...model import Oscillator
 from ..limits import BEYOND_CHANCE, BURST, FAR_ABOVE_NOISE, FEWEST_WINDOWS, IN_STEP, UNTOLD
 from ..wording import figure
+
+_SHORTEST = numerics(4, "samples", why="of a window that has a power")
+_SHORTER = numerics(3, "windows", why="a short segment is cut in windows of so much less")
+_SAID = shown(3, "recordings", why="of the worst a sentence says how much is left")
 
 _ORDERS = range(1, HARMONICS + 1)
 _HALF = numerics(math.sqrt(2.0), "of an octave", why="half of one on either side of the middle of a band")
@@ -84,10 +88,10 @@ def _leftover(fitted: Fitted, data: Data, index: int) -> Leftover:
     name = data.recordings[segment.recording].name
     rms = float(np.sqrt(np.mean(residual**2)))
     ratio, part = rms / expected(fitted, data, index), rms / max(float(np.std(segment.response)), 1e-300)
-    size = max(4, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
+    size = max(_SHORTEST, round(CYCLES * 2 * np.pi / segment.pace / segment.dt))
     count = segment.n // size
     if count < FEWEST_WINDOWS:
-        size = max(4, size // 3)
+        size = max(_SHORTEST, size // _SHORTER)
         count = segment.n // size
     short = count < FEWEST_WINDOWS
     if not np.isfinite(ratio):
@@ -234,10 +238,11 @@ def sentence(left: Sequence[Leftover]) -> str | None:
         return None
     segments = Counter(leftover.file for leftover in left)
     parts = []
-    for leftover in bad[:3]:
+    for leftover in bad[:_SAID]:
         when = _when(leftover) if segments[leftover.file] > 1 else ""
         parts.append(f"{_size(leftover)} in {leftover.file}{when}{_how(leftover)}")
-    more = "" if len(bad) <= 3 else f", and more in {len(bad) - 3} further recording{'s' if len(bad) > 4 else ''}"
+    others = len(bad) - _SAID
+    more = f", and more in {others} further recording{'s' if others > 1 else ''}" if others > 0 else ""
     return f"there remains {'; '.join(parts)}{more}"
 
 

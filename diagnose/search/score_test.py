@@ -26,7 +26,7 @@ from ...model import Oscillator
 from ...model.law import Law, LawParameter
 from ...model.library import KNOWN
 from ...model.terms import with_term, with_values
-from ..limits import LEAST_STEP
+from ..limits import ENOUGH_KEPT, LEAST_STEP
 
 _FEELER = numerics(
     1e-5,
@@ -214,7 +214,7 @@ class Screen:
             start = self._simulated(step.law, numbers, moved, step.promise, step.initial)
             if start is not None and (best is None or start.gain > best.gain):
                 best = start
-            if best is not None and best.gain > 0.3 * step.promise:
+            if best is not None and best.gain > ENOUGH_KEPT * step.promise:
                 break
         return best
 

@@ -13,6 +13,9 @@ import numpy as np
 
 from ...simulate.force import SAMPLES_A_CYCLE, Force, smooth_force
 from ..problem.segments import Segment
+from ..signals.registry import numerics
+
+_LEAST = numerics(1e-3, "of itself", why="a gain or a clock stays above zero while its size is searched")
 
 
 @dataclass(frozen=True)
@@ -83,7 +86,7 @@ class ForceGain(Fault):
         """See ``Fault``."""
         if segment.force is None:
             return segment
-        factor = np.where(times_of(segment) < self.place, 1.0, 1.0 / max(1.0 + sizes[0], 1e-3))
+        factor = np.where(times_of(segment) < self.place, 1.0, 1.0 / max(1.0 + sizes[0], _LEAST))
         return replace(segment, force=_times_over(segment.force, factor, segment.dt))
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
@@ -123,7 +126,7 @@ class Clock(Fault):
 
     def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
         """See ``Fault``."""
-        longer = max(1.0 + float(sizes[0]), 1e-3)
+        longer = max(1.0 + float(sizes[0]), _LEAST)
         force = segment.force
         if force is not None:
             force = replace(force, pieces=force.pieces / longer ** np.arange(4))

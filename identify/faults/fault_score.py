@@ -16,6 +16,8 @@ from .faulty_fit import FaultyFit
 from .wavering import Wavering
 from .waves_of_time import waves_of_time
 
+_WIDTH = numerics(16, "bins", why="what a line of hum has under its window")
+
 #: What leaves a recording that agrees with a rig: with more or less mass, friction or stiffness than the others'.
 OF_A_WHOLE: tuple[type[Fault], ...] = (ResponseGain, ForceGain, Late, Clock)
 #: All kinds.
@@ -82,7 +84,7 @@ def lines(residual: np.ndarray, dt: float) -> list[float]:
         left, middle, right = np.log(np.maximum(spectrum[top - 1 : top + 2], np.finfo(float).tiny))
         curved = left - 2.0 * middle + right
         found.append(float((top + (0.5 * (left - right) / curved if curved < 0 else 0.0)) / (padded * dt)))
-        spectrum[max(top - 4 * 4, 0) : top + 4 * 4] = 0.0
+        spectrum[max(top - _WIDTH, 0) : top + _WIDTH] = 0.0
     return found
 
 

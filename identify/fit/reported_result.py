@@ -36,6 +36,8 @@ from .offsets import found_offsets, kept_offsets, zeros_of
 from .reweighted_fit import Answer, concentrated, over_noise, weighed, whitened, within_reach
 from .scatter import scatter
 
+_UNSEEN = numerics(1e-6, "of the motion", why="what an unknown moves that the recordings do not carry")
+
 _NEAR_ENOUGH = numerics(
     0.01, "log-likelihood", why="a seventh of a standard error: the search for what a prediction says otherwise is over"
 )
@@ -337,5 +339,5 @@ def _at_bounds(problem: OutputError, values: np.ndarray, names: Sequence[str]) -
 def _invert(information: np.ndarray, scale: np.ndarray) -> tuple[np.ndarray, tuple[int, ...]]:
     """Covariance, and which parameters the information does not reach."""
     size = np.sqrt(np.maximum(np.diag(information), np.finfo(float).tiny))
-    lost = tuple(int(i) for i in np.flatnonzero(size * scale < 1e-6))
+    lost = tuple(int(i) for i in np.flatnonzero(size * scale < _UNSEEN))
     return pseudo_inverse(information), lost

@@ -22,9 +22,23 @@ import numpy as np
 from ...errors import BadInput
 from ...model.limits import LEAST, MOST
 from ..signals.hilbert import LONG, analytic_signal
+from ..signals.limits import (
+    BELOW_NYQUIST,
+    CLEAR_OF_NOISE,
+    RESTING,
+    ROUNDING,
+    SHORTEST_PERIOD,
+    WEIGHING_ROUNDS,
+    WINDOW_CYCLES,
+)
 from ..signals.registry import budget, numerics, shown
 from ..signals.signals import Signal, resting, thinned
 from ..signals.weakform import Solution, solve, windows
+from .limits import LOUD_PART, NEAR_FUNDAMENTAL, ROWS_A_COLUMN
+
+_WINDOWS = numerics(3, "windows", why="a short record is cut in so many")
+_STILL = numerics(1e-4, "part of the largest", why="slower or smaller motion has no phase to divide by")
+_WORTH = budget(8, "times what lies beside", why="a shorter part would be made of its edges")
 
 _AT_ONCE = budget(2**16, "samples", why="whose envelope is made at once")
 _BESIDE = numerics(40.0, "cycles", why="beside them: the transform has forgotten what is farther")
@@ -63,20 +77,22 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
         displacement, drive = displacement.thinned(factor), drive.thinned(factor)
     x, force, fs = displacement.samples, drive.samples, displacement.fs
     amplitude, growth, rate = _envelope(x, fs, displacement.frequency)
-    sigma = max(displacement.noise, 1e-6 * float(np.std(x)))
-    f = float(np.median(np.abs(rate[amplitude > 0.3 * np.max(amplitude)]))) / (2 * np.pi)
-    period = max(5, round(fs / max(f, fs / x.size)))
+    sigma = max(displacement.noise, ROUNDING * float(np.std(x)))
+    f = float(np.median(np.abs(rate[amplitude > LOUD_PART * np.max(amplitude)]))) / (2 * np.pi)
+    period = max(SHORTEST_PERIOD, round(fs / max(f, fs / x.size)))
     low, high = drive.band
-    length = min(8.0, x.size / period / 3) * period / fs
-    view = windows(x.size, fs, length, min(low, f) - 1 / length, min(max(high, f) + 1 / length, 0.45 * fs), OVERLAP)
+    length = min(WINDOW_CYCLES, x.size / period / _WINDOWS) * period / fs
+    view = windows(
+        x.size, fs, length, min(low, f) - 1 / length, min(max(high, f) + 1 / length, BELOW_NYQUIST * fs), OVERLAP
+    )
 
     level = float(np.quantile(amplitude, 0.995))
-    amplitude = np.maximum(amplitude, 1e-4 * level)
+    amplitude = np.maximum(amplitude, _STILL * level)
     mean_omega = view.mean(rate * amplitude**2) / view.mean(amplitude**2)
     speed = np.hypot(growth, rate) * amplitude
     del growth, rate
     top_speed = float(np.quantile(speed, 0.995))
-    speed = np.maximum(speed, 1e-4 * top_speed)
+    speed = np.maximum(speed, _STILL * top_speed)
     correction = _gradient_gain(view.omega, recorded)  # what the central difference does to each bin
 
     backbone = [view.project(b * x) for b in _backbone(amplitude / level)]
@@ -88,19 +104,21 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
 
     # the fundamental only, where it stands clear of the noise
     noise = sigma * np.sqrt(view.energy / fs)
-    near = np.abs(view.omega - mean_omega[:, None]) < np.maximum(0.4 * np.abs(mean_omega[:, None]), view.width)
-    moving = view.mean((resting(x, sigma, period) | (amplitude < 5 * sigma)).astype(float)) < 0.02
-    clear = near & moving[:, None] & (np.abs(columns[..., 1]) > 5 * noise)
-    if np.count_nonzero(clear) < 5 * columns.shape[-1]:
+    near = np.abs(view.omega - mean_omega[:, None]) < np.maximum(
+        NEAR_FUNDAMENTAL * np.abs(mean_omega[:, None]), view.width
+    )
+    moving = view.mean((resting(x, sigma, period) | (amplitude < CLEAR_OF_NOISE * sigma)).astype(float)) < RESTING
+    clear = near & moving[:, None] & (np.abs(columns[..., 1]) > CLEAR_OF_NOISE * noise)
+    if np.count_nonzero(clear) < ROWS_A_COLUMN * columns.shape[-1]:
         raise BadInput(
             "The forced record has too little motion above its noise to be regressed; force it harder or longer."
         )
     omega = np.broadcast_to(view.omega, clear.shape)[clear]
-    force_noise = max(drive.noise, 1e-6 * float(np.std(force))) * np.sqrt(view.energy / fs)
+    force_noise = max(drive.noise, ROUNDING * float(np.std(force))) * np.sqrt(view.energy / fs)
     target, columns = -acceleration[clear], columns[clear]
     stiffness, viscous, inverse_mass = float(np.median(omega)) ** 2, 0.0, 0.0
     result = Solution(np.zeros(columns.shape[1]), np.zeros((columns.shape[1],) * 2), 0.0)
-    for _ in range(4):
+    for _ in range(WEIGHING_ROUNDS):
         response = (stiffness - omega**2) ** 2 + (viscous * omega) ** 2 + (2 * omega * view.width) ** 2
         std = np.sqrt(noise**2 * response + (inverse_mass * force_noise) ** 2)
         result = solve(columns, target, std, 1.0 / OVERLAP)
@@ -174,7 +192,7 @@ def _envelope(x: np.ndarray, fs: float, frequency: float) -> tuple[np.ndarray, n
     Of a long one in parts, each with cycles beside it to either side, beyond which no kernel reaches.
     """
     beside = int(np.ceil(_BESIDE * fs / frequency))
-    part = max(_AT_ONCE, 8 * beside)
+    part = max(_AT_ONCE, _WORTH * beside)
     made = np.empty((3, x.size))
     for begin in range(0, x.size, part) if x.size > 2 * part else (0,):
         end = begin + part if x.size > 2 * part else x.size

@@ -18,6 +18,7 @@ from ...errors import BadInput
 from ..signals.hilbert import KERNEL_CYCLES, blackman
 from ..signals.signals import Signal
 from .instantaneous import free_modal_parameters
+from .limits import CURVE_LEAST, KERNELS_A_VALUE, LEAST_NOISE
 from .modal_stretch import free_stretch
 
 
@@ -55,7 +56,7 @@ def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: flo
     # the noise of omega and of A'/A: white noise through both kernels in series, on a circle of radius A
     slope_kernel = np.convolve(blackman(round(KERNEL_CYCLES * period))[1], kernel)
     gain = float(np.sqrt(2 * np.sum(slope_kernel**2))) * fs
-    slope = max(decay.noise, 1e-9 * float(np.max(amplitude))) * gain / amplitude
+    slope = max(decay.noise, LEAST_NOISE * float(np.max(amplitude))) * gain / amplitude
     bias = 0.5 * _second_moment(period, low_pass_cycles) / fs**2
     omega0 = np.sqrt(np.where(squared > 0, squared, np.nan))
     span = (KERNEL_CYCLES + low_pass_cycles) * period
@@ -67,7 +68,7 @@ def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: flo
         damping=damping[good],
         omega0_std=np.hypot(slope, bias * _bend(omega0, fs))[good],
         damping_std=np.hypot(slope, bias * _bend(damping, fs))[good],
-        per_point=min(1.0, 3.0 / span),  # the kernels' effective length is a third of their joint length
+        per_point=min(1.0, KERNELS_A_VALUE / span),  # the kernels' effective length is a third of their joint length
     )
 
 
@@ -82,6 +83,6 @@ def _second_moment(period: float, low_pass_cycles: float) -> float:
 
 def _bend(curve: np.ndarray, fs: float) -> np.ndarray:
     """Size of the second derivative of a smooth curve (n,) of time: a low-pass takes it, times half its width, off."""
-    if curve.size < 5:
+    if curve.size < CURVE_LEAST:
         return np.zeros_like(curve)
     return np.nan_to_num(np.abs(np.gradient(np.gradient(curve, 1 / fs), 1 / fs)))

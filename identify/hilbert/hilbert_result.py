@@ -17,7 +17,7 @@ from ..motion.force_off import zero_of
 from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of
 from .instantaneous import modal_parameters
-from .limits import LOUD, SEVERAL
+from .limits import KERNELS_A_VALUE, LOUD, SEVERAL
 from .mass_by_laws import driven_mass
 from .modal_fit import modal_fit
 from .modal_mass import MassFit, agreed
@@ -278,7 +278,7 @@ def modal_curve(
         damping_std=0.5 * np.sqrt(of_damping[good]),
         force=force[keep][good],
         # the kernels' effective length is a third of their joint length
-        independent=min(1.0, 3.0 / (s.kernel + stretch.low_pass_kernel.size)),
+        independent=min(1.0, KERNELS_A_VALUE / (s.kernel + stretch.low_pass_kernel.size)),
         fit=fit,
         within=None if displacement is None or mass is not None else within_the_cycle(stretch, displacement, good),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..signals.registry import decides
+from ..signals.registry import decides, numerics
 
 # further_harmonics.py
 
@@ -63,3 +63,28 @@ CLEAR = decides(
     "of a motion whose amplitude and phase follow the noise linearly",
     why="the second order is smaller by this factor",
 )
+
+# forced_regression.py
+
+LOUD_PART = decides(
+    0.3,
+    "part of the largest amplitude",
+    "where the motion says its frequency",
+    why="a third: below, the beginning and the end of a pass differ from the resonance",
+)
+NEAR_FUNDAMENTAL = decides(
+    0.4,
+    "part of the frequency",
+    "which lines are of the fundamental",
+    why="half of the way to the next harmonic, and a window is left between",
+)
+ROWS_A_COLUMN = decides(5, "rows a column", "of how many a regression is made", why="so that its misfit has a spread")
+
+# curves.py, freevib.py and static_force.py
+
+CURVE_LEAST = decides(5, "points", "of how many a curve is one", why="fewer do not tell its bend from its noise")
+
+# what several files share
+
+KERNELS_A_VALUE = numerics(3.0, "kernels", why="the effective length of two kernels is a third of their joint length")
+LEAST_NOISE = numerics(1e-9, "part of the largest amplitude", why="white noise below this is rounding")

@@ -19,6 +19,8 @@ from .modal_fit import EQ17, spring_and_friction
 from .modal_mass import MassFit, Slopes, mass_fit, moving, regressed
 from .modal_stretch import Stretch
 
+_STILL = numerics(1e-4, "part of the largest", why="slower or smaller motion has no phase to divide by")
+
 _SMOOTHED = numerics(
     1 / 4, "of a stretch", why="over which the columns are smoothed: far more cycles than the noise of a curve lasts"
 )
@@ -107,7 +109,7 @@ def mass_by_laws(stretch: Stretch) -> MassFit:
         BadInput: too little motion above the noise, or no positive mass.
     """
     clear, first = moving(stretch), stretch.signal.equation_first
-    a = np.maximum(stretch.amplitude, 1e-4 * float(np.max(stretch.amplitude[stretch.keep][clear])))
+    a = np.maximum(stretch.amplitude, _STILL * float(np.max(stretch.amplitude[stretch.keep][clear])))
     springs = np.stack([np.ones_like(a), 0.75 * a**2, 4 / (np.pi * a)])
     dampers = np.stack([np.ones_like(a), 4 / (np.pi * a * np.abs(first))])
     # noise lasts as long as the kernels: smoothed over less than that, the columns would share it still

@@ -23,6 +23,8 @@ from .modal_mass import MassFit
 from .modal_result import LawFit, ModalFit
 from .modal_stretch import CurveNoise, Stretch, curve_noise
 
+_SETTLED = numerics(1e-9, "of its value", why="rounding")
+
 _ROUNDS = budget(3, "rounds", why="the errors of the points depend on what is found")
 EQ17: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
 _STEP = numerics(1e-4, "of a parameter", why="for a derivative")
@@ -338,7 +340,7 @@ def _preload_fit(
                 columns = law(s, s.amplitude)[0]
                 curves.append(_spring(s, mass, law, squares(s, s.amplitude, theta) - theta @ columns, theta, known))
             fit = _Fit(tuple(curves), mass)
-            done = np.all(np.abs(fit.value - theta) < 1e-9 * np.abs(theta))
+            done = np.all(np.abs(fit.value - theta) < _SETTLED * np.abs(theta))
             theta = fit.value
             if done:
                 break

@@ -21,13 +21,12 @@ from ...files.computed_once import computed_once
 from ..signals.hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
 from ..signals.registry import numerics
 from ..signals.signals import Signal
-from .limits import CLEAR, CUT_CYCLES, LEAST_FREQUENCY
+from .limits import CLEAR, CUT_CYCLES, LEAST_FREQUENCY, LEAST_NOISE
 
 _ADVICE = "let it ring longer or release it from a larger amplitude"
 _SMOOTH = numerics(
     6, "degree", why="of the polynomial in time that follows the logarithm of an amplitude closely enough to weigh with"
 )
-_LEAST_NOISE = numerics(1e-9, "part of the largest amplitude", why="white noise below this is rounding")
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +248,7 @@ def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: floa
         signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency, by_kernel=True)
         cut = KERNEL_CYCLES / 2
     stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer", cut)
-    force_noise = max(drive.noise, _LEAST_NOISE * float(np.max(np.abs(drive.samples))))
+    force_noise = max(drive.noise, LEAST_NOISE * float(np.max(np.abs(drive.samples))))
     return replace(stretch, ratio=turned_alike(drive.samples, fs, signal, by_kernel), force_noise=force_noise)
 
 
@@ -300,7 +299,7 @@ def _stretch(
             f"The {what} has {n / period:.1f} cycles; {method} needs at least {4 + 2 * cut_cycles:.0f}, of which "
             f"{cut_cycles:g} are cut from each end: {advice}."
         )
-    noise = max(displacement.noise, _LEAST_NOISE * float(np.max(np.abs(signal.amplitude))))
+    noise = max(displacement.noise, LEAST_NOISE * float(np.max(np.abs(signal.amplitude))))
     return Stretch(signal, fs, noise, blackman(int(cycles * period))[0], slice(cut, n - cut))
 
 

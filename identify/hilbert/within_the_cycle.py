@@ -24,7 +24,7 @@ import numpy as np
 from ..signals.hilbert import blackman
 from ..signals.registry import budget, numerics
 from .instantaneous import free_modal_parameters
-from .limits import CHANCE
+from .limits import CHANCE, KERNELS_A_VALUE
 from .modal_stretch import Stretch
 
 _MOST = budget(9, "harmonics", why="that are looked for")
@@ -133,7 +133,7 @@ def _harmonics(
     both = np.convolve(kernel, stretch.low_pass_kernel)
     spread = np.full(a.size, stretch.noise * np.sqrt(2 * np.sum(both**2)))
     u[0] = _over_rest(u[0].real, a)
-    independent = max(1.0, 3.0 * a.size / both.size)
+    independent = max(1.0, KERNELS_A_VALUE * a.size / both.size)
     for i, order in enumerate(orders):
         degrees = independent * (1 if order == 0 else 2)
         most = 2 * gammaincinv(degrees / 2, 1 - CHANCE) / degrees

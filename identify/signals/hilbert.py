@@ -20,7 +20,23 @@ import numpy as np
 
 from ...errors import BadInput
 from ...recording.resolution import converter_step
+from .limits import DECAY_CYCLES, DECAY_FLOOR, DECAY_PART, FEWEST_CYCLES
 from .registry import budget, numerics
+
+_END_PART = numerics(50, "of a record", why="the level of either end is taken over one of so many parts")
+_SHORTEST = numerics(16, "samples", why="of a padded transform")
+_SLOWEST = numerics(1.5, "cycles", why="the slowest line has one and a half in the record")
+_HALF_A_BIN = numerics(0.5, "bins", why="the largest lies no farther from the bin that shows it")
+_SEGMENT = numerics((64, 1024), "samples", why="of the segments of a periodogram, at least and at most")
+_SEGMENTS = numerics(16, "segments", why="that an averaged periodogram has between them")
+_FEWEST_LINES = numerics(4, "lines", why="of which a median is taken")
+_INDEPENDENT = numerics(
+    1.6, "segments a length", why="independent ones among those that overlap by half under this window"
+)
+_STEP_NOISE = numerics(float(np.sqrt(12.0)), "steps a standard deviation", why="of a value that is rounded evenly")
+_MOST_FALL = numerics(25.0, "natural logarithm", why="noise at the far end must stay a number")
+_DRIFT = numerics(3, "times slower than the motion", why="what is slower fades out as drift")
+_KNOT = numerics(8, "cycles a knot, and samples a cycle", why="a carrier is smooth over several cycles")
 
 LONG = budget(2**18, "samples", why="something less says as much, where an answer is not meant for the last digit")
 _FURTHER_PASSES = budget(
@@ -57,16 +73,16 @@ def dominant_frequency(x: np.ndarray, fs: float) -> float:
     Raises BadInput when `x` is constant or shorter than two cycles.
     """
     x = np.asarray(x, float)
-    x = x - np.linspace(np.mean(x[: max(1, x.size // 50)]), np.mean(x[-max(1, x.size // 50) :]), x.size)
-    size = 2 ** int(np.ceil(np.log2(max(16, 2 * x.size))))
+    x = x - np.linspace(np.mean(x[: max(1, x.size // _END_PART)]), np.mean(x[-max(1, x.size // _END_PART) :]), x.size)
+    size = 2 ** int(np.ceil(np.log2(max(_SHORTEST, 2 * x.size))))
     power = np.abs(np.fft.rfft(x * np.hanning(x.size + 2)[1:-1] ** 0.25, size)) ** 2
-    slowest = max(1, int(np.ceil(1.5 * size / x.size)))  # at least one and a half cycles must fit
+    slowest = max(1, int(np.ceil(_SLOWEST * size / x.size)))  # at least one and a half cycles must fit
     if power.size <= slowest + 2 or not np.any(power[slowest:] > 0):
         raise BadInput("No oscillation found: the recording is constant or shorter than two cycles; record more of it.")
     k = min(slowest + int(np.argmax(power[slowest:-1])), power.size - 2)
     a, b, c = (np.log(power[k + j] + 1e-300) for j in (-1, 0, 1))
     bend = a - 2 * b + c
-    return (k + (float(np.clip(0.5 * (a - c) / bend, -0.5, 0.5)) if bend < 0 else 0.0)) * fs / size
+    return (k + (float(np.clip(0.5 * (a - c) / bend, -_HALF_A_BIN, _HALF_A_BIN)) if bend < 0 else 0.0)) * fs / size
 
 
 def noise_level(x: np.ndarray, fs: float) -> float:
@@ -79,18 +95,18 @@ def noise_level(x: np.ndarray, fs: float) -> float:
     from scipy.signal import get_window, welch
 
     x = np.asarray(x, float)
-    size = min(x.size, max(64, min(1024, x.size // 16)))
+    size = min(x.size, max(_SEGMENT[0], min(_SEGMENT[1], x.size // _SEGMENTS)))
     if x.size < LONG:
         density = welch(x, fs, window="blackmanharris", nperseg=size, detrend="linear")[1]
     else:
         density = _welch(x, fs, np.asarray(get_window("blackmanharris", size)))
     top = density[int(0.75 * density.size) : -1]
-    if top.size < 4:
+    if top.size < _FEWEST_LINES:
         return 0.0
     # periodograms averaged over few segments: the median lies below the mean (chi-square with about 2 K degrees)
-    segments = max(1.0, 1.6 * x.size / size)
+    segments = max(1.0, _INDEPENDENT * x.size / size)
     median_to_mean = (1 - 1 / (9 * segments)) ** 3
-    return max(float(np.sqrt(np.median(top) / median_to_mean * fs / 2)), converter_step(x) / np.sqrt(12.0))
+    return max(float(np.sqrt(np.median(top) / median_to_mean * fs / 2)), converter_step(x) / _STEP_NOISE)
 
 
 def _welch(x: np.ndarray, fs: float, window: np.ndarray) -> np.ndarray:
@@ -132,7 +148,7 @@ def analytic_signal(
     x = np.asarray(x, float)
     f = dominant_frequency(x, fs) if frequency is None else frequency
     period = fs / f
-    if x.size < 5 * period or period < 5:
+    if x.size < FEWEST_CYCLES * period or period < FEWEST_CYCLES:
         raise BadInput(
             f"The recording has {x.size / period:.1f} cycles of {period:.1f} samples; the Hilbert transform needs at "
             "least 5 cycles of at least 5 samples: record longer or sample faster."
@@ -140,7 +156,7 @@ def analytic_signal(
     t = np.arange(x.size) / fs
     if undecay is None:
         undecay = _mean_decay(x, period, fs)
-    undecay = float(np.clip(undecay, 0.0, 25.0 / t[-1]))  # noise at the far end must stay a number
+    undecay = float(np.clip(undecay, 0.0, _MOST_FALL / t[-1]))  # noise at the far end must stay a number
     y = (x - _rest(x[-max(x.size // 2, int(np.ceil(KERNEL_CYCLES * period))) :] if undecay else x)) * np.exp(
         undecay * t
     )
@@ -292,9 +308,9 @@ def _mean_decay(x: np.ndarray, period: float, fs: float) -> float:
     step = int(period)
     rms = np.array([np.std(x[i * step : (i + 1) * step]) for i in range(cycles)])
     top = int(np.argmax(rms))
-    floor = max(3 * float(np.min(rms)), 0.02 * float(rms[top]))
+    floor = max(DECAY_FLOOR * float(np.min(rms)), DECAY_PART * float(rms[top]))
     stop = top + int(np.argmax(rms[top:] < floor)) if np.any(rms[top:] < floor) else cycles
-    if stop - top < 4 or top > cycles // 4:
+    if stop - top < DECAY_CYCLES or top > cycles // DECAY_CYCLES:
         return 0.0
     return max(0.0, -float(np.polyfit(np.arange(stop - top) * step / fs, np.log(rms[top:stop]), 1)[0]))
 
@@ -322,7 +338,7 @@ def _forward(y: np.ndarray, period: float, pad: int) -> np.ndarray:
         if misfit < best[0]:
             best = (misfit, float(lag), factor)
     _, lag, factor = best
-    factor = float(np.clip(factor, 0.5, 2.0))
+    factor = float(np.clip(factor, 1 / 2, 2.0))
     ahead = np.arange(1, pad + 1)
     turns = np.ceil(ahead / lag)
     taper = np.clip((pad - ahead) / (2 * period), 0, 1)
@@ -336,7 +352,7 @@ def _hilbert(y: np.ndarray, f: float) -> np.ndarray:
     size = int(next_fast_len(y.size) or y.size)
     spectrum = np.asarray(fft(y, size))
     k = np.arange(size) / size
-    gain = np.where(k < 0.5, 2.0, 0.0) * np.sin(0.5 * np.pi * np.clip(k / (f / 3), 0, 1)) ** 2
+    gain = np.where(k < 1 / 2, 2.0, 0.0) * np.sin(0.5 * np.pi * np.clip(k / (f / _DRIFT), 0, 1)) ** 2
     return np.asarray(ifft(spectrum * gain))[: y.size]
 
 
@@ -348,9 +364,9 @@ def _carrier(X: np.ndarray, period: float, fs: float) -> tuple[np.ndarray, np.nd
     phase = np.unwrap(np.angle(X))
     weight = np.sqrt(np.abs(X) / np.max(np.abs(X)) + 1e-3)
     # averaged over a quarter cycle: enough for a carrier, and the spline fit stays small
-    step = max(1, int(period / 8))
+    step = max(1, int(period / _KNOT))
     place = np.arange(0, n, step, dtype=float)
-    pieces = max(1, int(n / (8 * period)))
+    pieces = max(1, int(n / (_KNOT * period)))
     knots = np.concatenate([[0.0] * 4, np.linspace(0, n - 1, pieces + 1)[1:-1], [float(n - 1)] * 4])
     place[-1] = n - 1
     index = place.astype(int)

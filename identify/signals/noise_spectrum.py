@@ -13,6 +13,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...files.computed_once import computed_once
+from .registry import numerics
+
+_FLOOR = numerics(1e-9, "part of the mean power", why="what a spectrum has at least, so that its inverse is a number")
+_SMOOTHED = numerics(8, "lines on either side", why="over which a spectrum is smoothed at least")
+_TURN = numerics(
+    (0.3, 10.0), "times its value", why="by how much a part may change in a step, so that it stays positive"
+)
+_SETTLED = numerics(1e-3, "part of its value", why="a step below which both parts are settled")
+_HALF_A_LINE = numerics(0.5, "lines", why="what has less than one degree of freedom left says nothing of the noise")
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +91,7 @@ class NoiseSpectrum:
         by_line = np.concatenate([taken[:1], inner, taken[self.n - even :]])
         left = width * (1.0 - ndimage.uniform_filter1d(by_line, width, mode="mirror"))
         # what has less than one degree of freedom, half a line, left says nothing of the noise
-        return self._scaled(np.ones(self.n), width / np.maximum(left - 2.0, 0.5))
+        return self._scaled(np.ones(self.n), width / np.maximum(left - 2.0, _HALF_A_LINE))
 
     def _scaled(self, lines: np.ndarray, factors: np.ndarray) -> np.ndarray:
         """Lines (..., n), in their place, each times its factor (n // 2 + 1,): real part and imaginary part alike."""
@@ -156,7 +165,7 @@ def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> Noise
 
     n = residual.size
     periodogram = np.abs(np.asarray(fft.rfft(residual))) ** 2 / n
-    floor = max(float(np.mean(periodogram)) * 1e-9, np.finfo(float).tiny)
+    floor = max(float(np.mean(periodogram)) * _FLOOR, np.finfo(float).tiny)
     shape, share = np.full(periodogram.size, max(float(np.mean(periodogram)), floor)), 0.0
     if resonance is not None:
         sensor, force = two_sources(periodogram, resonance)
@@ -167,7 +176,7 @@ def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> Noise
 
 def smoothing(n: int) -> int:
     """To how many lines on either side the spectrum of n samples is smoothed."""
-    return max(8, round(n**0.3))
+    return max(_SMOOTHED, round(n**0.3))
 
 
 def two_sources(periodogram: np.ndarray, resonance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -182,8 +191,8 @@ def two_sources(periodogram: np.ndarray, resonance: np.ndarray) -> tuple[np.ndar
         inverse = 1.0 / (weights @ parts)
         weighed = parts * inverse
         step = np.linalg.lstsq(weighed @ weighed.T, weighed @ (periodogram * inverse - 1.0))[0]
-        after = np.clip(weights + step, 0.3 * weights, 10.0 * weights)
-        settled = np.all(np.abs(after - weights) < 1e-3 * weights)
+        after = np.clip(weights + step, _TURN[0] * weights, _TURN[1] * weights)
+        settled = np.all(np.abs(after - weights) < _SETTLED * weights)
         weights = after
         if settled:
             break

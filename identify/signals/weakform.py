@@ -16,7 +16,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .registry import budget
+from .limits import BELOW_NYQUIST
+from .registry import budget, numerics
+
+_SHORTEST = numerics(8, "samples", why="the shortest window that has bins")
+_LOWEST = numerics(3, "bins", why="below the third an offset and a slow drift of the recording fall out")
+_SEEN = numerics(1e-10, "part of the largest singular value", why="a direction that rows do not see at all")
 
 _AT_ONCE = budget(100_000, "samples under windows", why="what a cache of a processor holds")
 
@@ -79,11 +84,11 @@ def windows(n: int, fs: float, seconds: float, low: float, high: float, overlap:
 
     Bins below the third are left out, so that an offset and a slow drift of the recording fall out.
     """
-    length = min(n, max(8, round(seconds * fs)))
+    length = min(n, max(_SHORTEST, round(seconds * fs)))
     hop = max(1, length // overlap)
     starts = np.arange(0, n - length + 1, hop)
-    first = max(3, int(np.ceil(low * length / fs)))
-    last = min(int(0.45 * length), max(first, int(np.floor(high * length / fs))))
+    first = max(_LOWEST, int(np.ceil(low * length / fs)))
+    last = min(int(BELOW_NYQUIST * length), max(first, int(np.floor(high * length / fs))))
     omega = 2 * np.pi * fs / length * np.arange(min(first, last), last + 1)
     return Windows(fs, length, starts, omega)
 
@@ -109,7 +114,7 @@ def solve(columns: np.ndarray, target: np.ndarray, std: np.ndarray, independent:
     scale = np.linalg.norm(a, axis=0)
     scale = np.where(scale > 0, scale, 1.0)
     u, s, vt = np.linalg.svd(a / scale, full_matrices=False)
-    keep = s > 1e-10 * s[0] if s.size else s > 0
+    keep = s > _SEEN * s[0] if s.size else s > 0
     inverse = np.where(keep, 1 / np.where(keep, s, 1.0), 0.0)
     value = (vt.T * inverse) @ (u.T @ b) / scale
     misfit = float(np.sum((b - a @ value) ** 2) / max(1, b.size - value.size))

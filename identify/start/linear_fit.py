@@ -18,6 +18,8 @@ from ..problem.segments import Segment
 from ..signals.registry import budget, numerics
 from .limits import MOST_DAMPING
 
+_EDGE = numerics(1e-9, "natural logarithm", why="within the bounds, where a search may begin")
+
 _SAMPLES_A_CYCLE = numerics(32.0, "samples a cycle", why="by which a sine is told")
 _COMPARED = numerics(8.0, "samples a cycle", why="by which many are only compared")
 _DAMPING = numerics(
@@ -76,7 +78,7 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
     places = _free_places([s for s in signals if s.force is None])
     if any(s.force is not None for s in signals):
         places += [(k * pace, z * k * pace) for k in _FREQUENCIES for z in _DAMPING]
-    inside = [np.clip(np.log(place), low + 1e-9, high - 1e-9) for place in places]
+    inside = [np.clip(np.log(place), low + _EDGE, high - _EDGE) for place in places]
     costs = [float(np.sum(remainder(theta) ** 2)) for theta in inside]
     nearest = [inside[i] for i in np.argsort(costs)[:_KEPT]]
     outcomes = [least_squares(remainder, theta, bounds=(low, high), max_nfev=_STEPS) for theta in nearest]

@@ -15,9 +15,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
-from ..signals.registry import numerics
+from ..signals.limits import BELOW_NYQUIST, CLEAR_OF_NOISE, RESTING, ROUNDING, WEIGHING_ROUNDS, WINDOW_CYCLES
+from ..signals.registry import budget, numerics
 from ..signals.signals import Signal, resting
 from ..signals.weakform import solve, windows
+
+_WINDOWS = numerics(4, "windows", why="a short record is cut in so many")
+_DENSE = numerics(40, "samples a cycle", why="of the highest frequency: the instants of sign changes are met")
+_DENSEST = budget(8, "times the samples", why="more would only take memory")
 
 OVERLAP = numerics(4, "windows", why="over each sample; errors count as many")
 COLUMNS = ("inverse_mass", "viscous", "stiffness", "cubic", "preload", "dry")
@@ -98,7 +103,7 @@ def regress_rows(rows: Sequence[Rows], *, linear: bool = False) -> RegressionSta
         full[use] = solution.value
         inverse_mass, viscous, stiffness = -float(full[0]), float(full[1]), float(full[2])
         round_ += 1
-        if round_ < 4:
+        if round_ < WEIGHING_ROUNDS:
             continue
         # what the recordings do not carry is 0, with the uncertainty it had while it was in; worst first
         std[use] = np.sqrt(np.diag(solution.covariance))
@@ -141,15 +146,15 @@ def segment_rows(segment: Segment) -> Rows:
     if cycles < least:
         raise BadInput(f"The recording has {cycles:.1f} cycles; the regression needs at least {least}.")
     if drive is None:
-        low, high, length = 0.7 * f, 1.3 * f, min(4.0, cycles / 2) / f
+        low, high, length = 0.7 * f, 1.3 * f, min(WINDOW_CYCLES / 2, cycles / 2) / f
     else:
         low, high = drive.band
-        length = min(8.0, cycles / 4) / f
-        low, high = min(low, f) - 1 / length, min(max(high, f) + 1 / length, 0.45 * fs)
+        length = min(WINDOW_CYCLES, cycles / _WINDOWS) / f
+        low, high = min(low, f) - 1 / length, min(max(high, f) + 1 / length, BELOW_NYQUIST * fs)
     view = windows(x.size, fs, length, low, high, OVERLAP)
     # an offset of the sensor would shift the sign changes; a window has no transmission at whole multiples of its bins
     x = x - np.median(view.mean(x))
-    factor = int(np.clip(np.ceil(40 * high / fs), 1, 8))
+    factor = int(np.clip(np.ceil(_DENSE * high / fs), 1, _DENSEST))
     dense, speed = smooth_motion(x, fs, high, factor)
     fine = view.upsampled(factor)
     dt = 1 / (fs * factor)
@@ -165,15 +170,15 @@ def segment_rows(segment: Segment) -> Rows:
         ],
         axis=-1,
     )
-    sigma = max(segment.displacement.noise, 1e-6 * float(np.std(x)))
+    sigma = max(segment.displacement.noise, ROUNDING * float(np.std(x)))
     noise = sigma * np.sqrt(view.energy / fs)
     force_noise = 0.0
     if drive is not None:
-        force_noise = max(drive.noise, 1e-6 * float(np.std(drive.samples))) * np.sqrt(view.energy / fs)
+        force_noise = max(drive.noise, ROUNDING * float(np.std(drive.samples))) * np.sqrt(view.energy / fs)
     acceleration = view.project(x, 2)
     omega = np.broadcast_to(view.omega, x0.shape)
-    moving = view.mean(resting(x, sigma, round(fs / f)).astype(float)) < 0.02
-    clear = (np.abs(x0) > 5 * noise) & moving[:, None]
+    moving = view.mean(resting(x, sigma, round(fs / f)).astype(float)) < RESTING
+    clear = (np.abs(x0) > CLEAR_OF_NOISE * noise) & moving[:, None]
     return Rows(acceleration[clear], columns[clear], omega[clear], view.width, float(noise), float(force_noise))
 
 

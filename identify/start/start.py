@@ -27,6 +27,10 @@ from ..signals.signals import Signal, drive_of, response_of
 from .limits import SAME_SPRING
 from .regression import RegressionStart, Rows, Segment, regress_rows, segment_rows
 
+_REACH = numerics(0.999, "of the samples", why="the largest displacement, but for single samples")
+_LEAST_DAMPING = numerics(1e-3, "of the frequency", why="a start that is not undamped")
+_LEAST_ERROR = numerics(1e-9, "of the mass", why="rounding")
+
 if TYPE_CHECKING:
     from ...recording.recording import Recording
 
@@ -142,7 +146,7 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
         starts.insert(0, told)
     linear = estimate.linear
     if linear is not None:
-        known = {"omega0": linear.omega0, "viscous": max(linear.viscous, 1e-3 * linear.omega0)}
+        known = {"omega0": linear.omega0, "viscous": max(linear.viscous, _LEAST_DAMPING * linear.omega0)}
         starts.insert(0, known | ({} if linear.mass is None else {"mass": linear.mass}))
     return starts
 
@@ -235,7 +239,7 @@ def _combine(
         source = "regression"
         value = {k: float(getattr(regression, k)) for k in value}
         std = {k: float(getattr(regression, k + "_std")) for k in value}
-        if regression.mass is not None and regression.mass_std < 0.5 * regression.mass:
+        if regression.mass is not None and 2 * regression.mass_std < regression.mass:
             mass, mass_std = regression.mass, regression.mass_std
     elif backbone is not None and damping is not None:
         source = "curves"
@@ -253,7 +257,7 @@ def _combine(
                 "No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum."
             )
     moved = [m.displacement.samples for m in motions]
-    reach = max(float(np.quantile(np.abs(x - np.median(x)), 0.999)) for x in moved)
+    reach = max(float(np.quantile(np.abs(x - np.median(x)), _REACH)) for x in moved)
     _make_safe(value, reach, backbone, damping, notes)
     if mass is None and any(m.force is not None for m in motions):
         mass = _static_mass(motions, value["omega0"])
@@ -309,7 +313,7 @@ def _curve_mass(curves: list[Curve]) -> tuple[float | None, float]:
     if not masses:
         return None, float("inf")
     mass, std = np.array(masses).T
-    weight = 1 / np.maximum(std, 1e-9 * mass) ** 2
+    weight = 1 / np.maximum(std, _LEAST_ERROR * mass) ** 2
     return float(np.sum(weight * mass) / np.sum(weight)), float(1 / np.sqrt(np.sum(weight)))
 
 
