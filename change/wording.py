@@ -15,11 +15,6 @@ def spoken(words: Sequence[str], last: str = "and") -> str:
     return " ".join([", ".join(words[:-1]), last, words[-1]]) if len(words) > 1 else "".join(words)
 
 
-def chance_text(chance: float) -> str:
-    """A chance for a sentence."""
-    return "p < 1e-12" if chance < 1e-12 else f"p = {chance:.2g}"
-
-
 def percent_change(first: float, second: float) -> str:
     """How far a value went, in percent of where it was; empty where it was zero."""
     if not first or not math.isfinite(second / first):

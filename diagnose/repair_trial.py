@@ -9,6 +9,7 @@ is delivered then needs no judge any more and may learn from it too (cross-valid
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -51,12 +52,8 @@ def record_fits(
         holdout: whether no parameter was fitted to them.
         fmu: the mended model exported; its response is then the FMU's under FMPy, and none from where that stops.
     """
-    run = FmuRun(fmu) if fmu is not None and after is not None else None
-    try:
+    with FmuRun(fmu) if fmu is not None and after is not None else nullcontext() as run:
         return [fit for r in recordings if (fit := _fit(before, after, r, holdout, run)) is not None]
-    finally:
-        if run is not None:
-            run.__exit__(None, None, None)
 
 
 def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:

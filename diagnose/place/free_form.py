@@ -64,11 +64,6 @@ class Rows:
     left: np.ndarray
     silent: np.ndarray
 
-    @property
-    def excess(self) -> float:
-        """Power beyond the noise that the family's own terms leave over, as a multiple of the noise's."""
-        return float(self.left @ self.left / (self.silent @ self.silent)) - 1.0
-
     def part(self, values: np.ndarray, index: int) -> np.ndarray:
         """The rows of one stretch."""
         edges = np.cumsum([0, *(s.n for s in self.stretches)])
@@ -77,11 +72,6 @@ class Rows:
     def joined(self, take: Callable[[Stretch], np.ndarray]) -> np.ndarray:
         """(n,) or (n, m) values of all stretches."""
         return np.concatenate([take(s) for s in self.stretches])
-
-    def power(self) -> tuple[np.ndarray, np.ndarray]:
-        """(blocks,) excess of power in each block, and the samples in it."""
-        count = np.bincount(self.block).astype(float)
-        return np.bincount(self.block, self.left**2 - self.silent**2), count
 
 
 def rows_of(stretches: Sequence[Stretch]) -> Rows:
@@ -102,13 +92,12 @@ def rows_of(stretches: Sequence[Stretch]) -> Rows:
 
 def family(s: Stretch) -> np.ndarray:
     """(n, 6) what the family can bend: Eq. 17 per unit mass, and the mass."""
-    return np.column_stack([s.x, s.x**3, _soft_sign(s.x, s.v), s.v, _soft_sign(s.v, s.a), s.drive])
+    return np.column_stack([s.x, s.x**3, _soft_sign(s.x), s.v, _soft_sign(s.v), s.drive])
 
 
-def _soft_sign(y: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Sign of y where it is well beyond what it changes in a fiftieth of a cycle, linear between."""
-    size = max(float(np.std(y)), 1e-300)
-    return np.clip(y / (_SIGN * size), -1.0, 1.0) if np.any(slope) else np.sign(y)
+def _soft_sign(y: np.ndarray) -> np.ndarray:
+    """(n,) sign of y, linear within ``_SIGN`` of its standard deviation."""
+    return np.clip(y / (_SIGN * max(float(np.std(y)), 1e-300)), -1.0, 1.0)
 
 
 def hats(values: np.ndarray, nodes: np.ndarray) -> np.ndarray:

@@ -47,9 +47,9 @@ class Line:
     steady: bool
 
 
-def excess_range(rows: Rows, values: np.ndarray, use: np.ndarray | None = None) -> tuple[float, float] | None:
+def excess_range(rows: Rows, values: np.ndarray) -> tuple[float, float] | None:
     """Lowest and highest value between which the missing force's power stands out; None where it does nowhere."""
-    fine = np.isfinite(values) if use is None else np.isfinite(values) & use
+    fine = np.isfinite(values)
     if np.count_nonzero(fine) < SAMPLES_A_RANGE * _BINS:
         return None
     values = values[fine]

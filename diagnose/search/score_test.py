@@ -7,7 +7,7 @@ log-likelihood that it promises (Rao 1948). A promise is then kept or broken by 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 
@@ -91,7 +91,7 @@ class Screen:
             tuple(off(basis, left) for basis, left in zip(self.own, white.residuals, strict=True)),
         )
 
-    def starts(self, laws: Sequence[Law] | None = None, progress: Callable[[], None] = lambda: None) -> list[Start]:
+    def starts(self, laws: Sequence[Law] | None = None) -> list[Start]:
         """The best start of each law, the largest gain first; of the whole library where no laws are given (None)."""
         there = {term.law.effect for term in self.fitted.model.terms}
         library = KNOWN.values() if laws is None else laws
@@ -101,7 +101,6 @@ class Screen:
             steps = [step for probe in probes(law, self.data.scales) if (step := self._promised(law, probe))]
             steps.sort(key=lambda step: -step.promise)
             tried = [start for step in steps[:_TRIED] if (start := self._kept(self._concentrated(step))) is not None]
-            progress()
             return max(tried, key=lambda start: start.gain, default=None)
 
         with ThreadPoolExecutor(max_workers=2) as pool:
