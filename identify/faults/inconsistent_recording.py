@@ -10,7 +10,7 @@ import numpy as np
 from ...errors import BadInput
 from ...recording.recording import Recording
 from ..fit.reported_result import Fit
-from ..signals.odds import ABOVE_NOISE
+from ..signals.odds import ABOVE_NOISE, is_noise
 from .back_emf import back_emf
 from .contradiction import Contradiction, contradiction, covering
 from .fault_score import KINDS, OF_A_WHOLE
@@ -55,15 +55,13 @@ def blame(
         alone: the fit of some of them from starts of their own; None where one may not be of another rig.
     """
     if not max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
-        unlike = unlike_parts(fit, recordings)
-        if unlike is None:
-            return Blame(fit, {}, ())
-        return Blame(covering(fit, unlike.shifts), {}, (unlike_in_words(unlike, fit, recordings),))
+        return _of_parts(fit, recordings)
     found = contradiction(fit, recordings)
     if found is None and alone is not None:
         found = _from_the_others(fit, recordings, alone)
     if found is None and not asked:
-        return Blame(fit, {}, ())
+        squares, samples = np.array([(s.over_noise**2, s.segment.n) for s in fit.segments]).T
+        return _of_parts(fit, recordings) if is_noise(squares, samples) else Blame(fit, {}, ())
     if found is not None and alone is not None and (braked := back_emf(recordings, alone)) is not None:
         return Blame(covering(fit, (*found.shifts, braked.shift(fit.names))), braked.words, ())
     told = _told(fit, recordings, found, alone)
@@ -75,6 +73,14 @@ def blame(
     words = in_words(found, recordings)
     name = found.part.recording
     return Blame(fit, {name: words}, ()) if found.reached else Blame(fit, {}, (f"{recordings[name].name}: {words}",))
+
+
+def _of_parts(fit: Fit, recordings: Sequence[Recording]) -> Blame:
+    """What is told where no more than noise is left: that parts of the recordings ask for different parameters."""
+    unlike = unlike_parts(fit, recordings)
+    if unlike is None:
+        return Blame(fit, {}, ())
+    return Blame(covering(fit, unlike.shifts), {}, (unlike_in_words(unlike, fit, recordings),))
 
 
 def _from_the_others(

@@ -12,7 +12,8 @@ from dashpot.identify.faults.contradiction import covering
 from dashpot.identify.faults.inconsistent_recording import blame
 from dashpot.identify.faults.unlike_parts import _chance, divisions_of, unlike_in_words, unlike_parts
 from dashpot.identify.fit.likelihood import maximum_likelihood
-from dashpot.identify.signals.odds import BY_CHANCE
+from dashpot.identify.identification import identify
+from dashpot.identify.signals.odds import ABOVE_NOISE, BY_CHANCE
 from dashpot.model import Oscillator
 from scipy.stats import kstest
 
@@ -97,3 +98,11 @@ def test_every_side_is_asked_for():
         assert 0 < held < sum(s.n for s in segments)
     free = divisions_of([s for s in segments if s.force is None], shown[:1])
     assert [(division.recording, division.kind) for division in free] == [(0, "later")]
+
+
+def test_what_is_a_little_more_than_noise_is_asked_where_no_part_is_to_blame():
+    """Beyond 1.1 times the noise by chance alone: no part stands out, and the halves contradict each other."""
+    slow = replace(STANDS["slow"], noise=13 * STANDS["slow"].noise)
+    found = identify(told(slow, Lie("", "", 2, LIES["gain walks"]), 2))
+    assert max(s.over_noise for s in found.fit.segments) > ABOVE_NOISE
+    assert any("strong.csv: it contradicts decay.csv, weak.csv: there mass less by" in note for note in found.notes)
