@@ -75,11 +75,13 @@ def shared_modes(x: np.ndarray, fs: float, noise: float, periods: Sequence[float
             continue
         for share in _SHARES:
             for start in search.starts(period / search.block, share):
-                if any(share == of and _is_near(start, modes, search.block) for of, modes in followed):
+                # with a hundredth to spare several modes explain a hand's way too
+                left = share if start.count == 1 else 0.0
+                if any(left == of and _is_near(start, modes, search.block) for of, modes in followed):
                     continue
-                found = search.followed(start, share)
+                found = search.followed(start, left)
                 modes = start if found is None else found.modes
-                followed.append((share, replace(modes, omega=modes.omega / search.block)))
+                followed.append((left, replace(modes, omega=modes.omega / search.block)))
                 if found is not None and (best is None or found.evidence > best[1].evidence):
                     best = search, found
     if best is None:
