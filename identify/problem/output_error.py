@@ -239,7 +239,7 @@ class OutputError:
         """
         sides = self.sides(index)
         response, places = self._carried(index, state, unknowns, rows, sides)
-        if sides is not None:
+        if sides is not None and sides.at.size:
             taken = nearer_sides(self.segments[index], response, sides)
             response[sides.at[taken]] = sides.shown[taken]
             rows[np.array(places)[:, None], sides.at[taken]] = sides.derivatives[:, taken]
