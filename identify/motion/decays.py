@@ -46,7 +46,8 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     if recording.free or not (force is None or np.ptp(force) == 0):
         return by_envelope
     shared = modes_of_response(response_of(recording))
-    if shared is not None and _explains(shared, by_envelope.decays, recording.n):
+    few = envelope_of(recording) is None  # a damped sine over the whole of few cycles has a hold in it too
+    if shared is not None and (few or _explains(shared, by_envelope.decays, recording.n)):
         decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
         motion = _described(recording, decays)
         return replace(motion, notes=(*motion.notes, *_of_modes(recording, shared)))

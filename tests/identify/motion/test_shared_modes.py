@@ -115,3 +115,11 @@ def test_the_plain_answer_of_a_held_release_is_right(zeta):
         parameter = values[name]
         assert parameter.std is not None
         assert parameter.value == pytest.approx(true, abs=3.5 * parameter.std)
+
+
+def test_a_hold_before_few_cycles_is_left_out():
+    x = 1e-3 * np.concatenate([np.ones(200), ringing(8.0, (1.0, 0.484, 0.35))])
+    (decay,) = find_free_motion(
+        Recording("held", FS, x + 1e-6 * np.random.default_rng(6).standard_normal(x.size))
+    ).decays
+    assert 200 <= decay.start < 230
