@@ -39,8 +39,8 @@ def releases(**parameters):
 
 KINDS = {
     "decay, displacement": (lambda: [decay()], 25),
-    "decay, velocity": (lambda: [decay("velocity")], 25),
-    "decay, acceleration": (lambda: [decay("acceleration")], 23),
+    "decay, velocity": (lambda: [decay("velocity")], 34),
+    "decay, acceleration": (lambda: [decay("acceleration")], 35),
     "sweep, displacement": (lambda: [sweep()], 54),
     "sweep, velocity": (lambda: [sweep("velocity")], 52),
     "sweep, acceleration": (lambda: [sweep("acceleration")], 197),
