@@ -112,7 +112,8 @@ class Stretch:
             return self.amplitude
         clear = np.flatnonzero(self.clear) + self.keep.start
         asked = clear[:: max(1, int(self.signal.period / 4))]
-        fit = np.polynomial.Polynomial.fit(asked, np.log(self.amplitude[asked]), _SMOOTH, w=self.amplitude[asked])
+        degree = min(_SMOOTH, asked.size - 1)  # of a few cycles
+        fit = np.polynomial.Polynomial.fit(asked, np.log(self.amplitude[asked]), degree, w=self.amplitude[asked])
         half = self.low_pass_kernel.size // 2
         place = np.clip(np.arange(self.amplitude.size), clear[0] - half, clear[-1] + half)
         return np.exp(fit(place))

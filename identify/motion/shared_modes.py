@@ -243,6 +243,15 @@ class _Search:
             return -np.inf
         return 0.5 * (_moved(piece / spread) - left - columns.shape[1] * np.log(n))
 
+    def goes_on(self, modes: Modes, begun: int, weights: np.ndarray, a: int, b: int, share: float) -> bool:
+        """Whether the block means from a to b are those of the motion that began before them, with such weights."""
+        from scipy.special import chdtri
+
+        expected = modes.columns(b - begun)[a - begun :, :-1] @ weights[:-1]
+        off = self.means[a:b] - modes.drift * np.arange(b - a) - expected
+        left = float(np.sum((off - np.mean(off)) ** 2)) / self._deviation(a, b, share) ** 2
+        return left < float(chdtri(b - a, BY_CHANCE / (b - a))) * ABOVE_NOISE**2
+
 
 def _moved(piece: np.ndarray) -> float:
     """What a hand leaves of a piece (n,) in units of its noise, with what it costs to state its parameters.
@@ -323,22 +332,33 @@ def _is_near(start: Modes, found: Modes, block: int) -> bool:
     return bool(np.all(np.abs(apart) < spread))
 
 
-def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedModes:
-    """Pieces and modes by the sample and the second."""
+def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedModes | None:
+    """Pieces and modes by the sample and the second.
+
+    A piece that is nowhere above its noise says nothing; one that goes on as the last one would have was not let go
+    there: it is the rest of it.
+    """
     modes, block = found.modes, search.block
     unit, rates = fs / block, modes.zeta * modes.omega
     floor = ABOVE_FLOOR * np.sqrt(2.0 * block) * search.noise
     edges, moved, largest = [], np.zeros(modes.count), np.zeros(modes.count)
+    last = (0, np.zeros(0))  # where it began, and its weights
     for a, b in found.pieces:
         columns = modes.columns(b - a)
         scale = np.linalg.norm(columns, axis=0)
         weights = np.linalg.lstsq(columns / scale, search.means[a:b] - modes.drift * np.arange(b - a))[0] / scale
         sizes = np.hypot(*weights[:-1].reshape(-1, 2).T)
-        moved, largest = moved + sizes**2 * (b - a), np.maximum(largest, sizes)
+        goes_on = bool(edges) and search.goes_on(modes, *last, a, b, found.share)
         loud = np.flatnonzero(np.exp(-np.arange(b - a)[:, None] * rates) @ sizes > floor)
+        if goes_on or (not loud.size and len(found.pieces) > 1):
+            continue
+        last = (a, weights)
+        moved, largest = moved + sizes**2 * (b - a), np.maximum(largest, sizes)
         stop = n if b >= search.means.size else b * block
         audible = stop if not loud.size or loud[-1] == b - a - 1 else (a + int(loud[-1]) + 1) * block
         edges.append((a * block, stop, audible))
+    if not edges:
+        return None
     main = int(np.argmax(moved))
     rate_std = float(np.sqrt(modes.covariance[modes.count + main, modes.count + main]) * modes.omega[main]) * unit
     seen = (largest > floor) | (np.arange(modes.count) == main)

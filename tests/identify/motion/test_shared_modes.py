@@ -7,8 +7,9 @@ import pytest
 from dashpot.errors import BadInput
 from dashpot.identify import identify
 from dashpot.identify.motion.decays import find_free_motion
-from dashpot.identify.motion.free_motion import periods_of
+from dashpot.identify.motion.free_motion import modes_of_response, periods_of
 from dashpot.identify.motion.shared_modes import SharedModes, shared_modes
+from dashpot.identify.signals.signals import Signal
 from dashpot.recording import Recording
 
 FS = 200.0
@@ -123,3 +124,15 @@ def test_a_hold_before_few_cycles_is_left_out():
         Recording("held", FS, x + 1e-6 * np.random.default_rng(6).standard_normal(x.size))
     ).decays
     assert 200 <= decay.start < 230
+
+
+def test_what_rings_on_behind_a_piece_is_no_release():
+    """A sample that is off cuts the ringing in two; the noise behind it is no motion."""
+    t = np.arange(4000) / 1000.0
+    x = 2e-3 * np.exp(-2.5 * t) * np.cos(80.0 * t) + 1e-4 * np.random.default_rng(4).standard_normal(t.size)
+    x[300:306] += 1.5e-3
+    found = modes_of_response(Signal(x, 1000.0))
+    assert found is not None
+    ((start, _, audible),) = found.pieces
+    assert start < 320
+    assert audible < 2000
