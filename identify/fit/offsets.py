@@ -70,12 +70,13 @@ def force_offsets(data: Data, recordings: Sequence[Recording], model: Oscillator
 def kept_offsets(problem: OutputError, state: State, start: Oscillator) -> tuple[OutputError, State]:
     """The problem with the offsets that stand out of their errors alone, the others zero from here on; and drifts.
 
-    The force's are judged first: what a load cell shows at zero moves the mass of a linear rig just as far as its own
-    sensor's offset seems to, and of two that cannot be told apart the response's stays.
+    Drifts come first, for beside one that is left in the residual nothing stands out. The force's are judged next:
+    what a load cell shows at zero moves the mass of a linear rig just as far as its own sensor's offset seems to, and
+    of two that cannot be told apart the response's stays.
     """
+    problem, state = _with_drifts(problem, state, start)
     problem, state = _without_those_of_chance(problem, state, start, "force")
-    problem, state = _without_those_of_chance(problem, state, start, "response")
-    return _with_drifts(problem, state, start)
+    return _without_those_of_chance(problem, state, start, "response")
 
 
 def _without_those_of_chance(
@@ -88,7 +89,9 @@ def _without_those_of_chance(
     sums = Linearised.of(judged, state, residuals, _noise(judged, residuals, state, start)).shared
     errors = sums.errors()[free:]
     asked = np.array([offset.channel == channel for offset in problem.offsets])
-    stays = ~asked | (np.abs(state.offsets) > BEYOND_ERRORS * errors)
+    drifting = {offset.recording for offset in problem.offsets if offset.channel == "drift"}
+    beside = np.array([offset.recording in drifting and offset.channel == "response" for offset in problem.offsets])
+    stays = ~asked | beside | (np.abs(state.offsets) > BEYOND_ERRORS * errors)
     if np.all(stays):
         return problem, state
     # the others take over what those that go have told: the maximum of the likelihood under that they are zero
