@@ -21,7 +21,7 @@ demo: ## set up, then run the whole story on the built-in rig; results in demo/
 	@sh .ci/setup run
 	@.venv/bin/dashpot demo -o demo
 
-test: ## set up, then run the tests of the fast lane, six minutes on two cores
+test: ## set up, then run the tests of the fast lane, five minutes on two cores
 	@sh .ci/setup dev
 	@$(PYTEST) $(ARGS)
 
