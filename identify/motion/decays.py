@@ -68,7 +68,10 @@ def _of_modes(recording: Recording, shared: SharedModes) -> tuple[str, ...]:
     if shared.omega.size == 1:
         return ()
     at = ", ".join(f"{omega / (2 * np.pi):.4g}" for omega in shared.omega)
-    return (f"{recording.name}: several modes ring at once, at {at} Hz; a model of one is fitted to them",)
+    return (
+        f"{recording.name}: it rings as several modes at {at} Hz do, or as one whose frequency changes with its "
+        "amplitude; a model of one is fitted to it",
+    )
 
 
 def _shared_decay(shared: SharedModes, which: int, fs: float) -> Decay:
