@@ -46,12 +46,19 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     if recording.free or not (force is None or np.ptp(force) == 0):
         return by_envelope
     shared = modes_of_response(response_of(recording))
-    few = envelope_of(recording) is None  # a damped sine over the whole of few cycles has a hold in it too
+    # a damped sine over the whole of few cycles may have a hold in it, before what is free
+    few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
     if shared is not None and (few or _explains(shared, by_envelope.decays, recording.n)):
         decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
         motion = _described(recording, decays)
         return replace(motion, notes=(*motion.notes, *_of_modes(recording, shared)))
     return by_envelope
+
+
+def _rings_out(shared: SharedModes, n: int) -> bool:
+    """Whether there is one piece, which lasts to the end or to the noise: else parts of a frequency that glides."""
+    (_, stop, audible), *others = shared.pieces
+    return not others and (audible < stop or stop == n)
 
 
 def _explains(shared: SharedModes, decays: Sequence[Decay], n: int) -> bool:

@@ -136,3 +136,13 @@ def test_what_rings_on_behind_a_piece_is_no_release():
     ((start, _, audible),) = found.pieces
     assert start < 320
     assert audible < 2000
+
+
+@pytest.mark.parametrize(("glide", "fall", "noise"), [(0.02, 0.25, 3e-2), (0.03, 0.4, 3e-3)])
+def test_three_cycles_of_a_gliding_frequency_are_one_decay(glide, fall, noise):
+    """As a wheel on its spokes turns faster while it comes down: a damped sine explains a part of it."""
+    t = np.arange(2300) / 500.0
+    x = np.exp(-fall * t) * np.cos(2 * np.pi * (0.6 * t + glide * t**2))
+    x += noise * np.random.default_rng(2).standard_normal(t.size)
+    found = find_free_motion(Recording("wheel", 500.0, x)).decays
+    assert [(decay.start, decay.stop) for decay in found] == [(0, t.size)]
