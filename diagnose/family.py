@@ -23,7 +23,7 @@ from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
-from .limits import KNOWN_PART, OTHER_FREQUENCY, OTHER_MASS, STRANGE
+from .limits import OTHER_FREQUENCY, OTHER_MASS, POORLY_KNOWN, STRANGE
 from .measuring_chain import agree, alike, drifts_and_loads, hold_of
 from .measuring_chain import drifts as drifts_of
 from .measuring_chain import zeros as zeros_of
@@ -298,7 +298,7 @@ def _is_known(model: Oscillator, name: str) -> bool:
     """
     parameter = model.parameters()[name]
     if parameter.std is not None:
-        return parameter.std < KNOWN_PART * abs(parameter.value)
+        return parameter.std < POORLY_KNOWN * abs(parameter.value)
     return bool(model.identified.recordings) and name not in model.identified.parameters
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..identify.signals.registry import decides
+from ..identify.signals.registry import decides, numerics
 
 # changed_rig.py
 
@@ -27,38 +27,29 @@ BEYOND = decides(
     "how far beyond the recordings an experiment may go",
     why="half as much again is what a rig that was driven so far is likely to bear",
 )
-CYCLES = decides(
+CYCLES = numerics(
     90.0,
     "natural cycles",
-    "how long a proposed experiment is",
-    why="enough to pass a resonance slowly beside its own decay",
+    why="how long a proposed experiment is: enough to pass a resonance slowly beside its own decay",
 )
-DRIVE_LEVELS = decides(
+DRIVE_LEVELS = numerics(
     (0.15, 0.4, 1.0, BEYOND),
     "parts of the largest recorded",
-    "at which levels of force experiments are rehearsed",
-    why="a decade of levels in steps that a nonlinearity of third order tells apart",
+    why="force in rehearsals: a decade in steps that a nonlinearity of third order tells apart",
 )
-RELEASE_LEVELS = decides(
+RELEASE_LEVELS = numerics(
     (0.3, 0.6, 1.0, BEYOND),
     "parts of the largest recorded",
-    "from which displacements releases are rehearsed",
-    why="a release passes all lower levels by itself, so the steps are smaller",
+    why="displacement of releases in rehearsals: a release passes all lower levels by itself, so the steps are smaller",
 )
 
 # experiment/next_experiment.py
 
-TELLS = decides(
-    5.0,
-    "standard deviations of the noise",
-    "from which difference on an experiment tells two models apart",
-    why="of the many experiments that are compared some pass three by chance",
-)
-DARING = decides(
+WORTHWHILE = decides(
     0.7,
-    "part of the difference",
-    "what a difference is worth that is found beyond what was recorded",
-    why="a rig may break there, so it has to pay; a third less",
+    "part of what there was",
+    "to what an experiment must bring an error, and what a difference beyond the recorded is worth",
+    why="a third less is worth a recording or a risk; a tenth less is not",
 )
 POORLY_KNOWN = decides(
     0.1,
@@ -80,12 +71,6 @@ OTHER_MASS = decides(
     "times",
     "the same of the mass",
     why="physical limit: what is left out (mass that moves along) bends a fitted mass by some ten per cent",
-)
-KNOWN_PART = decides(
-    0.1,
-    "part of the value",
-    "from which error on a model file does not claim to know a parameter",
-    why="error rate: the least of the two factors above is then three of its errors",
 )
 STRANGE = decides(
     1.5,
@@ -114,12 +99,6 @@ LEAST_EVIDENCE = decides(
 
 # place/mismatch_ranges.py
 
-SIGNIFICANT = decides(
-    3.0,
-    "standard errors",
-    "beyond which an excess is reported in a range",
-    why="three: of twenty ranges one in twenty recordings passes by chance",
-)
 NOTABLE = decides(
     0.05,
     "part of the largest excess",
@@ -228,18 +207,6 @@ LEAST_DAMPING = decides(
     "the least damping by which that length is reckoned",
     why="physical limit: structures have more; with less a stretch would be as long as the recording",
 )
-FEWEST_CYCLES = decides(
-    10.0, "cycles", "of how many a recording holds a stretch to fit", why="fewer do not tell damping from friction"
-)
-SHORTEST_END = decides(
-    3.0,
-    "cycles",
-    "of how many the last third of a recording is held out",
-    why="one tells its initial state, two are foretold",
-)
-QUIET = decides(
-    3.0, "times its noise", "below which a response says little", why="a third of what is recorded is then noise"
-)
 
 # repair_trial.py
 
@@ -293,12 +260,6 @@ NEAR = decides(
 
 # search/race.py
 
-KEPT_PROMISE = decides(
-    0.25,
-    "part of what it promised",
-    "that a step must keep to be of a straight valley",
-    why="a quarter, as trust-region methods have it (Nocedal and Wright 2006, section 4.1)",
-)
 LEAST_CREDIT = decides(
     0.1, "part of what it promises", "that a start is believed at least", why="a valley may open after a bend"
 )
@@ -365,15 +326,6 @@ MOST_EFFECTS = decides(
     why="physical limit: more missing at once are not told apart by any recording that we know of",
 )
 
-# search/starts.py
-
-HALF = decides(
-    0.5,
-    "part of what the best gains",
-    "that other laws must gain, on the measured motion or predicted, to be simulated",
-    why="far from the truth a promise is of first order: a trade of time for safety",
-)
-
 # search/weigh.py
 
 STRETCH_CYCLES = decides(
@@ -395,15 +347,6 @@ ALIKE = decides(
     0.01, "part of the noise", "by how much motions differ that are alike", why="physical limit: no sensor shows it"
 )
 
-# experiment/next_experiment.py
-
-SHARPENS = decides(
-    0.7,
-    "of its error before",
-    "to what an experiment must bring the error of a parameter",
-    why="a third less is worth a recording; a tenth less is not",
-)
-
 # place/mismatch_ranges.py and place/statement.py: what a sentence needs
 
 SAMPLES_A_RANGE = decides(
@@ -412,21 +355,9 @@ SAMPLES_A_RANGE = decides(
 FEWEST_IN_RANGE = decides(
     10, "samples", "of how many a range has an excess", why="a mean of fewer has no error to hold it against"
 )
-SAMPLES_AN_ORDER = decides(
-    4, "samples an order", "of how many harmonics of a stretch are told", why="twice as many as it has coefficients"
-)
 NARROW = decides(
     0.2, "of its power", "what a line may have beside it", why="a resonance or the passage of a sweep has more"
 )
 ALL_AMPLITUDES = decides(
     0.8, "of the largest", "how wide a range of amplitudes is all of them", why="its ends hold few samples"
-)
-
-# search/score_test.py
-
-ENOUGH_KEPT = decides(
-    0.3,
-    "of what was promised",
-    "what a start must gain for no shorter step to be tried",
-    why="as of a step of the race: less was around a bend",
 )

@@ -15,12 +15,14 @@ from ..identify.identification import of_one_motion
 from ..identify.motion.decays import find_free_motion, force_is_silent
 from ..identify.motion.envelope import SHORTEST_CYCLES
 from ..identify.problem.data import natural_frequency
+from ..identify.problem.limits import FEWEST_SWINGS, WORTH_ITS_START
 from ..identify.problem.segments import cut, pace_of
+from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import budget
 from ..identify.signals.signals import response_of
 from ..model import Oscillator
 from ..recording.recording import Recording
-from .limits import FEWEST_CYCLES, LEAST_DAMPING, MEMORIES, QUIET, SHORTEST_END, THIRDS
+from .limits import LEAST_DAMPING, MEMORIES, THIRDS
 
 _MOST_HELD = budget(3, "stretches of one motion", why="each bears an initial state of its own")
 
@@ -47,9 +49,9 @@ def why_unused(recording: Recording, model: Oscillator) -> str:
     cycles = recording.n * recording.dt * frequency
     noise = response_of(recording).noise
     loudness = float(np.std(recording.response)) / noise if noise > 0 else math.inf
-    if cycles < FEWEST_CYCLES:
-        why = f"too short: {cycles:.2g} cycles of {frequency:.3g} Hz; record at least {FEWEST_CYCLES:.0f}"
-    elif loudness < QUIET:
+    if cycles < FEWEST_SWINGS:
+        why = f"too short: {cycles:.2g} cycles of {frequency:.3g} Hz; record at least {FEWEST_SWINGS:.0f}"
+    elif loudness < SIGNIFICANT:
         why = f"too quiet: its response is {loudness:.2g} times its noise"
     elif model.mass is None and recording.force is not None:
         why = "driven, and the model has no mass to tell what a force does; no free decay was found in it"
@@ -112,10 +114,10 @@ def _blocks(recording: Recording, model: Oscillator) -> list[_Block]:
     if len(motion.decays) >= THIRDS:
         return _between(0, *(decay.stop for decay in motion.decays[:-1]), recording.n)
     rate = max(model.viscous.value / 2, LEAST_DAMPING * natural)
-    if blocks := _even(0, recording.n, max(FEWEST_CYCLES * cycle, MEMORIES / rate * recording.fs)):
+    if blocks := _even(0, recording.n, max(FEWEST_SWINGS * cycle, MEMORIES / rate * recording.fs)):
         return blocks
     at = recording.n * 2 // THIRDS  # the end of what is driven is as loud as its beginning
-    return _between(0, recording.n) if recording.n - at < SHORTEST_END * cycle else _between(0, at, recording.n)
+    return _between(0, recording.n) if recording.n - at < WORTH_ITS_START * cycle else _between(0, at, recording.n)
 
 
 def _between(*edges: int, free: bool = False) -> list[_Block]:

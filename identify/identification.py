@@ -27,9 +27,9 @@ from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import blame
-from .fit.climb import QUIET
 from .fit.hold import held_as, with_hold
 from .fit.likelihood import maximum_likelihood
+from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
 from .fit.reported_result import Fit, SegmentFit
 from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
 from .motion.excitation import kind_of
@@ -37,16 +37,12 @@ from .problem.data import Data, data_of
 from .problem.prediction import FREE
 from .problem.structure import shapes_of
 from .provenance import with_provenance
+from .signals.odds import SIGNIFICANT
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
 from .start.start import HilbertEstimate, hilbert_start, plain_starts
 
 _log = logging.getLogger(__name__)
-
-#: Recordings of one rig whose response per force differ by more than this are not in the same units.
-_GAIN_RATIO = 300.0
-#: A response less than this many times its noise may be held by friction and says nothing about the gain.
-_MOVES = 30.0
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -282,7 +278,7 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     units = {r.force_unit for r in forced}
     if len(units) > 1:
         raise BadInput(f"the forces are in different units ({', '.join(sorted(units))}); give them in one unit")
-    moved = [r for r in forced if np.std(r.response) > _MOVES * response_of(r).noise]
+    moved = [r for r in forced if np.std(r.response) > FREE_OF_FRICTION * response_of(r).noise]
     for quantity in {r.quantity for r in moved}:
         alike = [r for r in moved if r.quantity == quantity]
         forces = {r.name: 0.0 if r.force is None else float(np.std(r.force)) for r in alike}
@@ -290,7 +286,7 @@ def belong_together(recordings: Sequence[Recording]) -> None:
         if not gains:
             continue
         low, high = min(gains, key=lambda k: gains[k]), max(gains, key=lambda k: gains[k])
-        if gains[high] > _GAIN_RATIO * gains[low]:
+        if gains[high] > GAIN_RATIO * gains[low]:
             raise BadInput(
                 f"{high} moves {gains[high] / gains[low]:.0f} times as far per unit of force as {low}; "
                 "one of them has another unit or is another rig: check the columns' units"
@@ -316,7 +312,7 @@ def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:
     remarks += [offset.sentence(recordings[offset.recording]) for offset in fit.offsets]
     for name in ("viscous", "dry", "preload"):
         parameter = getattr(fit.oscillator, name)
-        if parameter.std is not None and parameter.value < -3 * parameter.std:
+        if parameter.std is not None and parameter.value < -SIGNIFICANT * parameter.std:
             remarks.append(f"{name} came out negative, a sign that the {family} lacks something these recordings show")
     for name, parameter in fit.oscillator.parameters().items():
         if parameter.std is not None and abs(parameter.value) < 2 * parameter.std and name not in ("mass", "omega0"):

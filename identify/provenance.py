@@ -16,10 +16,8 @@ from ..recording.recording import Recording
 from .fit.reported_result import Fit, SegmentFit
 from .motion.blows import ContactForce
 from .motion.excitation import band_of
+from .signals.odds import SIGNIFICANT
 from .start.start import Curve
-
-#: Standard deviations of the noise by which a motion is seen: noise alone is as large once in 370 samples.
-_STANDS_OUT = 3.0
 
 
 def with_provenance(
@@ -99,7 +97,7 @@ def _seen(curves: Sequence[Curve], fit: Fit, recordings: Sequence[Recording]) ->
     for s in fit.segments if curves else ():
         name, level = recordings[s.segment.recording].name, s.segment.noise / s.segment.pace**s.segment.order
         levels[name] = min(level, levels.get(name, level))
-    seen = [(curve, curve.amplitude > _STANDS_OUT * levels.get(curve.recording, 0.0)) for curve in curves]
+    seen = [(curve, curve.amplitude > SIGNIFICANT * levels.get(curve.recording, 0.0)) for curve in curves]
     return [replace(c, amplitude=c.amplitude[out], omega0=c.omega0[out]) for c, out in seen if np.any(out)]
 
 

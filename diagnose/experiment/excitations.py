@@ -12,6 +12,8 @@ from ...identify.signals.registry import numerics
 from ..limits import BEYOND, CYCLES, DRIVE_LEVELS, RELEASE_LEVELS
 
 _LINES = numerics(40, "lines of a multisine", why="enough to look like noise, few enough for each to stand above it")
+_AROUND = numerics((0.7, 1.4), "times the natural frequency", why="a resonance lies half an octave around")
+_WIDEST = numerics((0.3, 3.0), "times the natural frequency", why="harmonics of third order lie within")
 _SEED = numerics(1, "of the phases", why="any seed gives a multisine of as low a crest")
 
 
@@ -68,8 +70,8 @@ def limits_of(data: Data) -> Limits:
     """The largest force, displacement and band that were recorded; the band spans the resonance at least."""
     natural = data.scales.omega / (2 * np.pi)
     bands = [band for recording in data.recordings if (band := band_of(recording)) is not None]
-    low = min([0.7 * natural, *(band[0] for band in bands)])
-    high = max([1.4 * natural, *(band[1] for band in bands)])
+    low = min([_AROUND[0] * natural, *(band[0] for band in bands)])
+    high = max([_AROUND[1] * natural, *(band[1] for band in bands)])
     driven = any(segment.force is not None for segment in data.segments)
     return Limits(data.scales.force if driven else 0.0, data.scales.length, (low, high))
 
@@ -78,7 +80,7 @@ def candidates(limits: Limits, natural: float) -> list[Excitation]:
     """What may be played within the limits and moderately beyond; ``natural`` in Hz."""
     excitations = []
     seconds = CYCLES / natural
-    low, high = max(limits.band_hz[0], 0.3 * natural), min(limits.band_hz[1], 3.0 * natural)
+    low, high = max(limits.band_hz[0], _WIDEST[0] * natural), min(limits.band_hz[1], _WIDEST[1] * natural)
     if limits.force > 0:
         for relative in DRIVE_LEVELS:
             level = relative * limits.force

@@ -14,11 +14,12 @@ import numpy as np
 from ...errors import DashpotError
 from ...identify.problem.data import Data
 from ...identify.problem.linearised import off, orthonormal
+from ...identify.signals.limits import CLEAR_OF_NOISE
 from ...identify.signals.registry import budget, numerics
 from ...model import Oscillator
 from ...model.effect_words import effect_in_words
 from ...simulate.core import STEPS_PER_PERIOD, internal_step
-from ..limits import DARING, POORLY_KNOWN, SHARPENS, TELLS
+from ..limits import POORLY_KNOWN, WORTHWHILE
 from ..result import Experiment
 from ..wording import effects_in_words, figure, quantity
 from .excitations import BEYOND, Excitation, Limits, candidates, limits_of
@@ -110,7 +111,7 @@ def _separating(
     """
 
     def worth(i: int, differ: Mapping[str, float]) -> float:
-        return min(differ.values()) * (DARING if plans[i].relative > 1.0 else 1.0)
+        return min(differ.values()) * (WORTHWHILE if plans[i].relative > 1.0 else 1.0)
 
     linear = {i: {rival: apart(played[name], played[rival], i) for rival in rivals} for i in safe}
     leading = sorted(safe, key=lambda i: -worth(i, linear[i]))[:_FINALISTS]
@@ -122,8 +123,8 @@ def _separating(
     pairs = [(a, b) for j, a in enumerate(names) for b in names[j + 1 :]]
     separates = tuple((a, b, fitted[best][b] if a == name else apart(played[a], played[b], best)) for a, b in pairs)
     told = [(b, z) for a, b, z in separates if a == name]
-    clear = [b for b, z in told if z >= TELLS]
-    not_told = [b for b, z in told if z < TELLS]
+    clear = [b for b, z in told if z >= CLEAR_OF_NOISE]
+    not_told = [b for b, z in told if z < CLEAR_OF_NOISE]
     if not clear:
         largest = max(z for _, z in told)
         sentence = (
@@ -174,7 +175,7 @@ def _sharpening(
         rows = off(orthonormal(slopes[count:]), slopes[:count]) * size[:, None]
         information = prior + rows @ rows.T
         # twice what it tells beyond what is known (Lindley 1956), which is never negative
-        gain = (float(np.linalg.slogdet(information)[1]) - known) * (1.0 if plans[i].relative <= 1.0 else DARING)
+        gain = (float(np.linalg.slogdet(information)[1]) - known) * (1.0 if plans[i].relative <= 1.0 else WORTHWHILE)
         if gain > most:
             best, most = i, gain
             after = np.sqrt(np.maximum(np.diag(np.linalg.pinv(information, hermitian=True)), 0.0))
@@ -187,7 +188,7 @@ def _sharpening(
     poor = [
         k
         for k in range(count)
-        if np.isfinite(before[k]) and before[k] > POORLY_KNOWN and after[k] < SHARPENS * before[k]
+        if np.isfinite(before[k]) and before[k] > POORLY_KNOWN and after[k] < WORTHWHILE * before[k]
     ]
     if poor:
         k = max(poor, key=lambda k: before[k] / after[k])

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ...identify.signals.limits import CLEAR_OF_NOISE
 from ..result import Experiment
 from ..wording import effects_in_words, figure, spoken
 from .excitations import BEYOND
-from .next_experiment import TELLS
 
 
 def separated_by(effect: str, rivals: Sequence[str], experiment: Experiment | None) -> str:
@@ -25,7 +25,7 @@ def separated_by(effect: str, rivals: Sequence[str], experiment: Experiment | No
     if not rivals:
         return ""
     known = {} if experiment is None else _times_the_noise(effect, experiment)
-    told = [rival for rival in rivals if known.get(rival, 0.0) >= TELLS]
+    told = [rival for rival in rivals if known.get(rival, 0.0) >= CLEAR_OF_NOISE]
     near = [rival for rival in rivals if rival in known and rival not in told]
     unknown = [rival for rival in rivals if rival not in known]
     said = []

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...identify.signals.odds import SIGNIFICANT
 from ...identify.signals.registry import numerics
 from ..limits import (
     FEWEST_IN_RANGE,
@@ -15,8 +16,6 @@ from ..limits import (
     NOTABLE,
     SAME_LINE,
     SAMPLES_A_RANGE,
-    SAMPLES_AN_ORDER,
-    SIGNIFICANT,
     STANDING_LINE,
     STEADY,
 )
@@ -106,7 +105,8 @@ def orders(rows: Rows) -> tuple[dict[int, float], tuple[float, float]]:
         signals = np.column_stack([rows.part(rows.left, i), rows.part(rows.silent, i)])
         for block in np.unique(blocks):
             here = blocks == block
-            if np.count_nonzero(here) < SAMPLES_AN_ORDER * ORDERS:
+            coefficients = 2 * ORDERS
+            if np.count_nonzero(here) < 2 * coefficients:
                 continue
             coefficients = np.linalg.lstsq(columns[here], signals[here], rcond=1e-6)[0]
             count = np.count_nonzero(here)

@@ -26,10 +26,11 @@ from ...identify.problem.data import Data
 from ...identify.problem.structure import Fitted, Structure, shapes_of
 from ...identify.signals.registry import budget
 from ...identify.start.further_laws import MEMORY, placed
+from ...identify.start.limits import HALF
 from ...identify.start.measured_motion import Regression, probes
 from ...model import Oscillator
 from ...model.law import Law
-from ..limits import HALF, PROBE_MEMORY
+from ..limits import PROBE_MEMORY
 from .race import led
 from .starts import Proposal
 

@@ -18,6 +18,7 @@ from ...errors import DashpotError
 from ...identify.fit.from_prediction import EARLY_STEPS, keeps_step, memories
 from ...identify.problem.data import Data, likelihood
 from ...identify.problem.descent import Descent
+from ...identify.problem.limits import KEPT_PROMISE
 from ...identify.problem.output_error import OutputError, State
 from ...identify.problem.prediction import FREE
 from ...identify.problem.segments import Segment
@@ -27,7 +28,7 @@ from ...identify.signals.odds import DECISIVE, ONE_ERROR
 from ...identify.signals.registry import budget
 from ...model import Oscillator
 from ...model.terms import with_values
-from ..limits import KEPT_PROMISE, LEAST_CREDIT
+from ..limits import LEAST_CREDIT
 from .measure import Measure, measure_by
 
 PATIENCE = budget(

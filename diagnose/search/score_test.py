@@ -15,6 +15,7 @@ import numpy as np
 
 from ...errors import DashpotError
 from ...identify.problem.data import Data, likelihood, noise_spectra
+from ...identify.problem.limits import KEPT_PROMISE
 from ...identify.problem.linearised import Linearised, Sums, off, orthonormal
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure, parameter_bounds
@@ -26,7 +27,7 @@ from ...model import Oscillator
 from ...model.law import Law, LawParameter
 from ...model.library import KNOWN
 from ...model.terms import with_term, with_values
-from ..limits import ENOUGH_KEPT, LEAST_STEP
+from ..limits import LEAST_STEP
 
 _FEELER = numerics(
     1e-5,
@@ -213,7 +214,7 @@ class Screen:
             start = self._simulated(step.law, numbers, moved, step.promise, step.initial)
             if start is not None and (best is None or start.gain > best.gain):
                 best = start
-            if best is not None and best.gain > ENOUGH_KEPT * step.promise:
+            if best is not None and best.gain > KEPT_PROMISE * step.promise:
                 break
         return best
 

@@ -23,10 +23,11 @@ from ...identify.problem.prediction import FREE
 from ...identify.problem.structure import Fitted
 from ...identify.signals.odds import DECISIVE
 from ...identify.signals.registry import budget
+from ...identify.start.limits import HALF
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.library import KNOWN, find
-from ..limits import HALF, MOST_EFFECTS
+from ..limits import MOST_EFFECTS
 from .by_prediction import by_prediction, by_probing
 from .candidate import Candidate, key
 from .found import Found, Weighing

@@ -27,7 +27,7 @@ from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR
-from ..signals.registry import budget
+from ..signals.registry import budget, numerics
 from .contradiction import Contradiction
 from .fault import Fault, ForceHum, Hum, Late, times_of
 from .fault_score import KINDS, expected_gains, possible
@@ -37,6 +37,7 @@ from .fitted_problem import fitted_problem
 _ROUNDS = budget(
     6, "rounds", why="of a search for sizes and place in turn; it ends where a round gains less than one standard error"
 )
+_NEARLY = numerics(0.6, "times the smallest step", why="a halving search ends beside it")
 _STEPS = budget(6, "steps in a round", why="quadratic convergence")
 
 _log = logging.getLogger(__name__)
@@ -254,7 +255,7 @@ def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
     place, least = fault.place, left(fault.place)
     by = span / 24 if fault.timed else 0.25 / span
     smallest = segments[0].dt if fault.timed else 1e-3 / span
-    while by > 0.6 * smallest:
+    while by > _NEARLY * smallest:
         trials = [(left(place + way * by), place + way * by) for way in (-1.0, 1.0)]
         value, there = min(trials)
         if value < least:

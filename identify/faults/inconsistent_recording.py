@@ -10,6 +10,7 @@ import numpy as np
 from ...errors import BadInput
 from ...recording.recording import Recording
 from ..fit.reported_result import Fit
+from ..signals.limits import SEVERAL
 from ..signals.odds import ABOVE_NOISE, is_noise
 from .back_emf import back_emf
 from .contradiction import Contradiction, contradiction, covering
@@ -17,7 +18,7 @@ from .fault_score import KINDS, OF_A_WHOLE
 from .faults_found import faults_found
 from .part import Part
 from .part_kinds import kind_of_part
-from .stranger_among import FEWEST, of_one_rig, stranger_among, told_apart
+from .stranger_among import of_one_rig, stranger_among, told_apart
 from .unlike_parts import unlike_in_words, unlike_parts
 
 
@@ -92,7 +93,7 @@ def _from_the_others(
     do not say which of them is right.
     """
     known = fit.oscillator.parameters()
-    for odd in _may_be_odd(fit, recordings, alone) if len(recordings) >= FEWEST else ():
+    for odd in _may_be_odd(fit, recordings, alone) if len(recordings) >= SEVERAL else ():
         theirs = of_one_rig([recording for place, recording in enumerate(recordings) if place != odd], alone)
         if theirs is None or theirs.oscillator.mass is None:
             continue

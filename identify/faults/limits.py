@@ -24,18 +24,6 @@ ALIKE = decides(
 
 # part_kinds.py
 
-CUMULATED = decides(
-    1.95,
-    "errors",
-    "how far from a straight line a cumulated periodogram is not of white noise",
-    why="error rate: once in a thousand (Bartlett 1955)",
-)
-STRAYS = decides(
-    0.40,
-    "part of what is expected",
-    "below which the mean of the slowest lines of a walk is too small",
-    why="error rate: once in a thousand (chi-squared over its 32 degrees of freedom)",
-)
 FLAT = decides(3, "equal samples", "at the top of a swing that no noise makes", why="two are common")
 PASSED = decides(
     2.0,
@@ -51,9 +39,6 @@ KEPT = decides(
     "part of the natural frequency",
     "by which recordings of one rig differ",
     why="physical limit: a lab cannot keep it more constant (the modulus of steel falls by 0.03 % a kelvin)",
-)
-FEWEST = decides(
-    3, "recordings", "of how many one can be a stranger", why="two that disagree do not say which of them it is"
 )
 
 # without_part.py

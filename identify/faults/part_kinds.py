@@ -14,11 +14,11 @@ from ...recording.resolution import converter_step
 from ..fit.reported_result import Fit
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import two_sources
-from ..signals.odds import BEYOND_ERRORS
+from ..signals.odds import BEYOND_ERRORS, BY_CHANCE
 from ..signals.registry import numerics
 from ..signals.signals import noise_levels
 from .contradiction import Contradiction
-from .limits import CUMULATED, FLAT, PASSED, STRAYS
+from .limits import FLAT, PASSED
 
 _SLOWEST = numerics(16, "lines", why="the slowest of a walk: their mean has 32 degrees of freedom")
 
@@ -73,6 +73,8 @@ def walk(left: np.ndarray) -> float | None:
     Its differences are then two sources of known spectra, and over their sum the periodogram is that of white noise
     (Whittle 1953; Bartlett 1955).
     """
+    from scipy.special import chdtr, kolmogorov
+
     n = left.size - 1
     if n < FLAT**2:
         return None
@@ -82,8 +84,10 @@ def walk(left: np.ndarray) -> float | None:
     steps, noise = two_sources(periodogram[known], 2.0 - 2.0 * np.cos(turn[known]))
     over = periodogram[known] / (steps + noise)
     cumulated = np.cumsum(over) / np.sum(over) - np.arange(1, over.size + 1) / over.size
-    white = float(np.max(np.abs(cumulated))) * np.sqrt(over.size) <= CUMULATED
-    strays = float(np.mean(over[:_SLOWEST])) >= STRAYS  # what forgets where it was after a while stays where it was
+    white = kolmogorov(float(np.max(np.abs(cumulated))) * np.sqrt(over.size)) >= BY_CHANCE
+    freedom = 2 * _SLOWEST
+    # what forgets where it was after a while stays where it was
+    strays = chdtr(freedom, freedom * float(np.mean(over[:_SLOWEST]))) >= BY_CHANCE
     return float(np.sqrt(np.mean(steps))) if white and strays else None
 
 

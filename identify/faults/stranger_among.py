@@ -15,9 +15,10 @@ import numpy as np
 from ...errors import BadInput
 from ...recording.recording import Recording
 from ..fit.reported_result import Fit
+from ..signals.limits import SEVERAL
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS
 from ..start.start import hilbert_start
-from .limits import FEWEST, KEPT
+from .limits import KEPT
 
 Fitted = Callable[[Sequence[Recording]], Fit]
 
@@ -29,7 +30,7 @@ def stranger_among(recordings: Sequence[Recording], fitted: Fitted) -> tuple[int
         recordings: of which one model leaves more than noise.
         fitted: the fit of some of them alone, from starts of their own.
     """
-    if len(recordings) < FEWEST or (odd := _oddest(recordings)) is None:
+    if len(recordings) < SEVERAL or (odd := _oddest(recordings)) is None:
         return None
     own = of_one_rig([recordings[odd]], fitted)
     words = None if own is None else told_apart(odd, own, recordings, fitted)
@@ -58,7 +59,7 @@ def told_apart(
         alike: whether the others move as far and are driven as hard, so that no lack of physics makes it differ; then
             it is one in another parameter too.
     """
-    if len(recordings) < FEWEST:
+    if len(recordings) < SEVERAL:
         return None
     theirs = of_one_rig([recording for i, recording in enumerate(recordings) if i != odd], fitted)
     if theirs is None:

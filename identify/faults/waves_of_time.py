@@ -37,7 +37,7 @@ def waves_of_time(residual: np.ndarray, segment: Segment) -> list[float]:
     # a delay and a drift, and what the parameters do, which is the same
     known = np.linalg.qr(np.concatenate([moved, moved * phase]).T)[0]
     left = left - known @ (known.T @ left)
-    most = min(segment.pace * span / (4 * np.pi), _CYCLES)
+    most = min(segment.pace * span / (2 * 2 * np.pi), _CYCLES)
     waves = np.arange(_SLOWEST, most, 1.0 / _FINE)
     gains = np.array([_explained(left, moved, known, wave * phase) for wave in waves])
     inner = np.flatnonzero((gains[1:-1] >= gains[:-2]) & (gains[1:-1] > gains[2:])) + 1 if gains.size > 2 else []

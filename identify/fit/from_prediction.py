@@ -9,9 +9,10 @@ import numpy as np
 
 from ...errors import BadInput
 from ..problem.descent import search
+from ..problem.limits import FEWEST_SAMPLES
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
-from ..problem.settle import IN_STEP, LEAST, follows, settled
+from ..problem.settle import IN_STEP, follows, settled
 from ..signals.registry import budget, numerics
 from .limits import STRETCH
 
@@ -98,7 +99,7 @@ def growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
 
 def _beginning(segment: Segment, cycles: float) -> Segment:
     count = int(cycles * 2 * np.pi / segment.pace / segment.dt)
-    return segment.part(0, min(segment.n, max(count, LEAST)))  # a model may be far too fast for the recorder
+    return segment.part(0, min(segment.n, max(count, FEWEST_SAMPLES)))  # a model may be far too fast for the recorder
 
 
 def memories(segments: Sequence[Segment], first: float = _FIRST_MEMORY) -> list[float]:

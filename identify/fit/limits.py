@@ -69,3 +69,18 @@ HARMONICS = decides(
     "in which a stretch of a mismatch has an amplitude and a phase",
     why="physical limit: forces of a cubic and a quintic have three and five",
 )
+
+# identification.py
+
+GAIN_RATIO = decides(
+    300.0,
+    "times",
+    "by which the response per force of recordings differs that are not in the same units",
+    why="half of a factor of a thousand, by logarithm and a bit: a resonance differs by less",
+)
+FREE_OF_FRICTION = decides(
+    30.0,
+    "times its noise",
+    "that a response must have for its gain to be compared",
+    why="a smaller one may be held by friction, and says nothing about the gain",
+)

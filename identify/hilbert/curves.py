@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
+from .limits import CURVE_LEAST
 
 
 @dataclass(frozen=True)
@@ -109,8 +110,8 @@ def _fit(
     good = np.isfinite(target) & np.all(np.isfinite(basis), axis=1)
     if weight is not None:
         good &= np.isfinite(weight) & (weight > 0)
-    if np.count_nonzero(good) < 4:
-        raise BadInput("The curve has fewer than 4 points; a longer decay or sweep is needed to fit it.")
+    if np.count_nonzero(good) < CURVE_LEAST:
+        raise BadInput(f"The curve has fewer than {CURVE_LEAST} points; a longer decay or sweep is needed to fit it.")
     root = np.sqrt(weight[good]) if weight is not None else np.ones(np.count_nonzero(good))
     a, b = basis[good] * root[:, None], target[good] * root
     count = float(independent) if independent is not None else float(b.size)

@@ -34,7 +34,7 @@ from ..signals.limits import (
 from ..signals.registry import budget, numerics, shown
 from ..signals.signals import Signal, resting, thinned
 from ..signals.weakform import Solution, solve, windows
-from .limits import LOUD_PART, NEAR_FUNDAMENTAL, ROWS_A_COLUMN
+from .limits import CURVE_LEAST, LOUD_PART, NEAR_FUNDAMENTAL
 
 _WINDOWS = numerics(3, "windows", why="a short record is cut in so many")
 _STILL = numerics(1e-4, "part of the largest", why="slower or smaller motion has no phase to divide by")
@@ -109,7 +109,7 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
     )
     moving = view.mean((resting(x, sigma, period) | (amplitude < CLEAR_OF_NOISE * sigma)).astype(float)) < RESTING
     clear = near & moving[:, None] & (np.abs(columns[..., 1]) > CLEAR_OF_NOISE * noise)
-    if np.count_nonzero(clear) < ROWS_A_COLUMN * columns.shape[-1]:
+    if np.count_nonzero(clear) < CURVE_LEAST * columns.shape[-1]:
         raise BadInput(
             "The forced record has too little motion above its noise to be regressed; force it harder or longer."
         )

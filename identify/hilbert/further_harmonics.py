@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from .modal_stretch import Stretch
 
 _ORDERS = numerics(np.arange(3, 200, 2), "harmonics", why="of a sign, which fall slowly")
-_SIGNS = np.where(_ORDERS % 4 == 1, 1.0, -1.0)
+_SIGNS = np.where(_ORDERS // 2 % 2 == 0, 1.0, -1.0)
 _PLACE = float(np.sum(_SIGNS / (_ORDERS * (_ORDERS**2 - 1.0))))
 _MEET = numerics(
     6, "harmonics", why="that meet the cubic, whose own fall by a factor of 20 or more from one to the next"

@@ -14,10 +14,11 @@ from ..motion.decays import find_free_motion
 from ..motion.displacement import displacement
 from ..motion.excitation import kind_of
 from ..motion.force_off import zero_of
+from ..signals.limits import SEVERAL
 from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of
 from .instantaneous import modal_parameters
-from .limits import KERNELS_A_VALUE, LOUD, SEVERAL
+from .limits import KERNELS_A_VALUE, LOUD
 from .mass_by_laws import driven_mass
 from .modal_fit import modal_fit
 from .modal_mass import MassFit, agreed

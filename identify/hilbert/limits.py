@@ -15,7 +15,6 @@ MOST_SHIFT = decides(
 
 # hilbert_result.py
 
-SEVERAL = decides(3, "decays", "of how many a spread means something", why="of two it is good to its own size")
 LOUD = decides(
     6.0,
     "standard deviations of its noise",
@@ -25,12 +24,6 @@ LOUD = decides(
 
 # mass_by_laws.py
 
-MASS_TOLD = decides(
-    3.0,
-    "standard errors",
-    "above zero of 1/m, from which on a mass is told",
-    why="error rate: below, the mass may be any larger one",
-)
 CHANCE = decides(
     1 / 400,
     "chance",
@@ -78,11 +71,12 @@ NEAR_FUNDAMENTAL = decides(
     "which lines are of the fundamental",
     why="half of the way to the next harmonic, and a window is left between",
 )
-ROWS_A_COLUMN = decides(5, "rows a column", "of how many a regression is made", why="so that its misfit has a spread")
 
 # curves.py, freevib.py and static_force.py
 
-CURVE_LEAST = decides(5, "points", "of how many a curve is one", why="fewer do not tell its bend from its noise")
+CURVE_LEAST = decides(
+    5, "points", "of how many a curve, or a column of a regression, is one", why="fewer do not tell a bend from noise"
+)
 
 # what several files share
 

@@ -12,9 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import BadInput
+from ..signals.odds import SIGNIFICANT
 from ..signals.registry import budget, numerics
 from .further_harmonics import further_harmonics
-from .limits import CHANCE, MASS_TOLD
+from .limits import CHANCE
 from .modal_fit import EQ17, spring_and_friction
 from .modal_mass import MassFit, Slopes, mass_fit, moving, regressed
 from .modal_stretch import Stretch
@@ -79,7 +80,7 @@ def driven_mass(whole: Stretch) -> DrivenMass:
         return found[0]
     # no law says whether the smooth functions took the noise for the mass: how far it may be off without their help
     alone = mass_fit(whole, _ASKED_ALONE)
-    if not found or not found[0].mass.inverse > MASS_TOLD * alone.std:
+    if not found or not found[0].mass.inverse > SIGNIFICANT * alone.std:
         raise BadInput(_ADVICE)
     return replace(found[0], mass=replace(found[0].mass, std=max(alone.std, found[0].mass.std)))
 
@@ -95,7 +96,7 @@ def _meets_amplitudes_twice(stretch: Stretch) -> bool:
 def _found(whole: Stretch, way: Callable[[Stretch], MassFit]) -> DrivenMass:
     stretch = rung_in(whole, way)
     mass = way(stretch)
-    if not mass.inverse > MASS_TOLD * mass.std:
+    if not mass.inverse > SIGNIFICANT * mass.std:
         raise BadInput("The noise of force and motion hides the mass; force it harder, longer or nearer its resonance.")
     fits = spring_and_friction([stretch], mass)  # no positive stiffness: that mass is none
     hold = all(fit.holds for fit in fits)

@@ -19,6 +19,7 @@ import numpy as np
 from ...errors import BadInput
 from ...files.computed_once import computed_once
 from ..signals.hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
+from ..signals.limits import DECAY_CYCLES
 from ..signals.registry import numerics
 from ..signals.signals import Signal
 from .limits import CLEAR, CUT_CYCLES, LEAST_FREQUENCY, LEAST_NOISE
@@ -100,7 +101,7 @@ class Stretch:
     @computed_once
     def amplitude(self) -> np.ndarray:
         """(n,) envelope by sample, before the low-pass."""
-        return self.signal.amplitude * np.maximum(self._unbent, 0.5)
+        return self.signal.amplitude * np.maximum(self._unbent, _LEAST_UNBENT)
 
     @computed_once
     def smooth_amplitude(self) -> np.ndarray:
@@ -111,7 +112,8 @@ class Stretch:
         if self.ratio is not None or not np.any(self.clear):
             return self.amplitude
         clear = np.flatnonzero(self.clear) + self.keep.start
-        asked = clear[:: max(1, int(self.signal.period / 4))]
+        quarter = int(self.signal.period / 4)
+        asked = clear[:: max(1, quarter)]
         degree = min(_SMOOTH, asked.size - 1)  # of a few cycles
         fit = np.polynomial.Polynomial.fit(asked, np.log(self.amplitude[asked]), degree, w=self.amplitude[asked])
         half = self.low_pass_kernel.size // 2
@@ -294,10 +296,11 @@ def _stretch(
     middle = float(np.median(signal.omega))
     period = 2 * np.pi / middle * fs if middle > 0 else float("inf")
     cut = int(np.ceil(cut_cycles * period)) if np.isfinite(period) else n
-    if n - 2 * cut < 4 * period:
+    if n - 2 * cut < DECAY_CYCLES * period:
         what = "decay" if method == "FREEVIB" else "driven stretch"
+        least = DECAY_CYCLES + 2 * cut_cycles
         raise BadInput(
-            f"The {what} has {n / period:.1f} cycles; {method} needs at least {4 + 2 * cut_cycles:.0f}, of which "
+            f"The {what} has {n / period:.1f} cycles; {method} needs at least {least:.0f}, of which "
             f"{cut_cycles:g} are cut from each end: {advice}."
         )
     noise = max(displacement.noise, LEAST_NOISE * float(np.max(np.abs(signal.amplitude))))
@@ -306,6 +309,7 @@ def _stretch(
 
 # The half kernel at each end of a stretch, which leans on the continuation, extrapolated from what does not.
 
+_LEAST_UNBENT = numerics(0.5, "part of an envelope", why="by no more it is straightened")
 _DEGREE = numerics(3, "degree", why="of the polynomial that continues a decay")
 _KERNELS = numerics(1.0, "kernels", why="behind the end that are asked")
 

@@ -23,9 +23,11 @@ import numpy as np
 from ...errors import BadInput
 from ...model.frequency_response import FrequencyResponse, branches, steady_amplitude
 from ..signals.registry import numerics, shown
+from .limits import LEAST_POINTS
 from .modal_result import ModalCurve
 
 _POINTS = shown(40, "points", why="of a curve")
+_BINS = shown(60, "medians", why="of a curve's values")
 _ANGLES = numerics(400, "angles of a cycle", why="of an average over it")
 
 
@@ -50,7 +52,7 @@ def static_force(
     """
     given = np.zeros(np.shape(amplitude)) if std is None else std
     a, f, error = medians(amplitude, fundamental, given, independent)
-    if a.size < 8:
+    if a.size < LEAST_POINTS:
         return Characteristic(np.empty(0), np.empty(0), np.empty(0))
     grid = np.linspace(0, a[-1], 4 * _POINTS + 1)[1:]
     at, edges = grid[3::4], np.zeros(1)
@@ -85,7 +87,7 @@ def medians(
     good = np.isfinite(amplitude) & np.isfinite(value) & (amplitude > 0)
     amplitude, value, std = amplitude[good], value[good], std[good]
     order = np.argsort(amplitude, kind="stable")
-    bins = [i for i in np.array_split(order, min(60, max(1, amplitude.size))) if i.size]
+    bins = [i for i in np.array_split(order, min(_BINS, max(1, amplitude.size))) if i.size]
     a = np.array([np.median(amplitude[i]) for i in bins])
     f = np.array([np.median(value[i]) for i in bins])
     error = np.array([np.median(std[i]) / np.sqrt(max(1.0, independent * i.size)) for i in bins])

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Samples of the banded system that is solved at once.
-_AT_ONCE = 2**16
+from ..signals.registry import numerics
+
+_AT_ONCE = numerics(2**16, "samples", why="of the banded system that is solved at once: what a cache holds")
 
 
 def felt(

@@ -15,6 +15,7 @@ from ...recording.recording import Recording
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, resonance_of
 from ..signals.signals import noise_levels, response_of
 from .equivalent import equivalent
+from .limits import ROUNDED
 from .offset import Offset
 from .prediction import FREE
 from .segments import COARSE_FORCE_BAND, FORCE_BAND, Segment, cut, pace_of
@@ -204,7 +205,7 @@ def expected_noise(segment: Segment, values: Mapping[str, float], sensor: float,
     if segment.force is not None and force > 0:
         resonance = equivalent_resonance(segment, values)
         variance += (force / values["mass"]) ** 2 * float(np.mean(resonance))
-    return max(float(np.sqrt(variance)), 1e-9 * float(np.std(segment.response)), np.finfo(float).tiny)
+    return max(float(np.sqrt(variance)), ROUNDED * float(np.std(segment.response)), np.finfo(float).tiny)
 
 
 def likelihood(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> float:

@@ -14,6 +14,7 @@ import numpy as np
 from ...simulate.work import TOTAL
 from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.registry import budget, numerics
+from .limits import KEPT_PROMISE
 from .normal_equations import Block, held_at, promise, shared_information, solve
 from .output_error import OutputError, blocks_of
 from .search_point import Outcome, State
@@ -23,6 +24,7 @@ _DAMPED = numerics(
     8.0, "times", why="by which a rejected step is damped more, and by as much more each further time (Nielsen 1999)"
 )
 _LESS = numerics(0.9, "of a promise", why="what is tried next promises less: damped by 1e-12 or by 1e-6 it is the same")
+_EASED = numerics(10.0, "times", why="the next step is damped less after one that kept its promise")
 _LARGEST = numerics(1e12, "damping", why="beyond it nothing of a step is left")
 _SHORTENED = budget(6, "steps", why="tried in one direction: from a damping of 1e-12 to beyond one")
 MOST_STEPS = budget(40, "steps", why="a search takes ten to twenty")
@@ -113,8 +115,8 @@ class Descent:
             if not cost < self.cost and self._is_bent(shared, tolerance):
                 trial, residuals, cost = self._tried(shared, own, self._natural_frequency)
             if cost < self.cost:
-                better = self.cost - cost > 0.25 * gain
-                self._damping = max(self._damping / 10.0, 1e-12) if better else self._damping * 2.0
+                better = self.cost - cost > KEPT_PROMISE * gain
+                self._damping = max(self._damping / _EASED, 1e-12) if better else self._damping * 2.0
                 self.state, self.residuals, self.cost = trial, residuals, cost
                 self._blocks = self._expected = None
                 return True

@@ -10,10 +10,10 @@ import numpy as np
 from ...model.law import Law
 from ...model.library import find
 from ...simulate.along import Along
+from ..signals.registry import numerics
 
-#: Points a cycle of the sine along which a law is evaluated, and cycles in which its inner states settle before.
-_POINTS = 256
-_SETTLING = 3
+_POINTS = numerics(256, "points a cycle", why="of the sine along which a law is evaluated")
+_SETTLING = numerics(3, "cycles", why="in which its inner states settle before")
 
 
 @cache

@@ -8,7 +8,10 @@ import numpy as np
 
 from ...model.oscillator import QUANTITIES
 from ..motion.first_motion import first_motion
+from ..signals.registry import numerics
 from .segments import Segment
+
+_FEWEST = numerics(4, "samples", why="for a mean, a cosine and a sine, and one that is left")
 
 
 def initial_states(segments: Sequence[Segment], offsets: Sequence[float] | None = None) -> np.ndarray:
@@ -36,7 +39,7 @@ def initial_states(segments: Sequence[Segment], offsets: Sequence[float] | None 
 
 def from_first_cycle(response: np.ndarray, dt: float, pace: float, quantity: str) -> tuple[float, float]:
     """Displacement and velocity at the first sample, by the line at ``pace`` (rad/s) in the first cycle of (n,)."""
-    count = int(np.clip(round(2 * np.pi / pace / dt), 4, response.size))
+    count = int(np.clip(round(2 * np.pi / pace / dt), _FEWEST, response.size))
     turn = pace * dt * np.arange(count)
     columns = np.column_stack([np.ones(count), np.cos(turn), np.sin(turn)])
     _, cosine, sine = np.linalg.lstsq(columns, response[:count])[0]

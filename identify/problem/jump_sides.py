@@ -12,10 +12,10 @@ import numpy as np
 
 from ...simulate.core import Sides
 from ..signals.odds import BEYOND_ERRORS
+from ..signals.registry import numerics
 from .segments import Segment
 
-#: Standard deviation of normal noise over its median size.
-_OF_MEDIAN = 1.4826
+_OF_MEDIAN = numerics(1.4826, "times its median size", why="the standard deviation of normal noise")
 
 
 def nearer_sides(segment: Segment, response: np.ndarray, sides: Sides) -> np.ndarray:

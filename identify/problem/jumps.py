@@ -15,31 +15,23 @@ import numpy as np
 
 from ..signals.registry import numerics
 from .jump_sides import put_on_same_sides
+from .limits import DISAGREE, FALSE_INFORMATION, FEWEST_SWINGS
 from .output_error import OutputError, State
 from .segments import Segment
 
 _STEP = numerics(1e-5, "of a value or its size", why="by which parameters are moved: the core is smooth to 1e-12")
-#: Forward and backward differences that disagree by more than this part of the largest effect of any parameter there
-#: are no derivative.
-_DISAGREE = 0.3
-#: ... but not where they are this small a part of the largest effect in the segment.
-_SMALL = 1e-3
-#: ... nor where doubling the parameters would move the response by less than this part of it.
-_VISIBLE = 1e-6
-_SHORTEST_CYCLES = 10.0
-#: What is too short to be cut is kept whole where what jumps holds less than this part of the information on each
-#: parameter: no standard error is then off by more than half of it.
-_FALSE_INFORMATION = 0.01
-#: A recording without noise is exact to this part of it.
-_ROUNDING = 1e-12
+_SMALL = numerics(1e-3, "part of the largest effect in the segment", why="a difference below it is none")
+_VISIBLE = numerics(1e-6, "part of the response", why="less by twice the parameters is rounding")
+_ROUNDING = numerics(1e-12, "part of a recording", why="one without noise is exact to it")
 
 
 def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment, ...], State]:
     """The segments without the stretches that jump, and a state to go on from.
 
-    Of each segment the longest smooth stretch of at least ten cycles is kept; where that is not all of it, its initial
-    state is taken from the simulation. A segment of fewer cycles, as of a hammer's blow, which alone tells the mass, is
-    kept whole where its jumps say next to nothing. Where nothing smooth is left at all, everything stays as it was.
+    Of each segment the longest smooth stretch of at least ``FEWEST_SWINGS`` cycles is kept; where that is not all of
+    it, its initial state is taken from the simulation. A segment of fewer cycles, as of a hammer's blow, which alone
+    says the mass, is kept whole where its jumps say next to nothing. Where nothing smooth is left at all, everything
+    stays as it was.
     """
     if not problem.free:
         return problem.segments, state
@@ -48,26 +40,22 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
     rows = problem.derivatives(state, problem.residuals(state))
     found = problem.map(lambda i: _of_segment(problem, i, state, rows[i], sizes), range(len(problem.segments)))
     jumps, false, told = zip(*found, strict=True)
-    say_little = np.all(np.array(false) <= _FALSE_INFORMATION * np.sum(told, axis=0), axis=1)
+    say_little = np.all(np.array(false) <= FALSE_INFORMATION * np.sum(told, axis=0), axis=1)
     kept: list[Segment] = []
     initial: list[np.ndarray] = []
     for i, segment in enumerate(problem.segments):
-        cycle = _cycle_of(segment)
+        cycle = segment.cycle
         begin, end = _longest(~jumps[i])
-        if (begin == 0 and end == segment.n) or (say_little[i] and segment.n < _SHORTEST_CYCLES * cycle):
+        if (begin == 0 and end == segment.n) or (say_little[i] and segment.n < FEWEST_SWINGS * cycle):
             kept.append(segment)
             initial.append(state.initial[i])
-        elif end - begin >= _SHORTEST_CYCLES * cycle:
+        elif end - begin >= FEWEST_SWINGS * cycle:
             kept.append(segment.part(begin, end))
             along = problem.states(i, state) if begin else None
             initial.append(state.initial[i] if along is None else problem.core.initial(along[begin]))
     if not kept:
         return problem.segments, state
     return tuple(kept), replace(state, initial=np.array(initial))
-
-
-def _cycle_of(segment: Segment) -> int:
-    return max(3, round(2 * np.pi / segment.pace / segment.dt))
 
 
 def _of_segment(
@@ -92,7 +80,7 @@ def _of_segment(
         ways = [np.nan_to_num(quotient(step), posinf=0.0, neginf=0.0) for step in (_STEP, -_STEP)]
     largest = float(np.max(np.abs(segment.response)))
     effect = np.max(np.abs([*(rows[: len(sizes)] * sizes[:, None]), *ways]), axis=0)
-    found = _jumps(np.abs(ways[0] - ways[1]), effect, _cycle_of(segment), _VISIBLE * largest)
+    found = _jumps(np.abs(ways[0] - ways[1]), effect, segment.cycle, _VISIBLE * largest)
     informs = (rows[: len(sizes)] / max(segment.noise, _ROUNDING * largest)) ** 2
     return found, np.sum(informs[:, found], axis=1), np.sum(informs[:, ~found], axis=1)
 
@@ -106,7 +94,7 @@ def _jumps(apart: np.ndarray, effect: np.ndarray, cycle: int, visible: float) ->
     from scipy.ndimage import maximum_filter1d
 
     floor = _SMALL * float(np.max(effect)) + visible
-    return maximum_filter1d(apart, cycle) > _DISAGREE * maximum_filter1d(effect, cycle) + floor
+    return maximum_filter1d(apart, cycle) > DISAGREE * maximum_filter1d(effect, cycle) + floor
 
 
 def _longest(good: np.ndarray) -> tuple[int, int]:

@@ -13,16 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from ...recording.recording import Recording
-from ..signals.odds import is_noise
+from ..signals.odds import BEYOND_ERRORS, is_noise
 from ..signals.signals import response_of
+from .limits import STANDS_OUT
 from .output_error import OutputError, State
 from .prediction import FREE
 from .segments import Segment
-
-#: A decay that was not caught ends at twice the envelope of its noise: over a cycle not beyond four of its errors.
-_DOWN = 4.0
-#: A swing of half the noise is told from it by the tens of samples that a cycle has.
-_STANDS_OUT = 0.5
 
 
 def with_last_swings(problem: OutputError, state: State, recordings: Sequence[Recording]) -> tuple[Segment, ...]:
@@ -51,7 +47,6 @@ def _longer(
     """One decay as it goes on; as it was where it does not."""
     segment = problem.segments[i]
     recording, noise = recordings[segment.recording], segment.noise
-    cycle = max(3, round(2 * np.pi / segment.pace / segment.dt))
     stop = min(
         (s.start for s in problem.segments if s.recording == segment.recording and s.start >= segment.stop),
         default=recording.n,
@@ -59,14 +54,14 @@ def _longer(
     stop = min(stop, segment.stop + segment.n)
     if stop == segment.stop or not noise > 0 or not _is_noise(residual, noise):
         return segment
-    if float(np.std(segment.response[-cycle:])) > _DOWN * noise:
+    if float(np.std(segment.response[-segment.cycle :])) > BEYOND_ERRORS * noise:
         return segment
     response = response_of(recording).part(segment.start, stop).samples
     whole = replace(segment, stop=stop, response=response)
     made = problem.over([whole]).simulate(0, replace(state, initial=state.initial[[i]]))
     if not np.all(np.isfinite(made)):
         return segment
-    stands_out = np.flatnonzero(np.abs(made - made[-1]) > _STANDS_OUT * noise)
+    stands_out = np.flatnonzero(np.abs(made - made[-1]) > STANDS_OUT * noise)
     end = max(segment.n, int(stands_out[-1]) + 1 if stands_out.size else 0)
     if end == segment.n or not _is_noise((response - made)[segment.n : end], noise):
         return segment

@@ -9,13 +9,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-#: Rounding: a direction with less than this part of the information of the best has none; and so little of it that
-#: the inverse would be beyond what a number can be is none at all.
-_LOST = 1e-14
+from ..signals.registry import numerics
+
+_LOST = numerics(1e-14, "part of the information of the best direction", why="rounding: what has less has none")
+#: So little information that its inverse would be beyond what a number can be is none at all.
 _LEAST = 1.0 / (_LOST * float(np.finfo(float).max))
 
-#: Samples that are multiplied at once.
-_AT_ONCE = 2**14
+_AT_ONCE = numerics(2**14, "samples", why="that are multiplied at once: what a cache holds")
 
 #: Normal matrix and gradient of one segment: shared unknowns first, then its own.
 Block = tuple[np.ndarray, np.ndarray]

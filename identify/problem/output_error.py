@@ -19,6 +19,7 @@ from ...simulate.core import Core, Sides
 from ...simulate.force import Force
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
+from ..signals.registry import numerics
 from .adjoint import felt
 from .jump_sides import nearer_sides
 from .normal_equations import Block, products, shared_information
@@ -32,8 +33,9 @@ from .simulating import pool
 Item = TypeVar("Item")
 T = TypeVar("T")
 
-#: Harmonics and a motion beside its pace may add this much to what a parameter can do.
-_MOST_TURN = 2.0
+_MOST_TURN = numerics(
+    2.0, "times what a phase can turn", why="harmonics and a motion beside its pace may add this much"
+)
 
 
 class OutputError:

@@ -14,21 +14,22 @@ from ...recording.recording import Recording
 from ...simulate.core import core_of, step_for
 from ...simulate.force import Force, force_between
 from ..motion.first_motion import first_motion, starts_at_rest
+from ..signals.odds import DECISIVE
+from ..signals.registry import budget, numerics
 from ..signals.signals import response_of
 from .initial_motion import from_first_cycle
+from .limits import FEWEST_SAMPLES
 from .offset import centre, drift_of, zero_of_load_cell
 from .segments import FORCE_BAND
 from .state_limits import nearest_reach
 
-_ROUNDS = 4
-#: Stretches, in cycles, over which the initial state is found, each starting from the last. A forced motion
-#: forgets its start; a free decay remembers it throughout.
-_STRETCHES = (3.0, 12.0)
-_FORCED_STRETCH = 30.0
-#: Samples of a stretch, at least.
-_FEWEST = 8
-#: Starts for a phase: with three of them the nearest is within a sixth of a turn.
-_PHASES = 3
+_ROUNDS = budget(4, "rounds", why="of Gauss and Newton: each squares what is left")
+_STRETCHES = numerics((3.0, 12.0), "cycles", why="over which an initial state is found, each starting from the last")
+_FORCED_STRETCH = numerics(
+    30.0, "cycles", why="a forced motion forgets its start; a free decay remembers it throughout"
+)
+_PHASES = numerics(3, "starts", why="for a phase: the nearest is within a sixth of a turn")
+_AT_REST = numerics(1e-6, "part of the power left", why="what gains less has come to rest")
 
 #: A simulator: initial states (states,), number of samples, what the load cell shows at zero -> (n,) response.
 Simulator = Callable[[np.ndarray, int, float], np.ndarray]
@@ -118,7 +119,7 @@ def run_along(
         own = list(range(scale.size - 1))
     cycle = 2 * np.pi / omega * recording.fs
     lengths = [
-        int(min(max(cycles * cycle, _FEWEST), recording.n))
+        int(min(max(cycles * cycle, FEWEST_SAMPLES), recording.n))
         for cycles in (*_STRETCHES, np.inf if phases or not forced else _FORCED_STRETCH)
     ]
 
@@ -147,7 +148,7 @@ def run_along(
         loaded = _closest(run, measured, loaded, [*own, scale.size - 1], scale)
         left, left_loaded = misfit(initial, recording.n), misfit(loaded, recording.n)
         # a cycle counts for one amplitude and phase: what a wrong model leaves repeats itself from sample to sample
-        if recording.n / cycle * np.log(left / left_loaded) > np.log(1000.0):
+        if recording.n / cycle * np.log(left / left_loaded) > DECISIVE:
             initial = loaded
     return _beside(run, recording, initial, omega)
 
@@ -197,7 +198,7 @@ def _grown(run: _Run, measured: np.ndarray, initial: np.ndarray, own: list[int],
     reached = 0
     while reached < (lasts := _lasts(run(initial, measured.size))) < measured.size:
         reached = lasts
-        initial = _closest(run, measured[: max(lasts // 2, _FEWEST)], initial, own, scale)
+        initial = _closest(run, measured[: max(lasts // 2, FEWEST_SAMPLES)], initial, own, scale)
     return _closest(run, measured, initial, own, scale)
 
 
@@ -223,7 +224,7 @@ def _closest(run: _Run, measured: np.ndarray, initial: np.ndarray, own: list[int
         if not gain > 0:
             break
         initial = trial
-        if gain < 1e-6 * before:
+        if gain < _AT_REST * before:
             break
     return initial
 

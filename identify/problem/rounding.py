@@ -20,15 +20,13 @@ from ...recording.fact import fact
 from ...recording.recording import Recording
 from ...recording.resolution import converter_step
 from ..motion.blows import ContactForce
+from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of, response_of
+from .limits import DITHERS
 from .normal_equations import products
 from .output_error import OutputError, State
 
-#: Physical limit: noise of this many steps makes the error of rounding white, its mean over a cycle being
-#: exp(-2 pi²/4) = 0.7 % of what it is without noise (Widrow and Kollar 2008, chapter 19).
-_DITHERS = 0.5
-#: The signal is what lies below so many times its highest frequency; its rounding lies mostly above.
-_BELOW = 2.0
+_BELOW = numerics(2.0, "times its highest frequency", why="a signal lies below, and its rounding mostly above")
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,8 +66,9 @@ def rounding_of(signal: Signal) -> Rounding | None:
     samples, step = signal.samples, converter_step(signal.samples)
     if not step or float(np.ptp(samples)) >= LEVELS * step:
         return None
-    noise = np.sqrt(max(signal.noise**2 - step**2 / 12.0, 0.0))
-    if noise >= _DITHERS * step:
+    of_rounding = step**2 / 12.0
+    noise = np.sqrt(max(signal.noise**2 - of_rounding, 0.0))
+    if noise >= DITHERS * step:
         return None
     return Rounding(step, float(samples[0]), _below(samples, _BELOW * signal.band[1] / signal.fs), float(noise))
 

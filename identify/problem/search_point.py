@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-#: So many of the states are the mass's own, displacement and velocity, which its sensor shows; the others are inner.
-SHOWN = 2
+from ..signals.registry import numerics
+
+SHOWN = numerics(2, "states", why="the mass's displacement and velocity, which a sensor shows; the others are inner")
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,23 +17,19 @@ from ..motion.decays import find_free_motion, force_is_silent
 from ..motion.first_motion import starts_at_rest
 from ..motion.quiet import quiet_noise
 from ..signals.hilbert import noise_level
+from ..signals.registry import numerics
 from ..signals.signals import response_of
+from .limits import FEWEST_SWINGS, MOVES, NEAR_ITS_OWN, WORTH_A_SLIDE, WORTH_ITS_START
 
-#: A recording of so many natural periods is one of a rig that swings ...
-_SWINGS = 10.0
-#: ... and so is a motion no faster than this many times its natural frequency: driven, but near it.
-_DRIVEN = 2.0
-#: A stretch shorter than this many cycles says less than the two initial values it costs.
-_SHORTEST_CYCLES = 3.0
-#: ... but a slide's motion is not its own, and a cycle of it is worth its initial values.
-_SHORTEST_SLIDE = 1.0
-#: A stretch that moves less than this many times its noise says at most that friction held the mass.
-_MOVES = 1.5
-#: Force above this multiple of the natural frequency hardly moves the mass (1/9 of its static effect).
-FORCE_BAND = 3.0
-#: A search that only compares laws, or leads to where a fit begins, interpolates the force more coarsely: to 1e-5 up to
-#: the resonance, to 1e-4 at twice that.
-COARSE_FORCE_BAND = 1.0
+FORCE_BAND = numerics(
+    3.0, "times the natural frequency", why="force above it hardly moves the mass: by a ninth of its static effect"
+)
+_SHORTEST_CYCLE = numerics(3, "samples", why="fewer have no cycle")
+COARSE_FORCE_BAND = numerics(
+    1.0,
+    "times the natural frequency",
+    why="what only compares laws may interpolate the force to 1e-5 up to the resonance, to 1e-4 at twice that",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +75,11 @@ class Segment:
         """Number of samples."""
         return self.stop - self.start
 
+    @property
+    def cycle(self) -> int:
+        """Samples of a cycle at its pace."""
+        return max(_SHORTEST_CYCLE, round(2 * np.pi / self.pace / self.dt))
+
     @computed_once
     def noise(self) -> float:
         """Standard deviation of the response's white noise, from these samples alone."""
@@ -121,7 +122,7 @@ def cut(recordings: Sequence[Recording], omega0: float, force_band: float = FORC
         force_band: the force is interpolated finely enough up to this multiple of the natural frequency.
     """
     pace = pace_of(recordings, omega0)
-    found = _cut(recordings, pace, pace > omega0, force_band, _SHORTEST_CYCLES)
+    found = _cut(recordings, pace, pace > omega0, force_band, WORTH_ITS_START)
     return found or _cut(recordings, pace, pace > omega0, force_band, LEAST_CYCLES)
 
 
@@ -131,8 +132,8 @@ def _cut(
     """Segments of at least so many cycles."""
     segments: list[Segment] = []
     for index, recording in enumerate(recordings):
-        shortest = (_SHORTEST_SLIDE if slide else cycles) * 2 * np.pi / pace * recording.fs
-        least = _SHORTEST_SLIDE * 2 * np.pi / pace * recording.fs
+        shortest = (WORTH_A_SLIDE if slide else cycles) * 2 * np.pi / pace * recording.fs
+        least = WORTH_A_SLIDE * 2 * np.pi / pace * recording.fs
         force = recording.force
         motion = find_free_motion(recording)
         decays = motion.decays
@@ -160,7 +161,7 @@ def _cut(
                 driven = ContactForce(driven.pieces, driven.fine, driven.hold) if motion.blows else driven
             signal = response_of(recording).part(start, stop)
             response, noise = signal.samples, signal.noise
-            if not np.std(response) > _MOVES * max(noise, quiet):
+            if not np.std(response) > MOVES * max(noise, quiet):
                 continue
             whole = Segment(
                 recording=index,
@@ -210,7 +211,7 @@ def pace_of(recordings: Sequence[Recording], omega0: float) -> float:
     """
     longest = max(recording.n * recording.dt for recording in recordings)
     driven = [recording for recording in recordings if recording.force is not None and np.any(recording.force)]
-    if longest * omega0 > 2 * np.pi * _SWINGS or not driven:
+    if longest * omega0 > 2 * np.pi * FEWEST_SWINGS or not driven:
         return omega0
     pace = max(2 * np.pi * response_of(recording).frequency for recording in driven)
-    return pace if pace > _DRIVEN * omega0 else omega0
+    return pace if pace > NEAR_ITS_OWN * omega0 else omega0

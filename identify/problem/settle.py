@@ -9,7 +9,9 @@ import numpy as np
 
 from ...model.fit_state import FOLLOWS
 from ...simulate.core import STEPS_PER_PERIOD
-from ..signals.registry import budget
+from ..signals.odds import SIGNIFICANT
+from ..signals.registry import budget, numerics
+from .limits import FEWEST_SAMPLES
 from .output_error import OutputError, State
 from .prediction import FREE
 from .search_point import SHOWN
@@ -19,20 +21,15 @@ from .state_limits import nearest_reach
 
 #: A simulation keeps step where it leaves less than this part of each motion ...
 IN_STEP = FOLLOWS
-#: ... but for so many times the noise.
-BEYOND_NOISE = 3.0
-#: The sizes of the motion, in those of the finite differences (a hundredth of it).
-_SIZES = 100.0
-#: Samples that a beginning has at least: two initial values, and as many again for what they leave, and more.
-LEAST = 8
-#: Cycles that are asked first where the beginning is lost, and by which factor ever more of them.
-_FIRST, _LONGER = 0.25, 2**0.5
+_SIZES = numerics(100.0, "sizes of the finite differences", why="a hundredth of the motion each")
+_FIRST = numerics(0.25, "cycles", why="that are asked first where the beginning is lost")
+_LONGER = numerics(2**0.5, "times", why="as many cycles are asked next: the phase is then still one")
 _STEPS = budget(8, "steps", why="of Gauss and Newton, each of two runs of a few cycles")
 
 
 def follows(left: float, measured: np.ndarray, noise: float) -> bool:
     """Whether what a simulation leaves, rms, of a motion (n,) is one of phase and size, noise of that size aside."""
-    return bool(left <= IN_STEP * float(np.std(measured)) + BEYOND_NOISE * noise)
+    return bool(left <= IN_STEP * float(np.std(measured)) + SIGNIFICANT * noise)
 
 
 def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
@@ -71,7 +68,7 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
 
 def _samples(segment: Segment, time: float) -> int:
     """How many samples of a segment such a time (s) holds."""
-    return int(np.clip(time / segment.dt, LEAST, segment.n))
+    return int(np.clip(time / segment.dt, FEWEST_SAMPLES, segment.n))
 
 
 class _Beginning:

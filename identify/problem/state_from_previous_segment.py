@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..signals.registry import numerics
 from .prediction import FREE
 from .search_point import SHOWN, State
 from .segments import Segment
@@ -20,8 +21,7 @@ from .segments import Segment
 if TYPE_CHECKING:
     from .output_error import OutputError
 
-#: Which of the states is the velocity.
-SPEED = 1
+SPEED = numerics(1, "place", why="of the velocity among the states")
 
 
 def goes_on(segment: Segment) -> bool:

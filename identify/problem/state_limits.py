@@ -6,8 +6,9 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-#: A limited inner state begins at this part of its limit where it begins at it.
-_NEAR_REACH = 0.98
+from ..signals.registry import numerics
+
+_NEAR_REACH = numerics(0.98, "part of its limit", why="at which a limited inner state begins where it begins at it")
 
 
 def nearest_reach(

@@ -19,28 +19,25 @@ from ...model.terms import with_term, with_values, without_term
 from ...simulate.core import Core, core_of, internal_step
 from ..motion.first_motion import starts_at_rest
 from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.registry import budget, numerics
 from .data import Data, likelihood
 from .descent import search
 from .initial_motion import initial_states
+from .limits import FENCE, SLACK
 from .offset import Offset
 from .output_error import OutputError, State
 from .segments import Segment
 from .settle import settled
 from .state_from_previous_segment import goes_on
 
-#: Finite differences and first steps of a law's parameter, as a part of its natural size.
-_SMALL = 1e-2
-#: An onset or a speed this many times beyond where the law is looked for has left the recordings.
-_FENCE = 10.0
-#: A search that only compares laws, or leads to where a fit begins, takes steps so many times as long as the model that
-#: is delivered: twenty a period, in each of which Dormand and Prince err by 3e-7 of the amplitude.
-_COARSER = 3.75
-#: A motion so fast that a sample interval takes more steps than this is nothing that the recordings could show.
-_FINEST = 40.0
-#: A spring that turns the phase by less than this (rad) in the longest recording is as good as none.
-SLACK = 0.1
-#: The mass may come to this many times its start, or to as small a part of it.
-_MASS_SPAN = 1e3
+_SMALL = numerics(1e-2, "part of its natural size", why="the first step of a law's parameter")
+_COARSER = numerics(
+    3.75,
+    "times the delivered step",
+    why="for what only compares laws: twenty a period, in each of which the solver errs by 3e-7 of the amplitude",
+)
+_FINEST = budget(40.0, "steps a sample", why="a motion that takes more is nothing that the recordings could show")
+_MASS_SPAN = numerics(1e3, "times its start", why="to which a mass may come, or to as small a part of it")
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,9 +119,9 @@ def parameter_bounds(model: Oscillator, scales: Scales) -> np.ndarray:
             if not p.strength and not p.shape and p.probes and p.probes != "lines":
                 size = p.natural(scales)
                 reach = [float(probe) * size for probe in p.probes]
-                inner = min(abs(r) for r in reach) / _FENCE
-                low = max(low, inner if min(reach) > 0 else min(reach) * _FENCE)
-                high = min(high, max(reach) * _FENCE)
+                inner = min(abs(r) for r in reach) / FENCE
+                low = max(low, inner if min(reach) > 0 else min(reach) * FENCE)
+                high = min(high, max(reach) * FENCE)
             elif p.probes == (0.0,):
                 low, high = max(low, -p.natural(scales)), min(high, p.natural(scales))
             known[f"{term.effect}.{p.name}"] = (low if here >= low else p.lower, high if here <= high else p.upper)

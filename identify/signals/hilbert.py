@@ -82,7 +82,8 @@ def dominant_frequency(x: np.ndarray, fs: float) -> float:
     k = min(slowest + int(np.argmax(power[slowest:-1])), power.size - 2)
     a, b, c = (np.log(power[k + j] + 1e-300) for j in (-1, 0, 1))
     bend = a - 2 * b + c
-    return (k + (float(np.clip(0.5 * (a - c) / bend, -_HALF_A_BIN, _HALF_A_BIN)) if bend < 0 else 0.0)) * fs / size
+    top = 0.5 * (a - c) / bend if bend < 0 else 0.0
+    return (k + float(np.clip(top, -_HALF_A_BIN, _HALF_A_BIN))) * fs / size
 
 
 def noise_level(x: np.ndarray, fs: float) -> float:

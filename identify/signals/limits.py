@@ -13,6 +13,15 @@ SILENT = decides(
     why="half of the power: what is left is as likely noise as signal",
 )
 
+# whatever compares several
+
+SEVERAL = decides(
+    3,
+    "decays or recordings",
+    "of how many a spread means something, or one is odd",
+    why="of two neither is the odd one",
+)
+
 # weakform.py, and the regressions that use its windows
 
 CLEAR_OF_NOISE = decides(

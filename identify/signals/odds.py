@@ -22,6 +22,12 @@ BEYOND_ERRORS = math.sqrt(2.0 * DECISIVE)
 ONE_ERROR = decides(
     0.5, "log-likelihood", "what promises less is at rest", why="the gain by a step of one standard error"
 )
+SIGNIFICANT = decides(
+    3.0,
+    "standard errors",
+    "from which on anything is more than its noise",
+    why="error rate: once in 370; of what is compared by tens the level of doubt above decides",
+)
 ABOVE_NOISE = decides(
     1.1,
     "times the noise",

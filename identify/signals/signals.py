@@ -12,6 +12,7 @@ from ...recording.fact import fact
 from ...recording.recording import Recording
 from .hilbert import dominant_frequency, noise_level
 from .limits import SILENT
+from .odds import SIGNIFICANT
 from .registry import numerics
 
 
@@ -97,7 +98,7 @@ def resting(x: np.ndarray, sigma: float, period: int) -> np.ndarray:
     kernel = np.ones(period) / period
     mean = np.convolve(x, kernel, mode="same")
     spread = np.convolve((x - mean) ** 2, kernel, mode="same") * x.size / np.convolve(np.ones(x.size), kernel, "same")
-    return spread / x.size < (3 * sigma) ** 2
+    return spread / x.size < (SIGNIFICANT * sigma) ** 2
 
 
 # The band of frequencies in which a force has power.

@@ -208,7 +208,7 @@ def _free_places(signals: Sequence[_Signal]) -> list[tuple[float, float]]:
             moved = signal.measured - np.mean(signal.measured)
             own = np.abs(np.fft.rfft(moved * window, size)) ** 2 / np.sum(window**2)
             power += np.interp(omega, 2 * np.pi * np.fft.rfftfreq(size, signal.dt * signal.stride), own)
-        power[omega < 4 * np.pi / longest] = 0.0  # at least two cycles
+        power[omega < 2 * (2 * np.pi) / longest] = 0.0  # at least two cycles
         places += [(float(omega[k]), rate) for k in _peaks(power)]
     return places
 

@@ -24,9 +24,9 @@ from ..motion.displacement import displacement
 from ..motion.excitation import band_of
 from ..problem.data import Data
 from ..problem.equivalent import along_of
+from ..problem.limits import SLACK
 from ..problem.normal_equations import least_squares
 from ..problem.segments import stretches
-from ..problem.structure import SLACK
 from ..signals.registry import budget, numerics
 from ..signals.weakform import Windows, windows
 from .limits import HALF
@@ -36,6 +36,11 @@ _HARMONICS = numerics(
     3.5, "harmonics of the excited band", why="that the windows reach: forces that are not linear show there"
 )
 _CYCLES = numerics(8.0, "cycles", why="the length of a window")
+_PART = numerics(0.5, "part of a stretch", why="that a window has at most, half of it for a slide")
+_FEWEST_CYCLES = numerics((1.5, 0.5), "cycles", why="that a window has at least; the second of a slide")
+_BELOW_NYQUIST = numerics(0.4, "of the sampling frequency", why="above, a motion is not followed between samples")
+_DENSEST = budget(4, "times the samples", why="beside which columns are made")
+_LEAST_NOISE = numerics(1e-4, "part of the motion", why="interpolation is no better")
 _OVERLAP = numerics(2, "windows", why="over each sample")
 _DENSITY = numerics(30.0, "samples a cycle", why="of the motion beside which columns are made")
 _STRIDE = numerics(0.3, "natural logarithm", why="the first steps of a search of a place by factors")
@@ -134,14 +139,14 @@ class Regression:
     ) -> _Rows | None:
         model = self.model
         f = self.data.scales.omega / (2 * np.pi)
-        seconds = min(_CYCLES / f, (0.25 if self.slack else 0.5) * x.size / fs)
-        if seconds * f < (0.5 if self.slack else 1.5):
+        seconds = min(_CYCLES / f, (_PART / 2 if self.slack else _PART) * x.size / fs)
+        if seconds * f < _FEWEST_CYCLES[self.slack]:
             return None
         low, high = 0.3 * f, f
         if force is not None and (band := band_of(self.data.recordings[0])) is not None:
             high = max(f, min(band[1], 2 * f))
-        view = windows(x.size, fs, seconds, low, min(_HARMONICS * high, 0.4 * fs), _OVERLAP)
-        factor = int(np.clip(np.ceil(_DENSITY * high / fs), 1, 4))
+        view = windows(x.size, fs, seconds, low, min(_HARMONICS * high, _BELOW_NYQUIST * fs), _OVERLAP)
+        factor = int(np.clip(np.ceil(_DENSITY * high / fs), 1, _DENSEST))
         dense, speed = smooth_motion(x, fs, high, factor)
         fine = view.upsampled(factor)
         time = start + np.arange(dense.size) / (fs * factor)
@@ -170,7 +175,7 @@ class Regression:
         w = view.omega
         gap = (model.omega0.value**2 - w**2) ** 2 + (model.viscous.value * w) ** 2 + (2 * w * view.width) ** 2
         mass = model.mass.value if model.mass is not None else 1.0
-        scale = max(noise, 1e-4 * float(np.std(x)))
+        scale = max(noise, _LEAST_NOISE * float(np.std(x)))
         quiet = scale**2 * gap + (force_noise / mass) ** 2
         std = np.sqrt(quiet * view.energy / fs)
         return _Rows(

@@ -22,6 +22,7 @@ from ..hilbert.freevib import freevib
 from ..motion.decays import Decay, find_free_motion
 from ..motion.displacement import displacement
 from ..motion.envelope import motion_frequency
+from ..signals.odds import SIGNIFICANT
 from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of, response_of
 from .limits import SAME_SPRING
@@ -322,7 +323,7 @@ def _static_mass(motions: list[Segment], omega0: float) -> float | None:
     ratios = [
         float(np.std(m.force.samples) / (omega0**2 * np.std(m.displacement.samples)))
         for m in motions
-        if m.force is not None and np.std(m.displacement.samples) > 3 * m.displacement.noise
+        if m.force is not None and np.std(m.displacement.samples) > SIGNIFICANT * m.displacement.noise
     ]
     return float(np.median(ratios)) if ratios else None
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from dashpot.diagnose.experiment.next_experiment import TELLS
 from dashpot.diagnose.experiment.separated_by import separated_by
 from dashpot.diagnose.result import Experiment
+from dashpot.identify.signals.limits import CLEAR_OF_NOISE
 
 PLAN = "Sweep from 5 to 20 Hz with 2 N peak, over 9 s: drag then differs."
 
@@ -37,7 +37,7 @@ def test_it_is_not_named_by_another_effect_of_the_same_diagnosis():
     assert PLAN not in said
 
 
-@pytest.mark.parametrize(("times", "tells"), [(0.99 * TELLS, False), (TELLS, True)])
+@pytest.mark.parametrize(("times", "tells"), [(0.99 * CLEAR_OF_NOISE, False), (CLEAR_OF_NOISE, True)])
 def test_it_tells_from_five_times_the_noise_on(times, tells):
     said = separated_by("quadratic-drag", ("cubic-damping",), plan(("quadratic-drag", "cubic-damping", times)))
     assert (said == PLAN) is tells

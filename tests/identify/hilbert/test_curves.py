@@ -51,5 +51,5 @@ def test_damping():
 
 
 def test_three_points_are_too_few():
-    with pytest.raises(BadInput, match="4 points"):
+    with pytest.raises(BadInput, match="5 points"):
         fit_backbone(np.ones(3), np.ones(3))

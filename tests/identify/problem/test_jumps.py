@@ -55,10 +55,7 @@ def smoothed(*jumps_at: int | None, sizes: tuple[int, ...] = (30 * CYCLE,), effe
 
     Of each where it begins, its samples and its initial state.
     """
-    segments = tuple(
-        Segment(n=n, dt=2 * np.pi / CYCLE, pace=1.0, response=np.ones(n), noise=0.1, recording=0, begin=0)
-        for n in sizes
-    )
+    segments = tuple(Segment(n=n, cycle=CYCLE, response=np.ones(n), noise=0.1, recording=0, begin=0) for n in sizes)
     rows = [np.full((1, n), effect) for n, effect in zip(sizes, effects, strict=True)]
 
     def simulate(i, state, sides=None):

@@ -12,7 +12,7 @@ import pytest
 from dashpot import examples
 from dashpot.examples.truth import ACTUATOR, TRUTH
 from dashpot.identify.problem.data import data_of
-from dashpot.identify.problem.structure import SLACK
+from dashpot.identify.problem.limits import SLACK
 from dashpot.identify.signals.weakform import windows
 from dashpot.identify.start.measured_motion import Guess, Regression, _project, _soft_sign, probes
 from dashpot.model import Oscillator
