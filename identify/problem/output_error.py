@@ -244,7 +244,7 @@ class OutputError:
         if sides is not None and sides.at.size:
             taken = nearer_sides(self.segments[index], response, sides)
             response[sides.at[taken]] = sides.shown[taken]
-            rows[np.array(places)[:, None], sides.at[taken]] = sides.derivatives[:, taken]
+            rows[np.array(places, int)[:, None], sides.at[taken]] = sides.derivatives[:, taken]
         return response
 
     def _carried(

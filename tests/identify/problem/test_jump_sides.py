@@ -157,3 +157,13 @@ def test_one_run_tells_both_sides_and_the_derivatives_have_the_side_of_the_resid
     put_on_same_sides(own, turned, moved, beyond)
     quotient, row = (moved - own) / 1e-5, rows[list(problem.free).index(preload)]
     assert np.median(np.abs(quotient - row)[taken]) < 1e-3 * np.max(np.abs(row))
+
+
+def test_where_nothing_is_asked_for_the_response_has_its_other_sides_all_the_same():
+    """As of a driven record that begins at rest, of a model whose parameters all are given."""
+    problem, state = accelerometer()
+    state = replace(state, values=state.values * 1.002)
+    (segment,), (residual,) = problem.segments, problem.residuals(state)
+    rows = np.zeros((problem.shared + problem.core.states, segment.n))
+    assert np.max(np.abs(problem.carry(0, state, (), rows) - segment.response + residual)) < 1e-12
+    assert not np.any(rows)
