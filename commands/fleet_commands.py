@@ -172,7 +172,7 @@ def watch(
         from ..files.writing import write
         from ..report.life_page import life_page
 
-        write(report, life_page(lives))
+        write(report, life_page(lives).html)
     if as_json:
         print_json([life_json(life) for life in lives])
     else:

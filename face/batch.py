@@ -84,7 +84,7 @@ def write_tables(manifest: Manifest, folder: Path, rows: Sequence[Row], *, with_
     """Write what stands in the store as CSV, JSON and a page, all or none of them."""
     from ..report.fleet_page import fleet_page
 
-    contents: dict[str, str | bytes] = {CSV: csv_text(rows), PAGE: fleet_page(manifest.path.name, rows)}
+    contents: dict[str, str | bytes] = {CSV: csv_text(rows), PAGE: fleet_page(manifest.path.name, rows).html}
     if with_parquet:
         contents[PARQUET] = parquet(rows)
     with together():

@@ -159,7 +159,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     most = how["max_left"]
     more = left_over(model) if most is None else beyond(model, parse_most_left(most))
     unfit = bool(more or found.useless)
-    page, without = _page(how["report"], lambda: identification_page(found, files=(MODEL,)))
+    page, without = _page(how["report"], lambda: identification_page(found, files=(MODEL,)).html)
     picture, left = _picture(found)
     outcome = Outcome(
         key=key,
@@ -214,7 +214,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
     said: list[str] = []
     training, held = (_recordings(entry, files, said.append) for files in (entry.recordings, entry.holdout))
     found, fmu = diagnosed(model, training, held, mode=entry.how["mode"], notes=said.append)
-    page, without = _page(True, lambda: page_of_diagnosis(found, fmu))
+    page, without = _page(True, lambda: page_of_diagnosis(found, fmu).html)
     whole = found.remainder is None
     state = "good" if found.verdict == "consistent" else "mended" if found.effects and whole else "doubtful"
     outcome = replace(

@@ -64,7 +64,7 @@ def run(folder: Path, say: Callable[[str], None]) -> bool:
             write(fmu, artefact.read_bytes())
             written = [model, fmu, *export(identification.oscillator, functions, progress=step)]
             names = tuple(path.name for path in written)
-            write(page, identification_page(identification, proof, TRUTH, files=names))
+            write(page, identification_page(identification, proof, TRUTH, files=names).html)
     step(f"written: {', '.join(str(path) for path in (*written, page))}")
     step(proof.sentence())
     return proof.passed

@@ -166,7 +166,7 @@ def write_files(analysis: HilbertAnalysis, recordings: Sequence[Recording], fold
     texts = (
         curves_csv(analysis, recordings),
         json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n",
-        hilbert_page(analysis, recordings, FILES[:2]),
+        hilbert_page(analysis, recordings, FILES[:2]).html,
     )
     with together():
         for name, text in zip(FILES, texts, strict=True):

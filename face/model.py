@@ -243,7 +243,7 @@ class Model:
         else:
             from ..report.page import identification_page
 
-            write(path, identification_page(self.identification))
+            write(path, identification_page(self.identification).html)
         return path
 
     def export(self, *paths: str | Path, **options: Any) -> tuple[Path, ...]:

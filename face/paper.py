@@ -33,6 +33,6 @@ def run(folder: Path, say: Callable[[str], None]) -> Path:
     free, sweep = read(files["bursts"]), read(files["sweep_high"])
     say("FREEVIB and FORCEVIB on the built-in stand's bursts and sweep")
     analysis = hilbert_analysis([free, sweep])
-    write(target, paper_page(analysis, free, find_decays(free), sweep, TRUTH))
+    write(target, paper_page(analysis, free, find_decays(free), sweep, TRUTH).html)
     say(f"written: {target}")
     return target

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from ..identify.identification import Identification
     from ..model import Oscillator
     from ..recording import Recording
+    from ..report.blocks import Page
     from ..verify.verification import Verification
 
 Say = Callable[[str], None]
@@ -104,7 +105,7 @@ def write_identification(found: Identification, model: Path, report: Path | None
         if report is not None:
             from ..report.page import identification_page
 
-            write(report, identification_page(found, files=(model.name,)))
+            write(report, identification_page(found, files=(model.name,)).html)
         save(found.oscillator, model)
 
 
@@ -139,7 +140,7 @@ def diagnosed(
     return replace(found, model=in_band_of(found.model, band)), fmu
 
 
-def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> str:
+def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> Page:
     """The page of a diagnosis, with links to the files that stand beside it."""
     from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL
     from ..report.diagnosis_page import diagnosis_page
@@ -151,7 +152,7 @@ def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None) -> list[P
     """Write a diagnosis, its page, model and FMU into a folder, all or none; returns the paths. Raises BadInput."""
     from ..diagnose.files import write_folder
 
-    return write_folder(folder, found, page_of_diagnosis(found, fmu), fmu)
+    return write_folder(folder, found, page_of_diagnosis(found, fmu).html, fmu)
 
 
 def analysed(recordings: Sequence[Recording], mode: str | None) -> tuple[HilbertAnalysis, list[Recording]]:
@@ -200,4 +201,4 @@ def write_verification(found: Verification, data: Path | None, report: Path | No
         if report is not None:
             from ..report.verification_page import verification_page
 
-            write(report, verification_page(found))
+            write(report, verification_page(found).html)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,7 +11,8 @@ from ..errors import BadInput
 from ..model.describing import natural_motion
 from ..model.display import scale_of
 from .backbone_figure import backbone_kind, model_backbone
-from .style import EXACT, FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
+from .chart import Chart
+from .style import EXACT, FORCED, FREE, MODEL
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -19,14 +20,14 @@ if TYPE_CHECKING:
     from ..verify.verification import Verification
 
 _TWO_PI = 2 * np.pi
-_POINTS = 200
+_MARKS = 16
 _GRID, _MEAN_GRID = 120, 48
 #: The view takes in this part of the distances, those of the upper decade of amplitudes.
 _SEEN = 0.98
 
 
-def distance_figure(identification: Identification, verification: Verification | None = None) -> str:
-    """SVG of measured minus modelled natural frequency over amplitude, Hz.
+def distance_figure(identification: Identification, verification: Verification | None = None) -> Chart:
+    """Chart of measured minus modelled natural frequency over amplitude, Hz.
 
     The zero line is the model's mean natural frequency (its describing function), which is what FREEVIB and FORCEVIB
     measure; the exact backbone is drawn against it, where there is one (no law has a memory).
@@ -42,35 +43,29 @@ def distance_figure(identification: Identification, verification: Verification |
     low = min(float(a.min()) for a in seen)
     mean = mean_frequency(model, low, max(float(a.max()) for a in seen))
     drawn: list[tuple[np.ndarray, np.ndarray]] = []
-    with drawing(height=3.0) as figure:
-        axes = figure.subplots()
-        styles = {
-            "freevib": {"color": FREE, "linewidth": 0.9, "label": "decays, FREEVIB"},
-            "forcevib": {"color": FORCED, "linestyle": ":", "linewidth": 2.0, "label": "forced records, FORCEVIB"},
-        }
-        for curve in curves:
-            drawn.append(_thin(curve.amplitude, curve.omega0 / _TWO_PI - mean(curve.amplitude)))
-            axes.plot(drawn[-1][0] * scale.factor, drawn[-1][1], **styles[curve.method])
-        for _, own in pairs:
-            a, distance = _thin(own.amplitude, own.frequency - mean(own.amplitude), 16)
-            look: dict[str, Any] = {"marker": "o" if own.method == "regression" else "s", "linestyle": "none"}
-            label = f"FMU's output, {own.method}"
-            axes.plot(
-                a * scale.factor, distance, markersize=3.6, color=MODEL, markerfacecolor="white", label=label, **look
-            )
-        if backbone_kind(model) == "exact":
-            a, omega = model_backbone(model, np.geomspace(low, top, 120))
-            distance = omega / _TWO_PI - mean(a)
-            axes.plot(a * scale.factor, distance, color=EXACT, linewidth=0.9, label="model, exact backbone")
-        axes.set_ylim(*_view(drawn, top))
-        axes.set_xscale("log")
-        log_ticks(axes.xaxis)
-        axes.set_xlabel(scale.label("Amplitude"))
-        axes.set_ylabel("Frequency − model's [Hz]")
-        legend = dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-        legend_below(figure, list(legend.values()), list(legend), columns=3)
-        title = f"Measured natural frequency minus the model's, in Hz, over amplitude in {scale.unit}"
-        return svg(figure, "distance", title)
+    chart = Chart("distance")
+    (panel,) = chart.row(1)
+    for curve in curves:
+        order = np.argsort(curve.amplitude)
+        a = curve.amplitude[order]
+        drawn.append((a, curve.omega0[order] / _TWO_PI - mean(a)))
+        if curve.method == "freevib":
+            panel.line(a * scale.factor, drawn[-1][1], FREE, "decays, FREEVIB", width=0.9)
+        else:
+            panel.line(a * scale.factor, drawn[-1][1], FORCED, "forced records, FORCEVIB", dash=":", width=2.0)
+    for _, own in pairs:
+        a, distance = _thin(own.amplitude, own.frequency - mean(own.amplitude))
+        marker = "o" if own.method == "regression" else "s"
+        label = f"FMU's output, {own.method}"
+        panel.dots(a * scale.factor, distance, MODEL, label, marker=marker, size=3.6, hollow=True)
+    if backbone_kind(model) == "exact":
+        a, omega = model_backbone(model, np.geomspace(low, top, 120))
+        panel.line(a * scale.factor, omega / _TWO_PI - mean(a), EXACT, "model, exact backbone", width=0.9)
+    lowest, highest = _view(drawn, top)
+    panel.y.set(label="Frequency − model's [Hz]", low=lowest, high=highest)
+    panel.x.set(label=scale.label("Amplitude"), log=True)
+    chart.title = f"Measured natural frequency minus the model's, in Hz, over amplitude in {scale.unit}"
+    return chart
 
 
 def mean_frequency(model: Oscillator, low: float, high: float) -> Callable[[np.ndarray], np.ndarray]:
@@ -90,7 +85,7 @@ def mean_frequency(model: Oscillator, low: float, high: float) -> Callable[[np.n
     return lambda amplitude: spline(np.log(amplitude))
 
 
-def _thin(amplitude: np.ndarray, distance: np.ndarray, points: int = _POINTS) -> tuple[np.ndarray, np.ndarray]:
+def _thin(amplitude: np.ndarray, distance: np.ndarray, points: int = _MARKS) -> tuple[np.ndarray, np.ndarray]:
     """At most so many points, evenly over the logarithm of the amplitude."""
     order = np.argsort(amplitude)
     if amplitude.size > points:

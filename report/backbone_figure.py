@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +12,9 @@ from ..model.describing import natural_motion
 from ..model.display import Scale, number, pretty_unit, scale_of
 from ..model.frequency_response import FrequencyResponse, frequency_response
 from ..model.inner_force import without_memory
+from .chart import Chart, Dash, Note, Panel
 from .levels import sine_levels
-from .style import EXACT, FORCED, FREE, MODEL, RESPONSE, drawing, legend_below, log_ticks, svg
+from .style import EXACT, FORCED, FREE, MODEL, RESPONSE
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -21,16 +22,18 @@ if TYPE_CHECKING:
     from ..verify.verification import Verification
 
 _TWO_PI = 2 * np.pi
-#: At most this many points of a measured curve are drawn.
-_POINTS = 240
+_METHODS: dict[str, tuple[str, Dash, str]] = {
+    "freevib": (FREE, "-.", "decays, FREEVIB"),
+    "forcevib": (FORCED, ":", "forced records, FORCEVIB"),
+}
 #: A mean backbone is computed at no more than so many amplitudes: each is an integration.
 _MEAN_POINTS = 48
 #: Eq. 14 is drawn out to where the response has come down to this part of its peak.
 _SKIRT = 0.22
 
 
-def backbone_figure(identification: Identification, verification: Verification | None = None) -> str:
-    """SVG of the backbones: amplitude over frequency, and beside it the same close up over a logarithmic amplitude.
+def backbone_figure(identification: Identification, verification: Verification | None = None) -> Chart:
+    """Chart of the backbones: amplitude over frequency, and beside it the same close up over a logarithmic amplitude.
 
     Left: FREEVIB of every decay (dash-dot), FORCEVIB of every forced record (dotted), Eq. 14 at the levels at which the
     rig was driven (dashed), the model's exact backbone (thin), and where an FMU was verified its backbones (markers).
@@ -47,41 +50,30 @@ def backbone_figure(identification: Identification, verification: Verification |
     scale = scale_of(model.response.displacement_unit, max([top, *(float(r.amplitude.max()) for _, r in responses)]))
     exact = model_backbone(model, np.geomspace(floor, top, 160))
     kind = backbone_kind(model)
-    with drawing(height=5.2) as figure:
-        main, close = figure.subplots(1, 2, width_ratios=[1.75, 1])
-        for label, response in responses:
-            omega, amplitude = response.curve()
-            style = {"linestyle": "--", "color": RESPONSE, "linewidth": 1.2}
-            known = "" if label else ", to the largest amplitude"
-            main.plot(omega / _TWO_PI, amplitude * scale.factor, label=f"response, Eq. 14{known}", **style)
-            peak = (response.omega0[-1] / _TWO_PI, response.amplitude[-1] * scale.factor)
-            main.annotate(label, peak, (7, 0), textcoords="offset points", color=RESPONSE, fontsize=9)
-        for axes in (main, close):
-            _curves(axes, identification, scale)
-            axes.plot(
-                exact[1] / _TWO_PI,
-                exact[0] * scale.factor,
-                color=EXACT,
-                linewidth=0.9,
-                zorder=1.9,
-                label=f"model, {kind} backbone",
-            )
-            if verification is not None:
-                _fmu(axes, verification, scale, even=axes is main)
-            axes.set_xlabel("Frequency [Hz]")
-        main.set_ylabel(scale.label("Amplitude"))
-        main.set_ylim(0, None)
-        main.set_xlim(*_window(responses, identification))
-        main.set_title("Backbones and response")
-        close.set_yscale("log")
-        close.set_ylabel(scale.label("Amplitude"))
-        close.set_title("Backbones close up")
-        close.locator_params(axis="x", nbins=5)
-        log_ticks(close.yaxis)
-        handles, labels = _once(main)
-        legend_below(figure, handles, labels, columns=3)
-        title = f"Natural frequency in Hz over amplitude in {scale.unit}, by {_sources(identification, verification)}"
-        return svg(figure, "backbone", title)
+    chart = Chart("backbone")
+    main, close = chart.row(1.75, 1, height=380)
+    label = "response, Eq. 14" + ("" if responses and responses[0][0] else ", to the largest amplitude")
+    for level, response in responses:
+        omega, amplitude = response.curve()
+        main.line(omega / _TWO_PI, amplitude * scale.factor, RESPONSE, label, dash="--", width=1.2)
+        if level:
+            x, y = float(response.omega0[-1]) / _TWO_PI, float(response.amplitude[-1]) * scale.factor
+            main.marks.append(Note(x, y, level, RESPONSE))
+    for panel in (main, close):
+        label = f"model, {kind} backbone"
+        panel.line(exact[1] / _TWO_PI, exact[0] * scale.factor, EXACT, label, width=0.9)
+        _curves(panel, identification, scale)
+        if verification is not None:
+            _fmu(panel, verification, scale, even=panel is main)
+        panel.x.set(label="Frequency [Hz]")
+        panel.y.set(label=scale.label("Amplitude"))
+    low, high = _window(responses, identification)
+    main.x.set(low=low, high=high)
+    main.y.set(low=0.0)
+    main.title, close.title = "Backbones and response", "Backbones close up"
+    close.y.set(log=True)
+    chart.title = f"Natural frequency in Hz over amplitude in {scale.unit}, by {_sources(identification, verification)}"
+    return chart
 
 
 def model_backbone(model: Oscillator, amplitude: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -142,28 +134,18 @@ def _level_for(model: Oscillator, amplitude: float) -> float:
     return 2 * h * amplitude * float(np.sqrt(max(omega**2 - h**2, 0.0)))
 
 
-def _curves(axes: Any, identification: Identification, scale: Scale) -> None:
-    styles = {"freevib": (FREE, "-.", "decays, FREEVIB"), "forcevib": (FORCED, ":", "forced records, FORCEVIB")}
+def _curves(panel: Panel, identification: Identification, scale: Scale) -> None:
     for curve in identification.measured.curves:
-        color, line, label = styles[curve.method]
-        step = max(1, curve.amplitude.size // _POINTS)
-        order = np.argsort(curve.amplitude)[::step]
-        axes.plot(
-            curve.omega0[order] / _TWO_PI,
-            curve.amplitude[order] * scale.factor,
-            linestyle=line,
-            color=color,
-            linewidth=1.5 if curve.method == "freevib" else 2.2,
-            label=label,
-        )
+        color, dash, label = _METHODS[curve.method]
+        order = np.argsort(curve.amplitude)
+        x, y = curve.omega0[order] / _TWO_PI, curve.amplitude[order] * scale.factor
+        panel.line(x, y, color, label, dash=dash, width=1.5 if curve.method == "freevib" else 2.2)
 
 
-def _fmu(axes: Any, verification: Verification, scale: Scale, *, even: bool) -> None:
-    styles = {"FREEVIB": ("s", 3.6), "regression": ("o", 4.4)}
+def _fmu(panel: Panel, verification: Verification, scale: Scale, *, even: bool) -> None:
     pairs = [pair for check in verification.recordings for pair in check.backbones]
     count = int(np.clip(24 // max(len(pairs), 1), 2, 8))
     for i, (_, own) in enumerate(pairs):
-        marker, size = styles.get(own.method, ("o", 4.0))
         a, f = own.amplitude, own.frequency
         if a.size < 2:
             continue
@@ -171,17 +153,10 @@ def _fmu(axes: Any, verification: Verification, scale: Scale, *, even: bool) -> 
         shift = (np.arange(count) + (i % 4 + 0.5) / 4) / count
         spots = a.min() + (a.max() - a.min()) * shift if even else a.min() * (a.max() / a.min()) ** shift
         order = np.argsort(a)
-        axes.plot(
-            np.interp(spots, a[order], f[order]),
-            spots * scale.factor,
-            linestyle="none",
-            marker=marker,
-            markersize=size,
-            markerfacecolor="white",
-            markeredgecolor=MODEL,
-            markeredgewidth=1.0,
-            label=f"FMU's output, {own.method}",
-        )
+        at = np.interp(spots, a[order], f[order])
+        marker = "s" if own.method == "FREEVIB" else "o"
+        label = f"FMU's output, {own.method}"
+        panel.dots(at, spots * scale.factor, MODEL, label, marker=marker, size=4.0, hollow=True)
 
 
 def _window(responses: list[tuple[str, FrequencyResponse]], identification: Identification) -> tuple[float, float]:
@@ -196,13 +171,6 @@ def _window(responses: list[tuple[str, FrequencyResponse]], identification: Iden
     low, high = min(seen) / _TWO_PI, max(seen) / _TWO_PI
     margin = 0.04 * (high - low) + 0.005 * high
     return low - margin, high + margin
-
-
-def _once(axes: Any) -> tuple[list[Any], list[str]]:
-    handles: dict[str, Any] = {}
-    for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-        handles.setdefault(label, handle)
-    return list(handles.values()), list(handles)
 
 
 def _sources(identification: Identification, verification: Verification | None) -> str:

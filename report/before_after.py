@@ -12,10 +12,11 @@ from ..export.render import plain_text
 from ..model.display import number, scale_of, times_text
 from ..verify.verification import NOISE_RATIO
 from .blocks import Block, Cell, Section, Table, Text, picture
+from .chart import Chart, Panel
 from .comparison import Comparison
 from .decimate import envelope
 from .residual import spectral_density
-from .style import AFTER, BEFORE, EXACT, MEASURED, drawing, legend_below, log_ticks, svg
+from .style import AFTER, BEFORE, EXACT, MEASURED
 from .time_history import samples_a_cycle
 
 if TYPE_CHECKING:
@@ -26,8 +27,8 @@ if TYPE_CHECKING:
 _ACROSS = 300
 #: So few cycles are drawn one by one, more as the band between their extremes.
 _FEW_CYCLES = 40
-#: Cycles of the close view, and the most points and dots in it.
-_CYCLES, _POINTS, _DOTS = 8.0, 600, 120
+#: Cycles of the close view, and the most dots in it.
+_CYCLES, _DOTS = 8.0, 120
 #: A model that runs away does not set the view: so many times the measured motion is shown of it.
 _ROOM = 2.0
 _LOST = 1e4
@@ -121,14 +122,14 @@ def _caption(record: RecordFit, mended: bool) -> str:
     )
 
 
-def response_figure(record: RecordFit, model: Oscillator, mended: bool, key: str = "response") -> str:
-    """SVG of one recording: response over all its time and close up, residual over time, and spectra.
+def response_figure(record: RecordFit, model: Oscillator, mended: bool, key: str = "response") -> Chart:
+    """Chart of one recording: response over all its time and close up, residual over time, and spectra.
 
     Args:
         record: with the signals measured, before and after.
         model: whose natural frequency is used.
         mended: whether ``after`` is another model than ``before``.
-        key: name of the picture within its page.
+        key: name of the chart within its page.
     """
     measured = np.asarray(record.measured, float)
     sides = _sides(record, mended)
@@ -137,33 +138,29 @@ def response_figure(record: RecordFit, model: Oscillator, mended: bool, key: str
     scale = scale_of(response.unit, measured)
     peak = int(np.nanargmax(np.abs(measured - np.median(measured)))) if measured.size else 0
     cycle = max(samples_a_cycle(measured, peak), 1.0)
-    with drawing(height=5.7) as figure:
-        grid = figure.subplots(2, 2, width_ratios=[1.3, 1])
-        (overview, close), (rest, spectra) = grid
-        _overview(overview, record.time, measured * scale.factor, sides, scale.factor, cycle)
-        overview.set_title(f"{name} (held out)" if record.holdout else name)
-        middle = _differ_most(record, mended, int(cycle))
-        _close(close, record.time, measured, sides, scale.factor, peak if middle is None else middle, cycle)
-        close.set_title("Where the motion is largest" if middle is None else "Where before and after differ most")
-        for axes in (overview, close):
-            axes.set_xlabel("Time [s]")
-            axes.set_ylabel(scale.label(response.quantity.capitalize()))
-        _residuals(rest, record, sides, cycle, response.unit)
-        rest.set_xlim(overview.get_xlim())
-        _spectra(spectra, record, sides, response.unit, model.omega0.value / (2 * math.pi))
-        handles: dict[str, Any] = {}
-        for axes in grid.flat:
-            for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
-                handles.setdefault(label, handle)
-        legend_below(figure, list(handles.values()), list(handles), columns=5)
-        title = f"{name}: measured and simulated response in {scale.unit}, what the models leave over, and its spectrum"
-        return svg(figure, key, title)
+    chart = Chart(key)
+    overview, close = chart.row(1.3, 1, height=250)
+    rest, spectra = chart.row(1.3, 1, height=250)
+    _overview(overview, record.time, measured * scale.factor, sides, scale.factor, cycle)
+    overview.title = f"{name} (held out)" if record.holdout else name
+    middle = _differ_most(record, mended, int(cycle))
+    _close(close, record.time, measured, sides, scale.factor, peak if middle is None else middle, cycle)
+    close.title = "Where the motion is largest" if middle is None else "Where before and after differ most"
+    for panel in (overview, close):
+        panel.x.set(label="Time [s]", tight=True)
+        panel.y.set(label=scale.label(response.quantity.capitalize()))
+    _residuals(rest, record, sides, cycle, response.unit)
+    rest.x.set(low=float(record.time[0]), high=float(record.time[-1]))
+    _spectra(spectra, record, sides, response.unit, model.omega0.value / (2 * math.pi))
+    what = "what the models leave over" if mended else "what the model leaves over"
+    chart.title = f"{name}: measured and simulated response in {scale.unit}, {what}, and its spectrum"
+    return chart
 
 
 def _sides(record: RecordFit, mended: bool) -> list[tuple[np.ndarray, dict[str, Any]]]:
     """What was simulated, and how it is drawn; one model only where nothing was mended."""
-    before = {"color": BEFORE, "linestyle": "--", "linewidth": 1.5, "label": "before"}
-    after = {"color": AFTER, "linestyle": "-", "linewidth": 1.1, "label": "after" if mended else "model"}
+    before: dict[str, Any] = {"color": BEFORE, "dash": "--", "width": 1.5, "label": "before"}
+    after: dict[str, Any] = {"color": AFTER, "width": 1.1, "label": "after" if mended else "model"}
     pairs = [(record.before, before), (record.after, after)] if mended else [(record.before, after)]
     # of a model that ran away only the beginning can be drawn
     most = _LOST * float(np.nanmax(np.abs(record.measured), initial=0.0))
@@ -183,58 +180,47 @@ def _differ_most(record: RecordFit, mended: bool, cycle: int) -> int | None:
     return int(np.argmax(total[width:] - total[:-width])) + width // 2
 
 
-def _overview(axes: Any, time: np.ndarray, measured: np.ndarray, sides: Any, factor: float, cycle: float) -> None:
+def _overview(panel: Panel, time: np.ndarray, measured: np.ndarray, sides: Any, factor: float, cycle: float) -> None:
     n = measured.size
     if n / cycle <= _FEW_CYCLES:
-        step = max(1, n // (3 * _ACROSS))
-        axes.plot(time[::step], measured[::step], color=MEASURED, linewidth=2.4, alpha=0.45, label="measured")
+        panel.line(time, measured, MEASURED, "measured", width=2.4, alpha=0.45)
         for signal, style in sides:
-            axes.plot(time[::step], signal[::step] * factor, **style)
+            panel.line(time, signal * factor, **style)
     else:
         bins = int(min(_ACROSS, n / cycle / 2))  # two cycles each: less would show a beat that is not in the signal
         band = envelope(time, measured, bins)
         centres = np.concatenate([time[:1], band.time[1:-1], time[-1:]])  # to the ends of the record
-        axes.fill_between(centres, band.low, band.high, color=MEASURED, alpha=0.3, linewidth=0, label="measured")
+        panel.band(centres, band.low, band.high, MEASURED, "measured")
         for signal, style in sides:
             edge = envelope(time, np.where(np.isfinite(signal), signal, np.nan) * factor, bins)
-            axes.plot(centres, edge.high, **style)
-            axes.plot(centres, edge.low, **{**style, "label": "_nolegend_"})
-    axes.set_xlim(time[0], time[-1])
-    _view(axes, measured)
+            panel.line(centres, edge.high, **style)
+            panel.line(centres, edge.low, **style)
+    _view(panel, measured)
 
 
 def _close(
-    axes: Any, time: np.ndarray, measured: np.ndarray, sides: Any, factor: float, middle: int, cycle: float
+    panel: Panel, time: np.ndarray, measured: np.ndarray, sides: Any, factor: float, middle: int, cycle: float
 ) -> None:
     half = max(int(_CYCLES / 2 * cycle), 2)
     start = min(max(middle - half, 0), max(measured.size - 2 * half, 0))
     view = slice(start, start + 2 * half + 1)
-    size = measured[view].size
-    dots, points = max(1, math.ceil(size / _DOTS)), max(1, math.ceil(size / _POINTS))
+    dots = max(1, math.ceil(measured[view].size / _DOTS))
     for signal, style in sides:
-        axes.plot(time[view][::points], signal[view][::points] * factor, **style)
-    axes.plot(
-        time[view][::dots],
-        measured[view][::dots] * factor,
-        linestyle="none",
-        marker="o",
-        markersize=2.4,
-        color=MEASURED,
-    )
-    axes.margins(x=0)
-    _view(axes, measured[view] * factor)
+        panel.line(time[view], signal[view] * factor, **style)
+    panel.dots(time[view][::dots], measured[view][::dots] * factor, MEASURED, "measured", size=2.4)
+    _view(panel, measured[view] * factor)
 
 
-def _view(axes: Any, measured: np.ndarray) -> None:
+def _view(panel: Panel, measured: np.ndarray) -> None:
     """The view that the curves ask for, but not far beyond what was measured."""
     low, high = float(np.nanmin(measured, initial=0.0)), float(np.nanmax(measured, initial=0.0))
     room = (high - low) * _ROOM / 2
     if room > 0:
-        bottom, top = axes.get_ylim()
-        axes.set_ylim(max(bottom, low - room), min(top, high + room))
+        bottom, top = panel.limits("y")
+        panel.y.set(low=max(bottom, low - room), high=min(top, high + room))
 
 
-def _residuals(axes: Any, record: RecordFit, sides: Any, cycle: float, unit: str) -> None:
+def _residuals(panel: Panel, record: RecordFit, sides: Any, cycle: float, unit: str) -> None:
     measured = np.asarray(record.measured, float)
     bins = int(np.clip(measured.size / cycle, 20, _ACROSS))
     floor = record.noise_floor * float(np.nanstd(measured))
@@ -243,50 +229,47 @@ def _residuals(axes: Any, record: RecordFit, sides: Any, cycle: float, unit: str
     seen = []
     for band, (_, style) in zip(bands, sides, strict=True):
         rms = np.where(band.rms > 0, band.rms, np.nan) * scale.factor
-        axes.plot(band.time, rms, **style)
+        panel.line(band.time, rms, **style)
         seen.append(rms)
     if math.isfinite(floor) and floor > 0:
-        axes.axhline(floor * scale.factor, color=EXACT, linestyle=":", linewidth=1.4, label="noise floor, rms")
+        panel.rule(floor * scale.factor, EXACT, "noise floor, rms", dash=":", width=1.4)
         seen.append(np.array([floor * scale.factor]))
-    _log(axes, seen)
-    axes.set_xlabel("Time [s]")
-    axes.set_ylabel(scale.label("Residual, rms"))
-    axes.set_title("Simulated − measured")
+    _log(panel, seen)
+    panel.x.set(label="Time [s]")
+    panel.y.set(label=scale.label("Residual, rms"))
+    panel.title = "Simulated − measured"
 
 
-def _spectra(axes: Any, record: RecordFit, sides: Any, unit: str, natural: float) -> None:
+def _spectra(panel: Panel, record: RecordFit, sides: Any, unit: str, natural: float) -> None:
     measured = np.asarray(record.measured, float)
     old = Comparison(
         record.file, record.time, measured, sides[0][0], math.nan, record.noise_floor, True, record.response
     )
     f, response = spectral_density(old.measured, old.fs, natural)
     scale = scale_of(unit, response)
-    axes.plot(f, response * scale.factor, color=MEASURED, alpha=0.45, linewidth=2.0)
+    panel.line(f, response * scale.factor, MEASURED, alpha=0.45, width=2.0)
     seen = [response * scale.factor]
     for signal, style in sides:
         if np.mean(np.isfinite(signal)) < _WHOLE:
             continue
         density = spectral_density(signal - old.measured, old.fs, natural)[1] * scale.factor
-        axes.plot(f, np.where(density > 0, density, np.nan), **style)
+        panel.line(f, np.where(density > 0, density, np.nan), **style)
         seen.append(density)
     white = old.sensor_rms / np.sqrt(old.fs / 2) * scale.factor
     if white > 0:
-        axes.axhline(white, color=EXACT, linestyle="-.", linewidth=0.9, label="sensor noise")
+        panel.rule(white, EXACT, "sensor noise", dash="-.", width=0.9)
         seen.append(np.array([white]))
-    axes.margins(x=0)
-    _log(axes, seen)
-    axes.set_xlabel("Frequency [Hz]")
-    axes.set_ylabel(f"Density [{scale.unit}/√Hz]")
-    axes.set_title("Spectra")
+    _log(panel, seen)
+    panel.x.set(label="Frequency [Hz]", tight=True)
+    panel.y.set(label=f"Density [{scale.unit}/√Hz]")
+    panel.title = "Spectra"
 
 
-def _log(axes: Any, seen: list[np.ndarray]) -> None:
+def _log(panel: Panel, seen: list[np.ndarray]) -> None:
     """A logarithmic axis from a third of the least worth seeing, at most six decades down."""
     values = np.concatenate([np.ravel(v) for v in seen])
     values = values[np.isfinite(values) & (values > 0)]
     if not values.size:
         return
     top = float(np.max(values))
-    axes.set_yscale("log")
-    axes.set_ylim(max(float(np.quantile(values, 0.02)) / 2, 1e-6 * top), 2 * top)
-    log_ticks(axes.yaxis)
+    panel.y.set(log=True, low=max(float(np.quantile(values, 0.02)) / 2, 1e-6 * top), high=2 * top)

@@ -1,6 +1,6 @@
 """What a page is made of: sections of text, tables, pictures and code. The template knows these and nothing else.
 
-Everything is plain text and is escaped where it is put into the page, but for the SVG of a picture.
+Everything is plain text and is escaped where it is put into the page, but for what this package draws itself.
 """
 
 from __future__ import annotations
@@ -13,11 +13,13 @@ from typing import Any, ClassVar
 from ..errors import BadInput
 from ..export.render import plain_text
 from ..templates import template
+from .chart import Chart
+from .d3_chart import figures, legend, scripts
 
 
 @dataclass(frozen=True)
 class Text:
-    """A paragraph; ``tone`` is ``good``, ``bad``, ``note``, ``equation`` or plain, ``lead`` its first words in bold."""
+    """A paragraph; ``tone``: ``good``, ``bad``, ``warn``, ``note``, ``equation`` or plain; ``lead``: its bold start."""
 
     kind: ClassVar[str] = "text"
     text: str
@@ -64,11 +66,22 @@ class Table:
 
 @dataclass(frozen=True)
 class Figure:
-    """A picture: SVG as made by ``style.svg``, and the sentences below it."""
+    """A picture, and the sentences below it."""
 
     kind: ClassVar[str] = "figure"
-    svg: str
+    chart: Chart
     caption: str
+
+    @property
+    def legend(self) -> str:
+        """The legend as HTML."""
+        return legend(self.chart)
+
+    @property
+    def figures(self) -> Table:
+        """What it shows as a table, for those who cannot see it."""
+        head = ("Where", "Series", "Over", "Least to largest")
+        return Table(head, tuple(figures(self.chart)), cards=True)
 
 
 @dataclass(frozen=True)
@@ -93,13 +106,14 @@ Block = Text | Table | Figure | Items | Code
 
 @dataclass(frozen=True)
 class Section:
-    """A heading and what stands below it."""
+    """A heading and what stands below it; ``folded`` where a reader has to ask for it."""
 
     title: str
     blocks: tuple[Block, ...]
+    folded: bool = False
 
 
-def picture(draw: Callable[[], str], caption: str) -> Block:
+def picture(draw: Callable[[], Chart], caption: str) -> Block:
     """A picture, or in words why there is none: a report must come out whatever the numbers are."""
     try:
         return Figure(draw(), caption)
@@ -107,21 +121,39 @@ def picture(draw: Callable[[], str], caption: str) -> Block:
         return Text(f"No picture here: {problem}.", "note")
 
 
-def page(
-    title: str, sections: Sequence[Section], *, lead: Sequence[Block] = (), footer: str = "", numbered: bool = True
-) -> str:
-    """The whole page as HTML in one piece: no script, nothing loaded from anywhere.
+@dataclass(frozen=True)
+class Page:
+    """A page in one piece.
 
-    Args:
+    Attributes:
         title: heading.
         sections: in order; empty ones are left out.
         lead: blocks ahead of the first section.
         footer: last line.
         numbered: whether the figures are; not where the headings have numbers of their own.
     """
-    shown = [section for section in sections if section.blocks]
-    made = {"sections": shown, "lead": list(lead), "footer": footer, "numbered": numbered}
-    return _template().render(title=plain_text(title), **made)
+
+    title: str
+    sections: Sequence[Section]
+    lead: Sequence[Block] = ()
+    footer: str = ""
+    numbered: bool = True
+
+    @property
+    def charts(self) -> list[Chart]:
+        """All its charts, in order."""
+        blocks = [*self.lead, *(block for section in self.sections for block in section.blocks)]
+        return [block.chart for block in blocks if isinstance(block, Figure)]
+
+    @property
+    def html(self) -> str:
+        """The page as HTML, with nothing loaded from anywhere: the same text for the same results."""
+        shown = [section for section in self.sections if section.blocks]
+        made = {"sections": shown, "lead": list(self.lead), "footer": self.footer, "numbered": self.numbered}
+        drawing = scripts(self.charts)
+        return _template().render(
+            title=plain_text(self.title), scripts=drawing, lost=bool(self.charts) and not drawing, **made
+        )
 
 
 @cache

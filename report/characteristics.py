@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -12,15 +12,19 @@ from ..model import units
 from ..model.describing import equivalent_damping, natural_motion
 from ..model.display import Scale, scale_of
 from ..model.inner_force import InnerForce, without_memory
+from .chart import Chart, Panel
 from .covered import covered, spans_of
-from .style import FORCED, FREE, MODEL, drawing, legend_below, log_ticks, svg
+from .style import FORCED, FREE, MODEL
 
 if TYPE_CHECKING:
     from ..identify.hilbert.modal_result import ModalCurve
     from ..identify.identification import Identification
     from ..model import Oscillator
 
-_MARKS = {"freevib": (FREE, "s", "from FREEVIB"), "forcevib": (FORCED, "o", "from FORCEVIB")}
+_MARKS: dict[str, tuple[str, Literal["o", "s"], str]] = {
+    "freevib": (FREE, "s", "from FREEVIB"),
+    "forcevib": (FORCED, "o", "from FORCEVIB"),
+}
 #: A measured damping whose standard error exceeds this part of it says nothing in a picture.
 _UNSURE = 0.3
 #: Amplitudes at which the curves of a model with a memory are computed.
@@ -28,8 +32,8 @@ _CURVE = 48
 _NONE = "at most of these amplitudes no periodic motion of the model was found; simulate it instead"
 
 
-def stiffness_figure(identification: Identification) -> str:
-    """SVG of the restoring force per unit mass over displacement (Fig. 5), whole and without its linear part.
+def stiffness_figure(identification: Identification) -> Chart:
+    """Chart of the restoring force per unit mass over displacement (Fig. 5), whole and without its linear part.
 
     Points: the measured backbones, describing function inverted. With a law that has a memory there is no static force,
     and the line is the model's own backbone inverted in the same way.
@@ -42,21 +46,17 @@ def stiffness_figure(identification: Identification) -> str:
     linear = model.omega0.value**2
     across = scale_of(unit, top)
     per_mass = units.compose("X/s2", unit)
-    with drawing(height=3.7) as figure:
-        whole, bent = figure.subplots(1, 2)
-        for axes, slope, title in (
-            (whole, 0.0, "Restoring force"),
-            (bent, linear, "… without its linear part ω₀² x"),
-        ):
-            _characteristic(axes, grid, force - slope * grid, points, slope, across, per_mass)
-            axes.set_xlabel(across.label("Displacement"))
-            axes.set_title(title)
-        legend_below(figure, *whole.get_legend_handles_labels(), columns=3)
-        return svg(figure, "stiffness", f"Restoring force per unit mass over displacement in {across.unit}")
+    chart = Chart("stiffness", f"Restoring force per unit mass over displacement in {across.unit}")
+    whole, bent = chart.row(1, 1, height=290)
+    for panel, slope, title in ((whole, 0.0, "Restoring force"), (bent, linear, "… without its linear part ω₀² x")):
+        _characteristic(panel, grid, force - slope * grid, points, slope, across, per_mass)
+        panel.x.set(label=across.label("Displacement"))
+        panel.title = title
+    return chart
 
 
-def friction_figure(identification: Identification) -> str:
-    """SVG of the damping curve h(A) and of the friction force per unit mass over velocity (Fig. 7).
+def friction_figure(identification: Identification) -> Chart:
+    """Chart of the damping curve h(A) and of the friction force per unit mass over velocity (Fig. 7).
 
     With a law that has a memory the line of the latter is the model's own damping curve, inverted as the points are.
     """
@@ -71,19 +71,18 @@ def friction_figure(identification: Identification) -> str:
         method: _measured(identification, method, lambda c: 2 * c.damping * c.amplitude * c.omega0, by_speed=True)
         for method in _MARKS
     }
-    with drawing(height=3.5) as figure:
-        curve, whole, bent = figure.subplots(1, 3)
-        _damping_curve(curve, identification, top)
-        for axes, slope, title in (
-            (whole, 0.0, "Friction force"),
-            (bent, model.viscous.value, "… without viscous part"),
-        ):
-            _characteristic(axes, grid, force - slope * grid, points, slope, along, units.compose("X/s2", unit))
-            axes.set_xlabel(along.label("Velocity"))
-            axes.set_title(title)
-        legend_below(figure, *curve.get_legend_handles_labels(), columns=3)
-        title = f"Damping in 1/s over amplitude in {across.unit}, and friction force over velocity in {along.unit}"
-        return svg(figure, "friction", title)
+    title = f"Damping in 1/s over amplitude in {across.unit}, and friction force over velocity in {along.unit}"
+    chart = Chart("friction", title)
+    curve, whole, bent = chart.row(1, 1, 1)
+    _damping_curve(curve, identification, top)
+    for panel, slope, words in (
+        (whole, 0.0, "Friction force"),
+        (bent, model.viscous.value, "… without viscous part"),
+    ):
+        _characteristic(panel, grid, force - slope * grid, points, slope, along, units.compose("X/s2", unit))
+        panel.x.set(label=along.label("Velocity"))
+        panel.title = words
+    return chart
 
 
 def _spring(model: Oscillator, top: float) -> tuple[np.ndarray, np.ndarray]:
@@ -114,7 +113,7 @@ def _odd(measured: Characteristic) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _characteristic(
-    axes: Any,
+    panel: Panel,
     grid: np.ndarray,
     line: np.ndarray,
     points: dict[str, Characteristic],
@@ -124,30 +123,33 @@ def _characteristic(
 ) -> None:
     """The model's force as a line, the measured points on it; the model sets the view, as far points may scatter."""
     up = scale_of(unit, line)
-    axes.plot(grid * across.factor, line * up.factor, color=MODEL, label="model", linewidth=1.6)
+    panel.line(grid * across.factor, line * up.factor, MODEL, "model", width=1.6)
     for method, measured in points.items():
-        _draw(axes, measured, slope, method, across.factor, up.factor)
-    axes.set_ylabel(up.label("Force per unit mass"))
+        _draw(panel, measured, slope, method, across.factor, up.factor)
+    panel.y.set(label=up.label("Force per unit mass"))
     reach = 1.4 * float(np.max(np.abs(line))) * up.factor
     if reach > 0:
-        axes.set_ylim(-reach, reach)
+        panel.y.set(low=-reach, high=reach)
 
 
-def _damping_curve(axes: Any, identification: Identification, top: float) -> None:
+def _damping_curve(panel: Panel, identification: Identification, top: float) -> None:
     model = identification.oscillator
     across = scale_of(model.response.displacement_unit, top)
     low = min((float(c.amplitude.min()) for c in identification.measured.curves), default=top / 100)
     a = np.geomspace(min(low, top / 3), top, 160 if without_memory(model)[1] is None else _CURVE)
     h = damping(model, a)
-    for method in _MARKS:
-        _draw_damping(axes, identification, method, across.factor)
-    axes.plot(a * across.factor, h, color=MODEL, linewidth=1.6, label="model", zorder=4)
-    axes.set_xscale("log")
-    log_ticks(axes.xaxis)
-    axes.set_xlabel(across.label("Amplitude"))
-    axes.set_ylabel("Damping h [1/s]")
-    axes.set_title("Damping curve")
-    _around(axes, h)
+    for curve in identification.measured.curves:
+        color, _, label = _MARKS[curve.method]
+        order = np.argsort(curve.amplitude)
+        shown = np.where(_sure(curve), curve.damping, np.nan)[order]
+        dash = "-." if curve.method == "freevib" else ":"
+        words = label.replace("from", "curve by")
+        panel.line(curve.amplitude[order] * across.factor, shown, color, words, dash=dash, width=1.8)
+    panel.line(a * across.factor, h, MODEL, "model", width=1.6)
+    panel.x.set(log=True, label=across.label("Amplitude"))
+    panel.y.set(label="Damping h [1/s]")
+    panel.title = "Damping curve"
+    _around(panel, h)
 
 
 def damping(model: Oscillator, amplitude: np.ndarray) -> np.ndarray:
@@ -194,39 +196,19 @@ def _sure(curve: ModalCurve) -> np.ndarray:
     return curve.damping_std < _UNSURE * np.abs(curve.damping)
 
 
-def _draw(axes: Any, measured: Characteristic, slope: float, method: str, across: float, up: float) -> None:
+def _draw(panel: Panel, measured: Characteristic, slope: float, method: str, across: float, up: float) -> None:
     color, marker, label = _MARKS[method]
     if not measured.at.size:
         return
     y = (measured.force - slope * measured.at) * up
-    axes.plot(
-        np.concatenate([-measured.at[::-1], measured.at]) * across,
-        np.concatenate([-y[::-1], y]),
-        linestyle="none",
-        marker=marker,
-        markersize=3.6,
-        markerfacecolor="white",
-        markeredgecolor=color,
-        markeredgewidth=0.9,
-        label=label,
-    )
+    x = np.concatenate([-measured.at[::-1], measured.at]) * across
+    panel.dots(x, np.concatenate([-y[::-1], y]), color, label, marker=marker, size=3.6, hollow=True)
 
 
-def _draw_damping(axes: Any, identification: Identification, method: str, across: float) -> None:
-    color, _, label = _MARKS[method]
-    line = {"freevib": "-.", "forcevib": ":"}[method]
-    for curve in (c for c in identification.measured.curves if c.method == method):
-        step = max(1, curve.amplitude.size // 200)
-        order = np.argsort(curve.amplitude)[::step]
-        h = np.where(_sure(curve), curve.damping, np.nan)[order]
-        axes.plot(curve.amplitude[order] * across, h, linestyle=line, color=color, linewidth=1.8, label=label)
-        label = "_nolegend_"
-
-
-def _around(axes: Any, h: np.ndarray) -> None:
+def _around(panel: Panel, h: np.ndarray) -> None:
     """The view that the model's curve asks for, zero in it where the damping is positive."""
     if not np.any(np.isfinite(h)):
         return
     low, high = float(np.nanmin(h)), float(np.nanmax(h))
     margin = 0.25 * max(high - low, 0.2 * abs(high))
-    axes.set_ylim(min(0.0, low - margin) if low < 0 else 0.0, high + margin)
+    panel.y.set(low=min(0.0, low - margin) if low < 0 else 0.0, high=high + margin)

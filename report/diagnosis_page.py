@@ -9,7 +9,7 @@ from ..diagnose.wording import effects_in_words, spoken
 from ..model.display import full_stop, pretty_unit
 from ..model.show import warnings as model_warnings
 from .before_after import response_section
-from .blocks import Block, Items, Section, Text, page
+from .blocks import Block, Items, Page, Section, Text
 from .effects import considered_section, effects_section, shift_section
 from .location import location_section
 from .mended_curves import curves_section
@@ -28,8 +28,8 @@ VERDICTS = {
 }
 
 
-def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> str:
-    """The report as HTML text: no script, nothing loaded from elsewhere, the same text for the same diagnosis.
+def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
+    """The report.
 
     Args:
         diagnosis: what ``diagnose`` returns.
@@ -54,7 +54,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> str:
         Text(next_step(diagnosis, files), lead="What to do next:"),
     )
     software = diagnosis.model.identified.software or "dashpot"
-    return page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead, footer=f"Made by {software}.")
+    return Page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead, footer=f"Made by {software}.")
 
 
 def next_step(diagnosis: Diagnosis, files: Sequence[str] = ()) -> str:

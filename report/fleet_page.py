@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import quote
 
 from ..model.display import number, percent_text, pretty_unit, times_text
-from .blocks import Block, Cell, Section, Table, Text, page
+from .blocks import Block, Cell, Page, Section, Table, Text
 from .sparkline import motion_sparkline, value_sparkline
 
 if TYPE_CHECKING:
@@ -33,8 +33,8 @@ _SHOWN = {
 }
 
 
-def fleet_page(name: str, rows: Sequence[Row]) -> str:
-    """The overview as HTML text: no script, nothing loaded from elsewhere; links lead to the entries' own pages.
+def fleet_page(name: str, rows: Sequence[Row]) -> Page:
+    """The overview; links lead to the entries' own pages.
 
     Args:
         name: of the manifest.
@@ -57,7 +57,7 @@ def fleet_page(name: str, rows: Sequence[Row]) -> str:
         Section("Parameters over the fleet", _parameters(rows)),
         Section("What the results mean", _states(rows)),
     ]
-    return page(f"Fleet {name}", sections, lead=[lead], footer="All rows and all numbers: fleet.csv, fleet.json.")
+    return Page(f"Fleet {name}", sections, lead=[lead], footer="All rows and all numbers: fleet.csv, fleet.json.")
 
 
 def _rows(rows: Sequence[Row]) -> tuple[Block, ...]:

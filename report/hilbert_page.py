@@ -12,7 +12,7 @@ from ..export.render import plain_text
 from ..identify.hilbert.hilbert_files import UNITS
 from ..model import Response, units
 from ..model.display import full_stop, number, pretty_unit
-from .blocks import Block, Items, Section, Table, Text, page, picture
+from .blocks import Block, Items, Page, Section, Table, Text, picture
 from .hilbert_figures import BAND, characteristic_figure, curves_figure, time_figure
 from .levels import sine_levels
 from .modal_table import laws_table, modal_table
@@ -32,8 +32,8 @@ def hilbert_page(
     recordings: Sequence[Recording],
     files: Sequence[str] = (),
     truth: Mapping[str, float] | None = None,
-) -> str:
-    """The page as HTML text: no script, nothing loaded from elsewhere, the same text for the same results.
+) -> Page:
+    """The page.
 
     Args:
         analysis: of these recordings.
@@ -56,7 +56,7 @@ def hilbert_page(
         f"{count['FREEVIB']} free decays by FREEVIB, {count['FORCEVIB']} driven stretches by FORCEVIB. All numbers "
         "here are those of the Hilbert transform alone; dashpot identify fits the motion itself."
     )
-    return page("Hilbert analysis", sections, lead=[lead], footer=f"Made by dashpot {__version__}.")
+    return Page("Hilbert analysis", sections, lead=[lead], footer=f"Made by dashpot {__version__}.")
 
 
 def characteristics(analysis: HilbertAnalysis, recordings: Sequence[Recording], unit: str) -> list[Block]:

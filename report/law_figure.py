@@ -21,7 +21,8 @@ from ..model.laws import BASE
 from ..model.oscillator import Response
 from ..simulate.core import core_of, internal_step
 from ..simulate.force import force_between
-from .style import AFTER, EXACT, drawing, legend_below, log_ticks, svg
+from .chart import Chart, Panel
+from .style import AFTER, EXACT
 
 #: The rig: 12.7 Hz, 2 % of critical damping, 2.5 % stiffer in frequency at the largest amplitude, 8 mm.
 LENGTH, OMEGA = 8e-3, 79.6
@@ -57,7 +58,7 @@ class Pair:
     def both(self) -> tuple[tuple[Oscillator, dict[str, Any]], ...]:
         """Each with how it is drawn."""
         return (
-            (self.without, {"color": EXACT, "linestyle": "--", "linewidth": 0.9, "label": "without it"}),
+            (self.without, {"color": EXACT, "dash": "--", "width": 0.9, "label": "without it"}),
             (self.having, {"color": AFTER, "label": "with the law"}),
         )
 
@@ -82,52 +83,57 @@ def _size(law: Law, p: LawParameter) -> float:
     return float(np.clip(part * float(probe) * p.natural(SCALES), p.lower, p.upper))
 
 
-def law_figure(law: Law, key: str) -> str:
-    """SVG of three pictures; ``key`` as ``style.svg`` wants it."""
+def law_figure(law: Law, key: str) -> Chart:
+    """Chart of three pictures; ``key`` names it."""
     pair = example(law)
-    with drawing(width=9.6, height=3.1) as figure:
-        axes = figure.subplots(1, 3)
-        if law.path == "environment":
-            _decay(axes[:2], pair)
-            shown = "a decay's frequency and amplitude over time"
-        elif law.force is None or law.path == "inertia":
-            _responses(axes[:2], pair)
-            shown = "the frequency response at two levels"
-        else:
-            _curves(axes[:2], pair)
-            shown = "backbone and damping curve"
-        _spectra(axes[2], pair)
-        handles, labels = axes[0].get_legend_handles_labels()
-        legend_below(figure, handles, labels, columns=len(labels))
-        return svg(figure, key, f"{law.name}: {shown}, and the spectrum that a sine leaves, with the law and without")
+    chart = Chart(key)
+    first, second, third = chart.row(1, 1, 1, height=240)
+    if law.path == "environment":
+        _decay(first, second, pair)
+        shown = "a decay's frequency and amplitude over time"
+    elif law.force is None or law.path == "inertia":
+        _responses(first, second, pair)
+        shown = "the frequency response at two levels"
+    else:
+        _curves(first, second, pair)
+        shown = "backbone and damping curve"
+    _spectra(third, pair)
+    chart.title = f"{law.name}: {shown}, and the spectrum that a sine leaves, with the law and without"
+    return chart
 
 
-def _curves(axes: Any, pair: Pair) -> None:
+def _curves(backbone: Panel, curve: Panel, pair: Pair) -> None:
     amplitude = np.geomspace(0.02, 1.0, 80) * LENGTH
     for model, how in pair.both:
         omega, h = natural_motion(model, amplitude)
-        axes[0].plot(omega / (2 * np.pi), 1e3 * amplitude, **how)
-        axes[1].plot(1e3 * amplitude, h, **how)
-    axes[0].set(title="Backbone", xlabel="Natural frequency [Hz]", ylabel="Amplitude [mm]", ylim=(0, None))
-    axes[1].set(title="Damping curve", xlabel="Amplitude [mm]", ylabel="h [1/s]", xlim=(0, None), ylim=(0, None))
-    low, high = axes[0].get_xlim()
+        backbone.line(omega / (2 * np.pi), 1e3 * amplitude, **how)
+        curve.line(1e3 * amplitude, h, **how)
+    backbone.title, curve.title = "Backbone", "Damping curve"
+    backbone.x.set(label="Natural frequency [Hz]")
+    backbone.y.set(label="Amplitude [mm]", low=0.0)
+    curve.x.set(label="Amplitude [mm]", low=0.0)
+    curve.y.set(label="h [1/s]", low=0.0)
+    low, high = backbone.limits("x")
     if high - low < 0.5:  # a curve that stays is to look so
-        axes[0].set_xlim((low + high) / 2 - 0.25, (low + high) / 2 + 0.25)
+        backbone.x.set(low=(low + high) / 2 - 0.25, high=(low + high) / 2 + 0.25)
 
 
-def _responses(axes: Any, pair: Pair) -> None:
+def _responses(size: Panel, phase: Panel, pair: Pair) -> None:
     for model, how in pair.both:
         for level, width in zip(_LEVELS, (1.5, 0.8), strict=True):
             tone = np.array([fundamental(model, level * FORCE, ratio * OMEGA) for ratio in _RATIOS]) / (level * FORCE)
             share = "full" if level == 1 else "a quarter of the"
-            style = {**how, "linewidth": width, "label": f"{how['label']}, {share} force"}
-            axes[0].plot(_RATIOS * OMEGA / (2 * np.pi), 1e3 * np.abs(tone), **style)
-            axes[1].plot(_RATIOS * OMEGA / (2 * np.pi), np.degrees(np.unwrap(np.angle(tone))), **style)
-    axes[0].set(title="Response over force", xlabel="Frequency [Hz]", ylabel="[mm/N]", ylim=(0, None))
-    axes[1].set(title="Its phase", xlabel="Frequency [Hz]", ylabel="[°]")
+            style = {**how, "width": width, "label": f"{how['label']}, {share} force"}
+            size.line(_RATIOS * OMEGA / (2 * np.pi), 1e3 * np.abs(tone), **style)
+            phase.line(_RATIOS * OMEGA / (2 * np.pi), np.degrees(np.unwrap(np.angle(tone))), **style)
+    size.title, phase.title = "Response over force", "Its phase"
+    for panel in (size, phase):
+        panel.x.set(label="Frequency [Hz]")
+    size.y.set(label="[mm/N]", low=0.0)
+    phase.y.set(label="[°]")
 
 
-def _decay(axes: Any, pair: Pair) -> None:
+def _decay(pace: Panel, size: Panel, pair: Pair) -> None:
     dt = 2 * np.pi / OMEGA / _SAMPLES
     for model, how in pair.both:
         x = _run(model, None, round(SCALES.duration / dt), dt, begin=LENGTH)
@@ -136,19 +142,23 @@ def _decay(axes: Any, pair: Pair) -> None:
         up = np.flatnonzero((x[:-1] < 0) & (x[1:] >= 0))
         crossing = t[up] - dt * x[up] / (x[up + 1] - x[up])
         peak = [np.max(np.abs(x[a:b])) for a, b in pairwise(up)]
-        axes[0].plot(crossing[1:], 1 / np.diff(crossing), **how)
-        axes[1].semilogy(crossing[1:], 1e3 * np.array(peak), **how)
-    log_ticks(axes[1].yaxis)
-    axes[0].set(title="Frequency of a decay", xlabel="Time [s]", ylabel="[Hz]")
-    axes[1].set(title="Its amplitude", xlabel="Time [s]", ylabel="[mm]")
+        pace.line(crossing[1:], 1 / np.diff(crossing), **how)
+        size.line(crossing[1:], 1e3 * np.array(peak), **how)
+    pace.title, size.title = "Frequency of a decay", "Its amplitude"
+    for panel in (pace, size):
+        panel.x.set(label="Time [s]")
+    pace.y.set(label="[Hz]")
+    size.y.set(label="[mm]", log=True)
 
 
-def _spectra(axes: Any, pair: Pair) -> None:
+def _spectra(panel: Panel, pair: Pair) -> None:
     for model, how in pair.both:
         order, level = spectrum(model)
-        axes.plot(order, np.maximum(level, _FLOOR), **{**how, "linewidth": 1.0})
-    axes.set(title="Spectrum under a sine", xlabel="Frequency over the sine's", ylabel="Acceleration [dB]")
-    axes.set(xlim=(0, _HARMONICS + 0.5), ylim=(_FLOOR, 5), xticks=range(1, _HARMONICS + 1))
+        panel.line(order, np.maximum(level, _FLOOR), **{**how, "width": 1.0})
+    panel.title = "Spectrum under a sine"
+    ticks = [(float(n), str(n)) for n in range(1, _HARMONICS + 1)]
+    panel.x.set(label="Frequency over the sine's", low=0.0, high=_HARMONICS + 0.5, names=ticks)
+    panel.y.set(label="Acceleration [dB]", low=_FLOOR, high=5.0)
 
 
 def spectrum(model: Oscillator) -> tuple[np.ndarray, np.ndarray]:

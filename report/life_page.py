@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..change.life_wording import plus_minus, repeatability_told, sentences
 from ..model.display import full_stop, pretty_unit
-from .blocks import Block, Cell, Items, Section, Table, Text, page, picture
+from .blocks import Block, Cell, Items, Page, Section, Table, Text, picture
 from .life_figure import life_figure
 
 if TYPE_CHECKING:
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 _MOST = 12
 
 
-def life_page(lives: Sequence[Life]) -> str:
-    """The page as HTML text: no script, nothing loaded from elsewhere.
+def life_page(lives: Sequence[Life]) -> Page:
+    """The page.
 
     Args:
         lives: one for each rig; those that changed come first.
@@ -32,7 +32,7 @@ def life_page(lives: Sequence[Life]) -> str:
         Section(life.name, tuple(_blocks(life, f"life-{i}", drawn=i < _MOST))) for i, life in enumerate(ordered)
     ]
     title = f"The life of {lives[0].name}" if len(lives) == 1 else "The lives of a fleet"
-    return page(title, sections, lead=lead, footer="Made by dashpot watch.")
+    return Page(title, sections, lead=lead, footer="Made by dashpot watch.")
 
 
 def _first(life: Life) -> Block:

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..model import units
 from ..model.display import Scale, full_stop, number, percent_text, scale_of
 from .blocks import Block, Section, Table, Text, picture
-from .style import BEFORE, GRID, MEASURED, drawing, svg
+from .chart import Box, Chart, Note
+from .style import BEFORE, GRID
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis, Location
@@ -53,8 +54,8 @@ def location_section(diagnosis: Diagnosis) -> Section:
     shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}
     if ranges or shares:
         told = [
-            *(["Left: where the mismatch lies (coloured) within what was recorded (grey)"] if ranges else []),
-            *(["Right: its power by harmonics of the motion (0: its mean)"] if shares else []),
+            *(["Bars: where the mismatch lies (coloured) within what was recorded (grey)"] if ranges else []),
+            *(["Below: its power by harmonics of the motion (0: its mean)"] if shares else []),
         ]
         caption = ". ".join(told if len(told) > 1 else [told[0].partition(": ")[2].capitalize()]) + "."
         blocks.append(picture(lambda: location_figure(ranges, shares), caption))
@@ -104,44 +105,26 @@ def _scale(unit: str, fails: tuple[float, float], whole: tuple[float, float] | N
     return scale_of(unit, np.array([*fails, *(whole or ())]))
 
 
-def location_figure(ranges: list[_Range], shares: dict[int, float], key: str = "location") -> str:
-    """SVG of the ranges as bars one below the other, and of the harmonic shares beside them."""
-    rows = max(len(ranges), 1)
-    with drawing(height=max(0.62 * rows + 0.35, 2.3)) as figure:
-        columns = [2.0, 1.0] if ranges and shares else [1.0]
-        parts = figure.subfigures(1, len(columns), width_ratios=columns, squeeze=False)[0]
-        if ranges:
-            for axes, span in zip(parts[0].subplots(rows, 1, squeeze=False)[:, 0], ranges, strict=True):
-                _bar(axes, span)
-        if shares:
-            axes = parts[-1].subplots()
-            orders = list(shares)[:_MOST_HARMONICS]
-            bars = axes.bar([str(o) for o in orders], [100 * shares[o] for o in orders], color=BEFORE, width=0.6)
-            axes.bar_label(
-                bars,
-                [percent_text(100 * shares[o]) if shares[o] >= _LABELLED else "" for o in orders],
-                padding=2,
-                fontsize=9,
-            )
-            axes.grid(visible=False, axis="x")
-            axes.set_xlabel("Harmonic of the motion [order]")
-            axes.set_ylabel("Share of the mismatch [%]")
-        said = ", ".join(f"{r.name.lower()} {' to '.join(_ends(r.fails, r.scale))} {r.scale.unit}" for r in ranges)
-        return svg(figure, key, f"Where the model fails: {said or 'harmonics'}")
-
-
-def _bar(axes: Any, span: _Range) -> None:
-    low, high = (v * span.scale.factor for v in span.fails)
-    if span.whole is not None:
-        start, stop = (v * span.scale.factor for v in span.whole)
-        axes.barh(0, stop - start, left=start, height=0.5, color=GRID, edgecolor=MEASURED, linewidth=0.6)
-        low_view, high_view = min(start, low), max(stop, high)
-    else:
-        low_view, high_view = low, high
-    axes.barh(0, high - low, left=low, height=0.5, color=BEFORE)
-    margin = 0.02 * (high_view - low_view)
-    axes.set_xlim(low_view - margin, high_view + margin)
-    axes.set_yticks([])
-    axes.grid(visible=False)
-    axes.spines["left"].set_visible(False)
-    axes.set_ylabel(span.scale.label(span.name), rotation=0, ha="right", va="center")
+def location_figure(ranges: list[_Range], shares: dict[int, float], key: str = "location") -> Chart:
+    """Chart of the ranges as bars one below the other, and of the harmonic shares below them."""
+    said = ", ".join(f"{r.name.lower()} {' to '.join(_ends(r.fails, r.scale))} {r.scale.unit}" for r in ranges)
+    chart = Chart(key, f"Where the model fails: {said or 'harmonics'}")
+    for span in ranges:
+        (panel,) = chart.row(1, height=52)
+        low, high = (v * span.scale.factor for v in span.fails)
+        if span.whole is not None:
+            start, stop = (v * span.scale.factor for v in span.whole)
+            panel.marks.append(Box((start, stop), (-0.5, 0.5), GRID, 1.0))
+        panel.marks.append(Box((low, high), (-0.5, 0.5), BEFORE, 1.0))
+        panel.y.set(label=span.scale.label(span.name), names=(), tight=True)
+    if shares:
+        (panel,) = chart.row(1, height=200)
+        orders = list(shares)[:_MOST_HARMONICS]
+        for i, order in enumerate(orders):
+            panel.marks.append(Box((i - 0.3, i + 0.3), (0.0, 100 * shares[order]), BEFORE, 1.0))
+            if shares[order] >= _LABELLED:
+                panel.marks.append(Note(i, 100 * shares[order], percent_text(100 * shares[order]), BEFORE, above=True))
+        panel.x.set(names=[(float(i), str(order)) for i, order in enumerate(orders)], low=-0.7, high=len(orders) - 0.3)
+        panel.x.label = "Harmonic of the motion [order]"
+        panel.y.set(label="Share of the mismatch [%]", low=0.0, high=115 * max(max(shares.values()), 1e-3))
+    return chart

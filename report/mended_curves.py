@@ -13,7 +13,8 @@ from ..model.describing import natural_motion
 from ..model.display import scale_of
 from ..model.library import KNOWN
 from .blocks import Section, Text, picture
-from .style import AFTER, BEFORE, drawing, legend_below, log_ticks, svg
+from .chart import Chart
+from .style import AFTER, BEFORE
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis
@@ -62,20 +63,20 @@ def _reach(diagnosis: Diagnosis) -> tuple[float, float] | None:
 
 def curves_figure(
     before: Oscillator, after: Oscillator | None, low: float, top: float, key: str = "mended-curves"
-) -> str:
-    """SVG of amplitude over natural frequency, and of damping over amplitude.
+) -> Chart:
+    """Chart of amplitude over natural frequency, and of damping over amplitude.
 
     Args:
         before, after: the models; one only where ``after`` is None.
         low, top: amplitudes, in the displacement's unit.
-        key: name of the picture within its page.
+        key: name of the chart within its page.
 
     Raises:
         BadInput: where neither model swings freely at any of these amplitudes.
     """
     amplitude = np.geomspace(low, top, _POINTS)
-    full: dict[str, Any] = {"color": AFTER, "linestyle": "-", "label": "after" if after else "model"}
-    pairs = [(before, {"color": BEFORE, "linestyle": "--", "linewidth": 2.2, "label": "before"} if after else full)]
+    full: dict[str, Any] = {"color": AFTER, "label": "after" if after else "model"}
+    pairs = [(before, {"color": BEFORE, "dash": "--", "width": 2.2, "label": "before"} if after else full)]
     if after is not None:
         pairs.append((after, full))
     scale = scale_of(before.response.displacement_unit, top)
@@ -87,28 +88,22 @@ def curves_figure(
             lines.append((omega / (2 * np.pi), damping, style))
     if not lines:
         raise BadInput("neither model swings freely at the amplitudes recorded")
-    with drawing(height=3.7) as figure:
-        backbone, curve = figure.subplots(1, 2)
-        for frequency, damping, style in lines:
-            backbone.plot(frequency, shown, **style)
-            curve.plot(shown, damping, **style)
-        seen = np.concatenate([frequency for frequency, _, _ in lines])
-        lowest, highest = float(np.nanmin(seen)), float(np.nanmax(seen))
-        margin = 0.06 * (highest - lowest) + _STRAIGHT * highest
-        backbone.set_xlim(lowest - margin, highest + margin)
-        backbone.set_ylim(0, None)
-        backbone.ticklabel_format(axis="x", useOffset=False)
-        backbone.set_xlabel("Frequency [Hz]")
-        backbone.set_ylabel(scale.label("Amplitude"))
-        backbone.set_title("Backbone")
-        curve.set_xscale("log")
-        log_ticks(curve.xaxis)
-        heights = np.concatenate([damping for _, damping, _ in lines])
-        if np.nanmin(heights) >= 0:
-            curve.set_ylim(0, 1.1 * float(np.nanmax(heights)) or 1.0)
-        curve.set_xlabel(scale.label("Amplitude"))
-        curve.set_ylabel("Damping h [1/s]")
-        curve.set_title("Damping curve")
-        legend_below(figure, *backbone.get_legend_handles_labels(), columns=2)
-        title = f"Natural frequency in Hz and damping in 1/s over amplitude in {scale.unit}, before and after"
-        return svg(figure, key, title)
+    title = f"Natural frequency in Hz and damping in 1/s over amplitude in {scale.unit}, before and after"
+    chart = Chart(key, title)
+    backbone, curve = chart.row(1, 1, height=290)
+    for frequency, damping, style in lines:
+        backbone.line(frequency, shown, **style)
+        curve.line(shown, damping, **style)
+    seen = np.concatenate([frequency for frequency, _, _ in lines])
+    lowest, highest = float(np.nanmin(seen)), float(np.nanmax(seen))
+    margin = 0.06 * (highest - lowest) + _STRAIGHT * highest
+    backbone.x.set(label="Frequency [Hz]", low=lowest - margin, high=highest + margin)
+    backbone.y.set(label=scale.label("Amplitude"), low=0.0)
+    backbone.title = "Backbone"
+    heights = np.concatenate([damping for _, damping, _ in lines])
+    if np.nanmin(heights) >= 0:
+        curve.y.set(low=0.0, high=1.1 * float(np.nanmax(heights)) or 1.0)
+    curve.x.set(log=True, label=scale.label("Amplitude"))
+    curve.y.set(label="Damping h [1/s]")
+    curve.title = "Damping curve"
+    return chart

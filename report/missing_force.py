@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -10,7 +10,8 @@ from ..export.render import plain_text
 from ..model import units
 from ..model.display import Scale, scale_of
 from .blocks import Block, Section, Text, picture
-from .style import AFTER, LIGHT, MEASURED, drawing, legend_below, svg
+from .chart import Chart, Panel
+from .style import AFTER, LIGHT, MEASURED
 from .time_history import samples_a_cycle
 
 if TYPE_CHECKING:
@@ -63,41 +64,41 @@ def _rises(latent: LatentForce) -> bool:
     return not known.any() or bool(np.max(np.abs(force[known]) / std[known]) > _SURE)
 
 
-def force_figure(latent: LatentForce, unit: str, key: str = "missing") -> str:
-    """SVG of the missing force over displacement, over velocity and over time.
+def force_figure(latent: LatentForce, unit: str, key: str = "missing") -> Chart:
+    """Chart of the missing force over displacement, over velocity and over time.
 
     Args:
         latent: force with its standard deviation along one recording.
         unit: of the displacement.
-        key: name of the picture within its page.
+        key: name of the chart within its page.
     """
     force, std = np.asarray(latent.force, float), np.asarray(latent.std, float)
     named = None if latent.named is None else np.asarray(latent.named, float)
     up = scale_of(units.compose("X/s2", unit), force)
     name = plain_text(latent.file)
-    with drawing(height=5.6) as figure:
-        axes = figure.subplot_mosaic([["x", "v"], ["t", "t"]])
-        for at, motion, what, symbol in (
-            (axes["x"], latent.displacement, "Displacement", "X"),
-            (axes["v"], latent.velocity, "Velocity", "X/s"),
-        ):
-            across = scale_of(units.compose(symbol, unit), motion)
-            _over(at, np.asarray(motion, float) * across.factor, force, std, named, up)
-            at.set_xlabel(across.label(what))
-            at.set_ylabel(up.label("Force per unit mass"))
-            at.set_title(f"Over {what.lower()}")
-        _stretch(axes["t"], latent, force, std, named, up)
-        axes["t"].set_title(f"Over time, {name}")
-        handles: dict[str, Any] = {}
-        for panel in axes.values():
-            for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-                handles.setdefault(label, handle)
-        legend_below(figure, list(handles.values()), list(handles), columns=4)
-        title = f"{name}: missing force per unit mass in {up.unit} over displacement, velocity and time"
-        return svg(figure, key, title)
+    title = f"{name}: missing force per unit mass in {up.unit} over displacement, velocity and time"
+    chart = Chart(key, title)
+    for panel, motion, what, symbol in zip(
+        chart.row(1, 1),
+        (latent.displacement, latent.velocity),
+        ("Displacement", "Velocity"),
+        ("X", "X/s"),
+        strict=True,
+    ):
+        across = scale_of(units.compose(symbol, unit), motion)
+        _over(panel, np.asarray(motion, float) * across.factor, force, std, named, up)
+        panel.x.set(label=across.label(what))
+        panel.y.set(label=up.label("Force per unit mass"))
+        panel.title = f"Over {what.lower()}"
+    (stretch,) = chart.row(1, height=230)
+    _stretch(stretch, latent, force, std, named, up)
+    stretch.title = f"Over time, {name}"
+    return chart
 
 
-def _over(axes: Any, at: np.ndarray, force: np.ndarray, std: np.ndarray, named: np.ndarray | None, up: Scale) -> None:
+def _over(
+    panel: Panel, at: np.ndarray, force: np.ndarray, std: np.ndarray, named: np.ndarray | None, up: Scale
+) -> None:
     """Means over bins of ``at``; the band of the spread is the standard deviation of what falls into the bin."""
     there = np.isfinite(at) & np.isfinite(force)
     if not there.any():
@@ -121,29 +122,18 @@ def _over(axes: Any, at: np.ndarray, force: np.ndarray, std: np.ndarray, named: 
     centre = mean(force)
     spread = np.sqrt(np.maximum(mean(force**2) / up.factor - (centre / up.factor) ** 2, 0.0)) * up.factor
     error = np.sqrt(np.maximum(mean(std**2) / up.factor, 0.0)) * up.factor
-    axes.fill_between(
-        middle, centre - spread, centre + spread, color=LIGHT, alpha=0.3, linewidth=0, label="spread in the bin"
-    )
-    axes.fill_between(
-        middle, centre - error, centre + error, color=MEASURED, alpha=0.4, linewidth=0, label="± standard error"
-    )
-    axes.plot(middle, centre, **_FOUND)
+    panel.band(middle, centre - spread, centre + spread, LIGHT, "spread in the bin")
+    panel.band(middle, centre - error, centre + error, MEASURED, "± standard error", alpha=0.4)
+    panel.dots(middle, centre, MEASURED, "missing force")
     if named is not None:
-        axes.plot(middle, mean(named), **_NAMED)
+        panel.line(middle, mean(named), AFTER, _NAMED, width=1.6)
 
 
-_FOUND: dict[str, Any] = {
-    "color": MEASURED,
-    "linestyle": "none",
-    "marker": "o",
-    "markersize": 3.0,
-    "label": "missing force",
-}
-_NAMED: dict[str, Any] = {"color": AFTER, "linewidth": 1.6, "label": "named effects"}
+_NAMED = "named effects"
 
 
 def _stretch(
-    axes: Any, latent: LatentForce, force: np.ndarray, std: np.ndarray, named: np.ndarray | None, up: Scale
+    panel: Panel, latent: LatentForce, force: np.ndarray, std: np.ndarray, named: np.ndarray | None, up: Scale
 ) -> None:
     """Some cycles around where the missing force is largest beside its uncertainty."""
     size = np.nan_to_num(np.abs(force - np.nanmedian(force)))
@@ -155,10 +145,9 @@ def _stretch(
     view = slice(start, start + 2 * half + 1, max(1, 2 * half // _POINTS))
     time = np.asarray(latent.time, float)[view]
     centre, error = force[view] * up.factor, np.nan_to_num(std[view]) * up.factor
-    axes.fill_between(time, centre - error, centre + error, color=MEASURED, alpha=0.4, linewidth=0)
-    axes.plot(time, centre, color=MEASURED, linewidth=2.6, alpha=0.45)
+    panel.band(time, centre - error, centre + error, MEASURED, alpha=0.4)
+    panel.line(time, centre, MEASURED, width=2.6, alpha=0.45)
     if named is not None:
-        axes.plot(time, named[view] * up.factor, **_NAMED)
-    axes.margins(x=0)
-    axes.set_xlabel("Time [s]")
-    axes.set_ylabel(up.label("Force per unit mass"))
+        panel.line(time, named[view] * up.factor, AFTER, _NAMED, width=1.6)
+    panel.x.set(label="Time [s]", tight=True)
+    panel.y.set(label=up.label("Force per unit mass"))

@@ -9,8 +9,9 @@ import numpy as np
 
 from ..model.display import full_stop, number, scale_of, times_text
 from .blocks import Block, Section, Table, Text, picture
-from .decimate import draw_signal, envelope
-from .style import AFTER, LIGHT, MEASURED, drawing, log_ticks, svg
+from .chart import Box, Chart
+from .decimate import envelope
+from .style import AFTER, MEASURED
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis, Experiment
@@ -73,33 +74,30 @@ def _facts(plan: Experiment, model: Oscillator) -> tuple[tuple[str, str], ...]:
     return tuple(facts)
 
 
-def experiment_figure(plan: Experiment, unit: str, key: str = "experiment") -> str:
-    """SVG of the force to play over time, and of its amplitude spectral density; ``unit`` is the force's."""
+def experiment_figure(plan: Experiment, unit: str, key: str = "experiment") -> Chart:
+    """Chart of the force to play over time, and of its amplitude spectral density; ``unit`` is the force's."""
     signal = np.nan_to_num(np.asarray(plan.signal, float))
     time = np.arange(signal.size) / plan.fs
     scale = scale_of(unit, signal)
-    with drawing(height=2.7) as figure:
-        over, spectrum = figure.subplots(1, 2, width_ratios=[1.5, 1])
-        draw_signal(over, time, signal * scale.factor, MEASURED)
-        over.set_xlabel("Time [s]")
-        over.set_ylabel(scale.label("Force"))
-        over.set_title("Force to play")
-        f = np.fft.rfftfreq(signal.size, 1 / plan.fs)
-        density = np.abs(np.fft.rfft(signal)) * math.sqrt(2 / (signal.size * plan.fs)) * scale.factor
-        top = float(density.max())
-        low, high = plan.band_hz
-        edge = 1.6 * high if math.isfinite(high) and high > 0 else plan.fs / 2
-        view = f <= max(edge, 4 * f[1])
-        lines = envelope(f[view], density[view], _LINES)  # the strongest line of each stretch
-        spectrum.plot(lines.time, np.where(lines.high > 1e-3 * top, lines.high, np.nan), color=AFTER, linewidth=1.1)
-        if math.isfinite(low) and math.isfinite(high) and high > low:
-            spectrum.axvspan(low, high, color=LIGHT, alpha=0.22, linewidth=0)
-        if top > 0:
-            spectrum.set_yscale("log")
-            spectrum.set_ylim(1e-3 * top, 2 * top)
-            log_ticks(spectrum.yaxis)
-        spectrum.set_xlim(0, f[view][-1])
-        spectrum.set_xlabel("Frequency [Hz]")
-        spectrum.set_ylabel(f"Density [{scale.unit}/√Hz]")
-        spectrum.set_title("Its spectrum")
-        return svg(figure, key, f"Force to play in {scale.unit} over {time[-1]:.4g} s, and its spectrum")
+    chart = Chart(key, f"Force to play in {scale.unit} over {time[-1]:.4g} s, and its spectrum")
+    over, spectrum = chart.row(1.5, 1, height=220)
+    over.line(time, signal * scale.factor, MEASURED, width=0.9)
+    over.x.set(label="Time [s]", tight=True)
+    over.y.set(label=scale.label("Force"))
+    over.title = "Force to play"
+    f = np.fft.rfftfreq(signal.size, 1 / plan.fs)
+    density = np.abs(np.fft.rfft(signal)) * math.sqrt(2 / (signal.size * plan.fs)) * scale.factor
+    top = float(density.max())
+    low, high = plan.band_hz
+    edge = 1.6 * high if math.isfinite(high) and high > 0 else plan.fs / 2
+    view = f <= max(edge, 4 * f[1])
+    if math.isfinite(low) and math.isfinite(high) and high > low:
+        spectrum.marks.append(Box((low, high), None))
+    lines = envelope(f[view], density[view], _LINES)  # the strongest line of each stretch
+    spectrum.line(lines.time, np.where(lines.high > 1e-3 * top, lines.high, np.nan), AFTER, width=1.1)
+    if top > 0:
+        spectrum.y.set(log=True, low=1e-3 * top, high=2 * top)
+    spectrum.x.set(label="Frequency [Hz]", low=0.0, high=float(f[view][-1]))
+    spectrum.y.set(label=f"Density [{scale.unit}/√Hz]")
+    spectrum.title = "Its spectrum"
+    return chart

@@ -13,7 +13,7 @@ from ..model.show import warnings as model_warnings
 from .agreement import agreement_section, verdict
 from .backbone_distance import distance_figure
 from .backbone_figure import backbone_figure, backbone_kind
-from .blocks import Block, Items, Section, Table, Text, page, picture
+from .blocks import Block, Items, Page, Section, Table, Text, picture
 from .characteristics import friction_figure, stiffness_figure
 from .comparison import comparisons
 from .modal_table import modal_table
@@ -40,8 +40,8 @@ def identification_page(
     verification: Verification | None = None,
     truth: Mapping[str, float] | None = None,
     files: Sequence[str] = (),
-) -> str:
-    """The report as HTML text: no script, nothing loaded from elsewhere, the same text for the same results.
+) -> Page:
+    """The report.
 
     Args:
         identification: model, curves, fit and recordings.
@@ -66,7 +66,7 @@ def identification_page(
         Section("Where the numbers come from", tuple(_provenance(identification, files))),
     ]
     footer = f"Made by {model.identified.software or 'dashpot'}."
-    return page(f"Identification of {model.name}", sections, lead=[verdict(shown)], footer=footer)
+    return Page(f"Identification of {model.name}", sections, lead=[verdict(shown)], footer=footer)
 
 
 def _methods(identification: Identification) -> tuple[Table, ...]:

@@ -12,11 +12,12 @@ from ..identify.hilbert.modal_result import ModalFit
 from ..identify.hilbert.static_force import quasi_steady_amplitude
 from ..model.backbone import preload_backbone
 from ..model.display import number, scale_of
-from .blocks import Block, Section, Text, page, picture
+from .blocks import Block, Page, Section, Text, picture
+from .chart import Chart
 from .hilbert_figures import BAND, curves_figure
 from .hilbert_page import characteristics, levels
 from .modal_table import modal_table
-from .style import EXACT, MODEL, drawing, legend_below, svg
+from .style import EXACT, MODEL
 from .time_history import recording_figure
 
 if TYPE_CHECKING:
@@ -33,8 +34,8 @@ def paper_page(
     decays: Sequence[Decay],
     sweep: Recording,
     truth: Mapping[str, float],
-) -> str:
-    """The page as HTML text: Figs. 1 and 3 to 7 of Feldman, Bucher, Rotberg 2009.
+) -> Page:
+    """The page: Figs. 1 and 3 to 7 of Feldman, Bucher, Rotberg 2009.
 
     Args:
         analysis: of both recordings.
@@ -59,7 +60,7 @@ def paper_page(
         "the printed parameters in SI, 1 µm of sensor noise and 0.1 % of force noise. docs/paper.md has the equations "
         "and errata."
     )
-    return page("The paper's figures", sections, lead=[lead], footer=f"Made by dashpot {__version__}.", numbered=False)
+    return Page("The paper's figures", sections, lead=[lead], footer=f"Made by dashpot {__version__}.", numbered=False)
 
 
 def sweep_is_slow(analysis: HilbertAnalysis) -> float:
@@ -110,14 +111,14 @@ _REACH = 6.0
 TWICE = float(np.sqrt(2.0) - 1.0)
 
 
-def preload_figure(omega0: float, preload: float, mass: float, key: str = "preload") -> str:
-    """SVG of the static force over displacement, and of Eq. 1 with the amplitude at which it has doubled.
+def preload_figure(omega0: float, preload: float, mass: float, key: str = "preload") -> Chart:
+    """Chart of the static force over displacement, and of Eq. 1 with the amplitude at which it has doubled.
 
     Args:
         omega0: rad/s.
         preload: F0/m, m/s².
         mass: kg.
-        key: name of the picture within its page.
+        key: name of the chart within its page.
     """
     unit = preload / omega0**2
     x = np.concatenate([-np.linspace(_REACH, 0, 60), np.linspace(0, _REACH, 60)]) * unit
@@ -125,24 +126,17 @@ def preload_figure(omega0: float, preload: float, mass: float, key: str = "prelo
     force = mass * (omega0**2 * x + preload * sign)
     across, up = scale_of("m", x), scale_of("N", force)
     a = np.geomspace(0.02, _REACH, 240) * unit
-    with drawing(height=3.3) as figure:
-        static, backbone = figure.subplots(1, 2)
-        static.plot(x * across.factor, force * up.factor, color=MODEL, label="preloaded spring")
-        static.plot(
-            x * across.factor, mass * omega0**2 * x * up.factor, "--", color=EXACT, lw=0.9, label="without preload"
-        )
-        static.set_xlabel(across.label("Displacement"))
-        static.set_ylabel(up.label("Force"))
-        static.set_title("Static force")
-        backbone.plot(preload_backbone(omega0, preload, a) / omega0, a * across.factor, color=MODEL)
-        backbone.axvline(1.0, color=EXACT, linestyle="--", linewidth=0.9)
-        backbone.plot([2.0], [TWICE * unit * across.factor], "o", color=EXACT, label="doubled, at 0.414 F0/k")
-        backbone.set_xlim(0.9, 4.0)
-        backbone.set_ylim(0, None)
-        backbone.set_xlabel("ω/ω₀")
-        backbone.set_ylabel(across.label("Amplitude"))
-        backbone.set_title("Backbone, Eq. 1")
-        handles, labels = static.get_legend_handles_labels()
-        more, words = backbone.get_legend_handles_labels()
-        legend_below(figure, handles + more, labels + words, columns=3)
-        return svg(figure, key, "Preloaded spring: force over displacement, and amplitude over natural frequency")
+    chart = Chart(key, "Preloaded spring: force over displacement, and amplitude over natural frequency")
+    static, backbone = chart.row(1, 1)
+    static.line(x * across.factor, force * up.factor, MODEL, "preloaded spring")
+    static.line(x * across.factor, mass * omega0**2 * x * up.factor, EXACT, "without preload", dash="--", width=0.9)
+    static.x.set(label=across.label("Displacement"))
+    static.y.set(label=up.label("Force"))
+    static.title = "Static force"
+    backbone.line(preload_backbone(omega0, preload, a) / omega0, a * across.factor, MODEL)
+    backbone.rule(1.0, EXACT, width=0.9, upright=True)
+    backbone.dots([2.0], [TWICE * unit * across.factor], EXACT, "doubled, at 0.414 F0/k", size=5.0)
+    backbone.x.set(label="ω/ω₀", low=0.9, high=4.0)
+    backbone.y.set(label=across.label("Amplitude"), low=0.0)
+    backbone.title = "Backbone, Eq. 1"
+    return chart

@@ -6,8 +6,9 @@ import numpy as np
 
 from ..export.render import plain_text
 from ..model.display import scale_of
+from .chart import Chart
 from .comparison import Comparison
-from .style import EXACT, MEASURED, MODEL, drawing, legend_below, log_ticks, svg
+from .style import EXACT, MEASURED, MODEL
 
 #: Resolution: this many lines below the natural frequency.
 _LINES = 40
@@ -16,14 +17,14 @@ _HIGHEST = 6.0
 
 def spectrum_figure(
     comparison: Comparison, natural: float, unit: str, key: str = "spectrum", source: str = "model"
-) -> str:
-    """SVG of two amplitude spectral densities, in the response's unit per root hertz.
+) -> Chart:
+    """Chart of two amplitude spectral densities, in the response's unit per root hertz.
 
     Args:
         comparison: the recording.
         natural: natural frequency, Hz; the picture reaches to six times that.
         unit: of the response.
-        key: name of the picture within its page.
+        key: name of the chart within its page.
         source: what simulated.
     """
     name = plain_text(comparison.name)
@@ -32,20 +33,17 @@ def spectrum_figure(
     _, rest = spectral_density(comparison.residual, fs, natural)
     scale = scale_of(unit, density)
     per_root = f"{scale.unit}/√Hz"
-    with drawing(height=2.9) as figure:
-        axes = figure.subplots()
-        axes.semilogy(f, density * scale.factor, color=MEASURED, label="measured response", linewidth=1.1)
-        axes.semilogy(f, rest * scale.factor, color=MODEL, label=f"{source} − measured")
-        white = comparison.sensor_rms / np.sqrt(fs / 2) * scale.factor
-        if white > 0:
-            axes.axhline(white, color=EXACT, linestyle="--", linewidth=1.1, label="sensor noise")
-        axes.margins(x=0)
-        log_ticks(axes.yaxis)
-        axes.set_xlabel("Frequency [Hz]")
-        axes.set_ylabel(f"Spectral density [{per_root}]")
-        axes.set_title(name)
-        legend_below(figure, *axes.get_legend_handles_labels(), columns=3)
-        return svg(figure, key, f"{name}: spectral density of response and residual in {per_root}")
+    chart = Chart(key, f"{name}: spectral density of response and residual in {per_root}")
+    (panel,) = chart.row(1, height=230)
+    panel.line(f, density * scale.factor, MEASURED, "measured response", width=1.1)
+    panel.line(f, rest * scale.factor, MODEL, f"{source} − measured")
+    white = comparison.sensor_rms / np.sqrt(fs / 2) * scale.factor
+    if white > 0:
+        panel.rule(white, EXACT, "sensor noise")
+    panel.x.set(label="Frequency [Hz]", tight=True)
+    panel.y.set(label=f"Spectral density [{per_root}]", log=True)
+    panel.title = name
+    return chart
 
 
 def spectral_density(signal: np.ndarray, fs: float, natural: float) -> tuple[np.ndarray, np.ndarray]:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from html import escape
 
-from .style import GRID, LIGHT, MEASURED, MODEL
+from .style import GRID, LIGHT, MEASURED, MODEL, ROLES
 
 _WIDTH, _HEIGHT = 120.0, 26.0
 
@@ -26,7 +26,7 @@ def _band(sizes: Sequence[float], color: str) -> str:
     heights = [max(0.3, min(size, 1.0) * (middle - 1)) for size in sizes]
     upper = [f"{(i + 0.5) * step:.1f},{middle - h:.1f}" for i, h in enumerate(heights)]
     lower = [f"{(i + 0.5) * step:.1f},{middle + h:.1f}" for i, h in reversed(list(enumerate(heights)))]
-    return f'<polygon points="{" ".join(upper + lower)}" fill="{color}"/>'
+    return f'<polygon points="{" ".join(upper + lower)}" style="fill:var(--{ROLES[color]})"/>'
 
 
 def value_sparkline(values: Sequence[float | None], title: str) -> str:
@@ -41,8 +41,8 @@ def value_sparkline(values: Sequence[float | None], title: str) -> str:
         for i, value in enumerate(values)
         if value is not None and math.isfinite(value)
     ]
-    base = f'<path d="M0 {_HEIGHT - 1}H{_WIDTH}" stroke="{GRID}"/>'
-    return _svg(f'{base}<g fill="{MEASURED}">{"".join(dots)}</g>', title)
+    base = f'<path d="M0 {_HEIGHT - 1}H{_WIDTH}" style="stroke:var(--{ROLES[GRID]})"/>'
+    return _svg(f'{base}<g style="fill:var(--{ROLES[MEASURED]})">{"".join(dots)}</g>', title)
 
 
 def _svg(inner: str, title: str) -> str:

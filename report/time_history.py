@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..export.render import plain_text
 from ..model.display import Scale, scale_of
+from .chart import Box, Chart, Panel
 from .comparison import Comparison
-from .decimate import draw_signal, envelope
-from .style import EXACT, FREE, LIGHT, MEASURED, MODEL, drawing, legend_below, svg
+from .decimate import envelope
+from .style import EXACT, FREE, MEASURED, MODEL
 
 if TYPE_CHECKING:
     from ..identify.motion.decays import Decay
@@ -21,76 +22,69 @@ if TYPE_CHECKING:
 _CYCLES = 7.0
 
 
-def recording_figure(recording: Recording, decays: Sequence[Decay] = (), key: str = "recording") -> str:
-    """SVG of force and response over time, free decays shaded; ``key`` names the picture within its page."""
+def recording_figure(recording: Recording, decays: Sequence[Decay] = (), key: str = "recording") -> Chart:
+    """Chart of force and response over time, free decays shaded; ``key`` names it within its page."""
     name = plain_text(recording.name)
     time, response = recording.time, np.asarray(recording.response, float)
-    forced = recording.force is not None and np.ptp(recording.force) > 0
-    with drawing(height=3.9 if forced else 2.6) as figure:
-        rows = figure.subplots(2 if forced else 1, 1, sharex=True, squeeze=False)[:, 0]
-        if forced and recording.force is not None:
-            force = np.asarray(recording.force, float)
-            scale = scale_of(recording.force_unit, force)
-            draw_signal(rows[0], time, force * scale.factor, MEASURED)
-            rows[0].set_ylabel(scale.label("Force"))
-        scale = scale_of(recording.unit, response)
-        draw_signal(rows[-1], time, response * scale.factor, FREE)
-        rows[-1].set_ylabel(scale.label(recording.quantity.capitalize()))
-        rows[-1].set_xlabel("Time [s]")
-        for axes in rows:
-            for decay in decays:
-                start, stop = (recording.start + i / recording.fs for i in (decay.start, decay.stop))
-                axes.axvspan(start, stop, color=LIGHT, alpha=0.22, linewidth=0)
-        note = f", {_count(len(decays), 'free decay')} shaded" if decays else ""
-        rows[0].set_title(name + note)
-        what = "force and response" if forced else "response"
-        return svg(figure, key, f"{name}: measured {what} over {recording.duration:.4g} s{note}")
+    shown = [(response, recording.unit, recording.quantity.capitalize(), FREE)]
+    if recording.force is not None and np.ptp(recording.force) > 0:
+        shown.insert(0, (np.asarray(recording.force, float), recording.force_unit, "Force", MEASURED))
+    chart = Chart(key, linked=True)
+    for signal, unit, what, color in shown:
+        (panel,) = chart.row(1, height=170 if len(shown) > 1 else 220)
+        for decay in decays:
+            start, stop = (recording.start + i / recording.fs for i in (decay.start, decay.stop))
+            panel.marks.append(Box((start, stop), None))
+        scale = scale_of(unit, signal)
+        panel.line(time, signal * scale.factor, color, width=0.9)
+        panel.y.set(label=scale.label(what))
+        panel.x.set(label="Time [s]", tight=True)
+    note = f", {_count(len(decays), 'free decay')} shaded" if decays else ""
+    chart.panels[0].title = name + note
+    what = "force and response" if len(shown) > 1 else "response"
+    chart.title = f"{name}: measured {what} over {recording.duration:.4g} s{note}"
+    return chart
 
 
 def agreement_figure(
     comparison: Comparison, quantity: str, unit: str, key: str = "agreement", source: str = "model"
-) -> str:
-    """SVG of measured and simulated response where they are largest, and of their difference throughout.
+) -> Chart:
+    """Chart of measured and simulated response where they are largest, and of their difference throughout.
 
     Args:
         comparison: the recording.
         quantity, unit: of the response.
-        key: name of the picture within its page.
+        key: name of the chart within its page.
         source: what simulated: ``model`` or ``FMU``.
     """
     name = plain_text(comparison.name)
     residual = comparison.residual
     scale = scale_of(unit, comparison.measured)
     fine = scale_of(unit, residual)
-    with drawing(height=3.3) as figure:
-        close, rest = figure.subplots(1, 2, width_ratios=[1, 1.25])
-        _close_view(close, comparison, scale, source)
-        close.set_ylabel(scale.label(quantity.capitalize()))
-        close.set_title("Where the motion is largest")
-        # at least half a cycle each: the rms of less would itself swing
-        cycle = samples_a_cycle(comparison.measured, _peak(comparison))
-        bins = int(np.clip(2 * comparison.measured.size / cycle, 20, 500))
-        band = envelope(comparison.time, residual * fine.factor, bins)
-        rest.fill_between(
-            band.time, band.low, band.high, color=MODEL, alpha=0.35, linewidth=0, label="residual, extremes"
-        )
-        rest.plot(band.time, band.rms, color=MODEL, linewidth=0.9, label="residual, rms")
-        level = comparison.noise_rms * fine.factor
-        floor = "noise floor, rms" if comparison.full_floor else "sensor noise, rms"
-        rest.axhline(level, color=EXACT, linestyle="--", linewidth=1.1, label=floor)
-        rest.set_xlim(comparison.time[0], comparison.time[-1] + 1 / comparison.fs)
-        rest.set_ylabel(fine.label(f"{source[0].upper()}{source[1:]} − measured"))
-        rest.set_title(f"What the {source} leaves")
-        for axes in (close, rest):
-            axes.set_xlabel("Time [s]")
-        handles, labels = close.get_legend_handles_labels()
-        more, words = rest.get_legend_handles_labels()
-        legend_below(figure, handles + more, labels + words, columns=5)
-        title = f"{name}: measured and simulated response in {scale.unit}, and their difference in {fine.unit}"
-        return svg(figure, key, title)
+    chart = Chart(key)
+    close, rest = chart.row(1, 1.25)
+    _close_view(close, comparison, scale, source)
+    close.y.set(label=scale.label(quantity.capitalize()))
+    close.title = "Where the motion is largest"
+    # at least half a cycle each: the rms of less would itself swing
+    cycle = samples_a_cycle(comparison.measured, _peak(comparison))
+    bins = int(np.clip(2 * comparison.measured.size / cycle, 20, 500))
+    band = envelope(comparison.time, residual * fine.factor, bins)
+    rest.band(band.time, band.low, band.high, MODEL, "residual, extremes", alpha=0.35)
+    rest.line(band.time, band.rms, MODEL, "residual, rms", width=0.9)
+    level = comparison.noise_rms * fine.factor
+    floor = "noise floor, rms" if comparison.full_floor else "sensor noise, rms"
+    rest.rule(level, EXACT, floor)
+    rest.x.set(low=float(comparison.time[0]), high=float(comparison.time[-1] + 1 / comparison.fs))
+    rest.y.set(label=fine.label(f"{source[0].upper()}{source[1:]} − measured"))
+    rest.title = f"What the {source} leaves"
+    for panel in (close, rest):
+        panel.x.set(label="Time [s]")
+    chart.title = f"{name}: measured and simulated response in {scale.unit}, and their difference in {fine.unit}"
+    return chart
 
 
-def _close_view(axes: Any, comparison: Comparison, scale: Scale, source: str) -> None:
+def _close_view(panel: Panel, comparison: Comparison, scale: Scale, source: str) -> None:
     peak = _peak(comparison)
     half = int(_CYCLES / 2 * samples_a_cycle(comparison.measured, peak))
     first = int(np.argmax(np.isfinite(comparison.simulated)))
@@ -100,11 +94,9 @@ def _close_view(axes: Any, comparison: Comparison, scale: Scale, source: str) ->
     time, measured, simulated = (
         y[view] for y in (comparison.time, comparison.measured * scale.factor, comparison.simulated * scale.factor)
     )
-    axes.plot(
-        time[::step], measured[::step], linestyle="none", marker="o", markersize=2.4, color=MEASURED, label="measured"
-    )
-    axes.plot(time, simulated, color=MODEL, linewidth=1.2, label=source)
-    axes.margins(x=0)
+    panel.line(time, simulated, MODEL, source, width=1.2)
+    panel.dots(time[::step], measured[::step], MEASURED, "measured", size=2.4)
+    panel.x.set(tight=True)
 
 
 def _peak(comparison: Comparison) -> int:

@@ -9,16 +9,17 @@ import numpy as np
 from ..export.render import plain_text
 from ..model.display import full_stop, number, scale_of
 from .agreement import agreement_section, verdict
-from .blocks import Block, Items, Section, Table, Text, page, picture
+from .blocks import Block, Items, Page, Section, Table, Text, picture
+from .chart import Chart
 from .comparison import of_verification
-from .style import MEASURED, MODEL, drawing, legend_below, svg
+from .style import MEASURED, MODEL
 
 if TYPE_CHECKING:
     from ..verify.verification import RecordingCheck, Verification
 
 
-def verification_page(verification: Verification) -> str:
-    """The report as HTML text: no script, nothing loaded from elsewhere, the same text for the same results.
+def verification_page(verification: Verification) -> Page:
+    """The report.
 
     Args:
         verification: the FMU's runs along the recordings.
@@ -30,7 +31,7 @@ def verification_page(verification: Verification) -> str:
         Section("Backbones", tuple(_backbones(verification))),
         Section("How it was judged", tuple(_judged(verification))),
     ]
-    return page(
+    return Page(
         f"Verification of {verification.fmu}", sections, lead=[verdict(shown)], footer="Made by dashpot verify."
     )
 
@@ -52,24 +53,18 @@ def _backbones(verification: Verification) -> list[Block]:
     ]
 
 
-def _backbone_figure(check: RecordingCheck, key: str) -> str:
+def _backbone_figure(check: RecordingCheck, key: str) -> Chart:
     scale = scale_of(
         check.response.displacement_unit, np.concatenate([b.amplitude for pair in check.backbones for b in pair])
     )
-    with drawing(height=3.4) as figure:
-        axes = figure.subplots()
-        for i, (recorded, simulated) in enumerate(check.backbones):
-            for backbone, label, style in (
-                (recorded, "recording", {"color": MEASURED, "linewidth": 2.2}),
-                (simulated, "FMU", {"color": MODEL, "linestyle": "--"}),
-            ):
-                axes.plot(
-                    backbone.amplitude * scale.factor, backbone.frequency, label=label if i == 0 else None, **style
-                )
-        axes.set_xlabel(scale.label("Amplitude"))
-        axes.set_ylabel("Natural frequency [Hz]")
-        legend_below(figure, *axes.get_legend_handles_labels(), columns=2)
-        return svg(figure, key, f"Natural frequency in Hz over amplitude in {scale.unit}, of recording and FMU")
+    chart = Chart(key, f"Natural frequency in Hz over amplitude in {scale.unit}, of recording and FMU")
+    (panel,) = chart.row(1)
+    for recorded, simulated in check.backbones:
+        panel.line(recorded.amplitude * scale.factor, recorded.frequency, MEASURED, "recording", width=2.2)
+        panel.line(simulated.amplitude * scale.factor, simulated.frequency, MODEL, "FMU", dash="--")
+    panel.x.set(label=scale.label("Amplitude"))
+    panel.y.set(label="Natural frequency [Hz]")
+    return chart
 
 
 def _judged(verification: Verification) -> list[Block]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from dashpot.report.blocks import Block, Cell, Items, Section, Table, Text, page, picture
+from dashpot.report.blocks import Block, Cell, Items, Page, Section, Table, Text, picture
 
 from .compare import broken, percent
 from .entry import Entry
@@ -43,7 +43,7 @@ def gallery_page(outcomes: Mapping[str, Outcome], entries: Mapping[str, Entry], 
     if sentences:
         lead += [Text("Bounds that are broken:", "bad"), Items(tuple(sentences))]
     sections = [_section(entries[name], outcome, folder / name) for name, outcome in outcomes.items()]
-    return page("Recordings of other people", sections, lead=lead)
+    return Page("Recordings of other people", sections, lead=lead).html
 
 
 def _row(entry: Entry, outcome: Outcome) -> tuple[str | Cell, ...]:

@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from dashpot.report.chart import Chart, Panel
 from dashpot.report.decimate import envelope
-from dashpot.report.style import AFTER, BEFORE, FORCED, MEASURED, drawing, log_ticks, svg
+from dashpot.report.style import AFTER, BEFORE, FORCED, MEASURED
 
 from . import inputs
 from .entry import Entry, Piece
 from .examine import simulated_file
 
-#: Cycles of the motion that are drawn one by one, and points that a line has at most.
+#: Cycles of the motion that are drawn one by one.
 _CYCLES = 8.0
-_POINTS = 1500
 _BINS = 500
 #: File, legend, colour, line.
 _RUNS = (
@@ -25,57 +25,35 @@ _RUNS = (
 )
 
 
-def draw(entry: Entry, piece: Piece, work: Path) -> str:
-    """The picture as SVG, from the files that the commands and the plain fit left in `work`."""
-    with drawing(height=7.6) as figure:
-        paint(figure, entry, piece, work)
-        return svg(
-            figure, f"{entry.name}-{piece.file.partition('.')[0]}".replace("_", "-"), f"{entry.title}: {piece.file}"
-        )
-
-
-def paint(figure: Any, entry: Entry, piece: Piece, work: Path) -> None:
-    """Draw on a matplotlib figure: the whole recording, what each run leaves of it, and the largest motion."""
+def draw(entry: Entry, piece: Piece, work: Path) -> Chart:
+    """The whole recording, what each run leaves of it, and the largest motion: from what stands in `work`."""
+    key = f"{entry.name}-{piece.file.partition('.')[0]}".replace("_", "-")
+    chart = Chart(key, f"{entry.title}: {piece.file}")
     time, measured = _measured(entry, work / piece.file)
     runs = {name: _run(work / simulated_file(name, piece), time, measured) for name, *_ in _RUNS}
-    whole, rest, near = figure.subplots(3, 1)
+    (whole,), (rest,), (near,) = (chart.row(1, height=190) for _ in range(3))
     band = envelope(time, measured - np.median(measured), _BINS)
-    whole.fill_between(band.time, band.low, band.high, color=MEASURED, alpha=0.35, linewidth=0, label="measured")
-    whole.set_xlabel("Time [s]")
+    whole.band(band.time, band.low, band.high, MEASURED, "measured", alpha=0.35)
     limit = 1.3 * float(np.max(np.abs(measured - np.median(measured))))
     _line(rest, band.time, band.rms, limit, color=MEASURED, alpha=0.5, label="measured")
-    for name, words, colour, line in _RUNS:
+    for name, words, colour, dash in _RUNS:
         if (run := runs[name]) is not None:
             remainder = envelope(run[0], run[2] - run[1], _BINS)
-            _line(rest, remainder.time, remainder.rms, limit, linestyle=line, color=colour, label=f"left by: {words}")
-    rest.set_yscale("log")
-    rest.set_ylim(top=20 * limit)  # room for the legend
-    log_ticks(rest.yaxis)
-    rest.set_xlim(whole.get_xlim())
-    rest.set_xlabel("Time [s] (rms)")
+            _line(rest, remainder.time, remainder.rms, limit, dash=dash, color=colour, label=f"left by: {words}")
+    rest.y.set(log=True)
+    low, high = whole.limits("x")
+    rest.x.set(low=low, high=high)
+    whole.x.label, rest.x.label, near.x.label = "Time [s]", "Time [s] (rms)", "Time [s]"
     begin, end = _largest(time, measured, runs)
-    for at, signal, words, colour, line in (
-        (time, measured, "measured", MEASURED, "-"),
-        *(
-            (run[0], run[2], words, colour, line)
-            for name, words, colour, line in _RUNS
-            if (run := runs[name]) is not None
-        ),
-    ):
+    drawn: list[tuple[np.ndarray, np.ndarray, str, str, Any]] = [(time, measured, "measured", MEASURED, "-")]
+    drawn += [(run[0], run[2], *words) for name, *words in _RUNS if (run := runs[name]) is not None]
+    for at, signal, words, colour, dash in drawn:
         seen = np.flatnonzero((at >= begin) & (at <= end))
-        seen = seen[:: max(1, seen.size // _POINTS)]
-        near.plot(
-            at[seen],
-            np.where(np.abs(signal[seen]) < 1e3 * limit, signal[seen], np.nan),
-            line,
-            color=colour,
-            label=words,
-        )
+        shown = np.where(np.abs(signal[seen]) < 1e3 * limit, signal[seen], np.nan)
+        near.line(at[seen], shown, colour, words, dash=dash)
     centre = float(np.median(measured))
-    near.set_ylim(centre - limit, centre + limit)
-    near.set_xlabel("Time [s]")
-    for axis in (whole, rest, near):
-        axis.legend(loc="upper right", ncols=4)
+    near.y.set(low=centre - limit, high=centre + limit)
+    return chart
 
 
 def _measured(entry: Entry, path: Path) -> tuple[np.ndarray, np.ndarray]:
@@ -87,9 +65,9 @@ def _measured(entry: Entry, path: Path) -> tuple[np.ndarray, np.ndarray]:
     return np.arange(response.size) * dt, response
 
 
-def _line(axis: Any, time: np.ndarray, rms: np.ndarray, limit: float, **look: Any) -> None:
+def _line(panel: Panel, time: np.ndarray, rms: np.ndarray, limit: float, **look: Any) -> None:
     """A rms on a logarithmic axis: what is zero or has run away is left out."""
-    axis.plot(time, np.where((rms > 0) & (rms < 1e3 * limit), rms, np.nan), **look)
+    panel.line(time, np.where((rms > 0) & (rms < 1e3 * limit), rms, np.nan), **look)
 
 
 def _run(path: Path, time: np.ndarray, measured: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray] | None:

@@ -72,12 +72,13 @@ def on_files(files: Files, *, config: MkDocsConfig) -> Files:
     """Add the pages of laws, and what pages name outside docs/."""
     from dashpot.report.law_figure import law_figure
     from dashpot.report.law_page import law_page, laws, page_name
+    from dashpot.report.matplotlib_figure import drawn
 
     for origin, uri in ELSEWHERE.items():
         files.append(File.generated(config, uri, content=(ROOT / origin).read_text("utf-8")))
     for law in laws():
         name = page_name(law)
-        picture = law_figure(law, name)
+        picture = drawn(law_figure(law, name), "svg")
         files.append(File.generated(config, f"library/{name}.md", content=law_page(law, f"{name}.svg")))
         files.append(File.generated(config, f"library/{name}.svg", content=picture))
     named = {

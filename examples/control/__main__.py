@@ -7,9 +7,10 @@ from pathlib import Path
 
 import numpy as np
 
-from ...files.writing import write
 from ...model import Oscillator
-from ...report.style import AFTER, BEFORE, EXACT, MEASURED, drawing, svg
+from ...report.chart import Chart, Panel
+from ...report.matplotlib_figure import save
+from ...report.style import AFTER, BEFORE, EXACT, MEASURED
 from ..identified import folder_named, identified
 from . import damping, tracking
 
@@ -25,21 +26,18 @@ def main(arguments: list[str]) -> None:
     )
     model, fmu = identified(folder)
     picture, sentences = compare(model, fmu, folder)
-    write(folder / "control.svg", picture)
+    save(picture, folder / "control.svg")
     print("\n".join([*sentences, f"written: {folder / 'control.svg'}"]))
 
 
-def compare(model: Oscillator, fmu: Path, folder: Path, seconds: float = 0.6) -> tuple[str, list[str]]:
-    """SVG of both experiments, and what came out in a sentence each."""
-    with drawing(height=5.6) as figure:
-        rows = figure.subplots(2, 2, sharex="row")
-        sentences = [_tracking(rows[0], model, fmu, folder, seconds), _damping(rows[1], model, fmu)]
-        return svg(
-            figure, "control", "Tracking error of two predictive controllers; damping by two regulators"
-        ), sentences
+def compare(model: Oscillator, fmu: Path, folder: Path, seconds: float = 0.6) -> tuple[Chart, list[str]]:
+    """A chart of both experiments, and what came out in a sentence each."""
+    chart = Chart("control", "Tracking error of two predictive controllers; damping by two regulators")
+    above, below = chart.row(1, 1, height=230), chart.row(1, 1, height=230)
+    return chart, [_tracking(*above, model, fmu, folder, seconds), _damping(*below, model, fmu)]
 
 
-def _tracking(axes, model: Oscillator, fmu: Path, folder: Path, seconds: float) -> str:
+def _tracking(path: Panel, missed: Panel, model: Oscillator, fmu: Path, folder: Path, seconds: float) -> str:
     errors = {}
     for name, linear, color in (("linear", True, BEFORE), ("nonlinear", False, AFTER)):
         force = tracking.controller(tracking.predictor(model, folder, linear=linear))
@@ -47,20 +45,20 @@ def _tracking(axes, model: Oscillator, fmu: Path, folder: Path, seconds: float) 
         t = tracking.SAMPLE * np.arange(x.size)
         error = x - tracking.reference(t)
         errors[name] = float(np.max(np.abs(error[t >= TURN_ON]))) / tracking.AMPLITUDE
-        axes[0].plot(t, 1e3 * x, color=color)
-        axes[1].plot(t[t >= TURN_ON], 1e6 * error[t >= TURN_ON], color=color, label=f"{name} prediction")
-    axes[0].plot(t, 1e3 * tracking.reference(t), "--", color=EXACT, lw=0.9, label="reference")
-    axes[0].set(title="Model predictive control", xlabel="Time [s]", ylabel="Displacement [mm]")
-    axes[1].set(title="What it misses the reference by", xlabel="Time [s]", ylabel="Error [µm]")
-    axes[1].set_ylim(-1.5 * axes[1].get_ylim()[1], None)  # room for the legend
-    axes[1].legend(loc="lower center", ncols=2)
+        path.line(t, 1e3 * x, color)
+        missed.line(t[t >= TURN_ON], 1e6 * error[t >= TURN_ON], color, f"{name} prediction")
+    path.line(t, 1e3 * tracking.reference(t), EXACT, "reference", dash="--", width=0.9)
+    path.title, missed.title = "Model predictive control", "What it misses the reference by"
+    for panel, label in ((path, "Displacement [mm]"), (missed, "Error [µm]")):
+        panel.x.set(label="Time [s]")
+        panel.y.set(label=label)
     return (
         f"model predictive control of {1e3 * tracking.AMPLITUDE:g} mm at {tracking.FREQUENCY:g} Hz: largest error "
         f"{100 * errors['linear']:.2g} % of the amplitude by the linear model, {100 * errors['nonlinear']:.2g} % by all"
     )
 
 
-def _damping(axes, model: Oscillator, fmu: Path) -> str:
+def _damping(motion: Panel, missed: Panel, model: Oscillator, fmu: Path) -> str:
     settled = {}
     designs = (
         ("free", None, MEASURED),
@@ -70,17 +68,17 @@ def _damping(axes, model: Oscillator, fmu: Path) -> str:
     for name, pair, color in designs:
         states, known = damping.run(fmu, None if pair is None else damping.regulator(*pair))
         t = damping.SAMPLE * np.arange(len(states))
-        axes[0].plot(t, 1e3 * states[:, 0], color=color, label=name, lw=0.8 if pair is None else None)
+        motion.line(t, 1e3 * states[:, 0], color, name, width=0.8 if pair is None else 1.4)
         settled[name] = 1e3 * float(t[np.flatnonzero(np.abs(states[:, 0]) > 0.1 * damping.START)[-1]])
         if pair is not None:
-            axes[1].plot(t, 1e3 * (known - states)[:, 1], color=color)
-    axes[0].set(title="LQR with a Kalman filter", xlabel="Time [s]", ylabel="Displacement [mm]")
-    axes[0].set_ylim(-1.0, None)
-    axes[0].legend(loc="lower right")
-    axes[1].set(title="What the filter takes the velocity wrong by", xlabel="Time [s]", ylabel="Error [mm/s]")
-    rest, motion = settled["designed at rest"], settled["designed about the motion"]
+            missed.line(t, 1e3 * (known - states)[:, 1], color)
+    motion.title, missed.title = "LQR with a Kalman filter", "What the filter takes the velocity wrong by"
+    for panel, label in ((motion, "Displacement [mm]"), (missed, "Error [mm/s]")):
+        panel.x.set(label="Time [s]")
+        panel.y.set(label=label)
+    rest, about = settled["designed at rest"], settled["designed about the motion"]
     return (
-        f"LQR with a Kalman filter from {1e3 * damping.START:g} mm: below a tenth after {motion:.0f} ms where it was "
+        f"LQR with a Kalman filter from {1e3 * damping.START:g} mm: below a tenth after {about:.0f} ms where it was "
         f"designed about the motion, {rest:.0f} ms at rest, {settled['free']:.0f} ms or more free"
     )
 

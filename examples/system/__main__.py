@@ -7,8 +7,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ...files.writing import write
-from ...report.style import AFTER, BEFORE, EXACT, FORCED, MEASURED, drawing, log_ticks, svg
+from ...report.chart import Chart
+from ...report.matplotlib_figure import save
+from ...report.style import AFTER, BEFORE, EXACT, FORCED, MEASURED
 from ..identified import folder_named, identified
 from .coupled import WAYS, Rig, coupled
 
@@ -24,38 +25,32 @@ def main(arguments: list[str]) -> None:
         arguments, "system", "Two rigs coupled through a spring, told in four ways and damped; draws system.svg."
     )
     picture, sentences = compare(identified(folder)[1])
-    write(folder / "system.svg", picture)
+    save(picture, folder / "system.svg")
     print("\n".join([*sentences, f"written: {folder / 'system.svg'}"]))
 
 
-def compare(fmu: Path, seconds: float = 1.0) -> tuple[str, list[str]]:
-    """SVG of the errors and of the controlled motion, and the errors in a sentence each."""
+def compare(fmu: Path, seconds: float = 1.0) -> tuple[Chart, list[str]]:
+    """A chart of the errors and of the controlled motion, and the errors in a sentence each."""
     rigs = (Rig(x0=START), Rig(payload=PAYLOAD))
     true = coupled(fmu, rigs, STIFFNESS, way="curvature", step=FINE, seconds=seconds)[:: round(STEP / FINE)]
     t, sentences = STEP * np.arange(len(true)), []
-    with drawing(height=3.6) as figure:
-        errors, motion = figure.subplots(1, 2)
-        for way in WAYS:
-            error = (
-                np.abs(coupled(fmu, rigs, STIFFNESS, way=way, step=STEP, seconds=seconds) - true).max(axis=1) / START
-            )
-            errors.semilogy(t[1:], 100 * np.maximum.accumulate(error[1:]), color=_COLORS[way], label=way)
-            sentences.append(f"{way:12} largest error {100 * error.max():.2g} % of the start's displacement")
-        errors.set(
-            title="Coupled at 1 ms, not iterated", xlabel="Time [s]", ylabel="Largest error so far [% of the start]"
-        )
-        errors.set_ylim(1e-4, 100)
-        log_ticks(errors.yaxis)
-        errors.legend()
-        damped = (Rig(x0=START, actuator=lambda _t, _x, v: -GAIN * v), rigs[1])
-        controlled = coupled(fmu, damped, STIFFNESS, way="curvature", step=STEP, seconds=seconds)
-        motion.plot(t, 1e3 * true[:, 1], color=EXACT, lw=0.9, label="free")
-        motion.plot(t, 1e3 * controlled[:, 1], color=AFTER, label="the other rig's controller on")
-        motion.set(title="The rig with the payload", xlabel="Time [s]", ylabel="Displacement [mm]")
-        motion.legend()
-        return svg(
-            figure, "system", "Errors of co-simulation over time; motion with and without a controller"
-        ), sentences
+    chart = Chart("system", "Errors of co-simulation over time; motion with and without a controller")
+    errors, motion = chart.row(1, 1)
+    for way in WAYS:
+        error = np.abs(coupled(fmu, rigs, STIFFNESS, way=way, step=STEP, seconds=seconds) - true).max(axis=1) / START
+        errors.line(t[1:], 100 * np.maximum.accumulate(error[1:]), _COLORS[way], way)
+        sentences.append(f"{way:12} largest error {100 * error.max():.2g} % of the start's displacement")
+    errors.title = "Coupled at 1 ms, not iterated"
+    errors.x.set(label="Time [s]")
+    errors.y.set(label="Largest error so far [% of the start]", log=True, low=1e-4, high=100.0)
+    damped = (Rig(x0=START, actuator=lambda _t, _x, v: -GAIN * v), rigs[1])
+    controlled = coupled(fmu, damped, STIFFNESS, way="curvature", step=STEP, seconds=seconds)
+    motion.line(t, 1e3 * true[:, 1], EXACT, "free", width=0.9)
+    motion.line(t, 1e3 * controlled[:, 1], AFTER, "the other rig's controller on")
+    motion.title = "The rig with the payload"
+    motion.x.set(label="Time [s]")
+    motion.y.set(label="Displacement [mm]")
+    return chart, sentences
 
 
 if __name__ == "__main__":

@@ -310,7 +310,7 @@ def test_a_gallery_of_one_recording(
     assert result.errors[0].plain is not None
     assert result.errors[0].plain < 0.01
     page = (folder / run.PAGE).read_text()
-    assert page.count("<svg") == 1
+    assert page.count("<figure ") == 1
     assert "timeout" in page
 
     again = ["-o", str(folder), "--page", "--compare", str(folder / run.JSON)]

@@ -37,7 +37,7 @@ def well_formed(page):
 def test_every_state_has_its_row_its_words_and_its_link():
     rows = [row(f"rig-{state}", state, picture=(1.0, 0.5), left=(0.1, 0.0)) for state in STATES]
     rows[0] = replace(rows[0], outcome=replace(rows[0].outcome, page="report.html"))
-    page = fleet_page("fleet.yaml", rows)
+    page = fleet_page("fleet.yaml", rows).html
     tree = well_formed(page)
     links = {a.get("href"): a.text for a in tree.iter("a")}
     assert links["results/rig-good/report.html"] == "rig-good"
@@ -49,14 +49,14 @@ def test_every_state_has_its_row_its_words_and_its_link():
 
 
 def test_a_nasty_name_is_harmless():
-    page = fleet_page("<b>.yaml", [row("<script>alert(1)</script> & 'x'.csv")])
+    page = fleet_page("<b>.yaml", [row("<script>alert(1)</script> & 'x'.csv")]).html
     well_formed(page)
     assert "<script" not in page
 
 
 def test_ten_thousand_rows_stay_below_a_megabyte():
     rows = [row(f"rig{i}", picture=(0.5,) * 60, left=(0.1,) * 60) for i in range(10_000)]
-    page = fleet_page("fleet.yaml", rows)
+    page = fleet_page("fleet.yaml", rows).html
     assert len(page) < 1_000_000
     assert f"And {10_000 - MOST_ROWS} more rows, in fleet.csv." in page
     assert len(csv_text(rows).splitlines()) == 10_001
@@ -94,20 +94,21 @@ def life():
 
 
 def test_the_page_of_a_life_names_what_moved_and_draws_it_first(life):
-    page = life_page([life])
+    page = life_page([life]).html
     tree = well_formed(page)
     assert life.moved.best.moved == ("viscous",)
     assert "viscous moved, and nothing else" in page
-    titles = [text.text for text in tree.iter("{http://www.w3.org/2000/svg}title")]
-    assert [title.split()[0] for title in titles] == ["viscous", "omega0"]
-    assert len(page) < 200_000
+    (chart,) = life_page([life]).charts
+    assert [panel.title.split()[0] for panel in chart.panels] == ["viscous", "omega0"]
+    assert [(figure.get("data-chart")) for figure in tree.iter("figure")] == [chart.key]
+    assert len(page) < 400_000
     assert "2026-03-06" in page
 
 
 def test_many_lives_have_one_page_those_that_changed_first(life):
     still = watch(life.points[:5], "still")
-    page = life_page([still, life])
+    page = life_page([still, life]).html
     well_formed(page)
     assert "1 of 2 rigs changed." in page
     assert page.index("rig &lt;1&gt;") < page.index("still")
-    assert len(life_page([replace(life, name=f"rig{i}") for i in range(40)])) < 1_000_000
+    assert len(life_page([replace(life, name=f"rig{i}") for i in range(40)]).html) < 1_000_000

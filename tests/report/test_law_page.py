@@ -11,6 +11,7 @@ from dashpot.model.describing import natural_motion
 from dashpot.model.laws import BASE, LIBRARY
 from dashpot.report.law_figure import FORCE, LENGTH, OMEGA, RIG, example, fundamental, harmonics, law_figure
 from dashpot.report.law_page import PLACES, law_page, laws, library_table, page_name
+from dashpot.report.matplotlib_figure import drawn
 
 RIG_LAWS = {law.name: law for law in laws()}
 
@@ -74,7 +75,7 @@ def test_a_page_has_its_law_and_a_picture_that_parses(name):
     for line in page.splitlines():
         if line.startswith("|"):
             assert len(re.findall(r"(?<!\\)\|", line)) in (3, 6), line
-    root = ElementTree.fromstring(law_figure(law, page_name(law)))
+    root = ElementTree.fromstring(drawn(law_figure(law, page_name(law)), "svg"))
     assert name in root.findtext("{http://www.w3.org/2000/svg}title", "")
     assert len(root.findall(".//{http://www.w3.org/2000/svg}path")) > 10
 

@@ -49,7 +49,7 @@ def test_what_no_stretch_covers():
 
 
 def test_the_page_has_both_tables(found):
-    page = identification_page(found)
+    page = identification_page(found).html
     assert "Not used" in page
     assert "As the machine has it" in page
     assert "damping_ratio" in page

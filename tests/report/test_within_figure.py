@@ -11,6 +11,7 @@ import pytest
 from dashpot.identify import hilbert_analysis
 from dashpot.identify.hilbert.hilbert_result import HilbertAnalysis
 from dashpot.recording import Recording
+from dashpot.report.chart import Chart
 from dashpot.report.hilbert_page import hilbert_page
 from dashpot.report.within_figure import within_figure
 
@@ -28,8 +29,8 @@ def analysed(third: float, second: float = 0.0) -> tuple[Recording, HilbertAnaly
     return record, hilbert_analysis([record])
 
 
-def words(svg: str) -> set[str]:
-    return {text.strip() for text in re.findall(r">([^<>]+)</text>", svg)}
+def words(chart: Chart) -> set[str]:
+    return {panel.title for panel in chart.panels} | {mark.label for mark in chart.labelled}
 
 
 @pytest.mark.parametrize(
