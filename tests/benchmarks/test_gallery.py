@@ -7,14 +7,13 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.model.laws import LIBRARY
-from dashpot.report.style import drawing
+from dashpot.report.chart import Line
 
 BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 sys.path.append(str(BENCHMARKS))
@@ -333,13 +332,11 @@ def test_a_picture_is_in_the_unit_of_the_file_and_leaves_out_what_ran_away(tmp_p
         rows = np.column_stack([simulated[:, :2], last])
         with gzip.open(tmp_path / f"{name}-made.csv.gz", "wt") as file:
             np.savetxt(file, rows, "%.9g", ",", header="time_s,displacement_m,simulated_displacement_m", comments="")
-    drawn = SimpleNamespace()
-    with drawing(height=7.6) as figure:
-        pictures.paint(figure, entry, entry.training[0], tmp_path)
-        drawn.lines = {line.get_label(): line.get_xydata() for line in figure.axes[2].lines}
-    assert set(drawn.lines) == {"measured", "identified"}
-    assert drawn.lines["measured"][0, 0] >= 2.0
-    both = [lines[:, 1] for lines in drawn.lines.values()]
+    near = pictures.draw(entry, entry.training[0], tmp_path).panels[2]
+    lines = {mark.label: mark for mark in near.marks if isinstance(mark, Line)}
+    assert set(lines) == {"measured", "identified"}
+    assert lines["measured"].x[0] >= 2.0
+    both = [line.y for line in lines.values()]
     np.testing.assert_allclose(both[1], 1.1 * both[0], atol=1e-6)
 
 
