@@ -21,6 +21,7 @@ from .options import (
     fixed_values,
     law_names,
     most_left,
+    with_figures,
     with_laws,
     with_mode,
     with_recordings,
@@ -110,9 +111,17 @@ def look(files: tuple[Path, ...], as_json: bool, **options: Any) -> None:
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for curves (CSV), laws (JSON) and the page.")
 @click.option("--json", "as_json", is_flag=True, help="Print the laws as JSON.")
+@with_figures
 @with_mode
 @with_recordings
-def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str | None, **options: Any) -> None:
+def hilbert(
+    recordings: tuple[Path, ...],
+    output: Path,
+    as_json: bool,
+    figures: str | None,
+    mode: str | None,
+    **options: Any,
+) -> None:
     """FREEVIB and FORCEVIB as results: curves over time and amplitude, laws fitted to them, each with its error.
 
     With --mode all every mode is evaluated by itself, each into a folder of its own.
@@ -120,7 +129,7 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
     from ..face.hilbert import FILES, run
 
     outputs_checked([output / name for name in FILES], recordings)
-    result, words = run(read_all(recordings, options, say), mode, output, say)
+    result, words = run(read_all(recordings, options, say), mode, output, say, figures)
     if as_json:
         print_json(result)
     else:
@@ -163,6 +172,7 @@ def hilbert(recordings: tuple[Path, ...], output: Path, as_json: bool, mode: str
     help="Exit code 1 where the model leaves more of a recording than that share of the motion, noise aside, or than "
     "so many times the noise. It always is where the simulation does not follow the motion (30%).",
 )
+@with_figures
 @with_mode
 @with_laws
 @with_recordings
@@ -179,6 +189,7 @@ def identify(
     mode: str | None,
     faults: bool,
     max_left: MostLeft | None,
+    figures: str | None,
     **options: Any,
 ) -> None:
     """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
@@ -211,12 +222,12 @@ def identify(
     )
     for note in identification.notes:
         say(f"note: {note}")
-    write_identification(identification, output, report)
+    drawn = write_identification(identification, output, report, figures)
     if as_json:
         print_json(model_json(identification.oscillator))
     else:
         click.echo(describe(identification.oscillator))
-    say(f"written: {', '.join(str(path) for path in (output, report) if path is not None)}")
+    say(f"written: {', '.join(str(path) for path in (output, report, *drawn) if path is not None)}")
     if left_over(identification.oscillator) and not (faults or identification.faults):
         say("dashpot diagnose asks what physics is missing; identify --faults, what the measuring chain may have done")
     for sentence in faults_of_recordings(identification.oscillator):
@@ -242,6 +253,7 @@ def identify(
 )
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON.")
+@with_figures
 @with_mode
 @with_laws
 @with_recordings
@@ -251,6 +263,7 @@ def diagnose(
     holdout: tuple[Path, ...],
     output: Path,
     as_json: bool,
+    figures: str | None,
     mode: str | None,
     **options: Any,
 ) -> None:
@@ -267,7 +280,7 @@ def diagnose(
     training, held = read_all(recordings, options, say), read_all(holdout, options, say)
     with progress_shown() as progress:
         diagnosis, fmu = diagnosed(oscillator, training, held, mode=mode, notes=say, progress=progress)
-    written = write_diagnosis(output, diagnosis, fmu)
+    written = write_diagnosis(output, diagnosis, fmu, figures)
     if as_json:
         print_json(diagnosis.as_json())
     else:
@@ -282,6 +295,7 @@ def diagnose(
 @click.argument("recordings", nargs=-1, required=True, type=FILE)
 @click.option("--json", "json_file", type=FILE, metavar="OUT.json", help="File for the result; - prints it.")
 @click.option("--report", type=FILE, metavar="OUT.html", help="HTML page to write, with pictures.")
+@with_figures
 @with_time_limit
 @with_recordings
 def verify(
@@ -289,6 +303,7 @@ def verify(
     recordings: tuple[Path, ...],
     json_file: Path | None,
     report: Path | None,
+    figures: str | None,
     time_limit: float,
     **options: Any,
 ) -> None:
@@ -297,13 +312,15 @@ def verify(
     from ..verify.verification import verify as check
 
     printed = json_file == Path("-")
+    if figures and report is None:
+        raise BadInput(f"--figures {figures}: the pictures stand beside a page; name one with --report OUT.html")
     outputs = [path for path in (None if printed else json_file, report) if path is not None]
     outputs_checked(outputs, [fmu, *recordings])
 
     def keep(result: Verification) -> None:
-        write_verification(result, None if printed else json_file, report)
+        drawn = write_verification(result, None if printed else json_file, report, figures)
         if outputs:
-            say(f"written: {', '.join(str(path) for path in outputs)}")
+            say(f"written: {', '.join(str(path) for path in (*outputs, *drawn))}")
         if printed:
             print_json(result.as_json())
         else:

@@ -90,6 +90,14 @@ def with_time_limit(command: Callable[..., Any]) -> Callable[..., Any]:
     )(command)
 
 
+def with_figures(command: Callable[..., Any]) -> Callable[..., Any]:
+    """The option that draws the pictures of a page as files."""
+    kinds = click.Choice(["pdf", "png", "svg"])
+    return click.option("--figures", type=kinds, help="Draw each picture of the page as a file of that kind too.")(
+        command
+    )
+
+
 def with_mode(command: Callable[..., Any]) -> Callable[..., Any]:
     """The option that says which of several modes is meant."""
     return click.option(

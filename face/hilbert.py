@@ -13,7 +13,7 @@ import numpy as np
 from ..errors import BadInput
 from ..files.writing import together, write
 from ..recording import Recording
-from .workflow import Say, analysed
+from .workflow import FIGURES, Say, analysed, write_figures
 
 if TYPE_CHECKING:
     from ..identify.hilbert.hilbert_result import HilbertAnalysis
@@ -99,11 +99,12 @@ class Hilbert:
 
     def save(self, folder: str | Path) -> list[Path]:
         """Write curves.csv, hilbert.json and report.html into a folder; returns their paths."""
-        write_files(self.analysis, self.recordings, Path(folder))
-        return [Path(folder) / name for name in FILES]
+        return write_files(self.analysis, self.recordings, Path(folder))[1]
 
 
-def run(recordings: Sequence[Recording], mode: str | None, folder: Path, say: Say) -> tuple[dict[str, Any], str]:
+def run(
+    recordings: Sequence[Recording], mode: str | None, folder: Path, say: Say, figures: str | None = None
+) -> tuple[dict[str, Any], str]:
     """Analyse recordings and write ``FILES`` into a folder; returns what stands in the JSON file, and a summary.
 
     Args:
@@ -112,23 +113,26 @@ def run(recordings: Sequence[Recording], mode: str | None, folder: Path, say: Sa
             ``all``: one after the other, each into a folder of its own in `folder`.
         folder: made where it does not exist.
         say: called with one line per remark.
+        figures: kind of file that each picture of the page is drawn as too; None: of none.
 
     Raises:
         BadInput: nothing can be evaluated, or a file cannot be written.
     """
     if mode is not None and mode.strip().lower() == ALL:
-        return _each_mode(recordings, folder, say)
+        return _each_mode(recordings, folder, say, figures)
     from ..identify.hilbert.hilbert_files import describe
 
     analysis, given = analysed(recordings, mode)
     for note in analysis.notes:
         say(f"note: {note}")
-    result = write_files(analysis, given, folder)
-    say(f"written: {', '.join(str(folder / name) for name in FILES)}")
+    result, written = write_files(analysis, given, folder, figures)
+    say(f"written: {', '.join(map(str, written))}")
     return result, describe(analysis, given)
 
 
-def _each_mode(recordings: Sequence[Recording], folder: Path, say: Say) -> tuple[dict[str, Any], str]:
+def _each_mode(
+    recordings: Sequence[Recording], folder: Path, say: Say, figures: str | None
+) -> tuple[dict[str, Any], str]:
     """As ``run``, mode by mode; what no mode that was evaluated holds of the motion is said as the share left aside."""
     from ..identify.motion.mode_lines import modes_of
 
@@ -139,7 +143,7 @@ def _each_mode(recordings: Sequence[Recording], folder: Path, say: Say) -> tuple
         entry = {"mode": number, "frequency_hz": mode.frequency, "share": mode.share}
         title = f"Mode {number}, {mode.frequency:.4g} Hz, {100 * mode.share:.3g} % of the motion"
         try:
-            result, text = run(recordings, str(number), folder / f"mode-{number}", say)
+            result, text = run(recordings, str(number), folder / f"mode-{number}", say, figures)
         except BadInput as problem:
             entries.append(entry | {"problem": str(problem)})
             words.append(f"{title}: {problem}")
@@ -153,8 +157,13 @@ def _each_mode(recordings: Sequence[Recording], folder: Path, say: Say) -> tuple
     return {"modes": entries, "left_aside": left}, "\n".join([*words, f"Left aside: {100 * left:.2g} % of the motion."])
 
 
-def write_files(analysis: HilbertAnalysis, recordings: Sequence[Recording], folder: Path) -> dict[str, Any]:
-    """Write ``FILES`` of an analysis of these recordings into a folder, all or none; returns what the JSON file says.
+def write_files(
+    analysis: HilbertAnalysis, recordings: Sequence[Recording], folder: Path, figures: str | None = None
+) -> tuple[dict[str, Any], list[Path]]:
+    """Write ``FILES`` of an analysis of these recordings into a folder, and its pictures, all or none.
+
+    Returns:
+        What the JSON file says, and the paths written.
 
     Raises:
         BadInput: a file cannot be written.
@@ -163,12 +172,14 @@ def write_files(analysis: HilbertAnalysis, recordings: Sequence[Recording], fold
     from ..report.hilbert_page import hilbert_page
 
     result = as_json(analysis, recordings)
+    page = hilbert_page(analysis, recordings, FILES[:2])
     texts = (
         curves_csv(analysis, recordings),
         json.dumps(result, indent=2, ensure_ascii=False, allow_nan=False) + "\n",
-        hilbert_page(analysis, recordings, FILES[:2]).html,
+        page.html,
     )
     with together():
         for name, text in zip(FILES, texts, strict=True):
             write(folder / name, text)
-    return result
+        drawn = write_figures(page, folder / FIGURES, figures)
+    return result, [*(folder / name for name in FILES), *drawn]

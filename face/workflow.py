@@ -27,6 +27,9 @@ if TYPE_CHECKING:
 
 Say = Callable[[str], None]
 
+#: Folder of the pictures of a page.
+FIGURES = "figures"
+
 
 def silent(_: str) -> None:
     """Say nothing."""
@@ -96,17 +99,43 @@ def _stem(recordings: Sequence[Recording]) -> str:
     return Path(name.partition("#")[0]).name.partition(".")[0] or "oscillator"
 
 
-def write_identification(found: Identification, model: Path, report: Path | None = None) -> None:
-    """Write the model file, and the page where a place is given for it, both or none; raises BadInput."""
+def write_figures(page: Page, folder: Path, kind: str | None) -> list[Path]:
+    """Draw each chart of a page as a file of that kind in a folder, none where it is None; returns their paths."""
+    from ..report.matplotlib_figure import save
+
+    paths = [folder / f"{chart.key}.{kind}" for chart in page.charts] if kind else []
+    for chart, path in zip(page.charts, paths, strict=False):
+        save(chart, path)
+    return paths
+
+
+def _beside(file: Path) -> Path:
+    """The folder of the pictures that belong to a file."""
+    return file.with_name(f"{file.stem}-{FIGURES}")
+
+
+def write_identification(
+    found: Identification, model: Path, report: Path | None = None, figures: str | None = None
+) -> list[Path]:
+    """Write the model file, the page where a place is given for it, and the pictures where a kind of file is, or none.
+
+    Returns:
+        The paths of the pictures, in a folder beside the model. Raises BadInput.
+    """
     from ..files.writing import together, write
     from ..model.file import save
 
+    drawn: list[Path] = []
     with together():
-        if report is not None:
+        if report is not None or figures is not None:
             from ..report.page import identification_page
 
-            write(report, identification_page(found, files=(model.name,)).html)
+            page = identification_page(found, files=(model.name,))
+            if report is not None:
+                write(report, page.html)
+            drawn = write_figures(page, _beside(model), figures)
         save(found.oscillator, model)
+    return drawn
 
 
 def diagnosed(
@@ -148,11 +177,17 @@ def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> Page:
     return diagnosis_page(found, files=(DIAGNOSIS, MODEL, *((FMU,) if fmu else ()), EXPERIMENT))
 
 
-def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None) -> list[Path]:
-    """Write a diagnosis, its page, model and FMU into a folder, all or none; returns the paths. Raises BadInput."""
-    from ..diagnose.files import write_folder
+def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None, figures: str | None = None) -> list[Path]:
+    """Write a diagnosis, its page, pictures, model and FMU into a folder, all or none; returns the paths.
 
-    return write_folder(folder, found, page_of_diagnosis(found, fmu).html, fmu)
+    ``figures`` is the kind of file that each picture is drawn as, None for no files of them. Raises BadInput.
+    """
+    from ..diagnose.files import write_folder
+    from ..files.writing import together
+
+    page = page_of_diagnosis(found, fmu)
+    with together():
+        return [*write_folder(folder, found, page.html, fmu), *write_figures(page, folder / FIGURES, figures)]
 
 
 def analysed(recordings: Sequence[Recording], mode: str | None) -> tuple[HilbertAnalysis, list[Recording]]:
@@ -191,8 +226,14 @@ def exported(
     return tuple(written)
 
 
-def write_verification(found: Verification, data: Path | None, report: Path | None) -> None:
-    """Write what a verification says as JSON and as a page, where places are given; raises BadInput."""
+def write_verification(
+    found: Verification, data: Path | None, report: Path | None, figures: str | None = None
+) -> list[Path]:
+    """Write what a verification says as JSON and as a page, where places are given, with the page's pictures as files.
+
+    Returns:
+        The paths of the pictures. Raises BadInput.
+    """
     from ..files.writing import together, write
 
     with together():
@@ -201,4 +242,7 @@ def write_verification(found: Verification, data: Path | None, report: Path | No
         if report is not None:
             from ..report.verification_page import verification_page
 
-            write(report, verification_page(found).html)
+            page = verification_page(found)
+            write(report, page.html)
+            return write_figures(page, _beside(report), figures)
+    return []
