@@ -40,6 +40,7 @@ from .provenance import with_provenance
 from .signals.odds import SIGNIFICANT
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
+from .start.further_modes import ringing_modes, with_modes
 from .start.start import HilbertEstimate, hilbert_start, plain_starts
 
 _log = logging.getLogger(__name__)
@@ -132,6 +133,9 @@ def identify(
     progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
     base = _hilbert_model(hilbert, recordings, name) if start is None else replace(start, name=name)
+    modes = ringing_modes(recordings) if start is None else ()
+    if modes:
+        base, near = with_modes(base, modes), True
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
         recordings = held_as(recordings, start.hold)
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
@@ -165,7 +169,7 @@ def identify(
     told: dict[int, str] = {}
     if doubted or faults:
         progress("whether the recordings contradict each other")
-        strange = None if effects or fixed or start else _alone
+        strange = None if effects or fixed or start or modes else _alone
         found = blame(fit, recordings, asked=faults, alone=strange)
         fit, told, chain = found.fit, found.faults, (*chain, *found.notes)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]

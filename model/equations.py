@@ -162,6 +162,7 @@ def equations_of(structure: Structure) -> Equations:
     for law, own in terms:
         if law.drive:
             drive = ask(law, own, drive)
+    motion.force = drive
     inner = sum(ask(law, value) for law in BASE)
     inner += sum(ask(law, own) for law, own in terms if law.force)
     if structure.payload:  # the forces are those of the identified mass, whatever moves with it

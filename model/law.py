@@ -123,6 +123,7 @@ class Motion:
         x, v: displacement and velocity.
         t: time in s.
         recorded: what the recordings show: displacement, velocity or acceleration.
+        force: that reaches the mass, for what is recorded beside it.
         surfaces: expressions whose sign changes the law; filled by ``sign``.
         signs: one symbol per surface.
         states, symbols, rates, reaches, owners: inner states and the law of each, filled by ``state``.
@@ -133,6 +134,7 @@ class Motion:
     v: Expression
     t: Expression
     recorded: str = "displacement"
+    force: Expression = 0.0
     surfaces: list[Expression] = field(default_factory=list)
     signs: list[Expression] = field(default_factory=list)
     states: list[InnerState] = field(default_factory=list)

@@ -51,7 +51,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     if shared is not None and (few or _explains(shared, by_envelope.decays, recording.n)):
         decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
         motion = _described(recording, decays)
-        return replace(motion, notes=(*motion.notes, *_of_modes(recording, shared)))
+        return replace(motion, modes=_modes_of(shared))
     return by_envelope
 
 
@@ -71,14 +71,12 @@ def _explains(shared: SharedModes, decays: Sequence[Decay], n: int) -> bool:
     return bool(np.count_nonzero(taken & before) >= TAKES * np.count_nonzero(before))
 
 
-def _of_modes(recording: Recording, shared: SharedModes) -> tuple[str, ...]:
+def _modes_of(shared: SharedModes) -> tuple[tuple[float, float], ...]:
+    """Several modes, that which moves most first; none where there is one."""
     if shared.omega.size == 1:
         return ()
-    at = ", ".join(f"{omega / (2 * np.pi):.4g}" for omega in shared.omega)
-    return (
-        f"{recording.name}: it rings as several modes at {at} Hz do, or as one whose frequency changes with its "
-        "amplitude; a model of one is fitted to it",
-    )
+    order = sorted(range(shared.omega.size), key=lambda k: k != shared.main)
+    return tuple((float(shared.omega[k]), float(shared.zeta[k])) for k in order)
 
 
 def _shared_decay(shared: SharedModes, which: int, fs: float) -> Decay:

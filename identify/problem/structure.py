@@ -16,6 +16,7 @@ from ...model import Oscillator
 from ...model.equations import equations
 from ...model.law import Law, Scales
 from ...model.terms import with_term, with_values, without_term
+from ...model.units import factors
 from ...simulate.core import Core, core_of, internal_step
 from ..motion.first_motion import starts_at_rest
 from ..signals.noise_spectrum import NoiseSpectrum
@@ -149,10 +150,12 @@ class Structure:
         self.model = model
         self.data = data
         names = tuple(model.parameters())
-        # free motion says nothing of the mass
         driven = any(segment.force is not None for segment in data.segments)
-        kept = {*fixed, *(f"{t.effect}.{p.name}" for t in model.terms for p in t.law.parameters if p.scale)}
-        self.free = tuple(name for name in names if name not in kept and (driven or name != "mass"))
+        laws = [(f"{term.effect}.{p.name}", p) for term in model.terms for p in term.law.parameters]
+        kept = {*fixed, *(name for name, p in laws if p.scale)}
+        if not driven:  # free motion says nothing of the mass, nor of what else is measured by the force
+            kept |= {"mass", *(name for name, p in laws if "Q" in factors(p.unit))}
+        self.free = tuple(name for name in names if name not in kept)
         core = core_of(model)
         scales = data.scales
         inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]

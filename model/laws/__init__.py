@@ -23,6 +23,7 @@ from . import (
     dry_friction,
     free_damping,
     free_spring,
+    further_mode,
     hysteresis,
     linear_stiffness,
     one_sided_stop,
@@ -93,3 +94,6 @@ LIBRARY: Mapping[str, Law] = MappingProxyType(
         )
     }
 )
+
+#: Further modes, which are fitted beside the one that the model is of; no diagnosis asks for them.
+MODES: Mapping[str, Law] = MappingProxyType({law.name: law for law in further_mode.LAWS})

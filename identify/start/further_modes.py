@@ -1,0 +1,35 @@
+"""Modes that ring beside the wanted one, as further terms of the model: linear oscillators that the sensor shows too.
+
+They are fitted with it in the time domain. A free piece has an amplitude and a phase of each of its own; frequency and
+damping, and the answer to a force, are shared by all of the recordings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ...model import Oscillator
+from ...model.laws import MODES
+from ...model.terms import with_term
+from ...recording.recording import Recording
+from ..motion.decays import find_free_motion
+
+#: Natural frequency, rad/s, and damping ratio.
+Mode = tuple[float, float]
+
+
+def ringing_modes(recordings: Sequence[Recording]) -> tuple[Mode, ...]:
+    """Several modes that the free motion of recordings shows, that which moves most first; none where there is one."""
+    return max((find_free_motion(recording).modes for recording in recordings), key=len, default=())
+
+
+def with_modes(model: Oscillator, modes: Sequence[Mode]) -> Oscillator:
+    """The model as a linear rig of the first mode, with a term for each further one."""
+    (omega, zeta), *others = modes
+    known = model.parameters()
+    values = {"omega0": omega, "viscous": 2 * zeta * omega, "cubic": 0.0, "preload": 0.0, "dry": 0.0}
+    model = model.with_parameters({name: replace(known[name], value=value) for name, value in values.items()})
+    for name, (omega, zeta) in zip(MODES, others, strict=False):
+        model = with_term(model, name, {"participation": 0.0, "frequency": omega, "viscous": 2 * zeta * omega})
+    return model
