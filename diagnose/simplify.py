@@ -136,7 +136,7 @@ def _without(found: Found, name: str) -> Fitted | None:
     laws = key([law for law in found.selected.laws if law != name])
     fixed = [other for other in fitted.model.parameters() if other not in fitted.free]
     smaller = handed_down(fitted, found.weighing.data, name)
-    return _at_rest(Entry(laws, smaller, without_states(fitted, name), fixed, patience=PATIENCE), found)
+    return _at_rest(Entry(laws, smaller, without_states(fitted, name), fitted.offsets, fixed, patience=PATIENCE), found)
 
 
 # Laws that are a plainer one.
@@ -200,7 +200,7 @@ def _alike(case: Oscillator, fitted: Fitted, data: Data) -> bool:
 def _weighed(laws: tuple[str, ...], case: Oscillator, fitted: Fitted, found: Found) -> Candidate | None:
     """The plainer structure, fitted from where it is and weighed; None where it does not simulate."""
     fixed = [name for name in case.parameters() if name in fitted.model.parameters() and name not in fitted.free]
-    fit = _at_rest(Entry(laws, case, fitted.initial, fixed, patience=PATIENCE), found)
+    fit = _at_rest(Entry(laws, case, fitted.initial, fitted.offsets, fixed, patience=PATIENCE), found)
     return None if fit is None else found.weighing.weigh(laws, fit)
 
 

@@ -28,7 +28,12 @@ def dropped(leader: Candidate, data: Data, *, afresh: bool) -> list[Entry]:
     assert leader.fit is not None
     return [
         Entry(
-            key([law for law in leader.laws if law != name]), model, initial, kept(leader.fit, model), patience=PATIENCE
+            key([law for law in leader.laws if law != name]),
+            model,
+            initial,
+            leader.fit.offsets,
+            kept(leader.fit, model),
+            patience=PATIENCE,
         )
         for name in leader.laws
         for model, initial in without(leader.fit, data, name, afresh=afresh)
@@ -43,7 +48,7 @@ def more_general(leader: Candidate) -> list[Entry]:
             key([general if law == name else law for law in leader.laws]),
             wider.model,
             wider.initial,
-            (),
+            wider.offsets,
             patience=PATIENCE,
         )
         for name, general, wider in generalised(leader.fit, leader.laws)
@@ -56,14 +61,14 @@ def with_shapes(start: Start) -> Entry | None:
     if not fixed:
         return None
     others = [name for name in start.model.parameters() if name not in start.structure.free and name not in fixed]
-    return Entry(start.laws, start.model, start.fitted.initial, others)
+    return Entry(start.laws, start.model, start.fitted.initial, start.fitted.offsets, others)
 
 
 def with_learnt(beside: Candidate, laws: Sequence[Law], data: Data, patience: int) -> Entry:
     """A fitted structure with laws that are learnt, at nothing: what they are linear in, the first step finds."""
     assert beside.fit is not None
-    model = beside.fit.model
+    fit, model = beside.fit, beside.fit.model
     for law in laws:
         model = with_term(model, law.name, probes(law, data.scales)[0])
     structure = key((*beside.laws, *(law.name for law in laws)))
-    return Entry(structure, model, beside.fit.initial, kept(beside.fit, model), patience=patience, adds=True)
+    return Entry(structure, model, fit.initial, fit.offsets, kept(fit, model), patience=patience, adds=True)

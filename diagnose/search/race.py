@@ -15,12 +15,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import DashpotError
-from ...identify.fit.from_prediction import EARLY_STEPS, keeps_step, memories
+from ...identify.fit.from_prediction import EARLY_STEPS, memories
 from ...identify.problem.data import Data, likelihood
 from ...identify.problem.descent import Descent
 from ...identify.problem.limits import KEPT_PROMISE
 from ...identify.problem.output_error import OutputError, State
 from ...identify.problem.prediction import FREE
+from ...identify.problem.search_point import SHOWN
 from ...identify.problem.segments import Segment
 from ...identify.problem.settle import follows, settled
 from ...identify.problem.structure import Fitted, Structure, shapes_of
@@ -47,6 +48,7 @@ class Entry:
         laws: name of the structure.
         model: structure and values.
         initial: (segments, states) initial states; found where None.
+        offsets: what the sensors show at zero; found where None.
         fixed: names of parameters that keep their values.
         hoped: log-likelihood that whoever proposes it expects, before it has a promise of its own; infinite where it
             must look for itself.
@@ -58,6 +60,7 @@ class Entry:
     laws: tuple[str, ...]
     model: Oscillator
     initial: np.ndarray | None = None
+    offsets: np.ndarray | None = None
     fixed: Sequence[str] = ()
     hoped: float = np.inf
     patience: int = 0
@@ -88,7 +91,10 @@ class Start:
         self.structure = Structure(entry.model, data, entry.fixed)
         self.measure = measure
         problem = self.structure.problem
-        self.descent = Descent(problem, self._begun(problem, entry.initial))
+        state, residuals = self._begun(
+            problem, self.structure.state(entry.initial, entry.offsets), found=entry.initial is None
+        )
+        self.descent = Descent(problem, state, residuals=residuals)
         self.steps = 0
         self.credit, self._gained = 1.0, 0.0
         self._white = True
@@ -98,24 +104,29 @@ class Start:
         self._measure()
         self.resting = not np.isfinite(self.value)
 
-    def _begun(self, problem: OutputError, initial: np.ndarray | None) -> State:
-        """Where it begins: as proposed or, where these are better, with initial states that the first cycles show.
+    def _begun(self, problem: OutputError, state: State, *, found: bool) -> tuple[State, tuple[np.ndarray, ...]]:
+        """Where it begins: as proposed or, where that loses the motion, with initial states that the first cycles show.
 
-        Of a fit that is at rest the whole stretch has said what its initial state is, and the first cycles would take
-        that back. Where whoever proposed it had lost the motion, the motion itself shows how it begins: the initial
-        state of a segment that a leader does not follow says nothing of another law's.
+        Initial states are unknowns of the search like others. Where whoever proposed it had lost the motion, the motion
+        itself shows how it begins: the initial state of a segment that a leader does not follow says nothing of another
+        law's. Also returned are the residuals there.
+
+        Args:
+            problem: what is fitted.
+            state: as proposed.
+            found: whether its initial states are to be found anyway.
         """
-        proposed = self.structure.state(initial)
-        state = settled(problem, proposed)
-        if initial is None:
-            return state
-        state = max(proposed, state, key=lambda one: self.measure.value(problem.residuals(one)))
-        lost = [not keeps_step([s], [r]) for s, r in zip(problem.segments, problem.residuals(state), strict=True)]
-        if not any(lost):
-            return state
-        begun = np.array(initial)
-        begun[lost, :2] = self.structure.state(None).initial[lost, :2]
-        return _nearer(problem, state, settled(problem, self.structure.state(begun)))
+        if found:
+            state = settled(problem, state)
+        residuals = problem.residuals(state)
+        for shown in (state.initial, self.structure.state(None).initial):
+            lost = _lost(problem.segments, residuals)
+            if not any(lost):
+                break
+            begun = state.initial.copy()
+            begun[lost, :SHOWN] = shown[lost, :SHOWN]
+            state, residuals = _nearer(problem, (state, residuals), settled(problem, replace(state, initial=begun)))
+        return state, residuals
 
     def _settled_anew(self) -> bool:
         """Whether initial states found anew at these parameters lead on, where the old ones had lost a stretch.
@@ -126,11 +137,12 @@ class Start:
         problem = self.descent.problem
         if self.near or self.data.memory != FREE:
             return False
-        state = _nearer(problem, self.descent.state, settled(problem, self.descent.state))
-        value = self.measure.value(problem.residuals(state))
+        here = self.descent.state, self.descent.residuals
+        state, residuals = _nearer(problem, here, settled(problem, self.descent.state))
+        value = self.measure.value(residuals)
         if not value - self.value > DECISIVE:
             return False
-        self.descent, self.value, self._promised = Descent(problem, state), value, None
+        self.descent, self.value, self._promised = Descent(problem, state, residuals=residuals), value, None
         if not self._white:
             self._to_coloured()
         return True
@@ -255,12 +267,25 @@ class Start:
             self.descent.weigh_by(self.measure.spectra(self.descent.residuals))
 
 
-def _nearer(problem: OutputError, state: State, other: State) -> State:
-    """Of two points with the same parameters the initial state of each segment that leaves less of it."""
-    pairs = zip(problem.residuals(state), problem.residuals(other), strict=True)
+def _nearer(
+    problem: OutputError, here: tuple[State, tuple[np.ndarray, ...]], other: State
+) -> tuple[State, tuple[np.ndarray, ...]]:
+    """Of two points with the same parameters the initial state of each segment that leaves less of it; what it leaves.
+
+    Args:
+        problem: what is fitted.
+        here: one of them, with its residuals.
+        other: the other.
+    """
+    state, residuals = here
+    trial = problem.residuals(other)
     with np.errstate(over="ignore"):  # a motion that ran away
-        better = [not np.sum(before**2) <= np.sum(after**2) and np.all(np.isfinite(after)) for before, after in pairs]
-    return replace(state, initial=np.where(np.array(better)[:, None], other.initial, state.initial))
+        better = [
+            not np.sum(before**2) <= np.sum(after**2) and bool(np.all(np.isfinite(after)))
+            for before, after in zip(residuals, trial, strict=True)
+        ]
+    kept = tuple(after if taken else before for taken, before, after in zip(better, residuals, trial, strict=True))
+    return replace(state, initial=np.where(np.array(better)[:, None], other.initial, state.initial)), kept
 
 
 def started(entry: Entry, data: Data, measure: Measure, *, beside_noise: bool = False) -> Start | None:
@@ -297,10 +322,15 @@ def any_lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bo
     A rig that friction holds where the recorded one moves shows so: what it leaves depends on nothing, and no step
     leads from there.
     """
-    return any(
+    return any(_lost(segments, residuals))
+
+
+def _lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> list[bool]:
+    """Of which segments it has."""
+    return [
         not follows(float(np.sqrt(np.mean(residual**2))), segment.response, segment.noise)
         for segment, residual in zip(segments, residuals, strict=True)
-    )
+    ]
 
 
 def _put(entry: Entry, data: Data, measure: Measure) -> Start | None:

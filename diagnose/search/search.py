@@ -178,7 +178,7 @@ class Search:
         assert leader.fit is not None
         laws = [law for law in self._addable(leader) if not law.rugged]
         unseen = [law for law in laws if unseen_in_motion(law)]
-        blind = self._added(leader, by_score(leader.fit, self.data, unseen)) if unseen else []
+        blind = self._added(leader, by_score(leader.fit, self.data, unseen, self._cost_of)) if unseen else []
         starts = self._from_motion(leader, [law for law in laws if law not in unseen], blind)
         # what nothing else speaks for must come to the noise; else it waits until all laws are asked for their scores
         return [start for start in starts if start.near or start not in blind]
@@ -189,7 +189,7 @@ class Search:
         if not (laws := self._addable(leader)):
             return []
         self.progress("score of every law", 0.0)
-        proposals = by_score(leader.fit, self.data, laws)
+        proposals = by_score(leader.fit, self.data, laws, self._cost_of)
         least = 0.0 if self._at_noise(leader, ()) else HALF * max((p.gain for p in proposals), default=0.0)
         self._less = [proposal for proposal in proposals if proposal.gain < least]
         return self._raced(leader, [proposal for proposal in proposals if proposal.gain >= least])
@@ -298,6 +298,10 @@ class Search:
     def _cost(self, parameters: int) -> float:
         return 0.5 * parameters * math.log(self.data.points)
 
+    def _cost_of(self, law: Law) -> float:
+        """What a further law has to gain: for each parameter that is fitted at once."""
+        return self._cost(sum(not (p.shape or p.scale) for p in law.parameters))
+
     def _paid(self, start: Start) -> float:
         return start.value - self._cost(start.count)
 
@@ -347,7 +351,7 @@ class Search:
         for proposal in proposals:
             # far from the truth the leader has bent itself, and what it says of a law is no bound for it
             hoped = measure.value(leader.fit.residuals) + proposal.gain if near else np.inf
-            cost = self._cost(sum(not (p.shape or p.scale) for p in find(proposal.law).parameters))
+            cost = self._cost_of(find(proposal.law))
             laws, fixed = key((*leader.laws, proposal.law)), kept(leader.fit, proposal.model)
             if proposal.gain < cost:
                 promised = f"its score promises {max(proposal.gain, 0.0):.3g} in log-likelihood"
@@ -356,7 +360,8 @@ class Search:
                 self.candidates.setdefault(laws, short)
                 continue
             patience = 0 if near else PATIENCE
-            entries.append(Entry(laws, proposal.model, proposal.initial, fixed, hoped, patience, adds=True))
+            begun = proposal.initial, proposal.offsets
+            entries.append(Entry(laws, proposal.model, *begun, fixed, hoped, patience, adds=True))
         return self._started(entries)
 
     def _exchanged(self, leader: Candidate) -> list[Entry]:
@@ -381,7 +386,8 @@ class Search:
                 elif rank >= _MOST_ALIKE or (rank >= _ALIKE and proposal.gain < HALF * proposals[0].gain):
                     continue
                 fixed = kept(leader.fit, proposal.model)
-                entries.append(Entry(laws, proposal.model, proposal.initial, fixed, patience=patience))
+                begun = proposal.initial, proposal.offsets
+                entries.append(Entry(laws, proposal.model, *begun, fixed, patience=patience))
         return entries
 
     def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
@@ -395,7 +401,8 @@ class Search:
             return leader
         free = replace(self.data, memory=FREE)
         fixed = [name for name in leader.fit.model.parameters() if name not in leader.fit.free]
-        start = started(Entry(leader.laws, leader.fit.model, leader.fit.initial, fixed), free, Measure())
+        fit = leader.fit
+        start = started(Entry(leader.laws, fit.model, fit.initial, fit.offsets, fixed), free, Measure())
         if start is None:
             return leader
         race([start], Measure(), None, self.data.points)

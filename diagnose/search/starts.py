@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 
@@ -37,21 +37,23 @@ class Proposal:
         model: with the law in it.
         initial: (segments, states); None where they are to be found.
         gain: of log-likelihood, that whoever proposes it expects in the end.
+        offsets: what the sensors show at zero; None where that is to be found.
     """
 
     law: str
     model: Oscillator
     initial: np.ndarray | None
     gain: float
+    offsets: np.ndarray | None = None
 
 
-def by_score(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
-    """Every law that its score speaks for, put in beside a fitted model."""
+def by_score(fitted: Fitted, data: Data, laws: Sequence[Law], cost: Callable[[Law], float]) -> list[Proposal]:
+    """Every law with what its score says of it, put in beside a fitted model; ``cost`` as for ``Screen.starts``."""
     data = replace(data, scales=replace(data.scales, lines=residual_lines(fitted, data)))
     plain = [law for law in laws if not law.rugged]
     return [
-        Proposal(start.effect, start.model, start.initial, start.promise)
-        for start in Screen(fitted, data).starts(plain)
+        Proposal(start.effect, start.model, start.initial, start.promise, start.offsets)
+        for start in Screen(fitted, data).starts(plain, cost)
     ]
 
 
@@ -64,7 +66,8 @@ def by_motion(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]
     for guess in regression.guesses(laws):
         gain = regression.gain(plain, guess)
         if gain > 0:
-            proposals.append(Proposal(guess.effect, guess.put_into(fitted.model), guess.begun(fitted.initial), gain))
+            put, begun = guess.put_into(fitted.model), guess.begun(fitted.initial)
+            proposals.append(Proposal(guess.effect, put, begun, gain, fitted.offsets))
     return proposals
 
 

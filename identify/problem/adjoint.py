@@ -1,11 +1,12 @@
-"""How a weighted sum of the response feels the force at each sample: the adjoint of the linearised motion.
+"""What a force does to the response, and how a weighted sum of that feels it: the linearised motion, and its adjoint.
 
 With the state's derivatives from sample to sample, z[i] = M[i] z[i-1] + B[i] u[i-1/2], and the response
 y[i] = c[i] z[i] + d[i] u[i], the sum over w[i] y[i] feels the force through the costate
 
     q[i] = c[i] w[i] + M[i+1]' q[i+1],
 
-which runs backward in time (Bryson and Ho 1975): one run of the model and one banded system, for any number of sums.
+which runs backward in time (Bryson and Ho 1975): one run of the model and one banded system, for any number of sums or
+of forces.
 """
 
 from __future__ import annotations
@@ -54,3 +55,31 @@ def felt(
         later = costate[0]
     of_interval = between[:, 1:] if held else 0.5 * (between[:, :-1] + between[:, 1:])
     return of_interval + direct * weights
+
+
+def pushed(
+    transitions: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], between: np.ndarray, at: np.ndarray
+) -> np.ndarray:
+    """How a response changes when small forces are added to the recorded one.
+
+    Args:
+        transitions: as ``Core.transitions`` gives them, of n samples and s states.
+        between: (k, n - 1) mean of each force over each interval.
+        at: (k, n) each force at each sample.
+
+    Returns:
+        (k, n).
+    """
+    from scipy.linalg import get_lapack_funcs
+
+    moved, by_force, shown, direct = transitions
+    n, s = by_force.shape
+    bands = np.zeros((2 * s, n * s))
+    for row in range(s):
+        for column in range(s):
+            bands[s + row - column, column : (n - 1) * s : s] = -moved[1:, row, column]
+    right = np.zeros((n, s, len(at)))
+    right[1:] = by_force[1:, :, None] * between.T[:, None, :]
+    (solved,) = get_lapack_funcs(("tbtrs",), (bands, right))
+    states, _ = solved(bands, right.reshape(n * s, -1), uplo="L", diag="U")
+    return np.einsum("ns,nsk->kn", shown, states.reshape(n, s, -1)) + direct * at

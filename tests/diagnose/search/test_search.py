@@ -55,8 +55,10 @@ def proposing(monkeypatch):
         model = Oscillator.from_values(TRUTH)
         proposals = [Proposal(law, model, np.zeros((1, 2)), gain) for law, gain in gains.items()]
         for screen in ("by_score", "by_motion", "alike"):
-            # the laws that are asked for come last in all of them
-            given = lambda *asked: [p for p in proposals if p.law in {law.name for law in asked[-1]}]  # noqa: E731
+            # the laws that are asked for are the last list in all of them
+            given = lambda *asked: [  # noqa: E731
+                p for p in proposals if p.law in {law.name for law in [x for x in asked if isinstance(x, list)][-1]}
+            ]
             monkeypatch.setattr(f"{module}.{screen}", given)
         monkeypatch.setattr(Search, "_started", simulated)
         monkeypatch.setattr(Search, "_race", lambda self, starts, standing: None)

@@ -54,7 +54,9 @@ def loaded() -> tuple[Fitted, Data]:
 
 def test_the_score_tells_the_law_that_is_missing_and_how_strong_it_is(loaded):
     fitted, data = loaded
-    proposals = {p.law: p for p in by_score(fitted, data, [find("constant-force"), find("quadratic-stiffness")])}
+    proposals = {
+        p.law: p for p in by_score(fitted, data, [find("constant-force"), find("quadratic-stiffness")], lambda _: 0.0)
+    }
     load = proposals["constant-force"]
     assert load.gain > 20.0
     assert load.gain > max(p.gain for law, p in proposals.items() if law != "constant-force")
@@ -63,7 +65,7 @@ def test_the_score_tells_the_law_that_is_missing_and_how_strong_it_is(loaded):
 
 
 def test_a_law_of_many_valleys_has_no_score(loaded):
-    assert by_score(*loaded, [find("actuator-backlash")]) == []
+    assert by_score(*loaded, [find("actuator-backlash")], lambda _: 0.0) == []
 
 
 # --- by the measured motion

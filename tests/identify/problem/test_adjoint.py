@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem import adjoint
-from dashpot.identify.problem.adjoint import felt
+from dashpot.identify.problem.adjoint import felt, pushed
 from dashpot.model import Response, oscillator_with
 from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import staircase, straight_lines
@@ -52,6 +52,16 @@ def test_each_sample_of_the_force_is_felt_as_when_it_is_moved(values, quantity, 
         # a straight line is taken for its mean over an interval, a held force is exact
         allowed = 1e-5 if hold == "zero" else 5e-3
         assert found[:, place] == pytest.approx(moved, rel=allowed, abs=allowed * float(np.max(np.abs(found))))
+
+
+@pytest.mark.parametrize(("values", "quantity"), [(TRUTH, "displacement"), (LINEAR, "acceleration")])
+def test_a_small_force_pushes_the_response_as_when_it_is_added(values, quantity):
+    core, arguments = of_run(values, quantity, "linear")
+    forces = 1e-6 * np.stack([np.cos(2 * np.pi * 11.0 * T), np.sin(2 * np.pi * 5.0 * T**2)])
+    found = pushed(core.transitions(*arguments), 0.5 * (forces[:, :-1] + forces[:, 1:]), forces)
+    for force, change in zip(forces, found, strict=True):
+        moved = (core.record(*arguments, added=force) - core.record(*arguments, added=-force)) / 2
+        assert change == pytest.approx(moved, abs=5e-3 * float(np.max(np.abs(moved))))
 
 
 def test_where_it_does_not_simulate_nothing_is_known():
