@@ -163,11 +163,16 @@ class OutputError:
         """
         if self.memory != FREE or self.sides(i) is not None:
             return None
-        asked, how, _ = self._run(i, state)
-        transitions = self.core.transitions(*asked, **how)
+        asked, _, _ = self._run(i, state)
+        transitions = self.transitions(i, state)
         if not all(np.all(np.isfinite(part)) for part in transitions):
             return None
         return felt(transitions, weights, held=asked[2].hold == "zero")
+
+    def transitions(self, i: int, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+        """The linearised motion of a segment that is simulated freely; see ``Core.transitions``."""
+        asked, how, _ = self._run(i, state)
+        return self.core.transitions(*asked, **how)
 
     def force(self, segment: Segment) -> Force | None:
         """What drives a segment, in pieces of the length that suits the step."""
