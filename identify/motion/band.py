@@ -14,6 +14,7 @@ import numpy as np
 from ...model.oscillator import Band
 from ...recording.recording import Recording
 from ..signals.hilbert import noise_level
+from ..signals.signals import drive_of
 from .blows import blows_of, contact_force
 from .envelope import envelope_of
 from .force_off import force_is_silent
@@ -52,7 +53,8 @@ def in_band(recording: Recording, band: Band) -> Recording:
         force = _through(alone, band, fs, reach, True, True, 0.0)
         struck = _struck(alone, force, [(b.start, b.stop, b.clipped) for b in blows], reach)
     elif force is not None and np.any(force):
-        level = noise_level(force, fs)
+        drive = drive_of(recording)
+        level = 0.0 if drive is None else drive.noise
         force = _through(force, band, fs, reach, begins, ends, float(np.median(force)))
         force = force + _put_back(x.size, fs, band, level, 1)
     isolated = replace(recording, response=made, force=force, struck=struck)

@@ -33,7 +33,7 @@ _FEWEST_LINES = numerics(4, "lines", why="of which a median is taken")
 _INDEPENDENT = numerics(
     1.6, "segments a length", why="independent ones among those that overlap by half under this window"
 )
-_STEP_NOISE = numerics(float(np.sqrt(12.0)), "steps a standard deviation", why="of a value that is rounded evenly")
+STEP_NOISE = numerics(float(np.sqrt(12.0)), "steps a standard deviation", why="of a value that is rounded evenly")
 _MOST_FALL = numerics(25.0, "natural logarithm", why="noise at the far end must stay a number")
 _DRIFT = numerics(3, "times slower than the motion", why="what is slower fades out as drift")
 _KNOT = numerics(8, "cycles a knot, and samples a cycle", why="a carrier is smooth over several cycles")
@@ -107,7 +107,7 @@ def noise_level(x: np.ndarray, fs: float) -> float:
     # periodograms averaged over few segments: the median lies below the mean (chi-square with about 2 K degrees)
     segments = max(1.0, _INDEPENDENT * x.size / size)
     median_to_mean = (1 - 1 / (9 * segments)) ** 3
-    return max(float(np.sqrt(np.median(top) / median_to_mean * fs / 2)), converter_step(x) / _STEP_NOISE)
+    return max(float(np.sqrt(np.median(top) / median_to_mean * fs / 2)), converter_step(x) / STEP_NOISE)
 
 
 def _welch(x: np.ndarray, fs: float, window: np.ndarray) -> np.ndarray:

@@ -10,18 +10,24 @@ from ...errors import BadInput
 from ...files.computed_once import computed_once
 from ...recording.fact import fact
 from ...recording.recording import Recording
-from .hilbert import dominant_frequency, noise_level
+from ...recording.resolution import converter_step
+from .hilbert import STEP_NOISE, dominant_frequency, noise_level
 from .limits import SILENT
-from .odds import SIGNIFICANT
+from .noise_beside_edges import noise_beside_edges
+from .odds import ABOVE_NOISE, SIGNIFICANT
 from .registry import numerics
 
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once."""
+    """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once.
+
+    ``leaps`` says that they may, as a force does whose edges are signal; a response moves on.
+    """
 
     samples: np.ndarray
     fs: float
+    leaps: bool = False
     _parts: dict[tuple[int, int], Signal] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -31,8 +37,10 @@ class Signal:
 
     @computed_once
     def noise(self) -> float:
-        """Standard deviation of its white noise: see ``noise_level``."""
-        return noise_level(self.samples, self.fs)
+        """Standard deviation of its white noise: see ``noise_level``, and ``noise_beside_edges`` where it leaps."""
+        shown = noise_level(self.samples, self.fs)
+        least = noise_beside_edges(self.samples) if self.leaps else np.inf
+        return shown if shown <= ABOVE_NOISE * least else max(least, converter_step(self.samples) / STEP_NOISE)
 
     @computed_once
     def frequency(self) -> float:
@@ -51,7 +59,7 @@ class Signal:
 
     def thinned(self, factor: int) -> Signal:
         """Every so manieth sample: see ``thinned``."""
-        thin = Signal(thinned(self.samples, factor), self.fs / factor)
+        thin = Signal(thinned(self.samples, factor), self.fs / factor, self.leaps)
         # as measured where all samples are: near its highest frequency the thinned one has lost some of its noise
         known = {name: self.__dict__[name] for name in ("band", "frequency", "is_silent") if name in self.__dict__}
         thin.__dict__.update(known, noise=self.noise / np.sqrt(factor))
@@ -62,7 +70,7 @@ class Signal:
         if (start, stop) == (0, self.n):
             return self
         if (start, stop) not in self._parts:
-            self._parts[start, stop] = Signal(self.samples[start:stop], self.fs)
+            self._parts[start, stop] = Signal(self.samples[start:stop], self.fs, self.leaps)
         return self._parts[start, stop]
 
 
@@ -83,7 +91,7 @@ def response_of(recording: Recording) -> Signal:
 @fact("force", "fs")
 def drive_of(recording: Recording) -> Signal | None:
     """The recorded force, None without one."""
-    return None if recording.force is None else Signal(np.asarray(recording.force, float), recording.fs)
+    return None if recording.force is None else Signal(np.asarray(recording.force, float), recording.fs, leaps=True)
 
 
 def noise_levels(recording: Recording) -> tuple[float, float]:
