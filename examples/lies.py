@@ -105,6 +105,9 @@ WORDS = {
     "gain walk": ("a gain that walks",),
     "saturation": ("that saturates",),
     "force saturation": ("that saturates",),
+    "force gain walk": ("a gain that walks",),
+    "gain by sign": ("for each sign",),
+    "bent": ("for each sign",),
 }
 
 

@@ -13,7 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...model import Oscillator
 from ...recording.recording import Recording
+from ..fit.likelihood import maximum_likelihood
 from ..fit.reported_result import Fit
 from ..signals.odds import BEYOND_ERRORS
 from .fault import with_error
@@ -45,14 +47,14 @@ def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> Braked | None:
 
     Args:
         recordings: driven ones and free ones, which contradict each other.
-        fitted: the fit of some of them alone, from starts of their own.
+        fitted: the fit of the driven ones alone, from starts of their own.
     """
     driven = [place for place, recording in enumerate(recordings) if recording.force is not None]
     free = [place for place in range(len(recordings)) if place not in driven]
     if not driven or not free:
         return None
     forced = of_one_rig([recordings[place] for place in driven], fitted)
-    let_go = None if forced is None else of_one_rig([recordings[place] for place in free], fitted)
+    let_go = None if forced is None else of_one_rig([recordings[place] for place in free], _beside(forced.oscillator))
     if forced is None or let_go is None or not (excess := braked(forced, let_go)):
         return None
     size, error, unit = excess
@@ -62,6 +64,19 @@ def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> Braked | None:
         "is there only when it is driven; record the force itself, or the current"
     )
     return Braked(dict.fromkeys(driven, words), size)
+
+
+def _beside(model: Oscillator) -> Fitted:
+    """The fit of free recordings next to a model, whose damping is found first: friction that lets them swing once
+    more or less makes a minimum of each, and from other starts the search may end in any.
+    """
+
+    def fitted(recordings: Sequence[Recording]) -> Fit:
+        others = tuple(name for name in model.parameters() if name != "viscous")
+        braked = maximum_likelihood(model, recordings, others, doubted=False, near=True)
+        return maximum_likelihood(braked.oscillator, recordings, ("mass",), doubted=False, near=True)
+
+    return fitted
 
 
 def braked(forced: Fit, let_go: Fit) -> tuple[float, float, str] | None:

@@ -87,7 +87,7 @@ class ForceGain(Fault):
         if segment.force is None:
             return segment
         factor = np.where(times_of(segment) < self.place, 1.0, 1.0 / max(1.0 + sizes[0], _LEAST))
-        return replace(segment, force=_times_over(segment.force, factor, segment.dt))
+        return replace(segment, force=times_over(segment.force, factor, segment.dt))
 
     def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
@@ -272,7 +272,7 @@ def moved_in_time(force: Force, by: float | np.ndarray, dt: float) -> Force:
     return replace(force, pieces=np.ascontiguousarray(np.stack([value[:-1], first, second, third], axis=1)))
 
 
-def _times_over(force: Force, factor: np.ndarray, dt: float) -> Force:
+def times_over(force: Force, factor: np.ndarray, dt: float) -> Force:
     """The force through its samples, each multiplied by a factor (n,): a jump must not ring between them."""
     pieces = force.pieces
     if force.hold != "smooth":

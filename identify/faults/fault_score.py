@@ -32,7 +32,7 @@ _LINES = budget(3, "lines in a recording", why="the loudest of what is left; hum
 _WAVES = numerics(
     (1, 2, 3, 4, 5, 6), "cycles in a record", why="the slowest waves of a clock; faster ones are lines, as hum is"
 )
-_OWN = numerics(
+OWN = numerics(
     1e-8, "part of the power of a fault", why="rounding: less than this cannot be told from what the parameters do"
 )
 
@@ -112,7 +112,7 @@ def expected_gains(
         faulty = FaultyFit(problem, [fault])
         point = faulty.with_sizes(state)
         columns = {
-            i: noise[i].lines(_columns(faulty, point, i, segment.response - residuals[i]))
+            i: noise[i].lines(columns_of(faulty, point, i, segment.response - residuals[i]))
             for i, segment in enumerate(problem.segments)
             if segment.recording == fault.recording
         }
@@ -120,11 +120,11 @@ def expected_gains(
         asked = beside.without(slice(k))
         # what the parameters can do themselves is no fault's
         before = np.maximum(np.diag(beside.normal)[k:], np.finfo(float).tiny)
-        gains.append(asked.gain() if np.all(np.diag(asked.normal) > _OWN * before) else 0.0)
+        gains.append(asked.gain() if np.all(np.diag(asked.normal) > OWN * before) else 0.0)
     return np.array(gains)
 
 
-def _columns(faulty: FaultyFit, point: State, index: int, base: np.ndarray) -> np.ndarray:
+def columns_of(faulty: FaultyFit, point: State, index: int, base: np.ndarray) -> np.ndarray:
     """(sizes, n) derivatives of what is shown along one segment with respect to the sizes of the last fault."""
     columns = []
     for place in range(len(faulty.offsets) - faulty.faults[-1].count, len(faulty.offsets)):

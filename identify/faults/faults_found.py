@@ -133,6 +133,17 @@ def _is_one_cause(told: Sequence[FoundFault]) -> bool:
     return len(told) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
 
 
+def with_fault(
+    problem: OutputError, state: State, fault: Fault, fit: Fit, recordings: Sequence[Recording]
+) -> tuple[float, np.ndarray, np.ndarray] | None:
+    """Log-likelihood with one fault, its sizes and the parameters (free,) there; None where more than noise is left."""
+    faulty, point = _fitted(_begun(problem, state, [fault]), fit.oscillator)
+    if not _noise_alone(faulty, point, fit, recordings):
+        return None
+    likelihood = concentrated(faulty, point, fit.oscillator)
+    return likelihood, faulty.sizes(point.offsets)[-1], point.values[list(problem.free)]
+
+
 def _asked(
     problem: OutputError, state: State, fit: Fit, contradicted: Contradiction | None, kinds: Sequence[type[Fault]]
 ) -> tuple[list[Fault], int]:

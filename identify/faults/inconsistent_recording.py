@@ -19,7 +19,7 @@ from .faults_found import faults_found
 from .part import Part
 from .part_kinds import kind_of_part
 from .stranger_among import of_one_rig, stranger_among, told_apart
-from .unlike_parts import unlike_in_words, unlike_parts
+from .unlike_parts import shifts_of, unlike_in_words, unlike_parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +57,15 @@ def blame(
     """
     if not max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
         return _of_parts(fit, recordings)
+    squares, samples = np.array([(s.over_noise**2, s.segment.n) for s in fit.segments]).T
+    by_chance = is_noise(squares, samples)
+    if not by_chance and (bent := _of_parts(fit, recordings)).notes:
+        return bent
     found = contradiction(fit, recordings)
     if found is None and alone is not None:
         found = _from_the_others(fit, recordings, alone)
     if found is None and not asked:
-        squares, samples = np.array([(s.over_noise**2, s.segment.n) for s in fit.segments]).T
-        return _of_parts(fit, recordings) if is_noise(squares, samples) else Blame(fit, {}, ())
+        return _of_parts(fit, recordings) if by_chance else Blame(fit, {}, ())
     if found is not None and alone is not None and (braked := back_emf(recordings, alone)) is not None:
         return Blame(covering(fit, (*found.shifts, braked.shift(fit.names))), braked.words, ())
     told = _told(fit, recordings, found, alone)
@@ -77,11 +80,11 @@ def blame(
 
 
 def _of_parts(fit: Fit, recordings: Sequence[Recording]) -> Blame:
-    """What is told where no more than noise is left: that parts of the recordings ask for different parameters."""
-    unlike = unlike_parts(fit, recordings)
-    if unlike is None:
+    """What is told where no more than noise is left, or one channel explains it: that parts contradict each other."""
+    found = unlike_parts(fit, recordings)
+    if not found:
         return Blame(fit, {}, ())
-    return Blame(covering(fit, unlike.shifts), {}, (unlike_in_words(unlike, fit, recordings),))
+    return Blame(covering(fit, shifts_of(found)), {}, (unlike_in_words(found, fit, recordings),))
 
 
 def _from_the_others(

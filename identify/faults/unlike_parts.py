@@ -11,21 +11,25 @@ parameters that are common, take over what they can.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...recording.recording import Recording
-from ..fit.reported_result import Fit
+from ..fit.reported_result import Fit, SegmentFit
 from ..fit.scatter import scatter
 from ..problem.linearised import Linearised, Sums
 from ..problem.normal_equations import pseudo_inverse
+from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.hilbert import LONG
-from ..signals.odds import BY_CHANCE
+from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.odds import ABOVE_NOISE, BY_CHANCE, is_noise
 from ..signals.registry import numerics, shown
 from ..signals.signals import noise_levels
+from .bent_channel import FoundBent, bent_channels
 from .fault import with_error
+from .faults_found import with_fault
 from .fitted_problem import fitted_problem
 
 _OWN = numerics(
@@ -72,46 +76,58 @@ class Unlike:
     error: float
     shifts: tuple[np.ndarray, ...]
 
+    @property
+    def recording(self) -> int | None:
+        """Whose parts they are; None of all."""
+        return self.division.recording
 
-def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> Unlike | None:
-    """The division whose sides contradict each other most; None where none does beyond doubt.
+
+def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> tuple[Unlike | FoundBent, ...]:
+    """The divisions whose sides contradict each other and the channels that are bent, beyond doubt, the clearest first.
 
     Very long recordings are not asked: the derivatives of all their samples are held in memory at once.
 
+    Where more than noise is left only a bent channel that explains all of it is told.
+
     Args:
-        fit: of these recordings, which leaves no more than noise.
+        fit: of these recordings.
         recordings: as they were fitted.
     """
     if not fit.names or max(s.segment.n for s in fit.segments) >= LONG:
-        return None
+        return ()
     problem, state = fitted_problem(fit, recordings)
     residuals = problem.residuals(state)
     if not all(bool(np.all(np.isfinite(r))) for r in residuals):
-        return None
+        return ()
     simulated = [segment.response - left for segment, left in zip(problem.segments, residuals, strict=True)]
     divisions = divisions_of(problem.segments, simulated)
     k, free = problem.shared, len(problem.free)
     rows = problem.derivatives(state, residuals)
-    linearised = Linearised.of(problem, state, residuals, fit.noise, rows)
+    excess, noise = excess_of(fit)
+    linearised = Linearised.of(problem, state, residuals, noise, rows)
+    bent = bent_channels(problem, state, residuals, noise, linearised)
+    if excess:
+        explain = [one for one in bent if (one.size / one.error) ** 2 >= excess]
+        return _explaining(explain, problem, state, fit, recordings)
     size = np.sqrt(np.maximum(np.diag(linearised.shared.normal)[:free], np.finfo(float).tiny))
     both: list[Sums] = []
     for division in divisions:
         sides = [division.inside(segment, made) for segment, made in zip(problem.segments, simulated, strict=True)]
-        columns = {i: fit.noise[i].lines(rows[i][:free] * inside) for i, inside in enumerate(sides) if np.any(inside)}
+        columns = {i: noise[i].lines(rows[i][:free] * inside) for i, inside in enumerate(sides) if np.any(inside)}
         both.append(linearised.beside(columns))
     asked = [(one.normal / np.outer(size, size), one.gradient / size) for one in (b.without(slice(k)) for b in both)]
-    spread = np.eye(free)
-    if min(_chance(reduced, asks, spread) for reduced, asks in asked) * len(divisions) > BY_CHANCE:
-        return None
+    count, spread = len(divisions) + len(bent), np.eye(free)
+    least = [_chance(reduced, asks, spread) * count for reduced, asks in asked]
+    if min([*least, *(one.judged(1.0, count).chance for one in bent)]) > BY_CHANCE:
+        return ()
     levels = [noise_levels(recordings[segment.recording])[1] for segment in problem.segments]
-    scattered = scatter(problem, state, fit.noise, levels, _DRAWS, recordings=recordings)
+    scattered = scatter(problem, state, noise, levels, _DRAWS, recordings=recordings)
     informed = linearised.shared.without(slice(free, None)).normal
     spread = _spread(informed / np.outer(size, size), scattered / np.outer(size, size))
-    found: list[Unlike] = []
+    widest = float(np.max(np.linalg.eigvalsh(spread)))
+    found: list[Unlike | FoundBent] = [one.judged(widest, count) for one in bent]
     for (reduced, asks), division, sums in zip(asked, divisions, both, strict=True):
-        chance = _chance(reduced, asks, spread) * len(divisions)
-        if chance > BY_CHANCE:
-            continue
+        chance = _chance(reduced, asks, spread) * count
         information = np.maximum(np.diag(reduced), _OWN)
         variance = information * np.diag(spread)
         most = int(np.argmax(asks**2 / variance))
@@ -120,11 +136,71 @@ def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> Unlike | None:
         other = -(pseudo_inverse(sums.normal[:k, :k]) @ sums.normal[:k, k + most])[:free] * difference
         this = other + difference * (np.arange(free) == most)
         found.append(Unlike(division, chance, fit.names[most], difference, error, (other, this)))
-    return min(found, key=lambda unlike: unlike.chance, default=None)
+    return tuple(sorted((one for one in found if one.chance <= BY_CHANCE), key=lambda one: one.chance))
 
 
-def unlike_in_words(unlike: Unlike, fit: Fit, recordings: Sequence[Recording]) -> str:
-    """Which sides contradict each other, by how much, and what does that: a sentence."""
+def _explaining(
+    bent: Sequence[FoundBent], problem: OutputError, state: State, fit: Fit, recordings: Sequence[Recording]
+) -> tuple[FoundBent, ...]:
+    """Those bent channels with which no more than noise is left, each fitted with the parameters, the likeliest first.
+
+    What is far more than noise is no small step: which of two is the likelier its linear response does not say.
+    """
+    places = list(problem.free)
+    fits = [(one, with_fault(problem, state, one.fault, fit, recordings)) for one in bent]
+    known = [(one, *made) for one, made in fits if made is not None]
+    best = max((likelihood for _, likelihood, _, _ in known), default=0.0)
+    least = np.finfo(float).tiny
+    found = [
+        replace(
+            one,
+            size=float(sizes[0]),
+            shifts=(values - state.values[places],),
+            chance=float(least * np.exp(min(best - likelihood, -np.log(least)))),
+        )
+        for one, likelihood, sizes, values in known
+    ]
+    return tuple(sorted((one for one in found if one.chance <= BY_CHANCE), key=lambda one: one.chance))
+
+
+def excess_of(fit: Fit) -> tuple[float, list[NoiseSpectrum]]:
+    """By how much the residuals' power is more than noise, in its variance, and the noise by which that is so.
+
+    None where it is no more: there the spectrum of what is left is the noise's. Where it is more that spectrum has the
+    excess in it, and would hide what makes it.
+    """
+    over = np.array([stretch.over_noise for stretch in fit.segments])
+    samples = np.array([float(stretch.segment.n) for stretch in fit.segments])
+    if np.max(over) <= ABOVE_NOISE or is_noise(over**2, samples):
+        return 0.0, list(fit.noise)
+    flat = [
+        replace(spectrum, density=np.full(spectrum.density.size, max(_level(stretch), np.finfo(float).tiny) ** 2))
+        for spectrum, stretch in zip(fit.noise, fit.segments, strict=True)
+    ]
+    return float(samples @ np.maximum(over**2 - ABOVE_NOISE**2, 0.0)), flat
+
+
+def _level(stretch: SegmentFit) -> float:
+    """Standard deviation of the noise that is expected of a segment."""
+    left = stretch.segment.response - stretch.simulated
+    return float(np.sqrt(np.mean(left**2))) / max(stretch.over_noise, np.finfo(float).tiny)
+
+
+def shifts_of(found: Sequence[Unlike | FoundBent]) -> list[np.ndarray]:
+    """(free,) each, what may have moved the parameters, as likely as each explains what contradicts (model average)."""
+    likely = np.array([found[0].chance / max(one.chance, np.finfo(float).tiny) for one in found[1:]])
+    weights = np.array([1.0, *likely]) / (1.0 + np.sum(likely))
+    return [np.sqrt(weight) * shift for weight, one in zip(weights, found, strict=True) for shift in one.shifts]
+
+
+def unlike_in_words(found: Sequence[Unlike | FoundBent], fit: Fit, recordings: Sequence[Recording]) -> str:
+    """Which sides contradict each other or which channel is bent, by how much, and what does that: a sentence."""
+    unlike = found[0]
+    others = sorted({one.recording for one in found[1:] if one.recording is not None} - {unlike.recording})
+    rivals = [recordings[place].name for place in others if _rivals(found, place)]
+    also = f"; as likely it is {' or '.join(rivals[:_NAMED])} that is not as it should be" if rivals else ""
+    if isinstance(unlike, FoundBent):
+        return f"{recordings[unlike.recording].name}: {unlike.words}{also}"
     division, parameter = unlike.division, fit.oscillator.parameters()[unlike.name]
     share = 100.0 / abs(parameter.value) if parameter.value else 0.0
     if abs(unlike.difference) < abs(parameter.value):
@@ -151,8 +227,13 @@ def unlike_in_words(unlike: Unlike, fit: Fit, recordings: Sequence[Recording]) -
         }[division.kind]
     return (
         f"{sides}, though no more than noise is left; {causes}, or physics that is missing does that; the standard "
-        "errors cover it for the parameter that shows it most"
+        f"errors cover it for the parameter that shows it most{also}"
     )
+
+
+def _rivals(found: Sequence[Unlike | FoundBent], place: int) -> bool:
+    """Whether something of a recording explains it within the level of doubt as well as what explains it best."""
+    return any(one.recording == place and found[0].chance > BY_CHANCE * one.chance for one in found)
 
 
 def _others(place: int, fit: Fit, recordings: Sequence[Recording]) -> str:

@@ -54,3 +54,16 @@ def test_a_user_is_told():
     assert all("back-EMF" in words for words in found.faults)
     viscous = found.oscillator.viscous
     assert abs(viscous.value - STAND.values["viscous"]) < 2.0 * viscous.std
+
+
+@pytest.mark.parametrize("seed", [2, 4])
+def test_friction_that_stops_a_noisy_decay_hides_no_back_emf(seed):
+    """The decay by itself ends in a minimum of one swing less, whose friction is nine errors off."""
+    slow = replace(STANDS["slow"], noise=13 * STANDS["slow"].noise)
+    brake = 0.2 * slow.values["viscous"] * slow.values["mass"]
+    recordings = told(slow, Lie("", "", 2, voltage_for_force(brake), driven=True), seed)
+
+    def from_truth(some):
+        return maximum_likelihood(Oscillator.from_values(slow.values), some, doubted=False, near=True)
+
+    assert back_emf(recordings, from_truth).size == pytest.approx(0.1, rel=0.03)
