@@ -28,11 +28,9 @@ def model_text(o: Oscillator, notes: Sequence[str]) -> str:
 
 
 def _left(o: Oscillator) -> list[str]:
-    return [
-        f"leaves {r['over_noise']:.3g} times the noise of {r['file']}, {100 * r['nrmse']:.2g} % of its motion"
-        for r in o.identified.recordings[:4]
-        if r.get("nrmse") is not None and r.get("over_noise") is not None
-    ]
+    from ..model.fit_state import left_of
+
+    return [f"leaves {left.of_noise}, {left.of_motion} of {left.file}" for left in left_of(o)[:4]]
 
 
 def _more(notes: Sequence[str]) -> list[str]:

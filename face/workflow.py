@@ -171,10 +171,11 @@ def diagnosed(
 
 def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> Page:
     """The page of a diagnosis, with links to the files that stand beside it."""
-    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL
+    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, experiment_csv
     from ..report.diagnosis_page import diagnosis_page
 
-    return diagnosis_page(found, files=(DIAGNOSIS, MODEL, *((FMU,) if fmu else ()), EXPERIMENT))
+    there = {FMU: fmu, EXPERIMENT: experiment_csv(found.experiment)}
+    return diagnosis_page(found, files=(DIAGNOSIS, MODEL, *(name for name, content in there.items() if content)))
 
 
 def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None, figures: str | None = None) -> list[Path]:

@@ -56,7 +56,7 @@ def with_provenance(
     for file, kind in zip(files, kinds, strict=False):
         file["kind"] = kind
     for index, file in enumerate(files):
-        file |= _left(fit, index)
+        file |= left_of_recording(fit, index)
         if index in faults:
             file["fault"] = faults[index]
     return replace(
@@ -101,7 +101,7 @@ def _seen(curves: Sequence[Curve], fit: Fit, recordings: Sequence[Recording]) ->
     return [replace(c, amplitude=c.amplitude[out], omega0=c.omega0[out]) for c, out in seen if np.any(out)]
 
 
-def _left(fit: Fit, index: int) -> dict[str, float]:
+def left_of_recording(fit: Fit, index: int) -> dict[str, float]:
     """What the model leaves of a recording, its stretches together: as a part of the motion, and in times the noise."""
     parts = [s for s in fit.segments if s.segment.recording == index]
     if not parts:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .fit_state import percent_words, times_words
 from .parameter import Parameter
 from .show import value_and_error
 
@@ -86,14 +87,12 @@ def percent_text(share: float | None) -> str:
     """A share in percent (already times 100) to two digits; empty for None."""
     if share is None or not math.isfinite(share):
         return ""
-    return f"{typeset(f'{share:.2g}' if share < 99.5 else f'{share:.0f}')} %"
+    return f"{typeset(percent_words(share))} %"
 
 
 def times_text(ratio: float) -> str:
     """How many times as large, for sentences: 1.02, 12, 190."""
-    if not math.isfinite(ratio):
-        return "infinitely many"
-    return f"{ratio:.2f}" if ratio < 10 else f"{ratio:.0f}" if ratio < 100 else number(float(f"{ratio:.2g}"), 6)
+    return typeset(times_words(ratio)) if math.isfinite(ratio) else times_words(ratio)
 
 
 def tick_text(value: float, _position: int | None = None) -> str:

@@ -1,7 +1,7 @@
 """The state of a fit, which travels with its result: what it leaves of each recording, and what that means for use.
 
-The model file keeps it by recording (``identified.recordings``); every sentence about it, in ``show``, FMU, CasADi
-functions, C, SSP and reports, is made here.
+The model file keeps it by recording (``identified.recordings``); every figure and sentence about it, in ``show``, FMU,
+CasADi functions, C, SSP, notebooks and reports, is made here.
 """
 
 from __future__ import annotations
@@ -29,6 +29,54 @@ class MostLeft:
 
     part: float = math.inf
     times: float = math.inf
+
+
+@dataclass(frozen=True)
+class Left:
+    """What a model leaves of a recording, rms.
+
+    Attributes:
+        file: the recording's name.
+        part: over the standard deviation of the motion.
+        times: of the prediction errors over the noise.
+    """
+
+    file: str
+    part: float
+    times: float
+
+    @property
+    def of_noise(self) -> str:
+        """``19 times the noise``."""
+        return f"{times_words(self.times)} times the noise"
+
+    @property
+    def of_motion(self) -> str:
+        """``3.2 % of the motion``."""
+        return f"{percent_words(100 * self.part)} % of the motion"
+
+
+def left_of(oscillator: Oscillator) -> list[Left]:
+    """What the model leaves of each recording that it was identified from, where that is known."""
+    return [
+        Left(str(r["file"]), float(r["nrmse"]), float(r["over_noise"]))
+        for r in oscillator.identified.recordings
+        if r.get("nrmse") is not None and r.get("over_noise") is not None
+    ]
+
+
+def times_words(ratio: float) -> str:
+    """How many times as large, in ASCII: ``1.02``, ``12``, ``190``."""
+    if not math.isfinite(ratio):
+        return "infinitely many"
+    if ratio < 100:
+        return f"{ratio:.2f}" if ratio < 9.995 else f"{ratio:.0f}"
+    return f"{float(f'{ratio:.2g}'):.6g}"
+
+
+def percent_words(share: float) -> str:
+    """A share in percent (already times 100) to two digits, in ASCII."""
+    return f"{share:.2g}" if share < 99.5 else f"{share:.0f}"
 
 
 def parse_most_left(text: str) -> MostLeft:
@@ -63,10 +111,10 @@ def left_over(oscillator: Oscillator) -> list[str]:
     """A sentence for each recording of which the model leaves more than its noise."""
     family = "model" if oscillator.terms else "Eq. 17 family"
     return [
-        f"{r['file']}: the model leaves {r['over_noise']:.2g} times the noise, {100 * r['nrmse']:.2g} % of the motion, "
+        f"{left.file}: the model leaves {left.of_noise}, {left.of_motion}, "
         f"so the recording holds something that the {family} does not, and the parameters may be off by more than "
         "their errors"
-        for r in _lacking(oscillator)
+        for left in lacking(oscillator)
     ]
 
 
@@ -83,13 +131,13 @@ def state_of_fit(oscillator: Oscillator) -> str | None:
 
     It has at most 250 characters of ASCII, so that it can stand anywhere.
     """
-    count, lacking, faulty = len(oscillator.identified.recordings), _lacking(oscillator), _faulty(oscillator)
+    count, beyond_noise, faulty = len(oscillator.identified.recordings), lacking(oscillator), _faulty(oscillator)
     told = []
-    if lacking:
-        times, part = (max(r[name] for r in lacking) for name in ("over_noise", "nrmse"))
+    if beyond_noise:
+        most = Left("", max(left.part for left in beyond_noise), max(left.times for left in beyond_noise))
         told.append(
-            f"the model leaves more than noise of {_of(len(lacking), count)}, up to {times:.2g} times the noise and "
-            f"{100 * part:.2g} % of the motion"
+            f"the model leaves more than noise of {_of(len(beyond_noise), count)}, up to {most.of_noise} and "
+            f"{most.of_motion}"
         )
     if faulty:
         told.append(
@@ -104,9 +152,9 @@ def _of(some: int, count: int) -> str:
     return "its recording" if count == 1 else f"{some} of its {count} recordings"
 
 
-def _lacking(oscillator: Oscillator) -> list[Mapping[str, Any]]:
-    recordings = oscillator.identified.recordings
-    return [r for r in recordings if r.get("nrmse") is not None and (r.get("over_noise") or 0.0) > LACKING]
+def lacking(oscillator: Oscillator) -> list[Left]:
+    """What the model leaves of those recordings that hold more than it does."""
+    return [left for left in left_of(oscillator) if left.times > LACKING]
 
 
 def _faulty(oscillator: Oscillator) -> list[Mapping[str, Any]]:

@@ -7,6 +7,7 @@ follow from the parameters and are none themselves, so that nothing is said twic
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -93,6 +94,28 @@ def machine(oscillator: Oscillator) -> dict[str, Parameter]:
         told = templates[name] if templates[name] in ("Hz", "1") else units.compose(templates[name], unit, force)
         made[name] = Parameter(value, error, told)
     return made | _amid(oscillator)
+
+
+def law_strengths(oscillator: Oscillator) -> dict[str, Parameter]:
+    """The strengths of further laws as the machine has them, by parameter: drag in N·s²/m², a stop in N/m, with errors.
+
+    None without a mass, nor of laws that are no force on it.
+    """
+    if oscillator.mass is None:
+        return {}
+    unit, force, mass = oscillator.response.displacement_unit, oscillator.force_unit, oscillator.mass.value
+    made = {}
+    for term in oscillator.terms:
+        for of in term.law.parameters if term.law.force is not None else ():
+            p, name = term.parameters.get(of.name), f"{term.effect}.{of.name}"
+            if p is None or not of.strength:
+                continue
+            exponents = Counter(units.factors("Q.s2/X"))
+            exponents.update(units.factors(of.unit))
+            template = units.render({symbol: power for symbol, power in exponents.items() if power})
+            error = None if p.std is None else _carried({"mass": p.value, name: mass}, oscillator)
+            made[name] = Parameter(mass * p.value, error, units.compose(template, unit, force))
+    return made
 
 
 def _amid(oscillator: Oscillator) -> dict[str, Parameter]:

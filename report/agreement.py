@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from ..export.render import plain_text
 from ..identify.signals.hilbert import dominant_frequency
 from ..model.display import number, percent_text, times_text
+from ..model.fit_state import LACKING
 from .blocks import Block, Cell, Figure, Section, Table, Text
 from .comparison import Comparison
 from .residual import spectrum_figure
@@ -51,12 +52,12 @@ def verdict(shown: Sequence[Comparison]) -> Text:
 
 def _fit_verdict(shown: Sequence[Comparison]) -> Text:
     worst = max(shown, key=lambda c: c.nrmse if math.isfinite(c.nrmse) else math.inf)
-    tone = "bad" if not worst.nrmse <= _POOR else "note"
+    tone = "bad" if not worst.nrmse <= _POOR else "note" if worst.ratio > LACKING else "good"
     of = "the recordings it was identified from" if len(shown) > 1 else "the recording it was identified from"
     where = f" ({worst.name})" if len(shown) > 1 else ""
     return Text(
-        f"The model leaves at most {percent_text(100 * worst.nrmse)} of the motion of {of}{where}; "
-        "it was not verified as an FMU here.",
+        f"The model leaves at most {percent_text(100 * worst.nrmse)} of the motion of {of}{where}, "
+        f"{times_text(worst.ratio)} times the noise; it was not verified as an FMU here.",
         tone,
     )
 
@@ -104,7 +105,7 @@ def _spectral(shown: Sequence[Comparison]) -> list[Comparison]:
 
 def _table(shown: Sequence[Comparison]) -> Table:
     full = shown[0].full_floor
-    head = ["Recording", "NRMSE", "Noise floor" if full else "Sensor noise", "Ratio"]
+    head = ["Recording", "NRMSE", "Noise floor" if full else "Sensor noise", "Times the noise"]
     if full:
         head += ["Backbone within", "Reproduced"]
     rows = []
@@ -120,6 +121,6 @@ def _table(shown: Sequence[Comparison]) -> Table:
     caption += (
         "Noise floor: the same of a perfect model, from the noise of the sensor and that of the recorded force."
         if full
-        else "Noise on a recorded force comes on top of the sensor's and moves a perfect model too."
+        else "Times the noise: what the fit cannot predict, over the noise of the sensor and of the recorded force."
     )
     return Table(tuple(head), tuple(rows), (1, 2, 3, 4) if full else (1, 2, 3), caption)

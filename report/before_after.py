@@ -34,8 +34,8 @@ _ROOM = 2.0
 _LOST = 1e4
 #: Less than this part of a simulation has no spectrum worth showing.
 _WHOLE = 0.95
-#: More recordings than these stand in the table only, so that the page stays small.
-_PICTURES = 8
+#: More recordings than these stand in the table only, so that the page stays small; the first are seen at once.
+_PICTURES, _FIRST = 8, 2
 
 
 def response_section(diagnosis: Diagnosis) -> Section:
@@ -46,22 +46,36 @@ def response_section(diagnosis: Diagnosis) -> Section:
     if not records:
         return Section(title, (Text("No recording was compared.", "note"),))
     held, train = ([r for r in records if r.holdout is wanted] for wanted in (True, False))
-    blocks: list[Block] = [Text(fit_sentence(records, mended))]
+    blocks: list[Block] = []
     how = "NRMSE: rms(simulated − measured) / std(measured), simulated freely over the whole recording."
     if held:
         blocks.append(fit_table(held, f"Held out: no parameter was fitted to these. {how}", mended))
     if train:
         blocks.append(fit_table(train, "Used for the fit." if held else f"Used for the fit. {how}", mended))
-    shown = [*held, *sorted(train, key=lambda r: -_excess(r))][:_PICTURES]
-    for i, r in enumerate(shown):
-        caption = _caption(r, mended)
-        blocks.append(
-            picture(lambda r=r, i=i: response_figure(r, diagnosis.before, mended, f"response-{i + 1}"), caption)
-        )
-    rest = [r.file for r in records if r not in shown]
+    return Section(title, (*blocks, *_pictures(diagnosis)[:_FIRST]))
+
+
+def more_responses_section(diagnosis: Diagnosis) -> Section:
+    """The pictures of those recordings that are not among the first, and the names of those without one."""
+    drawn = _pictures(diagnosis)[_FIRST:]
+    rest = [r.file for r in _ordered(diagnosis)[_PICTURES:]]
     if rest:
-        blocks.append(Text(f"Without a picture, in the table only: {', '.join(rest)}."))
-    return Section(title, tuple(blocks))
+        drawn.append(Text(f"Without a picture, in the table only: {', '.join(rest)}."))
+    return Section("The other recordings, in pictures", tuple(drawn))
+
+
+def _ordered(diagnosis: Diagnosis) -> list[RecordFit]:
+    """The held-out recordings, then those that the given model is farthest from."""
+    held, train = ([r for r in diagnosis.records if r.holdout is wanted] for wanted in (True, False))
+    return [*held, *sorted(train, key=lambda r: -_excess(r))]
+
+
+def _pictures(diagnosis: Diagnosis) -> list[Block]:
+    mended = bool(diagnosis.effects)
+    return [
+        picture(lambda r=r, i=i: response_figure(r, diagnosis.before, mended, f"response-{i + 1}"), _caption(r, mended))
+        for i, r in enumerate(_ordered(diagnosis)[:_PICTURES])
+    ]
 
 
 def fit_sentence(records: Sequence[RecordFit], mended: bool) -> str:

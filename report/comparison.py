@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..identify.provenance import left_of_recording
 from ..identify.signals.hilbert import noise_level
 from ..identify.signals.signals import response_of
 from ..model import Response
@@ -25,6 +26,7 @@ class Comparison:
         time, measured, simulated: (n,) s and the response's unit; ``simulated`` is NaN where nothing was simulated.
         nrmse: rms(simulated - measured) / std(measured), over what was simulated.
         noise_floor: the same of a perfect model; ``full_floor`` tells whether the noise on the force counts in it.
+        over_noise: times the noise that is left; None: NRMSE over noise floor.
         response: what was measured, and in which unit.
         held_out: whether the identification has not seen it.
         backbone_error: largest distance of the backbones, Hz; None where not known.
@@ -42,6 +44,7 @@ class Comparison:
     held_out: bool = False
     backbone_error: float | None = None
     passed: bool | None = None
+    over_noise: float | None = None
 
     @property
     def residual(self) -> np.ndarray:
@@ -51,7 +54,8 @@ class Comparison:
     @property
     def noise_rms(self) -> float:
         """The noise floor in the response's unit."""
-        return self.noise_floor * float(np.std(self.measured))
+        there = np.isfinite(self.simulated)
+        return self.noise_floor * float(np.std(self.measured[there] if there.any() else self.measured))
 
     @property
     def fs(self) -> float:
@@ -65,7 +69,9 @@ class Comparison:
 
     @property
     def ratio(self) -> float:
-        """NRMSE over noise floor: 1 for a perfect model."""
+        """Times the noise that is left: 1 for a perfect model."""
+        if self.over_noise is not None:
+            return self.over_noise
         return self.nrmse / self.noise_floor if self.noise_floor > 0 else float("inf")
 
 
@@ -107,7 +113,17 @@ def _of_fit(identification: Identification, index: int) -> Comparison | None:
     if not there.any() or not spread > 0:
         return None
     measured = np.asarray(recording.response, float)
-    nrmse = float(np.sqrt(np.mean((simulated - measured)[there] ** 2))) / float(np.std(measured[there]))
-    floor = response_of(recording).noise / spread
+    floor = response_of(recording).noise / float(np.std(measured[there]))
     shown = Response(recording.quantity, recording.unit)
-    return Comparison(recording.name, recording.time, measured, simulated, nrmse, floor, False, shown)
+    left = left_of_recording(identification.fit, index)  # what the model file says
+    return Comparison(
+        recording.name,
+        recording.time,
+        measured,
+        simulated,
+        left.get("nrmse", float("nan")),
+        floor,
+        False,
+        shown,
+        over_noise=left.get("over_noise"),
+    )

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..diagnose.wording import effects_in_words, spoken
 from ..model.display import full_stop, pretty_unit
 from ..model.show import warnings as model_warnings
-from .before_after import response_section
+from .before_after import fit_sentence, more_responses_section, response_section
 from .blocks import Block, Items, Page, Section, Text
-from .effects import considered_section, effects_section, shift_section
+from .effects import considered_section, effects_section, lead_table, shift_section
 from .location import location_section
 from .mended_curves import curves_section
 from .missing_force import force_section
@@ -39,20 +40,28 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
         response_section(diagnosis),
         location_section(diagnosis),
         force_section(diagnosis),
-        effects_section(diagnosis),
-        considered_section(diagnosis),
-        shift_section(diagnosis),
-        curves_section(diagnosis),
-        experiment_section(diagnosis),
+        *(
+            replace(section, folded=True)
+            for section in (
+                effects_section(diagnosis),
+                considered_section(diagnosis),
+                shift_section(diagnosis),
+                curves_section(diagnosis),
+                more_responses_section(diagnosis),
+                experiment_section(diagnosis),
+            )
+        ),
         Section("What remains, and what to know", tuple(_remainder(diagnosis))),
-        Section("The measuring chain, which is no physics of the rig", tuple(_chain(diagnosis))),
-        Section("Where the numbers come from", tuple(_provenance(diagnosis, files))),
+        Section("The measuring chain, which is no physics of the rig", tuple(_chain(diagnosis)), folded=True),
+        Section("Where the numbers come from", tuple(_provenance(diagnosis, files)), folded=True),
     ]
     mark, tone = VERDICTS.get(diagnosis.verdict, ("", "note"))
-    lead = (
-        Text(full_stop(diagnosis.sentence), tone, mark),
-        Text(next_step(diagnosis, files), lead="What to do next:"),
-    )
+    lead: list[Block] = [Text(full_stop(diagnosis.sentence), tone, mark), *lead_table(diagnosis)]
+    if diagnosis.records:
+        lead.append(Text(fit_sentence(diagnosis.records, bool(diagnosis.effects)), lead="What is left:"))
+    lead.append(Text(next_step(diagnosis, files), lead="What to do next:"))
+    if diagnosis.experiment is not None and _planned(diagnosis):
+        lead.append(Text(full_stop(diagnosis.experiment.sentence), lead="The next experiment:"))
     software = diagnosis.model.identified.software or "dashpot"
     return Page(f"Diagnosis of {diagnosis.before.name}", sections, lead=lead, footer=f"Made by {software}.")
 

@@ -14,6 +14,7 @@ from ..errors import BadInput
 from ..model.display import full_stop, number, percent_text, pretty_unit, typeset, value_text
 from ..model.effect_words import effect_in_words
 from ..model.library import find
+from ..model.physical import law_strengths
 from .blocks import Block, Cell, Section, Table, Text
 from .location import PATHS
 from .parameters import equation_blocks
@@ -44,6 +45,35 @@ def effects_section(diagnosis: Diagnosis) -> Section:
         blocks += effect_blocks(effect)
     blocks.append(Text("The mended equation of motion, in letters and with its numbers:"))
     return Section("What is missing", (*blocks, *equation_blocks(diagnosis.model)))
+
+
+def lead_table(diagnosis: Diagnosis) -> list[Table]:
+    """What is missing at one glance: the effect, its strength in the machine's units, how probable it is."""
+    strengths = law_strengths(diagnosis.model)
+    rows: list[tuple[str | Cell, ...]] = []
+    for effect in diagnosis.effects:
+        sizes = []
+        for name, p in effect.parameters.items():
+            of_machine = strengths.get(f"{effect.law}.{name}")
+            value, error = value_text(of_machine or p)
+            unit = pretty_unit((of_machine or p).unit)
+            sizes.append(f"{name} {value}{f' ± {error}' if error else ''}{'' if unit == '1' else f' {unit}'}")
+        rivals = effect.indistinguishable_from
+        told = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
+        rows.append((effect_in_words(effect.law), ", ".join(sizes), probability_text(effect.odds), told))
+    head = ("What is missing", "Its size", "Probability", "Not told from")
+    return [Table(head, tuple(rows), cards=True)] if rows else []
+
+
+def probability_text(odds: float) -> str:
+    """Odds as a probability in percent, with as many nines as it has."""
+    if not odds > 0:
+        return "not known" if math.isnan(odds) else "0 %"
+    if odds >= SURE:
+        return f"more than {100 * SURE / (1 + SURE):.4f} %"
+    missing = 100 / (1 + odds)
+    digits = max(0, -math.floor(math.log10(missing))) if missing < 10 else 0
+    return f"{100 - missing:.{digits}f} %"
 
 
 def effect_blocks(effect: Effect) -> list[Block]:

@@ -89,7 +89,7 @@ def _parameters(analysis: HilbertAnalysis, unit: str, truth: Mapping[str, float]
         fit = getattr(analysis, method)
         if fit is None:
             continue
-        caption = f"{name}'s own fits, one law at a time. Misfit: mean square of what is left over that of the noise."
+        caption = f"{name}'s own fits, one law at a time. Times the noise: rms of what is left over that of the noise."
         blocks.append(laws_table(fit, unit, caption))
         spread = analysis.spread(method)
         if spread:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from ..identify.hilbert.hilbert_files import UNITS
 from ..model import units
-from ..model.display import number, pretty_unit, value_text
+from ..model.display import number, pretty_unit, times_text, value_text
 from ..model.parameter import Parameter
 from .blocks import Cell, Table
 
@@ -48,14 +48,14 @@ def modal_table(
         if truth is not None:
             row.append(number(truth[name], 6) if name in truth else "")
         rows.append((*row, pretty_unit(units.compose(of, unit))))
-    missed = [_misfit(fit.misfit) for fit in fits.values()]
-    rows.append(("left over noise", *missed, *[""] * (len(head) - 1 - len(missed) + (truth is not None)), ""))
+    missed = [_left(fit.over_noise) for fit in fits.values()]
+    rows.append(("times the noise", *missed, *[""] * (len(head) - 1 - len(missed) + (truth is not None)), ""))
     if truth is not None:
         head.append("True value")
     caption = (
         "Each with one standard error. FREEVIB and FORCEVIB: Eqs. 1, 6, 7 together, fitted to all curves of the method"
         + ("; maximum likelihood: the motion itself, simulated." if model is not None else ".")
-        + " Last row: mean square of what the laws leave, over that of the noise; where it is far above 1 they are not "
+        + " Last row: rms of what the laws leave, over that of the noise; where it is far above 1 they are not "
         "all that moves the rig, and the errors above are widened by it."
     )
     return Table((*head, "Unit"), tuple(rows), tuple(range(1, len(head))), caption)
@@ -71,8 +71,8 @@ def laws_table(fit: ModalFit, unit: str, caption: str) -> Table:
             f"{name} {_text(law.values[name], law.stds[name])} {pretty_unit(units.compose(UNITS[name], unit))}"
             for name in law.values
         )
-        rows.append((_name(law), words, _misfit(law.misfit)))
-    return Table(("Law", "Parameters", "Misfit"), tuple(rows), (2,), caption)
+        rows.append((_name(law), words, _left(law.over_noise)))
+    return Table(("Law", "Parameters", "Times the noise"), tuple(rows), (2,), caption)
 
 
 def _name(law: LawFit) -> str:
@@ -85,9 +85,9 @@ def _name(law: LawFit) -> str:
     return f"{law.law} ({equation[law.law]})"
 
 
-def _misfit(misfit: float) -> Cell:
+def _left(times: float) -> Cell:
     """Bad where the law leaves twice the noise: then it is not all that moves the rig."""
-    return Cell(number(misfit, 3), "good" if misfit < 4 else "bad")
+    return Cell(times_text(times), "good" if times < 2 else "bad")
 
 
 def _cell(value: float | None, std: float | None) -> str | Cell:

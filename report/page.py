@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
@@ -9,11 +10,12 @@ import numpy as np
 
 from ..export.render import plain_text
 from ..model.display import full_stop, number, pretty_unit, scale_of
+from ..model.fit_state import lacking
 from ..model.show import warnings as model_warnings
 from .agreement import agreement_section, verdict
 from .backbone_distance import distance_figure
 from .backbone_figure import backbone_figure, backbone_kind
-from .blocks import Block, Items, Page, Section, Table, Text, picture
+from .blocks import Block, Code, Items, Page, Section, Table, Text, picture
 from .characteristics import friction_figure, stiffness_figure
 from .comparison import comparisons
 from .modal_table import modal_table
@@ -52,21 +54,45 @@ def identification_page(
     model = identification.oscillator
     shown = comparisons(identification, verification)
     sections = [
-        Section(
-            "Parameters",
-            (parameter_table(model, truth), machine_table(model), *equation_blocks(model), *_methods(identification)),
-        ),
+        Section("The machine", (machine_table(model), *equation_blocks(model), parameter_table(model, truth))),
         Section("Backbones and frequency response", tuple(_backbones(identification, verification))),
         agreement_section(shown, "FMU" if verification is not None else "model", model.omega0.value / (2 * np.pi)),
-        Section("Spring and damping", tuple(_characteristics(identification))),
-        Section("Recordings", tuple(_recordings(identification))),
         Section("How sure the numbers are", tuple(_certainty(identification))),
+        Section("FREEVIB and FORCEVIB beside the fit", _methods(identification), folded=True),
+        Section("Spring and damping", tuple(_characteristics(identification)), folded=True),
+        Section("Recordings", tuple(_recordings(identification)), folded=True),
         Section("Where the model holds", tuple(_validity(identification))),
         usage_section(model, files),
-        Section("Where the numbers come from", tuple(_provenance(identification, files))),
+        Section("Where the numbers come from", tuple(_provenance(identification, files)), folded=True),
     ]
     footer = f"Made by {model.identified.software or 'dashpot'}."
-    return Page(f"Identification of {model.name}", sections, lead=[verdict(shown)], footer=footer)
+    lead = (verdict(shown), *_next(identification, verification is not None, files))
+    return Page(f"Identification of {model.name}", sections, lead=lead, footer=footer)
+
+
+def _next(identification: Identification, verified: bool, files: Sequence[str]) -> list[Block]:
+    """Whether its numbers may be believed, and what to type next."""
+    model = identification.oscillator
+    yaml = next((name for name in files if name.endswith(".yaml")), "model.yaml")
+    recordings = dict.fromkeys(r.name.partition("#")[0] for r in identification.recordings)
+    again = f"dashpot diagnose {shlex.join([yaml, *recordings])} -o diagnosis"
+    left = lacking(model)
+    useless = identification.useless
+    if left or useless:
+        worst = max(left, key=lambda one: one.times, default=None)
+        words = "" if worst is None else f"It leaves {worst.of_noise} in {worst.file}, {worst.of_motion}. "
+        if useless:
+            words += full_stop(f"{useless[0].upper()}{useless[1:]}") + " "
+        words += "The recordings hold something that the model does not, and the standard errors below may not hold."
+        ask = Code("What is missing (with the options that the recordings were read with):", again)
+        return [Text(words, "warn", "▲ More than noise is left."), ask]
+    if verified:
+        return []
+    fmu = f"{yaml.removesuffix('.yaml')}.fmu"
+    commands = f"dashpot export {shlex.join([yaml, fmu])}\ndashpot verify {shlex.join([fmu, *recordings])}"
+    return [
+        Code("Next, as an FMU and proven on the recordings (with the options that these were read with):", commands)
+    ]
 
 
 def _methods(identification: Identification) -> tuple[Table, ...]:

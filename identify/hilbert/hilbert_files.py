@@ -163,6 +163,7 @@ def _law(law: LawFit, unit: str, compose: Any) -> dict[str, Any]:
         "law": law.law,
         "parameters": _values(law.values, law.stds, unit, compose),
         "misfit": _finite(law.misfit),
+        "over_noise": _finite(law.over_noise),
     }
 
 
@@ -180,6 +181,7 @@ def _finite(value: float) -> float | None:
 def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
     """The parameters of both methods as text, one line each."""
     from ...model import Response
+    from ...model.fit_state import times_words
     from ...model.parameter import Parameter
     from ...model.units import compose
 
@@ -192,5 +194,5 @@ def describe(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> str:
         lines.append(f"{method.upper()}, {len(analysis.of(method))} {words}")
         values, stds = {**fit.values, **fit.derived}, {**fit.stds, **fit.derived_std}
         lines += [f"  {n:8} {Parameter(v, stds[n], compose(UNITS[n], unit))}" for n, v in values.items()]
-        lines.append(f"  Eqs. 1, 6 and 7 leave {np.sqrt(fit.misfit):.2g} times the noise.")
+        lines.append(f"  Eqs. 1, 6 and 7 leave {times_words(fit.over_noise)} times the noise.")
     return "\n".join(lines)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -27,6 +28,11 @@ class LawFit:
     values: Mapping[str, float]
     stds: Mapping[str, float]
     misfit: float
+
+    @property
+    def over_noise(self) -> float:
+        """Rms of what is left over that of the noise: what pages, text and JSON say."""
+        return math.sqrt(self.misfit)
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,11 @@ class ModalFit:
     def misfit(self) -> float:
         """Mean square of what the laws leave over that of the noise, of stiffness or damping, whichever is larger."""
         return max(self.both.misfit, self.damping.misfit)
+
+    @property
+    def over_noise(self) -> float:
+        """Rms of what the laws leave over that of the noise, as of a single law."""
+        return max(self.both.over_noise, self.damping.over_noise)
 
     @property
     def stds(self) -> dict[str, float]:

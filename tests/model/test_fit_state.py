@@ -24,10 +24,10 @@ def test_a_recording_that_holds_more_than_the_model_is_told_wherever_the_model_g
     said = [sentence for sentence in warnings(o) if "a.csv" in sentence]
     assert len(said) == told == (state_of_fit(o) is not None)
     if told:
-        assert said[0].startswith("a.csv: the model leaves 1.5 times the noise, 1.2 % of the motion, so ")
+        assert said[0].startswith("a.csv: the model leaves 1.51 times the noise, 1.2 % of the motion, so ")
         assert said == [f"{sentence}." for sentence in left_over(o)]
         assert state_of_fit(o) == (
-            "the model leaves more than noise of its recording, up to 1.5 times the noise and 1.2 % of the motion, "
+            "the model leaves more than noise of its recording, up to 1.51 times the noise and 1.2 % of the motion, "
             "so the parameters may be off by more than their errors"
         )
     assert left_over(of(rig, {"over_noise": over_noise})) == []

@@ -127,7 +127,11 @@ def test_every_verdict_has_its_page_in_order(verdict, page_of) -> None:
         assert words in text
     first = ORDER[0] if verdict == "missing-physics" else "Measured and simulated"
     titles = re.findall(r"<h2>(.*?)</h2>", whole)
-    assert tuple(titles) == (first, *ORDER[1:])
+    seen = [title for title in titles if title != "The other recordings, in pictures"]
+    assert tuple(seen) == (first, *ORDER[1:])
+    # verdict, size, what is left and what to do stand ahead of everything else
+    assert whole.index(SAID[verdict][0]) < whole.index("What is left:") < whole.index("What to do next:")
+    assert whole.index("What to do next:") < whole.index("<h2>")
     assert text.index(SAID[verdict][0]) < text.index("What to do next:") < text.index(first)
     assert "diagnosis.json" in text
     assert "ab" * 32 in text or verdict != "missing-physics"
