@@ -23,7 +23,7 @@ _PASSED = numerics(0.4375, "of the sampling rate", why="the middle of the quarte
 _BLOCKS = numerics(16, "blocks", why="in which noise has a level of its own: a force that is off may be quieter")
 _FEWEST = numerics(64, "samples", why="of a block, so that its level is good to a tenth")
 _QUIETEST = numerics(0.25, "part of the samples", why="from which the level is found: as many lie beside no edge")
-_OF_NORMAL = 0.31864  # the absolute value below which so many normal variables lie
+_OF_NORMAL = numerics(0.31864, "standard deviations", why="below which so many absolute values of normal variables lie")
 _SETTLED = numerics(1e-3, "part of the level", why="far below its error")
 
 
