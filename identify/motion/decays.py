@@ -48,7 +48,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     shared = modes_of_response(response_of(recording))
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
-    if shared is not None and (few or _explains(shared, by_envelope.decays, recording.n)):
+    if shared is not None and (few or _explains(shared, by_envelope.decays)):
         decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
         motion = _described(recording, decays)
         return replace(motion, modes=_modes_of(shared))
@@ -61,14 +61,13 @@ def _rings_out(shared: SharedModes, n: int) -> bool:
     return not others and (audible < stop or stop == n)
 
 
-def _explains(shared: SharedModes, decays: Sequence[Decay], n: int) -> bool:
-    """Whether shared modes take nearly all of what is taken without them."""
-    taken, before = np.zeros(n, bool), np.zeros(n, bool)
-    for start, stop, _ in shared.pieces:
-        taken[start:stop] = True
-    for decay in decays:
-        before[decay.start : decay.stop] = True
-    return bool(np.count_nonzero(taken & before) >= TAKES * np.count_nonzero(before))
+def _explains(shared: SharedModes, decays: Sequence[Decay]) -> bool:
+    """Whether shared modes take about as much as an envelope does, or more: what is missing from them may be a hand's.
+
+    Where a frequency glides with the amplitude, they take a part.
+    """
+    taken = sum(audible - start for start, _, audible in shared.pieces)
+    return taken >= TAKES * sum(decay.stop - decay.start for decay in decays)
 
 
 def _modes_of(shared: SharedModes) -> tuple[tuple[float, float], ...]:

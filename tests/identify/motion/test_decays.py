@@ -7,7 +7,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from dashpot.identify.motion.decays import find_decays
+from dashpot.identify.motion.decay import Decay
+from dashpot.identify.motion.decays import _explains, find_decays
+from dashpot.identify.motion.shared_modes import SharedModes
 from dashpot.recording.recording import Recording
 
 DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -120,3 +122,16 @@ def test_a_fall_by_six_per_cent_is_a_decay_where_it_is_known(noise):
     seen = x + noise * np.random.default_rng(1).standard_normal(t.size)
     (decay,) = find_decays(Recording("fork", 40.0, seen))
     assert decay.rate == pytest.approx(2 * np.pi * 1e-4, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("pieces", "believed"),
+    [
+        ([(0, 900, 900)], True),
+        ([(0, 800, 800)], False),  # the frequency glides: the loud part is another mode
+        ([(0, 200, 200), (300, 600, 600), (700, 800, 800), (1200, 1600, 1600)], True),  # the hand's ways are left out
+    ],
+)
+def test_modes_are_believed_that_take_about_what_an_envelope_does(pieces, believed):
+    shared = SharedModes(tuple(pieces), np.array([1.0]), np.array([0.01]), 0, 0.01, 1e-4, 100.0)
+    assert _explains(shared, [Decay(0, 1000)]) is believed
