@@ -10,6 +10,7 @@ import difflib
 import logging
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from types import MappingProxyType
 from typing import Any
 
@@ -28,6 +29,7 @@ from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import blame
 from .fit.hold import held_as, with_hold
+from .fit.likeliest_modes import likeliest_modes, modes_of_fit
 from .fit.likelihood import maximum_likelihood
 from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
 from .fit.reported_result import Fit, SegmentFit
@@ -40,7 +42,7 @@ from .provenance import with_provenance
 from .signals.odds import SIGNIFICANT
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
-from .start.further_modes import ringing_modes, with_modes
+from .start.further_modes import ringing_modes
 from .start.start import HilbertEstimate, hilbert_start, plain_starts
 
 _log = logging.getLogger(__name__)
@@ -133,14 +135,13 @@ def identify(
     progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
     base = _hilbert_model(hilbert, recordings, name) if start is None else replace(start, name=name)
-    modes = ringing_modes(recordings) if start is None else ()
-    if modes:
-        base, near = with_modes(base, modes), True
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
         recordings = held_as(recordings, start.hold)
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
-    def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
+    def answer(
+        recordings: Sequence[Recording], known: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool
+    ) -> Fit:
         data = data_of(recordings, base, coarse=False)
 
         def begun(model: Oscillator) -> Oscillator:
@@ -152,7 +153,7 @@ def identify(
             return model
 
         def others() -> Iterator[Oscillator]:
-            for plain in [] if start is not None else _plain(base, hilbert, recordings):
+            for plain in [] if start is not None or known is not None else _plain(base, hilbert, recordings):
                 progress("that explains little; again from another start")
                 yield begun(plain)
 
@@ -161,15 +162,24 @@ def identify(
         asked = [key for key, p in model.parameters().items() if p.std is not None]  # data asked for it before
         shapes = tuple(shape for shape in shapes_of(model) if shape not in (*fixed, *asked))
         how = {"doubted": doubted and not shapes, "near": near or known is not None}
-        fit = maximum_likelihood(model, recordings, (*fixed, *shapes), data, others=others, **how)
-        return _with_shapes(fit, recordings, data, tuple(fixed), doubted=doubted) if shapes else fit
+        fit = maximum_likelihood(model, recordings, (*fixed, *kept, *shapes), data, others=others, **how)
+        return _with_shapes(fit, recordings, data, (*fixed, *kept), doubted=doubted) if shapes else fit
 
-    fit = answer(recordings, None, doubted=doubted)
-    fit, recordings, chain = with_hold(fit, recordings, answer, doubted=doubted)
+    def of_modes(model: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool) -> Fit:
+        begin = None if model is None else _with_values(model, fixed, final=False)
+        return answer(recordings, begin, kept, doubted=doubted)
+
+    kept: Sequence[str] = ()
+    if start is None and not effects:
+        fit, kept = likeliest_modes(ringing_modes(recordings), of_modes, doubted=doubted)
+    else:
+        fit = answer(recordings, None, doubted=doubted)
+    several = len(modes_of_fit(fit.oscillator)) > 1
+    fit, recordings, chain = with_hold(fit, recordings, partial(answer, kept=kept), doubted=doubted)
     told: dict[int, str] = {}
     if doubted or faults:
         progress("whether the recordings contradict each other")
-        strange = None if effects or fixed or start or modes else _alone
+        strange = None if effects or fixed or start or several else _alone
         found = blame(fit, recordings, asked=faults, alone=strange)
         fit, told, chain = found.fit, found.faults, (*chain, *found.notes)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]

@@ -15,8 +15,6 @@ from ...recording.recording import Recording
 from .band import in_band
 from .mode_lines import Mode, modes_of
 
-#: A law stands for one further mode within an octave: something sprung on the mass (``attached-resonator``).
-_OCTAVE = 2.0
 #: Of the way to the next mode (of the logarithm of the frequency) where a band ends at half its height.
 _EDGE = 0.72
 
@@ -45,9 +43,8 @@ def isolated(recordings: Sequence[Recording], wanted: str | None = None) -> tupl
         told += f" beside {_listed(others)}"
     if not others:
         return list(recordings), None, f"{told}; no other was found, and nothing was taken away"
-    nearest = min(max(o.frequency / mode.frequency, mode.frequency / o.frequency) for o in others)
-    if wanted is None and len(others) == 1 and nearest < _OCTAVE:
-        return list(recordings), None, f"{told}; both were kept, --mode {modes.index(mode) + 1} isolates it"
+    if wanted is None and len(others) == 1:
+        return list(recordings), None, f"{told}; both are fitted together, --mode {modes.index(mode) + 1} isolates it"
     band = band_around(mode, others)
     if band is None:
         if wanted is not None:

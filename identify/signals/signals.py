@@ -14,7 +14,7 @@ from ...recording.resolution import converter_step
 from .hilbert import STEP_NOISE, dominant_frequency, noise_level
 from .limits import SILENT
 from .noise_beside_edges import noise_beside_edges
-from .odds import ABOVE_NOISE, SIGNIFICANT
+from .odds import ABOVE_NOISE, DECISIVE, SIGNIFICANT
 from .registry import numerics
 
 
@@ -54,8 +54,13 @@ class Signal:
 
     @computed_once
     def is_silent(self) -> bool:
-        """Whether it holds nothing but an offset and white noise."""
-        return bool(np.ptp(self.samples) == 0 or self.noise > SILENT * float(np.std(self.samples)))
+        """Whether it holds nothing but an offset and white noise, in which no sample stands alone as a blow does."""
+        spread = float(np.std(self.samples))
+        if spread > 0 and float(np.max(np.abs(self.samples - np.median(self.samples)))) > spread * np.sqrt(
+            2.0 * (np.log(self.n) + DECISIVE)  # Gaussian tails: of n samples none is beyond but once in a thousand
+        ):
+            return False
+        return bool(spread == 0 or self.noise > SILENT * spread)
 
     def thinned(self, factor: int) -> Signal:
         """Every so manieth sample: see ``thinned``."""

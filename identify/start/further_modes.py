@@ -11,25 +11,31 @@ from dataclasses import replace
 
 from ...model import Oscillator
 from ...model.laws import MODES
-from ...model.terms import with_term
+from ...model.terms import with_term, without_term
 from ...recording.recording import Recording
 from ..motion.decays import find_free_motion
 
-#: Natural frequency, rad/s, and damping ratio.
-Mode = tuple[float, float]
+#: Natural frequency, rad/s, damping ratio, and answer to the force, one over its modal mass; 0 where it is not known.
+Mode = tuple[float, float, float]
 
 
 def ringing_modes(recordings: Sequence[Recording]) -> tuple[Mode, ...]:
     """Several modes that the free motion of recordings shows, that which moves most first; none where there is one."""
-    return max((find_free_motion(recording).modes for recording in recordings), key=len, default=())
+    modes = max((find_free_motion(recording).modes for recording in recordings), key=len, default=())
+    return tuple((omega, zeta, 0.0) for omega, zeta in modes)
 
 
 def with_modes(model: Oscillator, modes: Sequence[Mode]) -> Oscillator:
     """The model as a linear rig of the first mode, with a term for each further one."""
-    (omega, zeta), *others = modes
+    (omega, zeta, gain), *others = modes
+    for term in model.terms:
+        if term.effect in MODES:
+            model = without_term(model, term.effect)
     known = model.parameters()
     values = {"omega0": omega, "viscous": 2 * zeta * omega, "cubic": 0.0, "preload": 0.0, "dry": 0.0}
-    model = model.with_parameters({name: replace(known[name], value=value) for name, value in values.items()})
-    for name, (omega, zeta) in zip(MODES, others, strict=False):
-        model = with_term(model, name, {"participation": 0.0, "frequency": omega, "viscous": 2 * zeta * omega})
+    if "mass" in known and gain > 0.0:
+        values["mass"] = 1.0 / gain
+    model = model.with_parameters({name: replace(known[name], value=value, std=None) for name, value in values.items()})
+    for name, (omega, zeta, gain) in zip(MODES, others, strict=False):
+        model = with_term(model, name, {"participation": gain, "frequency": omega, "viscous": 2 * zeta * omega})
     return model

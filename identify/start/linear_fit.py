@@ -64,10 +64,10 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
 
     if not segments or any(segment.slide for segment in segments):
         return None
-    signals = [_Signal(segment) for segment in segments]
-    fewer = [_Signal(segment, _COMPARED) for segment in segments]
+    signals = [Signal(segment) for segment in segments]
+    fewer = [Signal(segment, _COMPARED) for segment in segments]
 
-    def remainder(theta: np.ndarray, signals: Sequence[_Signal] = fewer) -> np.ndarray:
+    def remainder(theta: np.ndarray, signals: Sequence[Signal] = fewer) -> np.ndarray:
         return np.concatenate(_solve(signals, *np.exp(theta)).rests)
 
     pace = segments[0].pace
@@ -101,16 +101,19 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
     )
 
 
-class _Signal:
+class Signal:
     """One segment: its response in units of its standard deviation, its force as finely as a sine needs."""
 
-    def __init__(self, segment: Segment, samples_a_cycle: float = _SAMPLES_A_CYCLE) -> None:
+    def __init__(self, segment: Segment, samples_a_cycle: float = _SAMPLES_A_CYCLE, *, by_means: bool = False) -> None:
         self.order, self.dt = segment.order, segment.dt
         cycle = 2 * np.pi / (segment.pace * segment.dt)
         self.skipped = max(1, int(cycle / _SAMPLES_A_CYCLE))
         self.stride = self.skipped * max(1, int(cycle / (self.skipped * samples_a_cycle)))
         self.scale = float(np.std(segment.response)) or 1.0
         shown = segment.response[:: self.stride] / self.scale
+        if by_means and segment.force is None:  # of damped sines means are damped sines, with less noise
+            whole = segment.response[: segment.n // self.stride * self.stride]
+            shown = np.mean(whole.reshape(-1, self.stride), axis=1) / self.scale
         self.size = shown.size
         self.measured = shown / np.sqrt(self.size)  # every segment counts alike
         self.time = segment.dt * self.stride * np.arange(self.size)
@@ -165,7 +168,7 @@ class _Solved:
     rests: list[np.ndarray]
 
 
-def _solve(signals: Sequence[_Signal], omega: float, rate: float) -> _Solved:
+def _solve(signals: Sequence[Signal], omega: float, rate: float) -> _Solved:
     rate = min(rate, omega * MOST_DAMPING / np.sqrt(1.0 - MOST_DAMPING**2))
     columns = [signal.free(omega, rate) for signal in signals]
     bases = [np.linalg.qr(part / np.linalg.norm(part, axis=0))[0] for part in columns]
@@ -191,7 +194,7 @@ def _solve(signals: Sequence[_Signal], omega: float, rate: float) -> _Solved:
     return _Solved(gain, own, final)
 
 
-def _free_places(signals: Sequence[_Signal]) -> list[tuple[float, float]]:
+def _free_places(signals: Sequence[Signal]) -> list[tuple[float, float]]:
     """Frequencies and rates at which damped sines take most of what moves freely: the peaks of its damped spectra."""
     if not signals:
         return []

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.identify.problem.segments import Segment
-from dashpot.identify.start.linear_fit import LinearFit, _free_places, _peaks, _Signal, linear_fit
+from dashpot.identify.start.linear_fit import LinearFit, Signal, _free_places, _peaks, linear_fit
 from dashpot.simulate.force import staircase, straight_lines
 from scipy.signal import cont2discrete
 
@@ -160,7 +160,7 @@ def test_places_to_begin_at():
     slow = free(0.01, 700)
     t = 0.005 * np.arange(600)
     fast = segment(np.exp(-0.5 * t) * np.cos(400.0 * t), 0.005)
-    places = _free_places([_Signal(slow), _Signal(fast)])
+    places = _free_places([Signal(slow), Signal(fast)])
     omegas, rates = map(np.array, zip(*places, strict=True))
     assert np.min(np.abs(omegas - OMEGA0)) < 0.3
     assert np.min(np.abs(omegas - 400.0)) < 0.3

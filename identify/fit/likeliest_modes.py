@@ -1,0 +1,131 @@
+"""How many modes ring in the recordings: the fits of one and of several, and of one more at the line that is left.
+
+A mode is a linear oscillator, which explains its motion down to the noise. What Eq. 17 lacks leaves lines too, that a
+mode only imitates: another one is taken where it is decisively likelier and leaves no more than noise, or where the
+simulation keeps step with the recordings by it alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Protocol
+
+import numpy as np
+
+from ...errors import BadInput
+from ...model import Oscillator
+from ...model.fit_state import FOLLOWS, LACKING
+from ...model.laws import MODES
+from ..signals.odds import ABOVE_NOISE, DECISIVE
+from ..start.further_modes import Mode, with_modes
+from ..start.linear_modes import one_mode_more
+from .reported_result import Fit, SegmentFit
+
+#: What a linear rig does without.
+MEMBERS = ("cubic", "preload", "dry")
+
+
+class Answer(Protocol):
+    """Fits Eq. 17 from its own starts (None), or a model from its values, some parameters kept."""
+
+    def __call__(self, model: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool) -> Fit:
+        """As ``identify`` fits, from there."""
+        ...
+
+
+def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> tuple[Fit, tuple[str, ...]]:
+    """The fit of one mode or of several, whichever is the likeliest, and what was kept at none in it.
+
+    Args:
+        modes: that the free motion shows; none where it shows one.
+        answer: fits a model.
+        doubted: see ``maximum_likelihood``.
+    """
+    fit = answer(None, doubted=doubted and not modes)
+    several = _beside(fit, modes, answer, doubted) if modes else None
+    if modes and (several is None or odds(several[0], fit) < 0.0):
+        return answer(None, doubted=doubted), ()
+    best = several or (fit, ())
+    while len(known := modes_of_fit(best[0].oscillator)) <= len(MODES):
+        if max(s.over_noise for s in best[0].segments) < ABOVE_NOISE:
+            break
+        more = one_mode_more([s.segment for s in best[0].segments], known)
+        other = _beside(best[0], more, answer, doubted) if more else None
+        if other is None or not _is_better(other[0], best[0]):
+            break
+        best = other
+    return best
+
+
+def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer, doubted: bool) -> tuple[Fit, tuple[str, ...]] | None:
+    """Linear modes, the first of them nonlinear where that is decisively likelier; None where they do not simulate."""
+    try:
+        plain = answer(with_modes(fit.oscillator, modes), MEMBERS, doubted=doubted)
+        freed = answer(plain.oscillator, doubted=doubted)
+    except BadInput:
+        return None
+    return (freed, ()) if odds(freed, plain) > DECISIVE else (plain, MEMBERS)
+
+
+def modes_of_fit(model: Oscillator) -> tuple[Mode, ...]:
+    """Natural frequency in rad/s and damping ratio of the model's own mode, and of the further ones."""
+    own = [(model.omega0.value, model.viscous.value, 0.0 if model.mass is None else 1.0 / model.mass.value)]
+    for term in model.terms:
+        if term.effect in MODES:
+            own.append(tuple(term.parameters[name].value for name in ("frequency", "viscous", "participation")))
+    return tuple((omega, viscous / (2 * omega), gain) for omega, viscous, gain in own)
+
+
+def odds(fit: Fit, other: Fit) -> float:
+    """Logarithm of the odds of a fit against another one (Schwarz 1978).
+
+    A member of Eq. 17 that is hardly told from none costs what it would cost to leave it out. Of fits to different
+    stretches the samples that both have are compared, as if what is left were white.
+    """
+    alike = _samples(fit) == _samples(other)
+    gain = fit.log_likelihood - other.log_likelihood if alike else _white_gain(fit, other)
+    return gain - 0.5 * (_cost(fit) - _cost(other))
+
+
+def _cost(fit: Fit) -> float:
+    """Twice the logarithm of what the unknowns of a fit cost."""
+    each = float(np.log(sum(s.segment.n for s in fit.segments)))
+    known = fit.oscillator.parameters()
+    cost = each * sum(s.initial.size for s in fit.segments if not s.segment.rests)
+    for name in fit.names:
+        value, std = known[name].value, known[name].std
+        cost += min(each, (value / std) ** 2) if name in MEMBERS and std else each
+    return cost
+
+
+def _samples(fit: Fit) -> list[tuple[int, int, int]]:
+    return [(s.segment.recording, s.segment.start, s.segment.stop) for s in fit.segments]
+
+
+def _white_gain(fit: Fit, other: Fit) -> float:
+    """Gain of log-likelihood over the samples that both fits have, in white noise of unknown level."""
+    gain = 0.0
+    for mine, theirs in product(fit.segments, other.segments):
+        first = max(mine.segment.start, theirs.segment.start)
+        last = min(mine.segment.stop, theirs.segment.stop)
+        if mine.segment.recording == theirs.segment.recording and last - first > 1:
+            left, before = (_power(s, first, last) for s in (mine, theirs))
+            gain += 0.5 * (last - first) * float(np.log(before / left)) if min(left, before) > 0 else 0.0
+    return gain
+
+
+def _power(part: SegmentFit, first: int, last: int) -> float:
+    """Mean square of what is left over samples of the recording."""
+    left = part.segment.response - part.simulated
+    return float(np.mean(left[first - part.segment.start : last - part.segment.start] ** 2))
+
+
+def _is_better(fit: Fit, before: Fit) -> bool:
+    """Whether one mode more is decisively likelier and leaves but noise, or follows where there was nothing to follow.
+
+    What Eq. 17 lacks leaves lines that a further mode may imitate, down to the noise it does not.
+    """
+    explains = max(s.over_noise for s in fit.segments) < LACKING
+    follows = max(s.nrmse for s in fit.segments) <= FOLLOWS < max(s.nrmse for s in before.segments)
+    return (explains or follows) and odds(fit, before) > DECISIVE

@@ -1,0 +1,88 @@
+"""How many modes ring: against damped cosines in closed form, and rigs that scipy integrates."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.identify import identify
+from dashpot.identify.fit.likeliest_modes import modes_of_fit
+from dashpot.recording.recording import Recording
+from scipy.integrate import solve_ivp
+from scipy.signal import lsim
+
+FIRST, ZETA = 2 * np.pi * 5.0, 0.006
+
+
+def ringing(times, *modes):
+    """Damped cosines of natural frequencies in rad/s, damping ratios and amplitudes."""
+    return sum(a * np.exp(-z * w * times) * np.cos(w * np.sqrt(1 - z**2) * times + 0.4) for w, z, a in modes)
+
+
+def answers(recording, *modes):
+    """That frequency and damping ratio of each mode are within 3.5 errors; the first is the model's."""
+    found = identify([recording], doubted=False).oscillator
+    known = found.parameters()
+    names = [("omega0", "viscous"), ("further-mode.frequency", "further-mode.viscous")]
+    assert len(modes_of_fit(found)) == len(modes)
+    for (frequency, viscous), (omega, zeta, *_) in zip(names, modes, strict=False):
+        for name, truth in ((frequency, omega), (viscous, 2 * zeta * omega)):
+            assert abs(known[name].value - truth) < 3.5 * known[name].std, (name, known[name], truth)
+    return found
+
+
+@pytest.mark.parametrize(("ratio", "share"), [(1.02, 0.3), (1.07, 0.01), (2.7, 0.01), (0.98, 0.05)])
+def test_two_free_modes(ratio, share):
+    times = np.arange(2400) / 60.0
+    modes = (FIRST, ZETA, 1e-3), (ratio * FIRST, 1.4 * ZETA, 1e-3 * np.sqrt(share))
+    x = ringing(times, *modes) + 1e-6 * np.random.default_rng(1).standard_normal(times.size)
+    found = answers(Recording("free", 60.0, x), *modes)
+    assert (found.values()["cubic"], found.values()["dry"]) == (0.0, 0.0)
+
+
+def test_a_nonlinear_mode_beside_another():
+    """Seven per cent away: the cubic of the one is found, and nothing of it goes into the other."""
+    cubic, viscous = 0.2 * FIRST**2 / 1e-3**2, 2 * ZETA * FIRST
+    times = np.arange(2400) / 60.0
+    own = solve_ivp(
+        lambda _, z: [z[1], -viscous * z[1] - FIRST**2 * z[0] - cubic * z[0] ** 3],
+        (0, times[-1]),
+        [1e-3, 0.0],
+        "DOP853",
+        times,
+        rtol=1e-10,
+        atol=1e-14,
+    ).y[0]
+    other = (1.07 * FIRST, ZETA, 3e-4)
+    x = own + ringing(times, other) + 1e-6 * np.random.default_rng(2).standard_normal(times.size)
+    found = answers(Recording("beside", 60.0, x), (FIRST, ZETA), other)
+    p = found.parameters()["cubic"]
+    assert abs(p.value - cubic) < 3.5 * p.std < 0.05 * cubic
+
+
+def test_one_nonlinear_mode_is_not_two():
+    cubic = 0.3 * FIRST**2 / 1e-3**2
+    times = np.arange(1500) / 60.0
+    own = solve_ivp(
+        lambda _, z: [z[1], -2 * ZETA * FIRST * z[1] - FIRST**2 * z[0] - cubic * z[0] ** 3],
+        (0, times[-1]),
+        [1e-3, 0.0],
+        "DOP853",
+        times,
+        rtol=1e-10,
+        atol=1e-14,
+    ).y[0]
+    x = own + 1e-6 * np.random.default_rng(3).standard_normal(times.size)
+    assert len(modes_of_fit(identify([Recording("one", 60.0, x)], doubted=False).oscillator)) == 1
+
+
+def test_two_driven_modes():
+    """Both answer the recorded force, each with a modal mass of its own."""
+    fs, random = 200.0, np.random.default_rng(4)
+    times = np.arange(3000) / fs
+    force = np.sin(2 * np.pi * (3.0 * times + 0.15 * times**2))
+    modes, masses = ((FIRST, 0.02), (1.3 * FIRST, 0.02)), (2.0, 5.0)
+    x = sum(lsim(([1 / m], [1.0, 2 * z * w, w**2]), force, times)[1] for (w, z), m in zip(modes, masses, strict=True))
+    x = x + 1e-3 * np.std(x) * random.standard_normal(times.size)
+    found = answers(Recording("driven", fs, x, force, hold="linear"), *modes).parameters()
+    for name, truth in (("mass", masses[0]), ("further-mode.participation", 1 / masses[1])):
+        assert abs(found[name].value - truth) < 3.5 * found[name].std < 0.1 * truth
