@@ -140,8 +140,8 @@ def _each_mode(
     words: list[str] = []
     left = 1.0
     for number, mode in enumerate(modes_of(recordings, whole=True), 1):
-        entry = {"mode": number, "frequency_hz": mode.frequency, "share": mode.share}
-        title = f"Mode {number}, {mode.frequency:.4g} Hz, {100 * mode.share:.3g} % of the motion"
+        entry: dict[str, Any] = {"mode": number, **mode.as_json()}
+        title = f"Mode {number}, {mode}"
         try:
             result, text = run(recordings, str(number), folder / f"mode-{number}", say, figures)
         except BadInput as problem:

@@ -72,6 +72,7 @@ def _roles(table: Table, response: str | None, how: Mapping[str, Any]) -> dict[s
 def _told(recording: Recording) -> dict[str, Any]:
     from ..identify.motion.decays import find_decays
     from ..identify.motion.excitation import kind_of
+    from ..identify.motion.mode_lines import modes_of
 
     signals = [("response", recording.response, recording.unit)]
     if recording.force is not None:
@@ -88,6 +89,7 @@ def _told(recording: Recording) -> dict[str, Any]:
             | {"picture": sparkline(signal)}
             for role, signal, unit in signals
         ],
+        "modes": [mode.as_json() for mode in modes_of([recording])],
         "notes": list(recording.notes),
     }
 
@@ -120,6 +122,8 @@ def described(entry: Mapping[str, Any]) -> str:
 
 
 def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
+    from ..identify.motion.mode import Mode
+
     if "refused" in recording:
         return [f"  refused    {sentence}" for sentence in recording["refused"].split("\n")]
     columns = ", ".join(f"{role} = {name}" for role, name in recording["columns"].items() if name is not None)
@@ -128,6 +132,8 @@ def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
         f"  sampling   {recording['fs']:.6g} Hz, {recording['samples']} samples, {recording['duration']:.6g} s",
         f"  motion     {recording['motion']}",
     ]
+    for number, mode in enumerate(recording["modes"] if len(recording["modes"]) > 1 else (), 1):
+        lines.append(f"  mode {number}     {Mode.of_json(mode)}")
     for signal in recording["signals"]:
         lines.append(f"  {signal['role']:<10} {signal['picture']}")
         lines.append(f"             {signal['min']:.4g} to {signal['max']:.4g} {signal['unit']}")

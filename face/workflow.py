@@ -66,7 +66,7 @@ def identified(
         notes: called with what was chosen before the fit, one sentence each.
     """
     from ..identify.identification import identify
-    from ..identify.motion.modes import mode_alone
+    from ..identify.motion.modes import mode_beside
     from ..model.file import load
     from ..model.library import find
     from ..model.limits import checked_value
@@ -80,7 +80,7 @@ def identified(
     effects = [find(law).name for law in laws]
     begin = load(start) if isinstance(start, Path) else start
     recordings = read()
-    alone, band = mode_alone(recordings, mode, begin, notes)
+    alone, band, wanted = mode_beside(recordings, mode, begin, notes)
     return identify(
         alone,
         name=name or _stem(recordings),
@@ -88,6 +88,7 @@ def identified(
         fixed=known,
         start=begin,
         band=band,
+        wanted=wanted,
         faults=faults,
         progress=progress,
     )
@@ -194,10 +195,10 @@ def write_diagnosis(folder: Path, found: Diagnosis, fmu: bytes | None, figures: 
 def analysed(recordings: Sequence[Recording], mode: str | None) -> tuple[HilbertAnalysis, list[Recording]]:
     """FREEVIB and FORCEVIB of one mode of recordings, and what was evaluated; raises BadInput where nothing can be."""
     from ..identify import hilbert_analysis
-    from ..identify.motion.modes import mode_alone
+    from ..identify.motion.modes import mode_by_itself
 
     notes: list[str] = []
-    alone, band = mode_alone(recordings, mode, None, notes.append)
+    alone, band = mode_by_itself(recordings, mode, notes.append)
     chosen = [note.removeprefix("note: ") for note in notes]
     return hilbert_analysis(alone).of_one_mode(chosen, band is not None), alone
 

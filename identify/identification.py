@@ -105,6 +105,7 @@ def identify(
     fixed: Mapping[str, float] = MappingProxyType({}),
     start: Oscillator | None = None,
     band: Band | None = None,
+    wanted: float | None = None,
     doubted: bool = True,
     near: bool = False,
     faults: bool = False,
@@ -119,6 +120,7 @@ def identify(
         fixed: parameters that keep a value, by name; ``mass`` gives that of a rig of which only decays were recorded.
         start: model to start from, with its laws, instead of estimates from the recordings.
         band: in which one of several modes was isolated in them, for the model file; see ``modes``.
+        wanted: frequency in Hz of that of several modes which the model is of; the strongest where None.
         doubted: whether what predictions say otherwise goes into the standard errors; see ``maximum_likelihood``.
         near: whether ``start`` was found from these very recordings; see there.
         faults: whether to ask what the measuring chain may have done to the recordings, by several fits more, where
@@ -171,7 +173,7 @@ def identify(
 
     kept: Sequence[str] = ()
     if start is None and not effects:
-        fit, kept = likeliest_modes(ringing_modes(recordings), of_modes, doubted=doubted)
+        fit, kept = likeliest_modes(ringing_modes(recordings, wanted), of_modes, doubted=doubted)
     else:
         fit = answer(recordings, None, doubted=doubted)
     several = len(modes_of_fit(fit.oscillator)) > 1

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from .mode import Mode
+
 
 @dataclass(frozen=True)
 class Decay:
@@ -51,11 +53,10 @@ class FreeMotion:
         decays: where nothing drives the motion.
         blows: what set it going, where a hammer's force was recorded.
         notes: one sentence each on what was left out and why; none where all that moves is used.
-        modes: natural frequency, rad/s, and damping ratio of each of several modes that ring together, that which
-            moves most first; none where there is one.
+        modes: of a linear rig that ring together, that which moves most first; none where there is one.
     """
 
     decays: tuple[Decay, ...]
     blows: tuple[Blow, ...] = ()
     notes: tuple[str, ...] = ()
-    modes: tuple[tuple[float, float], ...] = ()
+    modes: tuple[Mode, ...] = ()

@@ -20,6 +20,7 @@ from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
 from .free_motion import modes_of_response
 from .limits import TAKES
+from .mode import Mode
 from .shared_modes import SharedModes
 from .swings import swings_of
 
@@ -70,12 +71,25 @@ def _explains(shared: SharedModes, decays: Sequence[Decay]) -> bool:
     return taken >= TAKES * sum(decay.stop - decay.start for decay in decays)
 
 
-def _modes_of(shared: SharedModes) -> tuple[tuple[float, float], ...]:
+def _modes_of(shared: SharedModes) -> tuple[Mode, ...]:
     """Several modes, that which moves most first; none where there is one."""
     if shared.omega.size == 1:
         return ()
     order = sorted(range(shared.omega.size), key=lambda k: k != shared.main)
-    return tuple((float(shared.omega[k]), float(shared.zeta[k])) for k in order)
+    frequency = shared.omega / (2 * np.pi)
+    errors = shared.errors * np.stack([frequency, np.ones(frequency.size), np.ones(frequency.size)])
+    return tuple(
+        Mode(
+            frequency=float(frequency[k]),
+            low=float(frequency[k]),
+            high=float(frequency[k]),
+            share=float(shared.share[k]),
+            strongest=k == shared.main,
+            damping_ratio=float(shared.zeta[k]),
+            errors=(float(errors[0, k]), float(errors[1, k]), float(errors[2, k])),
+        )
+        for k in order
+    )
 
 
 def _shared_decay(shared: SharedModes, which: int, fs: float) -> Decay:

@@ -18,7 +18,8 @@ from ...errors import BadInput
 from ...recording.recording import Recording
 from ..signals.hilbert import dominant_frequency, noise_level
 from ..signals.odds import DECISIVE
-from .decays import find_decays
+from .decays import find_decays, find_free_motion
+from .mode import Mode
 
 #: Cycles of the strongest motion in a window: short ones follow a frequency that moves, long ones show slow modes.
 _WINDOWS = (16.0, 64.0)
@@ -49,31 +50,16 @@ _FALLS = 1.5
 _MATTERS = 0.21
 
 
-@dataclass(frozen=True)
-class Mode:
-    """One mode of a recording.
-
-    Attributes:
-        frequency: Hz, where it rings the loudest.
-        low, high: Hz, between which its frequency moves with its amplitude.
-        share: of the motion's power.
-        strongest: whether it has the largest line of the spectrum.
-    """
-
-    frequency: float
-    low: float
-    high: float
-    share: float
-    strongest: bool = False
-
-
 def modes_of(recordings: Sequence[Recording], *, whole: bool = False) -> list[Mode]:
-    """Modes that the free motion of recordings shows, in order of frequency.
+    """Modes that the free motion of recordings shows, in order of frequency: those of a linear rig with their errors.
 
     Args:
         recordings: of one rig.
         whole: whether recordings without free motion are looked at as a whole.
     """
+    linear = max((find_free_motion(recording).modes for recording in recordings), key=len, default=())
+    if linear:
+        return sorted(linear, key=lambda mode: mode.frequency)
     stretches: list[tuple[np.ndarray, float, float]] = []
     for recording in recordings:
         x, fs = np.asarray(recording.response, float), recording.fs

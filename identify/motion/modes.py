@@ -13,7 +13,9 @@ from ...errors import BadInput
 from ...model.oscillator import Band, Oscillator
 from ...recording.recording import Recording
 from .band import in_band
-from .mode_lines import Mode, modes_of
+from .mode import Mode
+from .mode_lines import modes_of
+from .without_modes import without_other_modes
 
 #: Of the way to the next mode (of the logarithm of the frequency) where a band ends at half its height.
 _EDGE = 0.72
@@ -68,6 +70,35 @@ def mode_alone(
     return alone, band
 
 
+def mode_beside(
+    recordings: Sequence[Recording], wanted: str | None, model: Oscillator | None, say: Callable[[str], None]
+) -> tuple[list[Recording], Band | None, float | None]:
+    """As ``mode_alone``, and the frequency in Hz of the mode that is fitted beside others; None where it is alone."""
+    modes = modes_of(recordings) if wanted is not None or model is None else []
+    if not _are_linear(modes):
+        return *mode_alone(recordings, wanted, model, say), None
+    mode = mode_of(modes, wanted)
+    others = [other for other in modes if other is not mode]
+    say(f"note: the model is of the mode at {mode}, and beside it are fitted {_listed(others)}")
+    return list(recordings), None, mode.frequency
+
+
+def mode_by_itself(
+    recordings: Sequence[Recording], wanted: str | None, say: Callable[[str], None]
+) -> tuple[list[Recording], Band | None]:
+    """As ``mode_alone``; of a linear rig the other modes are taken off as they are fitted, without a band."""
+    modes = modes_of(recordings)
+    if not _are_linear(modes):
+        return mode_alone(recordings, wanted, None, say)
+    mode = mode_of(modes, wanted)
+    say(f"note: the mode at {mode}; {_listed([other for other in modes if other is not mode])} were taken off")
+    return [without_other_modes(recording, mode) for recording in recordings], None
+
+
+def _are_linear(modes: Sequence[Mode]) -> bool:
+    return len(modes) > 1 and all(mode.damping_ratio is not None for mode in modes)
+
+
 def in_the_same_band(recordings: Sequence[Recording], band: Band | None) -> list[Recording]:
     """Recordings in a band; as they are without one."""
     return list(recordings) if band is None else [in_band(recording, band) for recording in recordings]
@@ -116,7 +147,7 @@ def band_around(mode: Mode, others: Sequence[Mode]) -> Band | None:
 def _listed(others: Sequence[Mode]) -> str:
     """The strongest of other modes with their shares."""
     loud = sorted(others, key=lambda mode: -mode.share)[:_TOLD]
-    words = ", ".join(f"{_hz(o.frequency)} ({100 * o.share:.2g} %)" for o in sorted(loud, key=lambda m: m.frequency))
+    words = ", ".join(map(str, sorted(loud, key=lambda mode: mode.frequency)))
     return words + (f" and {len(others) - _TOLD} more" if len(others) > _TOLD else "")
 
 

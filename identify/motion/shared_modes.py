@@ -18,6 +18,7 @@ from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
 from .envelope import ABOVE_FLOOR
 from .limits import BENT, BEYOND, KNOWN
+from .mode_shares import mode_shares
 from .subspace import poles_of_windows
 
 _A_CYCLE = numerics(24, "block means a cycle", why="a damped sine needs no more")
@@ -50,6 +51,8 @@ class SharedModes:
         omega, zeta: (K,) rad/s, and damping ratios, of those modes that stand out of the noise.
         main: which mode swings most.
         rate, rate_std: of its fall, 1/s.
+        share: (K,) of the power of all pieces.
+        errors: (3, K) standard errors of ln omega, zeta and share.
         evidence: logarithm of the odds that the pieces are free and not a hand's ways.
     """
 
@@ -60,6 +63,8 @@ class SharedModes:
     rate: float
     rate_std: float
     evidence: float
+    share: np.ndarray
+    errors: np.ndarray
 
 
 def shared_modes(x: np.ndarray, fs: float, noise: float, periods: Sequence[float]) -> SharedModes | None:
@@ -156,7 +161,7 @@ class _Search:
             if not pieces:
                 return None
             modes = fit_modes(
-                [self.means[a:b] for a, b in pieces], modes, [self._deviation(a, b, share) for a, b in pieces]
+                [self.means[a:b] for a, b in pieces], modes, [self.deviation(a, b, share) for a, b in pieces]
             )[0]
         evidence, kept = -modes.count * float(np.log(self.means.size)), []  # what the modes take to state
         for a, b in pieces:
@@ -165,13 +170,14 @@ class _Search:
                 evidence, kept = evidence + odds, [*kept, (a, b)]
         if evidence < DECISIVE:
             return None
-        modes = fit_modes([self.means[a:b] for a, b in kept], modes, [self._deviation(a, b, share) for a, b in kept])[0]
+        modes = fit_modes([self.means[a:b] for a, b in kept], modes, [self.deviation(a, b, share) for a, b in kept])[0]
         return _Found(modes, kept, evidence, share) if _known(modes) else None
 
     def _steady(self, modes: Modes, a: int, b: int) -> np.ndarray:
         return self.means[a:b] - modes.drift * np.arange(b - a)
 
-    def _deviation(self, a: int, b: int, share: float) -> float:
+    def deviation(self, a: int, b: int, share: float) -> float:
+        """Standard deviation of what modes may leave of the block means from a to b."""
         return float(np.hypot(self.noise, share * np.std(self.means[a:b])))
 
     def _runs(self, modes: Modes, share: float) -> list[tuple[int, int]]:
@@ -221,7 +227,7 @@ class _Search:
             return None
         spread = np.linalg.solve(triangle.T, columns.T)  # what the fit to the inside does not know of the edges
         off = steady - spread.T @ (basis.T @ steady[shy : n - shy])
-        gain = BEYOND**2 - off**2 / (1.0 + np.sum(spread**2, axis=0)) / self._deviation(a, b, share) ** 2
+        gain = BEYOND**2 - off**2 / (1.0 + np.sum(spread**2, axis=0)) / self.deviation(a, b, share) ** 2
         middle = n // 2
         before, after = np.cumsum(gain[middle::-1]), np.cumsum(gain[middle:])
         first, last = middle - int(np.argmax(before)), middle + int(np.argmax(after)) + 1
@@ -236,7 +242,7 @@ class _Search:
         from scipy.special import chdtri
 
         piece, n = self._steady(modes, a, b), b - a
-        spread = self._deviation(a, b, share)
+        spread = self.deviation(a, b, share)
         columns = _orthonormal(modes.columns(n))
         left = float(np.sum((piece - columns @ (columns.T @ piece)) ** 2)) / spread**2
         if n <= columns.shape[1] or left > float(chdtri(n - columns.shape[1], BY_CHANCE / n)) * ABOVE_NOISE**2:
@@ -249,7 +255,7 @@ class _Search:
 
         expected = modes.columns(b - begun)[a - begun :, :-1] @ weights[:-1]
         off = self.means[a:b] - modes.drift * np.arange(b - a) - expected
-        left = float(np.sum((off - np.mean(off)) ** 2)) / self._deviation(a, b, share) ** 2
+        left = float(np.sum((off - np.mean(off)) ** 2)) / self.deviation(a, b, share) ** 2
         return left < float(chdtri(b - a, BY_CHANCE / (b - a))) * ABOVE_NOISE**2
 
 
@@ -364,4 +370,7 @@ def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedMode
     seen = (largest > floor) | (np.arange(modes.count) == main)
     omega, zeta, rate = modes.omega[seen] * unit, modes.zeta[seen], float(rates[main]) * unit
     main = int(np.count_nonzero(seen[:main]))
-    return SharedModes(tuple(edges), omega, zeta, main, rate, rate_std, found.evidence)
+    pieces = [search.means[a:b] for a, b in found.pieces]
+    share, share_std = mode_shares(pieces, modes, [search.deviation(a, b, found.share) for a, b in found.pieces])
+    errors = np.vstack([np.sqrt(np.diag(modes.covariance)).reshape(2, -1), share_std])[:, seen]
+    return SharedModes(tuple(edges), omega, zeta, main, rate, rate_std, found.evidence, share[seen], errors)

@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ...model import Oscillator
 from ...model.laws import MODES
 from ...model.terms import with_term, without_term
@@ -19,10 +21,15 @@ from ..motion.decays import find_free_motion
 Mode = tuple[float, float, float]
 
 
-def ringing_modes(recordings: Sequence[Recording]) -> tuple[Mode, ...]:
-    """Several modes that the free motion of recordings shows, that which moves most first; none where there is one."""
+def ringing_modes(recordings: Sequence[Recording], wanted: float | None = None) -> tuple[Mode, ...]:
+    """Several modes that the free motion of recordings shows; none where there is one.
+
+    The first is that which moves most, or the one nearest to ``wanted``, in Hz.
+    """
     modes = max((find_free_motion(recording).modes for recording in recordings), key=len, default=())
-    return tuple((omega, zeta, 0.0) for omega, zeta in modes)
+    if wanted is not None:
+        modes = sorted(modes, key=lambda mode: abs(np.log(mode.frequency / wanted)))
+    return tuple((2 * np.pi * mode.frequency, mode.damping_ratio or 0.0, 0.0) for mode in modes)
 
 
 def with_modes(model: Oscillator, modes: Sequence[Mode]) -> Oscillator:

@@ -1,0 +1,63 @@
+"""One mode of a recording: what is listed of it, with errors."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One mode of a recording.
+
+    Attributes:
+        frequency: Hz, undamped; of a spectral line where it rings the loudest.
+        low, high: Hz, between which its frequency moves with its amplitude.
+        share: of the motion's power.
+        strongest: whether it moves most.
+        damping_ratio: of its critical damping; None of a spectral line.
+        errors: standard errors of frequency, damping ratio and share; None of a spectral line.
+    """
+
+    frequency: float
+    low: float
+    high: float
+    share: float
+    strongest: bool = False
+    damping_ratio: float | None = None
+    errors: tuple[float, float, float] | None = None
+
+    def __str__(self) -> str:
+        """As it is listed."""
+        if self.damping_ratio is None or self.errors is None:
+            return f"{self.frequency:.4g} Hz ({100 * self.share:.2g} %)"
+        frequency, ratio, share = self.errors
+        return (
+            f"{_known(self.frequency, frequency)} Hz (damping ratio {_known(self.damping_ratio, ratio)}, "
+            f"{_known(100 * self.share, 100 * share)} % of the power)"
+        )
+
+    @staticmethod
+    def of_json(told: Mapping[str, float]) -> Mode:
+        """The mode that ``as_json`` has told."""
+        at, names = told["frequency_hz"], ("frequency_hz_std", "damping_ratio_std", "share_std")
+        frequency, ratio, share = (told.get(name, 0.0) for name in names)
+        errors = (frequency, ratio, share) if names[0] in told else None
+        return Mode(at, at, at, told["share"], damping_ratio=told.get("damping_ratio"), errors=errors)
+
+    def as_json(self) -> dict[str, float]:
+        """Its numbers by name, those that are known."""
+        told = {"frequency_hz": self.frequency, "share": self.share}
+        if self.damping_ratio is not None and self.errors is not None:
+            told |= {"damping_ratio": self.damping_ratio}
+            told |= dict(zip(("frequency_hz_std", "damping_ratio_std", "share_std"), self.errors, strict=True))
+        return told
+
+
+def _known(value: float, error: float) -> str:
+    """A value with as many decimals as its error has."""
+    if not (math.isfinite(error) and error > 0):
+        return f"{value:.4g}"
+    decimals = max(0, 1 - math.floor(math.log10(error)))
+    return f"{value:.{decimals}f} ± {error:.{decimals}f}"
