@@ -24,8 +24,8 @@ def drawn(chart: Chart, kind: str) -> bytes:
         matplotlib.rcParams["svg.hashsalt"] = chart.key
         figure = Figure(figsize=(WIDTH, sum(chart.heights) / _PIXELS + _LEGEND), layout="constrained")
         rows = figure.add_gridspec(len(chart.rows), 1, height_ratios=chart.heights)
-        for place, panels in zip(rows, chart.rows, strict=True):
-            columns = place.subgridspec(1, len(panels), width_ratios=[panel.share for panel in panels])
+        for j, panels in enumerate(chart.rows):
+            columns = rows[j].subgridspec(1, len(panels), width_ratios=[panel.share for panel in panels])
             for i, panel in enumerate(panels):
                 _panel(figure.add_subplot(columns[i]), panel)
         handles: dict[str, Any] = {}
