@@ -69,6 +69,11 @@ def demo(output: Path) -> None:
     passed = run(output, tell)
     if quiet():  # the last line is the result
         click.echo(told[0])
+    else:
+        click.echo(
+            f"Open {output / 'report.html'}. Next, with a recording of your own: dashpot look REC.csv, then\n"
+            "dashpot identify REC.csv -o rig.yaml --report rig.html"
+        )
     if not passed:
         sys.exit(1)
 

@@ -74,7 +74,7 @@ def split_panels(surfaces: Surfaces, rows: int, span: float, count: int) -> Pane
     low, high = g[..., :-1], g[..., 1:]
     surface, at, interval = np.nonzero(np.sign(low) * np.sign(high) < 0)  # a product may be beyond any number
     roots = np.broadcast_to(edges[1:], low.shape).copy()
-    roots[surface, at, interval] = _bisect(surfaces, surface, at, edges[interval], edges[interval + 1])
+    roots[surface, at, interval] = _roots(surfaces, surface, at, edges[interval], edges[interval + 1])
     split = np.zeros(low.shape[::2], dtype=bool)  # a split that no row needs is left out
     split[surface, interval] = True
 
@@ -88,13 +88,40 @@ def split_panels(surfaces: Surfaces, rows: int, span: float, count: int) -> Pane
     return Panels(angle, width)
 
 
-def _bisect(surfaces: Surfaces, surface: np.ndarray, row: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+def _roots(surfaces: Surfaces, surface: np.ndarray, row: np.ndarray, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """Where the surfaces change their sign between two angles each, (m,); Chandrupatla 1997, for all at once.
+
+    Inverse quadratic interpolation where it may be trusted, halving elsewhere.
+    """
     if not surface.size:
         return low
     pick = np.arange(surface.size)
-    rising = surfaces(low, row)[surface, pick] < 0
-    for _ in range(48):
-        middle = (low + high) / 2
-        before = (surfaces(middle, row)[surface, pick] < 0) == rising
-        low, high = np.where(before, middle, low), np.where(before, high, middle)
-    return (low + high) / 2
+
+    def value(at: np.ndarray) -> np.ndarray:
+        return surfaces(at, row)[surface, pick]
+
+    a, b, fa, fb = low, high, value(low), value(high)
+    t = np.full(low.shape, 0.5)
+    best, found = low, np.zeros(low.shape, bool)
+    for _ in range(_TURNS):
+        at = a + t * (b - a)
+        f = value(at)
+        same = np.sign(f) == np.sign(fa)
+        c, fc = np.where(same, a, b), np.where(same, fa, fb)
+        b, fb = np.where(same, b, a), np.where(same, fb, fa)
+        a, fa = at, f
+        best = np.where(found, best, np.where(np.abs(fa) < np.abs(fb), a, b))
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            least = _CLOSE * np.abs(best) / np.abs(b - a)
+            found |= (least > 0.5) | (f == 0)
+            if np.all(found):
+                break
+            xi, phi = (a - b) / (c - b), (fa - fb) / (fc - fb)
+            step = fa / (fb - fa) * (fc / (fb - fc)) + (c - a) / (b - a) * (fa / (fc - fa)) * (fb / (fc - fb))
+        t = np.where((phi**2 < xi) & ((1 - phi) ** 2 < 1 - xi) & np.isfinite(step), step, 0.5)
+        t = np.where(found, 0.5, np.clip(t, np.minimum(least, 0.5), np.maximum(1 - least, 0.5)))
+    return best
+
+
+#: Steps after which a root has been halved down to the last digit anyway, and how far apart its ends may stay.
+_TURNS, _CLOSE = 100, 4e-16

@@ -25,7 +25,14 @@ addEventListener("load", () => {{
   const figures = [...page.querySelectorAll(".panel svg, td svg, img, canvas, body > svg")];
   const empty = figures.filter(f => !f.closest("details:not([open])") && f.getBoundingClientRect().height < 5);
   const wide = page.documentElement.scrollWidth;
-  document.title = JSON.stringify({{wide: wide, figures: figures.length, empty: empty.length}});
+  const panel = page.querySelector(".panel svg");
+  const ticks = () => panel ? [...panel.querySelectorAll(".frame text")].map(text => text.textContent).join(" ") : "";
+  const press = key => panel && panel.dispatchEvent(new KeyboardEvent("keydown", {{key: key}}));
+  const whole = ticks();
+  press("+");
+  const enlarged = ticks() !== whole;
+  press("0");
+  document.title = JSON.stringify({{wide: wide, figures: figures.length, empty: empty.length, zoom: enlarged && ticks() === whole}});
 }});
 </script>"""
 FLEET = """format: dashpot-fleet/1
@@ -96,6 +103,7 @@ def test_a_page_reads_on_a_phone(pages, page, figures):
     assert seen["wide"] <= PHONE
     assert seen["figures"] >= figures
     assert seen["empty"] == 0
+    assert seen["zoom"] == ('class="panel' in (pages / page).read_text(encoding="utf-8"))
     assert (pages / page).stat().st_size < 1_500_000
 
 
@@ -103,7 +111,7 @@ def test_what_is_wrong_with_a_page_is_seen(tmp_path):
     page = tmp_path / "wrong.html"
     body = '<!doctype html><div style="width: 500px">wide</div><svg width="10" height="0"></svg>'
     page.write_text(body, encoding="utf-8")
-    assert looked_at(page) == {"wide": 500 + 8, "figures": 1, "empty": 1}
+    assert looked_at(page) == {"wide": 500 + 8, "figures": 1, "empty": 1, "zoom": False}
     page.write_text(body + "<script>missing()</script>", encoding="utf-8")
     with pytest.raises(AssertionError, match="missing is not defined"):
         looked_at(page)
