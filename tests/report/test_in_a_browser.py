@@ -32,7 +32,8 @@ addEventListener("load", () => {{
   press("+");
   const enlarged = ticks() !== whole;
   press("0");
-  document.title = JSON.stringify({{wide: wide, figures: figures.length, empty: empty.length, zoom: enlarged && ticks() === whole}});
+  const zoom = enlarged && ticks() === whole;
+  document.title = JSON.stringify({{wide: wide, figures: figures.length, empty: empty.length, zoom: zoom}});
 }});
 </script>"""
 FLEET = """format: dashpot-fleet/1
