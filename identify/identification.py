@@ -28,6 +28,7 @@ from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import blame
+from .fit.given_start import leads, with_shared
 from .fit.hold import held_as, with_hold
 from .fit.likeliest_modes import likeliest_modes, modes_of_fit
 from .fit.likelihood import maximum_likelihood
@@ -46,6 +47,11 @@ from .start.further_modes import ringing_modes
 from .start.start import HilbertEstimate, hilbert_start, plain_starts
 
 _log = logging.getLogger(__name__)
+
+_LEADS_NOWHERE = (
+    "the model to start from does not predict the motion, not even over one cycle; the search began at an estimate "
+    "from the recordings: check that the model is of this rig and in the same units"
+)
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -136,9 +142,13 @@ def identify(
     belong_together(recordings)
     progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
-    base = _hilbert_model(hilbert, recordings, name) if start is None else replace(start, name=name)
+    estimate = _hilbert_model(hilbert, recordings, name)
+    base = estimate if start is None else replace(start, name=name)
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
         recordings = held_as(recordings, start.hold)
+    own = with_shared(base, estimate)
+    leading = start is None or leads(base, own, recordings)
+    base = base if leading else own
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
     def answer(
@@ -155,7 +165,11 @@ def identify(
             return model
 
         def others() -> Iterator[Oscillator]:
-            for plain in [] if start is not None or known is not None else _plain(base, hilbert, recordings):
+            if known is not None:
+                return
+            if start is not None:
+                yield begun(own)
+            for plain in _plain(base, hilbert, recordings):
                 progress("that explains little; again from another start")
                 yield begun(plain)
 
@@ -193,7 +207,14 @@ def identify(
         hilbert=hilbert,
         fit=fit,
         recordings=tuple(recordings),
-        notes=(*hilbert.notes, *chain, *fit.notes, *_remarks(fit, recordings), *left_over(oscillator)),
+        notes=(
+            *([] if leading else [_LEADS_NOWHERE]),
+            *hilbert.notes,
+            *chain,
+            *fit.notes,
+            *_remarks(fit, recordings),
+            *left_over(oscillator),
+        ),
         faults=tuple(f"{recordings[i].name}: {words}" for i, words in told.items()),
         work=work,
     )
