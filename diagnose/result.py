@@ -59,6 +59,7 @@ class Effect:
         indistinguishable_from: other effects that these recordings cannot tell from it.
         separated_by: the experiment that would.
         odds: of the effect, or of one that cannot be told from it, against all that was tried instead.
+        share: part of the power that is left without it which it takes away; None where nothing ran without it.
     """
 
     effect: str
@@ -68,6 +69,13 @@ class Effect:
     indistinguishable_from: tuple[str, ...] = ()
     separated_by: str = ""
     odds: float = math.inf
+    share: float | None = None
+
+    @property
+    def probability(self) -> float:
+        """The same as the odds, 0 to 1."""
+        odds = min(self.odds, SURE)
+        return odds / (1.0 + odds)
 
 
 @dataclass(frozen=True)
@@ -229,6 +237,8 @@ class Diagnosis:
                     "indistinguishable_from": list(e.indistinguishable_from),
                     "separated_by": e.separated_by,
                     "odds": _number(min(e.odds, SURE)),
+                    "probability": _number(e.probability),
+                    "share": _number(e.share),
                 }
                 for e in self.effects
             ],

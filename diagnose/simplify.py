@@ -107,14 +107,14 @@ def certainty(model: Oscillator, laws: tuple[str, ...]) -> dict[str, float]:
     return sure
 
 
-def of_unknown_size(model: Oscillator, laws: tuple[str, ...]) -> list[str]:
-    """A sentence for each law that is named for what it takes away, and whose strength its own error leaves open."""
-    return [
-        f"{law}: its strength is zero within its error: something acts like it, and how much of it there "
-        "is, and whether it is this, these recordings leave open"
+def of_unknown_size(model: Oscillator, laws: tuple[str, ...]) -> dict[str, str]:
+    """Of laws whose strength their own error leaves open, which are therefore not named, a sentence each."""
+    return {
+        law: f"{law} is in the model and not named: its strength is zero within its error. Something acts like it, and "
+        "how much of it there is, and whether it is this, these recordings leave open"
         for law, sure in certainty(model, laws).items()
         if sure < TOLD
-    ]
+    }
 
 
 def _smaller(found: Found, weak: list[str]) -> Candidate | None:

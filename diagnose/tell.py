@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import math
 import shutil
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -87,7 +87,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
         if not other_rig and not follows_any([record for record in records if record.holdout]):
             remarks += filter(None, [changed_rig(case.recordings, case.holdout)])
     remainder = remainder_sentence(left.after)
-    effects = () if after is None else _effects(found, after)
+    effects = () if after is None else _effects(found, after, of_unknown_size(after, _added(case, after)))
     kept = before
     if after is None and case.in_pieces:
         # a fit to a part of what there is is held against the rest, and no reason to leave that of all
@@ -177,7 +177,9 @@ def _tried(
         records += record_fits(before, after, case.holdout, holdout=True, fmu=artefact)
         if after is None:
             return case, None, records
-        if why := no_finding(records, explained_share(left.before, left.after)):
+        unknown = of_unknown_size(after, _added(case, after))
+        weak = "has no strength that its own error tells from none" if len(unknown) == len(found.selected.laws) else None
+        if why := no_finding(records, explained_share(left.before, left.after)) or weak:
             # however much more probable than the others
             _log.info("%s is not named: it %s", found.selected.name, why)
             note = f"the most probable structure ({found.selected.name}) {why}: no effect is named"
@@ -198,8 +200,7 @@ def _remarks(case: Case, found: Found, left: _Left, after: Oscillator | None) ->
     """What a user should know of the mended model."""
     if after is None:
         return []
-    known = {term.effect for term in case.model.terms}
-    remarks = of_unknown_size(after, tuple(term.effect for term in after.terms if term.effect not in known))
+    remarks = list(of_unknown_size(after, _added(case, after)).values())
     rugged = [law for law in found.selected.laws if find(law).rugged]
     if rugged and remainder_sentence(left.after):
         remarks.append(
@@ -207,6 +208,12 @@ def _remarks(case: Case, found: Found, left: _Left, after: Oscillator | None) ->
             "the noise: its parameters may be off by far more than their errors"
         )
     return remarks
+
+
+def _added(case: Case, model: Oscillator) -> tuple[str, ...]:
+    """The laws that a mended model has and the given one has not."""
+    known = {term.effect for term in case.model.terms}
+    return tuple(term.effect for term in model.terms if term.effect not in known)
 
 
 def _survivors(found: Found, best: Oscillator) -> dict[str, Oscillator]:
@@ -223,21 +230,26 @@ def _survivors(found: Found, best: Oscillator) -> dict[str, Oscillator]:
     return models
 
 
-def _effects(found: Found, model: Oscillator) -> tuple[Effect, ...]:
-    """What is named, the most probable first; of those that are sure the one without which most is lost."""
+def _effects(found: Found, model: Oscillator, unknown: Collection[str] = ()) -> tuple[Effect, ...]:
+    """What is named, the most probable first; of those that are sure the one that takes most away.
+
+    Laws of ``unknown`` size are in the model and not named.
+    """
     selected, fit = found.selected, found.fitted
-    effects, lost = [], {}
+    effects = []
     for name in selected.laws:
         (fitted,) = [term for term in fit.model.terms if term.effect == name]
         names = names_of(fitted, fit.model)
+        if names[0] in unknown:
+            continue
         (term,) = [term for term in model.terms if term.effect == names[0]]
         stands = standing(name, selected, list(found.candidates.values()), found.weighing.parts)
         law = find(names[0])
         rivals = dict.fromkeys(find(other).effect for other in (*names[1:], *stands.rivals))
         rivals.pop(law.effect, None)
-        effects.append(Effect(law.effect, law.name, law.path, dict(term.parameters), tuple(rivals), odds=stands.odds))
-        lost[law.effect] = found.lost_without(name)
-    return tuple(sorted(effects, key=lambda effect: (-min(effect.odds, SURE), -lost[effect.effect])))
+        odds, share = min(stands.odds, SURE), found.share_of(name)
+        effects.append(Effect(law.effect, law.name, law.path, dict(term.parameters), tuple(rivals), "", odds, share))
+    return tuple(sorted(effects, key=lambda effect: (-effect.odds, -(1.0 if effect.share is None else effect.share))))
 
 
 def _considered(found: Found) -> list[Considered]:

@@ -112,7 +112,8 @@ def _odds(effect: Effect) -> str:
     """Against all that was tried in its place, in words."""
     what = "That it is one of these" if effect.indistinguishable_from else "That it is this"
     size = f"more than {SURE:,.0f}" if effect.odds >= SURE else number(effect.odds)
-    return f"{what}: {size} to 1 against all that was tried instead."
+    takes = "" if effect.share is None else f" It takes {number(100 * effect.share)} % of what is left without it."
+    return f"{what}: {size} to 1 against all that was tried instead.{takes}"
 
 
 def _title(words: str) -> str:

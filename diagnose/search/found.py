@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ...identify.problem.data import Data
 from ...identify.problem.prediction import FREE
 from ...identify.problem.structure import Fitted
@@ -92,10 +94,14 @@ class Found:
             known[self.selected.laws] = replace(self.selected, why=why)
         return replace(self, selected=other, candidates=known | {other.laws: other})
 
-    def lost_without(self, law: str) -> float:
-        """Log-likelihood that the best has over itself less one law, as far as that came; inf where it never ran."""
+    def share_of(self, law: str) -> float | None:
+        """Part of the power that is left without one of the best's laws which that takes away; None where it never ran.
+
+        Free runs of all recordings together, those held out too.
+        """
         best, less = self.selected, self.candidates.get(key([name for name in self.selected.laws if name != law]))
-        if best.fit is None or less is None or less.fit is None:
-            return math.inf
-        value = self.weighing.measures[0].value
-        return value(best.fit.residuals) - value(less.fit.residuals)
+        if less is None or less.fit is None:
+            return None
+        number = len(less.residuals)  # one that was left is known on the training recordings alone
+        with_it, without = (sum(float(np.sum(r**2)) for r in one.residuals[:number]) for one in (best, less))
+        return 1.0 - with_it / without if 0.0 < without < math.inf else None

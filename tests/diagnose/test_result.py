@@ -22,7 +22,9 @@ def row(file: str, *, holdout: bool, before: float = 0.2, after: float = 0.1) ->
 
 def drag(odds: float = 50.0) -> Effect:
     coefficient = {"coefficient": Parameter(2.0, 0.1, "1/m")}
-    return Effect("quadratic-drag", "quadratic-drag", "dissipation", coefficient, ("cubic-damping",), "play it", odds)
+    return Effect(
+        "quadratic-drag", "quadratic-drag", "dissipation", coefficient, ("cubic-damping",), "play it", odds, 0.75
+    )
 
 
 def diagnosis(**given: object) -> Diagnosis:
@@ -62,6 +64,8 @@ def test_what_is_named_bears_its_values_its_rivals_and_its_odds():
             "indistinguishable_from": ["cubic-damping"],
             "separated_by": "play it",
             "odds": 50.0,
+            "probability": 50.0 / 51.0,
+            "share": 0.75,
         }
     ]
     assert document["notes"] == ["first", "second"]

@@ -373,17 +373,17 @@ def test_a_leader_that_keeps_step_is_simulated_from_there_on(weighing, monkeypat
     assert search.candidates[()].fit is anew
 
 
-def test_of_laws_that_are_sure_the_one_without_which_most_is_lost_comes_first():
+def test_of_laws_that_are_sure_the_one_that_takes_most_away_comes_first():
     search, best = leading("quadratic-drag", "stribeck", times=1.0)
     assert best.fit is not None
     model = best.fit.model
     for law, times in (("quadratic-drag", 1.5), ("stribeck", 3.0)):
         search.candidates[(law,)] = replace(leading(law, times=times)[1], stage="left")
     found = Found(best, search.candidates, search.weighing)
-    assert found.lost_without("quadratic-drag") == pytest.approx(SAMPLES * np.log(3.0))
-    assert found.lost_without("stribeck") == pytest.approx(SAMPLES * np.log(1.5))
+    assert found.share_of("quadratic-drag") == pytest.approx(1.0 - 1.0 / 3.0**2)
+    assert found.share_of("stribeck") == pytest.approx(1.0 - 1.0 / 1.5**2)
     search.candidates[("stribeck",)] = Candidate(("stribeck",))
-    assert found.lost_without("quadratic-drag") == np.inf
+    assert found.share_of("quadratic-drag") is None
     effects = _effects(found, model)
     assert [effect.effect for effect in effects] == ["quadratic-drag", "stribeck"]
     search.candidates[("stribeck",)] = replace(leading("stribeck", times=1.2)[1], stage="left")
