@@ -77,7 +77,17 @@ def no_finding(records: Sequence[RecordFit], share: float | None) -> str | None:
         return "follows nothing of what was held out"
     if tells_worse(held or records):  # where nothing was held out the others stand in
         return f"explains {'what was held out' if held else 'the recordings'} worse than the given family"
+    if lost := [r.file for r in records if follows_any([unmended(r)]) and not follows_any([r])]:
+        return f"no longer follows {lost[0]}, which the given family does"
+    if held and not tells_better(held):
+        return "leaves as much of what was held out as the given family, and that is more than its noise"
     return None
+
+
+def tells_better(records: Sequence[RecordFit]) -> bool:
+    """Whether the mended model leaves less, on average by what the noise is known to; or nowhere more than noise."""
+    at_noise = all(r.nrmse_after <= ABOVE_NOISE * r.noise_floor for r in records)
+    return at_noise or _change(records) <= -2.0 * np.log(ABOVE_NOISE)
 
 
 def tells_worse(records: Sequence[RecordFit]) -> bool:
@@ -85,8 +95,12 @@ def tells_worse(records: Sequence[RecordFit]) -> bool:
 
     A quiet end that is told badly by both would else outweigh all the motion before it.
     """
-    changes = [2.0 * np.log(after / before) for before, after in map(_errors, records)]
-    return float(np.mean(changes)) > np.log1p(MATTERS)
+    return _change(records) > np.log1p(MATTERS)
+
+
+def _change(records: Sequence[RecordFit]) -> float:
+    """Logarithm of the factor by which the power that is left changes, on average over the recordings."""
+    return float(np.mean([2.0 * np.log(after / before) for before, after in map(_errors, records)]))
 
 
 def _errors(record: RecordFit) -> tuple[float, float]:

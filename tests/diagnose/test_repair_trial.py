@@ -224,7 +224,6 @@ def test_one_held_out_recording_that_is_followed_suffices():
 @pytest.mark.parametrize(
     ("errors", "worse"),
     [
-        ([(0.1, 0.1004)], False),
         ([(0.1, 0.101)], True),
         ([(0.1, 0.11), (0.2, 0.15)], False),
         ([(0.1, 0.2), (0.2, 0.18)], True),
@@ -241,6 +240,24 @@ def test_what_tells_held_out_motion_worse_is_no_finding(errors, worse):
     why = no_finding(records, 0.9)
     assert (why is not None) is worse
     assert not worse or "worse than the given family" in why
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "named"),
+    [(0.191, 0.184, False), (0.1, 0.0909, True), (0.1, 0.0911, False), (0.00105, 0.001, True), (0.1, 0.0011, True)],
+)
+def test_what_leaves_as_much_of_what_was_held_out_is_no_finding(before, after, named):
+    """By less than the tenth to which noise is known, unless no more than noise is left."""
+    why = no_finding([row(0.6, 0.01), held(before, after)], 0.9)
+    assert (why is None) is named
+    assert named or "as much of what was held out" in why
+
+
+@pytest.mark.parametrize(("before", "after", "named"), [(0.009, 0.809, False), (0.009, 0.4, True), (0.6, 0.809, True)])
+def test_what_loses_a_recording_that_the_family_follows_is_no_finding(before, after, named):
+    why = no_finding([row(0.6, 0.01), row(before, after), held(1.0, 0.1)], 0.9)
+    assert (why is None) is named
+    assert named or "no longer follows run" in why
 
 
 @pytest.mark.parametrize(("after", "worse"), [(0.0427, False), (0.0432, True), (0.239, True)])
