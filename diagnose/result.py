@@ -176,8 +176,8 @@ class Diagnosis:
     """The whole outcome.
 
     Attributes:
-        verdict: ``missing-physics`` where an effect is named, whatever remains; ``consistent`` where none is, what is
-            left is noise and every row of ``records`` is near its own; else ``unexplained``.
+        verdict: ``missing-physics`` where an effect is named, whatever remains; ``consistent`` where none is and
+            what is left is noise, or a hundredth of the power of every recording; else ``unexplained``.
         sentence: the verdict for a person.
         effects: what is missing, the most important first.
         location: where the family fails; None where it does not.

@@ -94,8 +94,9 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
         kept = case.model if identified_from(case.model, case.given) else case.family.model
     verdict = verdict_of(effects, remainder, records)
     progress("where, and what to record next", 0.95)
-    location = None if verdict == "consistent" else locate(left.family, left.data)
-    latent = () if verdict == "consistent" else latent_forces(left.family, left.data, after)
+    nothing = verdict == "consistent" and remainder is None
+    location = None if nothing else locate(left.family, left.data)
+    latent = () if nothing else latent_forces(left.family, left.data, after)
     experiment = next_experiment(_survivors(found, after or before), left.data)
     effects = tuple(
         replace(e, separated_by=separated_by(e.effect, e.indistinguishable_from, experiment)) for e in effects
@@ -178,7 +179,9 @@ def _tried(
         if after is None:
             return case, None, records
         unknown = of_unknown_size(after, _added(case, after))
-        weak = "has no strength that its own error tells from none" if len(unknown) == len(found.selected.laws) else None
+        weak = (
+            "has no strength that its own error tells from none" if len(unknown) == len(found.selected.laws) else None
+        )
         if why := no_finding(records, explained_share(left.before, left.after)) or weak:
             # however much more probable than the others
             _log.info("%s is not named: it %s", found.selected.name, why)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from ..identify.signals.odds import ABOVE_NOISE
 from ..identify.signals.registry import shown
 from ..model.effect_words import effect_in_words
+from .limits import MATTERS
 from .result import Effect, RecordFit, Verdict
 from .search.residual_test import FAR_ABOVE_NOISE, Leftover
 from .wording import effects_in_words, figure, spoken
@@ -16,12 +17,16 @@ _IN_WORDS = shown(5, "effects and rivals", why="more cannot be put into words in
 
 
 def verdict_of(effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]) -> Verdict:
-    """``consistent`` only where nothing is left and every recording's free simulation says so too."""
+    """``unexplained`` only where something large is left that no effect explains.
+
+    Every recording's free simulation is judged: to its noise, whatever the colour of that, where nothing is left that
+    moves with the rig, else to a hundredth of its power, which is enough for many uses.
+    """
     if effects:
         return "missing-physics"
-    # whatever the colour of the noise
-    near = all(record.nrmse_before <= FAR_ABOVE_NOISE * record.noise_floor for record in records)
-    return "consistent" if remainder is None and near else "unexplained"
+    noise = remainder is None and all(r.nrmse_before <= FAR_ABOVE_NOISE * r.noise_floor for r in records)
+    small = bool(records) and all(r.nrmse_before**2 <= MATTERS for r in records)
+    return "consistent" if noise or small else "unexplained"
 
 
 def sentence_of(
@@ -42,7 +47,7 @@ def sentence_of(
         before, after: what the family and the mended model leave in each stretch.
     """
     if verdict == "consistent":
-        return _consistent(records)
+        return _consistent(records, remainder)
     if not effects:
         return f"Something is missing that no effect of the library explains: {remainder or _worst(records)}."
     parts = []
@@ -57,12 +62,19 @@ def sentence_of(
     return f"Missing: {_named(effects)}." + (f" {figures[0].upper()}{figures[1:]}." if figures else "")
 
 
-def _consistent(records: Sequence[RecordFit]) -> str:
+def _consistent(records: Sequence[RecordFit], remainder: str | None) -> str:
     """That nothing is missing; with the recording that leaves most where that is more than its noise."""
     worst = max(records, key=_times_the_noise, default=None)
-    if worst is None or worst.nrmse_before <= ABOVE_NOISE * worst.noise_floor:
+    if worst is None or (remainder is None and worst.nrmse_before <= ABOVE_NOISE * worst.noise_floor):
         return "Nothing is missing: the model reproduces every recording to within its noise."
-    ratio = worst.nrmse_before / max(worst.noise_floor, 1e-300)
+    if remainder is not None:
+        worst = max(records, key=lambda record: record.nrmse_before)
+        part, times = figure(100 * worst.nrmse_before, 2), figure(_times_the_noise(worst), 2)
+        return (
+            f"The model reproduces every recording to {part} % of its motion ({worst.file}, {times} times the noise); "
+            "no effect of the library tells more."
+        )
+    ratio = _times_the_noise(worst)
     return (
         f"Nothing that moves with the rig is missing: what is left in {worst.file}, {figure(ratio, 2)} times the noise "
         f"of its highest frequencies and {figure(100 * worst.nrmse_before, 2)} % of the motion, is not seen to follow "

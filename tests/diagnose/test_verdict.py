@@ -44,8 +44,11 @@ def test_not_where_a_row_does_not_simulate():
     assert verdict_of((), None, [row(), row(math.nan)]) == "unexplained"
 
 
-def test_not_where_something_is_left():
-    assert verdict_of((), "0.7 % of the motion remains", [row()]) == "unexplained"
+@pytest.mark.parametrize(
+    ("left", "verdict"), [(0.099, "consistent"), (0.101, "unexplained"), (math.nan, "unexplained")]
+)
+def test_what_leaves_a_hundredth_of_the_power_is_good_enough_and_what_leaves_more_is_not(left, verdict):
+    assert verdict_of((), "there remains a little", [row(0.01), row(left, floor=1e-3)]) == verdict
 
 
 @pytest.mark.parametrize("remainder", [None, "0.7 % of the motion remains"])
@@ -103,6 +106,14 @@ SENTENCES = {
     "beyond 1.1 times the noise": ("consistent", (), None, [row(), row(0.0111, file="worst")], *NOISE),
     "noise of a colour, with its figures": ("consistent", (), None, [row(), row(0.08, file="worst")], *NOISE),
     "what no law explains": ("unexplained", (), "3 % of the motion remains in a.csv", [row()], left(9.0), left(9.0)),
+    "good enough for many uses": (
+        "consistent",
+        (),
+        "there remains a little",
+        [row(0.02, file="near"), row(0.024, floor=0.001, file="worst")],
+        left(9.0),
+        left(9.0),
+    ),
     "the farthest beside its noise": (
         "unexplained",
         (),
