@@ -18,6 +18,7 @@ from .fleet_commands import COMMANDS as FLEET_COMMANDS
 from .model_commands import COMMANDS
 from .options import (
     FILE,
+    Above,
     fixed_values,
     law_names,
     most_left,
@@ -258,6 +259,14 @@ def identify(
 )
 @click.option("-o", "--output", type=FILE, required=True, help="Folder for diagnosis, mended model, FMU and report.")
 @click.option("--json", "as_json", is_flag=True, help="Print the diagnosis as JSON.")
+@click.option(
+    "--seconds",
+    type=Above(),
+    default=60.0,
+    show_default=True,
+    metavar="SECONDS",
+    help="After which the best answer is given that was found, and what was not tried is said.",
+)
 @with_figures
 @with_mode
 @with_laws
@@ -268,6 +277,7 @@ def diagnose(
     holdout: tuple[Path, ...],
     output: Path,
     as_json: bool,
+    seconds: float,
     figures: str | None,
     mode: str | None,
     **options: Any,
@@ -284,7 +294,8 @@ def diagnose(
     oscillator = load(model)
     training, held = read_all(recordings, options, say), read_all(holdout, options, say)
     with progress_shown() as progress:
-        diagnosis, fmu = diagnosed(oscillator, training, held, mode=mode, notes=say, progress=progress)
+        how = {"mode": mode, "notes": say, "progress": progress, "seconds": seconds}
+        diagnosis, fmu = diagnosed(oscillator, training, held, **how)
     written = write_diagnosis(output, diagnosis, fmu, figures)
     if as_json:
         print_json(diagnosis.as_json())

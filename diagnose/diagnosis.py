@@ -7,11 +7,14 @@ out what the best structure does without, and ``tell`` tries it on every recordi
 from __future__ import annotations
 
 import logging
+import math
+import time
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..identify.signals.registry import budget
 from ..model import Oscillator
 from ..model.library import KNOWN
 from ..recording.recording import Recording
@@ -26,6 +29,8 @@ from .tell import tell
 
 _log = logging.getLogger(__name__)
 
+SEARCHING = budget(0.6, "part of the time", why="the rest fits finely, runs the FMU, rehearses experiments and draws")
+
 #: The law of a sensor that sits elsewhere all the time.
 _SENSOR_OFFSET = "sensor-offset"
 
@@ -37,6 +42,7 @@ def diagnose(
     *,
     fmu: Path | None = None,
     progress: Progress = lambda _what, _part: None,
+    seconds: float = math.inf,
 ) -> Diagnosis:
     """Find what physics a model lacks that recordings show.
 
@@ -47,13 +53,19 @@ def diagnose(
             spare them are held out.
         fmu: where to write the mended model as an FMU; a temporary place where None.
         progress: called with what is being done and how much of all is done, 0 to 1.
+        seconds: after which it says the best that it has found, and what it has not tried.
 
     Raises:
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
-    meter = Meter()
+    meter, until = Meter(), time.monotonic() + SEARCHING * seconds
     case = prepare(model, recordings, holdout, progress)
-    found = find(case, progress)
+    found = find(case, progress, until)
+    if found.untried:
+        case = case.noted(
+            f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "
+            "allow more with --seconds"
+        )
     found = simplify(case, found, progress)
     told = tell(case, found, fmu, progress)
     told = replace(told, work=meter.read(sum(recording.n for recording in case.given)))
@@ -61,11 +73,11 @@ def diagnose(
     return told
 
 
-def find(case: Case, progress: Progress) -> Found:
+def find(case: Case, progress: Progress, until: float = math.inf) -> Found:
     """Search the library for the structure that the recordings speak for, from the given family on.
 
     Raises BadInput where no model of the family simulates along the recordings.
     """
     family, data, holdout = first_fit(case.data, case.judged, case.family.model)
     laws = [law for law in KNOWN.values() if case.family.zeros_are_shared or law.effect != _SENSOR_OFFSET]
-    return Search(data, holdout, laws, lambda what, part: progress(what, 0.05 + 0.8 * part)).find(family)
+    return Search(data, holdout, laws, lambda what, part: progress(what, 0.05 + 0.8 * part), until).find(family)

@@ -5,6 +5,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -198,6 +199,7 @@ def diagnose(
     holdout: Any = (),
     mode: str | float | None = None,
     progress: Callable[[str, float], None] | None = None,
+    seconds: float = math.inf,
     **options: Unpack[Reading],
 ) -> Diagnosis:
     """Find the physics that a model lacks and recordings show; takes minutes.
@@ -208,6 +210,7 @@ def diagnose(
         holdout: recordings to judge by, of another level or kind.
         mode: which of several modes.
         progress: called with what is done and how much of all is done, 0 to 1.
+        seconds: after which it says the best that it has found, and what it has not tried.
         options: how to read, see ``dashpot.recording.Reading``.
 
     Returns:
@@ -222,7 +225,7 @@ def diagnose(
     Traceback (most recent call last):
     dashpot.errors.BadInput: no recording was given; name at least one file with a decay or a driven response
     """
-    how = {"holdout": holdout, "mode": mode, "progress": progress}
+    how = {"holdout": holdout, "mode": mode, "progress": progress, "seconds": seconds}
     return Model(oscillator_of(model)).diagnose(*given, **how, **options)
 
 

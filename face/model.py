@@ -5,6 +5,7 @@ They stand together because each makes the other: a model is diagnosed, and a di
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -276,11 +277,13 @@ class Model:
         holdout: Any = (),
         mode: str | float | None = None,
         progress: Callable[[str, float], None] | None = None,
+        seconds: float = math.inf,
         **options: Unpack[Reading],
     ) -> Diagnosis:
         """What physics the model lacks that recordings show; see ``dashpot.diagnose``."""
         training, held = recordings_of(*recordings, **options), recordings_of(holdout, **options)
         how = {"mode": mode_text(mode), "progress": progress or (lambda _what, _part: None)}
+        how |= {"seconds": seconds}
         return Diagnosis(*diagnosed(self.oscillator, training, held, **how))
 
     def renamed(self, name: str) -> Model:

@@ -7,6 +7,7 @@ what they return. Nothing here knows the objects of ``face.model``.
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -147,6 +148,7 @@ def diagnosed(
     mode: str | None = None,
     notes: Say = silent,
     progress: Callable[[str, float], None] = lambda _what, _part: None,
+    seconds: float = math.inf,
 ) -> tuple[Diagnosis, bytes | None]:
     """Find the physics that a model lacks; for arguments and errors see ``commands.diagnose``.
 
@@ -165,7 +167,8 @@ def diagnosed(
     alone, band = mode_alone(training, mode, oscillator, notes)
     with TemporaryDirectory() as scratch:
         artefact = Path(scratch) / FMU
-        found = diagnose(oscillator, alone, in_the_same_band(held, band), fmu=artefact, progress=progress)
+        others = in_the_same_band(held, band)
+        found = diagnose(oscillator, alone, others, fmu=artefact, progress=progress, seconds=seconds)
         fmu = artefact.read_bytes() if artefact.exists() else None
     return replace(found, model=in_band_of(found.model, band)), fmu
 

@@ -66,6 +66,7 @@ class Found:
         weighing: by what they were weighed.
         asked_rugged: whether laws with side valleys were asked for.
         family_memory: how far the family predicted when the search began, in cycles.
+        untried: what was not asked for want of time, in words.
     """
 
     selected: Candidate
@@ -73,6 +74,7 @@ class Found:
     weighing: Weighing
     asked_rugged: bool = False
     family_memory: float = FREE
+    untried: tuple[str, ...] = ()
 
     @property
     def family(self) -> Fitted:

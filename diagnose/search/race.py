@@ -355,6 +355,7 @@ def race(
     standing: Fitted | None,
     points: int,
     progress: Callable[[str, float], None] = lambda _what, _part: None,
+    over: Callable[[], bool] = lambda: False,
 ) -> Measure:
     """Let starts go on, the most promising first, until each is at rest or cannot reach the best of all.
 
@@ -368,6 +369,7 @@ def race(
         standing: the best structure outside, None where there is none.
         points: number of samples.
         progress: called with what is being done and the part that is.
+        over: asked before each step whether no time is left.
 
     Returns:
         The measure in which they are compared at the end.
@@ -394,7 +396,7 @@ def race(
             if start.steps and start.locked and not at_noise and (start.resting or hopeless(start)):
                 start.unlock(PATIENCE)  # before it leaves, or rests with more than noise
         running = [start for start in starts if not start.resting and not hopeless(start)]
-        if not running:
+        if not running or over():
             return measure
         # the patient ones catch up with each other first, so that none runs far ahead into a side valley
         front = max(running, key=lambda start: (start.steps < start.patience, paid(start.ceiling, start.count)))

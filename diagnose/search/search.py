@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import logging
 import math
+import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
@@ -79,7 +80,9 @@ class Search:
         holdout: recordings that no parameter is fitted to; None where nothing could be held out.
         laws: the library, with the user's laws; those that are learnt are asked for where all others have failed.
         progress: called with what is being done and which part of all is done.
+        until: time of the monotonic clock at which it ends with the best that it has.
         candidates: every structure that was entered, by the laws it adds.
+        untried: what was not asked for want of time, in words.
         asked_rugged: whether laws with side valleys were asked for.
     """
 
@@ -87,6 +90,8 @@ class Search:
     holdout: Data | None
     laws: Sequence[Law] = field(default_factory=lambda: tuple(KNOWN.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
+    until: float = math.inf
+    untried: list[str] = field(default_factory=list, init=False)
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], tuple[str, ...]], Fitted] = field(default_factory=dict, init=False)
     _less: list[Proposal] = field(default_factory=list, init=False)
@@ -98,7 +103,7 @@ class Search:
         """Search from the fitted family, and return what it ended with."""
         memory = self.data.memory
         selected = self.from_family(family)
-        return Found(selected, dict(self.candidates), self.weighing, self.asked_rugged, memory)
+        return Found(selected, dict(self.candidates), self.weighing, self.asked_rugged, memory, tuple(self.untried))
 
     def from_family(self, family: Fitted) -> Candidate:
         """The best structure there is, starting from the given family."""
@@ -118,12 +123,20 @@ class Search:
             _log.info("%s leads: log-evidence %.6g", leader.name, leader.value)
             best = leader
             for way in self._ways(leader):
-                _log.info("beside %s: %s", best.name, _ASKED.get(way.__name__, way.__name__))
+                asked = f"beside {best.name}: {_ASKED.get(way.__name__, way.__name__)}"
+                if self._over():
+                    self.untried.append(asked)
+                    continue
+                _log.info("%s", asked)
                 best = self._led_by_others(best, way(best))
                 if best.laws != leader.laws:
                     break
             leader = self._simulated(best)
         return leader
+
+    def _over(self) -> bool:
+        """Whether no time is left."""
+        return time.monotonic() > self.until
 
     def _ways(self, leader: Candidate) -> list[Callable[[Candidate], list[Start]]]:
         """From where a leader is asked, one after another, until another leads.
@@ -292,7 +305,9 @@ class Search:
         for start in starts:
             start.measured_by(self._measures[0])
         measure, points = self._measures[0], self.data.points
-        raced = race(starts, measure, standing, points, lambda what, part: self.progress(what, 0.3 + 0.65 * part))
+        raced = race(
+            starts, measure, standing, points, lambda what, part: self.progress(what, 0.3 + 0.65 * part), self._over
+        )
         self._measures = raced, self._measures[1]
 
     def _cost(self, parameters: int) -> float:
@@ -328,7 +343,9 @@ class Search:
     def _started(self, entries: Iterable[Entry], *, beside_noise: bool = False) -> list[Start]:
         """Those that can be simulated."""
         measure = self._measures[0]
-        starts = [started(entry, self.data, measure, beside_noise=beside_noise) for entry in entries]
+        starts = [
+            started(entry, self.data, measure, beside_noise=beside_noise) for entry in entries if not self._over()
+        ]
         return [start for start in starts if start is not None]
 
     def _addable(self, leader: Candidate, *, learnt: bool = False) -> list[Law]:

@@ -71,6 +71,16 @@ def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there, bent):
     assert hopeful.looked
 
 
+def test_where_no_time_is_left_no_step_is_taken(plain, there, bent):
+    (data, model), (fitted, measure) = plain, there
+    start = started(Entry((), bent(model, viscous=1.2), hoped=np.inf), data, measure)
+    assert start is not None
+    race([start], measure, fitted, data.points, over=lambda: True)
+    assert start.steps == 0
+    race([start], measure, fitted, data.points)
+    assert start.steps > 0
+
+
 def test_a_promise_is_looked_for_before_a_start_leaves(plain, there, bent):
     """One that is told better than was hoped of it has no bound yet."""
     (data, model), (fitted, measure) = plain, there

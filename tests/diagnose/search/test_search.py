@@ -338,7 +338,7 @@ def test_a_race_is_told_from_three_tenths_on(monkeypatch):
     said: list[tuple[str, float]] = []
     search.progress = lambda what, part: said.append((what, part))
 
-    def race(starts, measure, standing, points, progress):
+    def race(starts, measure, standing, points, progress, over):
         progress("drag", 0.0)
         progress("drag", 1.0)
         return measure
@@ -347,6 +347,18 @@ def test_a_race_is_told_from_three_tenths_on(monkeypatch):
     assert leader.fit is not None
     search._race([], leader.fit)
     assert [part for _, part in said] == pytest.approx([0.3, 0.95])
+
+
+def test_where_no_time_is_left_the_best_so_far_is_returned_and_what_was_not_asked_is_said(proposing, monkeypatch):
+    search, leader = leading("quadratic-drag")
+    asked: list[Candidate] = []
+    for way in ("_moved", "_as_long_or_shorter", "_scored", "_less_scored", "_predicted", "_rugged", "_learnt"):
+        monkeypatch.setattr(Search, way, lambda _self, beside: asked.append(beside) or [])
+    search.until = -np.inf
+    assert search._climbed(leader) is leader
+    assert asked == []
+    assert len(search.untried) > 1
+    assert all(sentence.startswith("beside quadratic-drag: ") for sentence in search.untried)
 
 
 @pytest.mark.parametrize(("memory", "in_step"), [(np.inf, True), (8.0, False), (8.0, True)])
