@@ -287,27 +287,33 @@ class Core:
         max_step: float,
         *,
         start: float = 0.0,
+        measured: np.ndarray | None = None,
+        gain: np.ndarray | None = None,
         quantity: str | None = None,
         load: float = 0.0,
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The linearised motion from each sample of a free run to the next.
+        sides: Sides | None = None,
+    ) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
+        """The linearised motion from each sample of a run to the next.
 
         Args:
-            values, initial, force, n, dt, max_step, start, quantity, load: as for ``record``.
+            values, initial, force, n, dt, max_step, start, measured, gain, quantity, load, sides: as for ``record``;
+                the derivatives of other sides are by the state there, and by the force.
 
         Returns:
-            (n, states, states) derivatives of the state at each sample by that at the one before; (n, states) by a
-            constant force between the two; (n, states) of the response by the state there; (n,) of the response by the
-            force there. NaN from where the simulation failed.
+            (n,) response; and (n, states, states) derivatives of the state at each sample by that at the one before,
+            both before a prediction corrects them; (n, states) by a constant force between the two; (n, states) of the
+            response by the state there; (n,) of the response by the force there. NaN from where the simulation failed.
         """
         s, y, derivatives = self.states, np.full(n, np.nan), np.full((self.states + 1, n), np.nan)
-        asked, kept = self._recording(values, initial, force, n, dt, max_step, start, None, None, None, None, load)
+        asked, kept = self._recording(values, initial, force, n, dt, max_step, start, measured, gain, None, None, load)
         asked.y, asked.shown = _pointer(y), self.equations.output(quantity or self.quantity)
         which = [len(self.parameter_names)] * s + [len(self.parameter_names) + 1]
         along = np.full((n, s, s + 1), np.nan)
-        self._carry(asked, [*np.eye(s), np.zeros(s)], which, derivatives, np.arange(s + 1, dtype=np.int32), along=along)
+        into = np.arange(s + 1, dtype=np.int32)
+        with _filled(self._library, sides, asked, s + 1):
+            self._carry(asked, [*np.eye(s), np.zeros(s)], which, derivatives, into, along=along)
         del kept
-        return along[:, :, :s], along[:, :, s], derivatives[:s].T, derivatives[s]
+        return y, (along[:, :, :s], along[:, :, s], derivatives[:s].T, derivatives[s])
 
     def _carry(
         self,

@@ -13,7 +13,7 @@ from ..problem.descent import search
 from ..problem.output_error import OutputError, State
 from ..problem.settle import settled
 from ..signals.registry import numerics
-from .from_prediction import from_prediction, growing, simulates
+from .from_prediction import Maxima, from_prediction, growing, simulates
 from .limits import POOR_NRMSE, QUIET
 
 _NOTHING_TOLD = numerics(1e3, "times the motion", why="what runs away has explained nothing, however far it ran")
@@ -45,10 +45,11 @@ def best_climb(problem: OutputError, start: State, others: Callable[[], Iterable
     """
     climbs: list[Climb] = []
     problems: list[BadInput] = []
+    maxima = Maxima()
 
     def tried(state: State) -> None:
         try:
-            climbs.append(_climbed(problem, state))
+            climbs.append(_climbed(problem, state, maxima))
         except BadInput as why:
             problems.append(why)
 
@@ -70,10 +71,10 @@ def from_near(problem: OutputError, state: State) -> Climb | None:
     return Climb(problem, outcome.state, {}, outcome.iterations, True, 0.0, False)
 
 
-def _climbed(problem: OutputError, state: State) -> Climb:
+def _climbed(problem: OutputError, state: State, maxima: Maxima) -> Climb:
     first, *later = growing(problem.segments)
     told, whole = problem.over(first), True
-    state, rungs, iterations = from_prediction(told, state)
+    state, rungs, iterations = from_prediction(told, state, maxima)
     for stage in later:
         try:
             state, rungs, steps = from_prediction(problem.over(stage), state)

@@ -11,6 +11,8 @@ from ...errors import BadInput
 from ..problem.descent import search
 from ..problem.limits import FEWEST_SAMPLES
 from ..problem.output_error import OutputError, State
+from ..problem.prediction import FREE
+from ..problem.search_point import Outcome
 from ..problem.segments import Segment
 from ..problem.settle import IN_STEP, follows, settled
 from ..signals.registry import budget, numerics
@@ -23,24 +25,51 @@ _GROWTH = numerics(
 _SHORTEST_MEMORY = numerics(1.0 / 64.0, "cycles", why="a tenth of a radian, over which any motion is a straight line")
 _FIRST_CYCLES = numerics(12.0, "cycles", why="over which free decays are fitted first")
 _LONGER = numerics(4.0, "times as many", why="over which they are fitted next")
+_RESTS = numerics(1.0, "log-likelihood", why="what the next step promises where a search is over: half of it an error")
 EARLY_STEPS = budget(8, "steps", why="at each memory: it only has to lead to the next")
 
 _log = logging.getLogger(__name__)
 
 
-def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[float, State], int]:
+class Maxima:
+    """Where searches of one problem have ended, by the memory: another that comes there leads nowhere else."""
+
+    def __init__(self) -> None:
+        self._costs: dict[float, list[float]] = {}
+
+    def add(self, memory: float, outcome: Outcome) -> None:
+        """Keep where a search ended, over a cycle at least: less tells few of the parameters.
+
+        Raises:
+            BadInput: where another search had ended there.
+        """
+        if memory < _FIRST_MEMORY:
+            return
+        known = self._costs.setdefault(memory, [])
+        if any(abs(outcome.cost - cost) <= _RESTS for cost in known):
+            raise BadInput("another start has led here")
+        known.append(outcome.cost)
+
+
+def from_prediction(
+    problem: OutputError, state: State, maxima: Maxima | None = None
+) -> tuple[State, dict[float, State], int]:
     """Where the search from prediction to simulation ended, where each memory before it did, and the steps it took.
 
     Prediction is left as soon as a simulation keeps step with the recordings: its search then ends where they are.
+
+    Raises:
+        BadInput: where nothing simulates from the start, or it leads to one of the maxima.
     """
+    maxima = maxima or Maxima()
     free = settled(problem, state)
     if keeps_step_throughout(problem.segments, problem.residuals(free)):
-        return _searched(problem, free, {}, 0)
+        return _searched(problem, free, {}, 0, maxima)
     first, predicted = _followed(problem, state)
     if predicted is not None:
         state = predicted
     elif simulates(problem, free):  # what a prediction corrects may push it over the top of its spring
-        return _searched(problem, free, {}, 0)
+        return _searched(problem, free, {}, 0, maxima)
     else:
         raise BadInput("the model does not simulate with its start values; check signs and units of force and response")
     rungs: dict[float, State] = {}
@@ -48,13 +77,14 @@ def from_prediction(problem: OutputError, state: State) -> tuple[State, dict[flo
     for memory in memories(problem.segments, first):
         if keeps_step_throughout(problem.segments, problem.residuals(state)):
             break
-        outcome = search(problem.predicting(memory), state, tolerance=1.0, most=EARLY_STEPS)
+        outcome = search(problem.predicting(memory), state, tolerance=_RESTS, most=EARLY_STEPS)
+        maxima.add(memory, outcome)
         state, iterations = outcome.state, iterations + outcome.iterations
         rungs[memory] = state
         _log.info("predicted with a memory of %g cycles: %d steps", memory, outcome.iterations)
     if not simulates(problem, state):
         return state, rungs, iterations
-    return _searched(problem, state, rungs, iterations)
+    return _searched(problem, state, rungs, iterations, maxima)
 
 
 def _followed(problem: OutputError, state: State) -> tuple[float, State | None]:
@@ -77,9 +107,10 @@ def _followed(problem: OutputError, state: State) -> tuple[float, State | None]:
 
 
 def _searched(
-    problem: OutputError, state: State, rungs: dict[float, State], iterations: int
+    problem: OutputError, state: State, rungs: dict[float, State], iterations: int, maxima: Maxima
 ) -> tuple[State, dict[float, State], int]:
-    outcome = search(problem, state, tolerance=1.0)
+    outcome = search(problem, state, tolerance=_RESTS)
+    maxima.add(FREE, outcome)
     _log.info("simulated: %d steps", outcome.iterations)
     return outcome.state, rungs, iterations + outcome.iterations
 

@@ -239,7 +239,8 @@ def _tried(
 ) -> _Trial:
     """The fit under a hold, weighed anew on the way: each hold's alike, for weights of its own make any likelier."""
     first = search(problem, state, noise, tolerance=0.1, most=_STEPS)
-    again = search(problem, first.state, _noise(problem, first.residuals, oscillator), tolerance=0.1, most=_STEPS)
+    there = _noise(problem, first.residuals, oscillator)
+    again = search(problem, first.state, there, tolerance=0.1, most=_STEPS, residuals=first.residuals)
     return _Trial(hold, problem, again, oscillator)
 
 

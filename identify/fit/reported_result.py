@@ -171,11 +171,11 @@ def ended(
             iterations += steps
             if np.isfinite(without.likelihood):  # at the reach of a spring that gives way it may run away from there
                 problem, answer, notes, rungs = shorter, without, [*notes, *jumps], {}  # those are of other segments
-    doubt = np.zeros(answer.outcome.state.values.size)
+    doubt, free_run = np.zeros(answer.outcome.state.values.size), answer.outcome.residuals
     in_step = keeps_step(problem.segments, answer.outcome.residuals)
     above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE
     if above and not in_step:
-        problem, answer, doubt, steps = _most_likely(problem.coarsely(), answer, rungs, start, plain, most)
+        problem, answer, doubt, free_run, steps = _most_likely(problem.coarsely(), answer, rungs, start, plain, most)
         iterations += steps
     elif above and doubted:
         doubt, steps = _said_otherwise(problem.coarsely(), answer, rungs, start, most)
@@ -191,13 +191,14 @@ def ended(
         if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
     ]
     names = tuple(name for i, name in enumerate(start.parameters()) if i in problem.free)
-    return _result(start, names, problem, answer, doubt, recordings, iterations, notes)
+    return _result(start, names, problem, answer, doubt, free_run, recordings, iterations, notes)
 
 
 def _most_likely(
     problem: OutputError, free: Answer, rungs: Mapping[float, State], start: Oscillator, plain: float, most: int
-) -> tuple[OutputError, Answer, np.ndarray, int]:
-    """Where no simulation keeps step: the answer of the most likely memory with its problem, the doubt, the steps.
+) -> tuple[OutputError, Answer, np.ndarray, tuple[np.ndarray, ...], int]:
+    """Where no simulation keeps step: the answer of the most likely memory with its problem, the doubt, what it leaves
+    when it is simulated freely, and the steps.
 
     The simulation's stays where that one's free run is no better than a linear rig's, whose cost is ``plain``, and
     where the model runs away within every memory, as beyond the reach of a spring that gives way.
@@ -211,10 +212,12 @@ def _most_likely(
     answers.sort(key=lambda pair: -pair[1].likelihood)
     memory, likeliest = answers[0]
     if not np.isfinite(likeliest.likelihood):
-        return problem, free, np.zeros(free.outcome.state.values.size), steps
-    if plain_cost(_simulated(problem, likeliest.outcome.state)) > plain:
-        return problem, free, _apart(likeliest, free), steps
-    return problem.predicting(memory), likeliest, _apart(answers[min(1, len(answers) - 1)][1], likeliest), steps
+        return problem, free, np.zeros(free.outcome.state.values.size), free.outcome.residuals, steps
+    free_run = _simulated(problem, likeliest.outcome.state)
+    if plain_cost(free_run) > plain:
+        return problem, free, _apart(likeliest, free), free.outcome.residuals, steps
+    doubt = _apart(answers[min(1, len(answers) - 1)][1], likeliest)
+    return problem.predicting(memory), likeliest, doubt, free_run, steps
 
 
 def _said_otherwise(
@@ -270,6 +273,7 @@ def _result(
     problem: OutputError,
     answer: Answer,
     doubt: np.ndarray,
+    free_run: Sequence[np.ndarray],
     recordings: Sequence[Recording],
     iterations: int,
     remarks: Sequence[str],
@@ -288,7 +292,6 @@ def _result(
     identified = start.with_parameters(
         {name: replace(old[name], value=value, std=_std(name, names, lost, errors)) for name, value in values.items()}
     )
-    free_run = outcome.residuals if problem.memory == FREE else _simulated(problem, outcome.state)
     fits = tuple(
         SegmentFit(segment, initial, segment.response - residual, nrmse_of(residual, segment.response), ratio)
         for segment, initial, residual, ratio in zip(

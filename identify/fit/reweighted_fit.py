@@ -63,7 +63,7 @@ def weighed(
     nearer = min(
         (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda point: plain_cost(point[1])
     )
-    plain = search(problem, nearer[0], tolerance=1e-3, most=most)
+    plain = search(problem, nearer[0], tolerance=1e-3, most=most, residuals=nearer[1])
     steps += plain.iterations
     remainders = _remainders(problem, plain, start, recordings)
     cost = plain_cost(answer.outcome.residuals)
@@ -93,10 +93,12 @@ def whitened(
         nothing = np.zeros((len(problem.free), len(problem.free)))
         return Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
     noise = _noise(problem, residuals, state, start)
-    outcome = search(problem, state, noise, tolerance=100.0 * tolerance, most=most, informed=False)
+    rough = {"tolerance": 100.0 * tolerance, "most": most, "informed": False}
+    outcome = search(problem, state, noise, **rough, residuals=residuals)
     state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
     noise = _noise(problem, residuals, state, start)
-    outcome = search(problem, state, noise, tolerance=tolerance, most=most, informed=informed)
+    fine = {"tolerance": tolerance, "most": most, "informed": informed}
+    outcome = search(problem, state, noise, **fine, residuals=residuals)
     likelihood = concentrated_likelihood(_noise(problem, outcome.residuals, outcome.state, start))
     return Answer(outcome, noise, likelihood), steps + outcome.iterations
 

@@ -14,6 +14,11 @@ from ..problem.normal_equations import products, pseudo_inverse
 from ..problem.output_error import OutputError, State
 from ..problem.rounding import measure_rounding, scatter_of_rounding
 from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.registry import numerics
+
+_STRAIGHT = numerics(
+    0.5, "of an error", why="by which a draw may differ from what the adjoint says: jumps are no noise"
+)
 
 
 def scatter(
@@ -92,25 +97,27 @@ def _of_force(
     """(k, k) scatter of the score by noise of that standard deviation on the force of one segment; None where
     no draw simulates.
 
-    Where the linearised motion passes the noise on, its adjoint gives it (``adjoint``). Else noise is drawn and
-    simulated, and each draw scored over the whole segment.
+    Where the linearised motion passes the noise on, its adjoint gives it (``adjoint``): one draw that is simulated says
+    whether it does. Else noise is drawn and simulated, and each draw scored over the whole segment.
     """
     segment = problem.segments[i]
-    if not isinstance(force, ContactForce):
-        felt = problem.felt(i, state, weighed)
-        if felt is not None:
-            return level**2 * products(felt, felt)
     count = segment.n if force.hold != "zero" else force.pieces.shape[0] + 1
 
-    def score(draw: int) -> np.ndarray:
-        random = np.random.default_rng([seed, i, draw])
+    def drawn(draw: int) -> tuple[np.ndarray, np.ndarray]:
+        added = level * np.random.default_rng([seed, i, draw]).standard_normal(count)
         if isinstance(force, ContactForce):
-            moved = problem.simulate(i, state, force=force.disturbed(level, random, segment.dt))
+            moved = problem.simulate(i, state, force=force.with_added(added, segment.dt))
         else:
-            moved = problem.simulate(i, state, force=force, added=level * random.standard_normal(count))
+            moved = problem.simulate(i, state, force=force, added=added)
         moved -= base
-        return products(weighed, moved)
+        return added[: segment.n], products(weighed, moved)
 
-    scores = np.array(problem.map(score, range(draws)))
+    felt = problem.felt(i, state, weighed)
+    if felt is not None:
+        added, score = drawn(0)
+        expected, errors = products(felt, added), level * np.linalg.norm(felt, axis=1)
+        if np.all(np.abs(expected - score) <= _STRAIGHT * errors):
+            return level**2 * products(felt, felt)
+    scores = np.array(problem.map(lambda draw: drawn(draw)[1], range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
     return scores.T @ scores / len(scores) if len(scores) else None

@@ -96,12 +96,21 @@ class ContactForce(Force):
         """The same: a contact is shorter than the pieces that suit the motion."""
         return self
 
-    def disturbed(self, std: float, random: np.random.Generator, dt: float) -> Force:
-        """The same force with white noise of that standard deviation on the samples of its contacts."""
-        noisy = super().disturbed(std, random, dt)
+    def with_added(self, samples: np.ndarray, dt: float) -> Force:
+        """The same force with something added during its contacts."""
+        added = super().with_added(samples, dt)
+        return replace(self, pieces=np.where(self._contact[:, None], added.pieces, self.pieces))
+
+    @property
+    def _contact(self) -> np.ndarray:
+        """(m,) which of the pieces are of a contact."""
         size = np.abs(self.pieces[:, 0])
-        contact = size > _OVER * np.max(size, initial=0.0)
-        return replace(self, pieces=np.where(contact[:, None], noisy.pieces, self.pieces))
+        return size > _OVER * np.max(size, initial=0.0)
+
+    def contacts(self, n: int) -> np.ndarray:
+        """(n,) which part of the interval behind each sample is of a contact."""
+        parts = self._contact[: self.pieces.shape[0] // self.fine * self.fine].reshape(-1, self.fine).mean(axis=1)
+        return np.pad(parts, (0, max(n - parts.size, 0)))[:n]
 
 
 def contact_force(force: np.ndarray, blows: Sequence[Blow], period: int) -> np.ndarray:

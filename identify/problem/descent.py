@@ -64,6 +64,8 @@ class Descent:
         self._damping = 1e-4
         names = problem.core.parameter_names
         self._natural_frequency = names.index("omega0") if "omega0" in names else None
+        self._sure = True  # that the next step is taken, so that its run may carry the derivatives there along
+        self._rows: list[np.ndarray] | None = None
         self._blocks: list[Block] | None = None
         self._expected: tuple[np.ndarray, ...] | None = None
 
@@ -71,7 +73,9 @@ class Descent:
     def blocks(self) -> list[Block]:
         """Normal matrix and gradient of each segment, here."""
         if self._blocks is None:
-            rows = self.problem.derivatives(self.state, self.residuals, single=True)
+            rows, self._rows = self._rows, None
+            if rows is None:
+                rows = self.problem.derivatives(self.state, self.residuals, single=True)
             self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise, consumed=True)
         return self._blocks
 
@@ -79,7 +83,9 @@ class Descent:
     def expected(self) -> tuple[np.ndarray, ...]:
         """What the whole next step would leave if the response were linear: one (n,) array a segment."""
         if self._expected is None:
-            rows = self.problem.derivatives(self.state, self.residuals)
+            rows, self._rows = self._rows, None
+            if rows is None:
+                rows = self.problem.derivatives(self.state, self.residuals)
             if self._blocks is None:
                 self._blocks = blocks_of(self.problem, rows, self.residuals, self.noise)
             shared, own = self._solved(0.0)
@@ -94,7 +100,7 @@ class Descent:
         self.noise, self.cost, self.resting = noise, cost_of(self.residuals, noise), False
         self._blocks = self._expected = None
 
-    def step(self, tolerance: float) -> bool:
+    def step(self, tolerance: float, *, last: bool = False) -> bool:
         """Take one step; gives whether it led anywhere.
 
         A step that leads nowhere is tried once more, with the natural frequency's part taken in its square
@@ -103,6 +109,7 @@ class Descent:
         Args:
             tolerance: the search rests when the next step promises a smaller gain of log-likelihood; a gain of 0.5 is
                 a step of one standard error.
+            last: whether nothing is asked of where it leads, so that no derivatives are wanted there.
         """
         self.taken += 1
         more, tried = _DAMPED, np.inf
@@ -111,16 +118,18 @@ class Descent:
             if gain < tolerance:
                 self.resting = True
                 return False
-            trial, residuals, cost = self._tried(shared, own)
+            rows: list[np.ndarray] | None
+            trial, residuals, cost, rows = self._tried(shared, own, derived=self._sure and not last)
             if not cost < self.cost and self._is_bent(shared, tolerance):
-                trial, residuals, cost = self._tried(shared, own, self._natural_frequency)
+                rows = None
+                trial, residuals, cost, _ = self._tried(shared, own, self._natural_frequency)
             if cost < self.cost:
                 better = self.cost - cost > KEPT_PROMISE * gain
                 self._damping = max(self._damping / _EASED, 1e-12) if better else self._damping * 2.0
-                self.state, self.residuals, self.cost = trial, residuals, cost
-                self._blocks = self._expected = None
+                self.state, self.residuals, self.cost, self._rows = trial, residuals, cost, rows
+                self._blocks, self._expected, self._sure = None, None, better
                 return True
-            self._damping, more, tried = self._damping * more, more * _DAMPED, gain
+            self._damping, more, tried, self._sure = self._damping * more, more * _DAMPED, gain, False
         self.resting = True  # no step in any direction helps: the maximum, to the precision of the derivatives
         return False
 
@@ -145,16 +154,19 @@ class Descent:
         return bool(apart**2 * sum(float(normal[place, place]) for normal, _ in self.blocks) > 2 * tolerance)
 
     def _tried(
-        self, shared: np.ndarray, own: np.ndarray, squared: int | None = None
-    ) -> tuple[State, tuple[np.ndarray, ...], float]:
-        """Where a step leads, within the bounds, what it leaves there, and its cost."""
+        self, shared: np.ndarray, own: np.ndarray, squared: int | None = None, *, derived: bool = False
+    ) -> tuple[State, tuple[np.ndarray, ...], float, list[np.ndarray] | None]:
+        """Where a step leads, within the bounds, what it leaves there, its cost; if ``derived`` the derivatives."""
         problem = self.problem
         state = self.state.stepped(problem.free, shared, own, squared)
         if problem.bounds is not None:
             state = replace(state, values=np.clip(state.values, *problem.bounds))
         state = handed_over(problem, state)
-        residuals = problem.residuals(state)
-        return state, residuals, cost_of(residuals, self.noise)
+        if derived:
+            residuals, rows = problem.residuals_with_derivatives(state, single=True)
+        else:
+            residuals, rows = problem.residuals(state), None
+        return state, residuals, cost_of(residuals, self.noise), rows
 
     def _solved(self, damping: float) -> tuple[np.ndarray, np.ndarray]:
         """The next step, without those parameters that would leave their bounds from where they are."""
@@ -193,6 +205,7 @@ def search(
     tolerance: float = 1e-3,
     most: int = MOST_STEPS,
     informed: bool = True,
+    residuals: tuple[np.ndarray, ...] | None = None,
 ) -> Outcome:
     """Minimise the negative log-likelihood from ``state``.
 
@@ -205,10 +218,11 @@ def search(
             0.5 is a step of one standard error.
         most: steps it may take.
         informed: whether the information at the end is wanted where the last step was the last allowed.
+        residuals: at ``state``, where they are known already.
     """
-    descent = Descent(problem, state, noise)
+    descent = Descent(problem, state, noise, residuals)
     while descent.taken < most and not descent.resting:
-        descent.step(tolerance)
+        descent.step(tolerance, last=descent.taken + 1 == most and not informed)
     information = np.zeros((len(problem.free), len(problem.free)))
     if informed or descent.resting:
         information = problem.of_parameters(shared_information(descent.blocks, problem.shared))

@@ -17,6 +17,7 @@ import numpy as np
 
 from ...simulate.core import Core, Sides
 from ...simulate.force import Force
+from ..motion.blows import ContactForce
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
 from ..signals.registry import numerics
@@ -158,21 +159,27 @@ class OutputError:
     def felt(self, i: int, state: State, weights: np.ndarray) -> np.ndarray | None:
         """(k, n) derivatives of sums of a segment's response, weighed by (k, n), by each sample of its force.
 
-        None where the linearised motion does not give them: of a prediction, beside jumps of the response, and where
-        it does not simulate.
+        None where the linearised motion does not give them, as where it does not simulate.
         """
-        if self.memory != FREE or self.sides(i) is not None:
-            return None
-        asked, _, _ = self._run(i, state)
         transitions = self.transitions(i, state)
         if not all(np.all(np.isfinite(part)) for part in transitions):
             return None
-        return felt(transitions, weights, held=asked[2].hold == "zero")
+        force = self.force(self.segments[i])
+        if isinstance(force, ContactForce):  # whose noise counts during contacts alone
+            return felt(transitions, weights, held=True) * force.contacts(self.segments[i].n)
+        return felt(transitions, weights, held=force is not None and force.hold == "zero")
 
     def transitions(self, i: int, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """The linearised motion of a segment that is simulated freely; see ``Core.transitions``."""
-        asked, how, _ = self._run(i, state)
-        return self.core.transitions(*asked, **how)
+        """The linearised motion of a segment, beside its jumps on the nearer side; see ``Core.transitions``."""
+        asked, how, zero = self._run(i, state)
+        sides = self.sides(i)
+        response, (moved, pushed, shown, direct) = self.core.transitions(*asked, **how, sides=sides)
+        if sides is not None and sides.at.size:
+            _show(zero, response, sides)
+            taken = nearer_sides(self.segments[i], response, sides)
+            at, other = sides.at[taken], sides.derivatives[:, taken]
+            shown[at], direct[at] = other[:-1].T, other[-1]
+        return moved, pushed, shown, direct
 
     def force(self, segment: Segment) -> Force | None:
         """What drives a segment, in pieces of the length that suits the step."""
@@ -220,17 +227,34 @@ class OutputError:
         response by more than its phase can turn are left at zero. With ``single`` those of long segments come in single
         precision.
         """
+        rows = self._rows(single=single)
+
+        def fill(i: int) -> None:
+            self.carry(i, state, self._moving(self.segments[i]), rows[i])
+            self._bound(i, rows[i], state, residuals[i])
+
+        self.map(fill, range(len(self.segments)))
+        return rows
+
+    def residuals_with_derivatives(
+        self, state: State, *, single: bool = False
+    ) -> tuple[tuple[np.ndarray, ...], list[np.ndarray]]:
+        """``residuals``, to the bit, and ``derivatives`` from the same run of each segment."""
+        rows = self._rows(single=single)
+
+        def fill(i: int) -> np.ndarray:
+            residual = self.segments[i].response - self.carry(i, state, self._moving(self.segments[i]), rows[i])
+            self._bound(i, rows[i], state, residual)
+            return residual
+
+        return tuple(self.map(fill, range(len(self.segments)))), rows
+
+    def _rows(self, *, single: bool) -> list[np.ndarray]:
+        """Room for the derivatives of each segment's response."""
         if max(segment.n for segment in self.segments) >= LONG:
             give_back()
         count = self.shared + self.core.states
-        made = [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
-
-        def fill(i: int) -> None:
-            self.carry(i, state, self._moving(self.segments[i]), made[i])
-            self._bound(i, made[i], state, residuals[i])
-
-        self.map(fill, range(len(self.segments)))
-        return made
+        return [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
 
     def carry(self, index: int, state: State, unknowns: Sequence[int], rows: np.ndarray) -> np.ndarray:
         """Put the derivatives of the first samples of a segment's response by some unknowns in their rows (k, n).

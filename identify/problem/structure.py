@@ -235,9 +235,12 @@ class Structure:
         state = self.state(initial)
         if settle or initial is None:
             state = settled(self.problem, state)
-        if not all(np.all(np.isfinite(residual)) for residual in self.problem.residuals(state)):
+        residuals = self.problem.residuals(state)
+        if not all(np.all(np.isfinite(residual)) for residual in residuals):
             raise BadInput("the model does not simulate with its start values; check the units of force and response")
-        outcome = search(self.problem, state, noise, tolerance=tolerance, most=most, informed=False)
+        outcome = search(
+            self.problem, state, noise, tolerance=tolerance, most=most, informed=False, residuals=residuals
+        )
         model = with_values(self.model, outcome.state.values)
         return Fitted(
             model,

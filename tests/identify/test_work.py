@@ -38,16 +38,16 @@ def releases(**parameters):
 
 
 KINDS = {
-    "decay, displacement": (lambda: [decay()], 25),
-    "decay, velocity": (lambda: [decay("velocity")], 34),
-    "decay, acceleration": (lambda: [decay("acceleration")], 35),
-    "sweep, displacement": (lambda: [sweep()], 54),
-    "sweep, velocity": (lambda: [sweep("velocity")], 52),
-    "sweep, acceleration": (lambda: [sweep("acceleration")], 197),
-    "decay and sweep": (lambda: [decay(), sweep()], 50),
-    "a sensor off zero": (lambda: [sweep(offset=3e-4)], 74),
-    "three releases": (lambda: releases(dry=0.02), 29),
-    "releases, drag concealed": (lambda: releases(drag=20.0), 206),
+    "decay, displacement": (lambda: [decay()], 23),
+    "decay, velocity": (lambda: [decay("velocity")], 30),
+    "decay, acceleration": (lambda: [decay("acceleration")], 33),
+    "sweep, displacement": (lambda: [sweep()], 50),
+    "sweep, velocity": (lambda: [sweep("velocity")], 48),
+    "sweep, acceleration": (lambda: [sweep("acceleration")], 121),
+    "decay and sweep": (lambda: [decay(), sweep()], 45),
+    "a sensor off zero": (lambda: [sweep(offset=3e-4)], 67),
+    "three releases": (lambda: releases(dry=0.02), 26),
+    "releases, drag concealed": (lambda: releases(drag=20.0), 158),
 }
 
 

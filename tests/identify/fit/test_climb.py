@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.identify.fit import climb as module
-from dashpot.identify.fit.climb import Climb, best_climb, from_near, nrmse_of
+from dashpot.identify.fit.climb import Climb, _climbed, best_climb, from_near, nrmse_of
+from dashpot.identify.fit.from_prediction import Maxima
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.output_error import State
@@ -44,7 +45,7 @@ def climbs(monkeypatch):
     def make(*outcomes):
         tried = []
 
-        def climbed(problem, state):
+        def climbed(problem, state, maxima):
             tried.append(float(state.values[0]))
             made = outcomes[int(state.values[0])]
             if isinstance(made, str):
@@ -133,8 +134,8 @@ def test_a_climb_finds_the_rig_from_far_off():
 def test_steps_of_all_stages_count(monkeypatch):
     taken, own = [], module.from_prediction
 
-    def noted(problem, state):
-        taken.append((problem.segments[0].n, own(problem, state)))
+    def noted(problem, state, *known):
+        taken.append((problem.segments[0].n, own(problem, state, *known)))
         return taken[-1][1]
 
     monkeypatch.setattr(module, "from_prediction", noted)
@@ -148,10 +149,10 @@ def test_steps_of_all_stages_count(monkeypatch):
 def test_what_simulates_the_beginning_alone_is_not_whole(monkeypatch):
     own = module.from_prediction
 
-    def not_beyond(problem, state):
+    def not_beyond(problem, state, *known):
         if problem.segments[0].n == 500:
             raise BadInput("not so far")
-        return own(problem, state)
+        return own(problem, state, *known)
 
     monkeypatch.setattr(module, "from_prediction", not_beyond)
     problem, state, _ = problem_of(decay())
@@ -162,7 +163,7 @@ def test_what_simulates_the_beginning_alone_is_not_whole(monkeypatch):
 
 def stuck(monkeypatch, *recordings):
     """A climb whose search stays where it began: with a model at rest what it leaves is the motion itself."""
-    monkeypatch.setattr(module, "from_prediction", lambda problem, state: (state, {}, 1))
+    monkeypatch.setattr(module, "from_prediction", lambda problem, state, maxima=None: (state, {}, 1))
     problem, state, _ = problem_of(*recordings)
     return problem, state
 
@@ -190,6 +191,15 @@ def test_segments_count_by_their_length_and_no_further_than_a_thousand(monkeypat
     assert climb.log_nrmse == pytest.approx(0.75 * np.log(0.1) + 0.25 * np.log(0.5), rel=0.02)
     away = best_climb(problem, replace(state, initial=begins * np.array([[0.9], [1e6]])), tuple)
     assert away.log_nrmse == pytest.approx(0.75 * np.log(0.1) + 0.25 * np.log(1e3), abs=0.02)
+
+
+def test_a_start_that_leads_where_another_led_is_followed_no_further():
+    problem, state, _ = problem_of(decay(), omega0=58.0)
+    maxima = Maxima()
+    first = _climbed(problem, state, maxima)
+    with pytest.raises(BadInput, match="another start has led here"):
+        _climbed(problem, replace(state, values=state.values * np.array([1.0, 1.01, 1.0, 1.0, 1.1, 1.0])), maxima)
+    assert first.state.values[1] == pytest.approx(OMEGA, rel=1e-4)
 
 
 # From near by --------------------------------------------------------------------------------------------------------

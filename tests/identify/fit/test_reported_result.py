@@ -91,14 +91,16 @@ def test_a_simulation_stays_where_the_model_runs_away_within_every_memory(monkey
     """That a prediction runs away is no reason to refuse what a simulation tells."""
     problem = Structure(MODEL, data_of(recordings(), MODEL, coarse=False)).problem
     state = SimpleNamespace(values=np.arange(6.0))
-    free, predicted = (SimpleNamespace(likelihood=x, outcome=SimpleNamespace(state=state)) for x in (-9.0, likelihood))
+    outcome = SimpleNamespace(state=state, residuals=(np.ones(5),))
+    free, predicted = (SimpleNamespace(likelihood=x, outcome=outcome) for x in (-9.0, likelihood))
     monkeypatch.setattr(module, "_nearest", lambda *_: None)
     monkeypatch.setattr(module, "whitened", lambda *_, **__: (predicted, 3))
     monkeypatch.setattr(module, "_simulated", lambda *_: (np.zeros(5),))
-    told, answer, doubt, steps = module._most_likely(problem, free, {}, MODEL, np.inf, 5)
+    told, answer, doubt, (left,), steps = module._most_likely(problem, free, {}, MODEL, np.inf, 5)
     assert answer is (free if stays else predicted)
     assert (told.memory == FREE) is stays
     assert not np.any(doubt)
+    assert np.all(left == (1.0 if stays else 0.0))
     assert steps >= 3
 
 

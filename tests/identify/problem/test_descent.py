@@ -29,6 +29,10 @@ class Line:
     def derivatives(self, state, residuals, *, single=False):
         return [self.rows.copy()]
 
+    def residuals_with_derivatives(self, state, *, single=False):
+        residuals = self.residuals(state)
+        return residuals, self.derivatives(state, residuals, single=single)
+
     def map(self, function, items):
         return [function(item) for item in items]
 
