@@ -133,5 +133,6 @@ def test_a_fall_by_six_per_cent_is_a_decay_where_it_is_known(noise):
     ],
 )
 def test_modes_are_believed_that_take_about_what_an_envelope_does(pieces, believed):
-    shared = SharedModes(tuple(pieces), np.array([1.0]), np.array([0.01]), 0, 0.01, 1e-4, 100.0)
+    mode = {"share": np.ones(1), "errors": np.zeros((3, 1))}
+    shared = SharedModes(tuple(pieces), np.array([1.0]), np.array([0.01]), 0, 0.01, 1e-4, 100.0, **mode)
     assert _explains(shared, [Decay(0, 1000)]) is believed
