@@ -172,6 +172,12 @@ def hilbert(
     "left and the recordings do not contradict each other too, where it is asked anyway.",
 )
 @click.option(
+    "--all",
+    "every",
+    is_flag=True,
+    help="Keep cubic, preload and dry friction where the recordings do not tell them from none.",
+)
+@click.option(
     "--max-left",
     metavar="5%|3x",
     callback=most_left,
@@ -194,6 +200,7 @@ def identify(
     start: Path | None,
     mode: str | None,
     faults: bool,
+    every: bool,
     max_left: MostLeft | None,
     figures: str | None,
     **options: Any,
@@ -223,6 +230,7 @@ def identify(
         start=start,
         mode=mode,
         faults=faults,
+        every=every,
         notes=say,
         progress=say,
     )

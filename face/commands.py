@@ -78,6 +78,7 @@ def identify(
     start: Model | Oscillator | str | Path | None = None,
     mode: str | float | None = None,
     faults: bool = False,
+    every: bool = False,
     progress: Say | None = None,
     **options: Unpack[Reading],
 ) -> Model:
@@ -92,6 +93,7 @@ def identify(
         start: model to start from, with its laws.
         mode: which of several modes, by its number or its frequency in Hz.
         faults: whether to ask what the measuring chain did to a recording, where more than noise is left.
+        every: whether cubic, preload and dry stay where the recordings do not tell them from none.
         progress: called with one line a step.
         options: how to read, see ``dashpot.recording.Reading``.
 
@@ -120,6 +122,7 @@ def identify(
         start=None if start is None else oscillator_of(start),
         mode=mode_text(mode),
         faults=faults,
+        every=every,
         notes=say,
         progress=say,
     )

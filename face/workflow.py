@@ -57,6 +57,7 @@ def identified(
     start: Oscillator | Path | None = None,
     mode: str | None = None,
     faults: bool = False,
+    every: bool = False,
     notes: Say = silent,
     progress: Say = silent,
 ) -> Identification:
@@ -91,6 +92,7 @@ def identified(
         band=band,
         wanted=wanted,
         faults=faults,
+        every=every,
         progress=progress,
     )
 

@@ -33,6 +33,7 @@ from .fit.hold import held_as, with_hold
 from .fit.likeliest_modes import likeliest_modes, modes_of_fit
 from .fit.likelihood import maximum_likelihood
 from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
+from .fit.plainest import plainest
 from .fit.reported_result import Fit, SegmentFit
 from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
 from .motion.excitation import kind_of
@@ -115,6 +116,7 @@ def identify(
     doubted: bool = True,
     near: bool = False,
     faults: bool = False,
+    every: bool = True,
     progress: Callable[[str], None] = lambda _: None,
 ) -> Identification:
     """Identify Eq. 17, with further laws where asked for, from recordings of one rig, free or forced, in any mixture.
@@ -131,6 +133,7 @@ def identify(
         near: whether ``start`` was found from these very recordings; see there.
         faults: whether to ask what the measuring chain may have done to the recordings, by several fits more, where
             they do not contradict each other too; see ``blame``.
+        every: whether members of Eq. 17 stay that the recordings do not tell from none; see ``plainest``.
         progress: called with one line per step.
 
     Raises:
@@ -192,6 +195,15 @@ def identify(
         fit = answer(recordings, None, doubted=doubted)
     several = len(modes_of_fit(fit.oscillator)) > 1
     fit, recordings, chain = with_hold(fit, recordings, partial(answer, kept=kept), doubted=doubted)
+    if not every:
+        progress("whether a plainer model explains as much")
+        held = tuple(recordings)
+
+        def plainer(model: Oscillator, zero: Sequence[str]) -> Fit:
+            near = max(part.over_noise for part in fit.segments) <= LACKING
+            return maximum_likelihood(model, held, (*fixed, *kept, *zero), doubted=False, near=near)
+
+        fit = plainest(fit, plainer)
     told: dict[int, str] = {}
     if doubted or faults:
         progress("whether the recordings contradict each other")

@@ -1,0 +1,155 @@
+"""The plainest model that explains: members of Eq. 17 that the recordings do not tell from none are left at zero.
+
+Each costs the others some of what is known of them. Whether it is there is a question of odds: the likelihood of its
+estimate with the member at zero, over that with a value of the size at which it matters (Jeffreys 1961, chapter V).
+What not knowing the answer does to the others is in their errors: the law of total variance over both models (Hoeting
+et al. 1999, equation 3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from itertools import combinations
+
+import numpy as np
+
+from ...errors import BadInput
+from ...model import Oscillator
+from ...model.fit_state import LACKING
+from ..problem.data import displacement_amplitude
+from ..problem.structure import typical_sizes
+from .likeliest_modes import MEMBERS
+from .reported_result import Fit
+
+
+@dataclass(frozen=True, eq=False)
+class Absent:
+    """Members that are likelier not there.
+
+    Attributes:
+        names: which.
+        log_odds: of their absence.
+        spread: (k, k) what that they may be there adds to the covariance of the other parameters.
+    """
+
+    names: tuple[str, ...]
+    log_odds: float
+    spread: np.ndarray
+
+
+def likely_absent(names: Sequence[str], values: np.ndarray, covariance: np.ndarray, sizes: np.ndarray) -> Absent | None:
+    """The members whose absence together is the likeliest; None where they are likelier there.
+
+    Args:
+        names: of k free parameters.
+        values: (k,) where they came to.
+        covariance: (k, k) of these.
+        sizes: (k,) at which each matters; a member that is there is of that size.
+    """
+    members = [i for i, name in enumerate(names) if name in MEMBERS and covariance[i, i] > 0]
+    best: Absent | None = None
+    for count in range(1, len(members) + 1):
+        for some in combinations(members, count):
+            gone = list(some)
+            scale = sizes[gone]
+            told = covariance[np.ix_(gone, gone)] / np.outer(scale, scale)
+            wide = told + np.eye(count)
+            found = values[gone] / scale
+            inverse = np.linalg.pinv(told, hermitian=True)
+            odds = 0.5 * (
+                np.linalg.slogdet(wide)[1]
+                - np.linalg.slogdet(told)[1]
+                - found @ (inverse - np.linalg.inv(wide)) @ found
+            )
+            if not odds > (0.0 if best is None else best.log_odds):
+                continue
+            kept = [i for i in range(len(names)) if i not in some]
+            follows = covariance[np.ix_(kept, gone)] / scale @ inverse  # what each of them moves the others by
+            there = np.linalg.inv(inverse + np.eye(count))
+            mean = there @ inverse @ found
+            likely = 1.0 / (1.0 + np.exp(odds))
+            spread = likely * follows @ (there + np.outer(mean, mean)) @ follows.T
+            best = Absent(tuple(names[i] for i in gone), float(odds), spread)
+    return best
+
+
+def plainest(fit: Fit, again: Callable[[Oscillator, Sequence[str]], Fit]) -> Fit:
+    """The fit without the members that are likelier not there, or the fit as it is.
+
+    Where the fit leaves more than noise and does without them leave less, its search has ended in a false valley: then
+    the members are asked for once more, from there.
+
+    Args:
+        fit: of a model with any members.
+        again: fits a model from its values, with some names that keep theirs.
+    """
+    absent = _absent_from(fit)
+    if absent is None:
+        return fit
+    without = _without(fit, absent, again)
+    lost = _left(fit) > LACKING
+    if without is None or _left(without) > max(_left(fit), LACKING):
+        return fit
+    if lost:
+        fuller = again(without.oscillator, ())
+        absent = _absent_from(fuller)
+        if absent is None or _left(without) > max(_left(fuller), LACKING):
+            return fuller
+        fit = fuller
+        without = _without(fit, absent, again)
+        if without is None:
+            return fit
+    covariance = _given(fit, absent.names) + absent.spread
+    errors = dict(zip(without.names, np.sqrt(np.diag(covariance)), strict=True))
+    known = without.oscillator.parameters()
+    wider = {n: replace(known[n], std=float(e)) for n, e in errors.items() if known[n].std is not None}
+    return replace(
+        without,
+        oscillator=replace(without.oscillator.with_parameters(wider), hold=fit.oscillator.hold),
+        covariance=covariance,
+        notes=(*without.notes, _sentence(absent.names)),
+    )
+
+
+def _absent_from(fit: Fit) -> Absent | None:
+    model, names = fit.oscillator, list(fit.names)
+    values = np.array([model.parameters()[name].value for name in names])
+    segments = [part.segment for part in fit.segments]
+    everything = tuple(model.parameters())
+    all_values = np.array(list(model.values().values()))
+    sizes = typical_sizes(everything, all_values, displacement_amplitude(segments), segments[0].pace)
+    return likely_absent(names, values, fit.covariance, sizes[[everything.index(name) for name in names]])
+
+
+def _without(fit: Fit, absent: Absent, again: Callable[[Oscillator, Sequence[str]], Fit]) -> Fit | None:
+    known = fit.oscillator.parameters()
+    zero = {name: replace(known[name], value=0.0, std=None) for name in absent.names}
+    try:
+        return again(fit.oscillator.with_parameters(zero), absent.names)
+    except BadInput:
+        return None
+
+
+def _given(fit: Fit, names: Sequence[str]) -> np.ndarray:
+    """Covariance of the other parameters where those named are known: with all that the fit does not know beside them.
+
+    What not knowing a hold adds is in it, and what predictions say otherwise.
+    """
+    gone = [fit.names.index(name) for name in names]
+    kept = [i for i in range(len(fit.names)) if i not in gone]
+    scale = np.sqrt(np.diag(fit.covariance))[gone]
+    told = np.linalg.pinv(fit.covariance[np.ix_(gone, gone)] / np.outer(scale, scale), hermitian=True)
+    across = fit.covariance[np.ix_(kept, gone)] / scale
+    return fit.covariance[np.ix_(kept, kept)] - across @ told @ across.T
+
+
+def _sentence(names: Sequence[str]) -> str:
+    *others, last = names
+    both = f"{', '.join(others)} and {last}" if others else last
+    are, them = ("are", "them") if others else ("is", "it")
+    return f"{both} {are} left at zero: the recordings do not tell {them} from none (--all keeps {them})"
+
+
+def _left(fit: Fit) -> float:
+    return max(part.over_noise for part in fit.segments)

@@ -1,0 +1,63 @@
+"""Members of Eq. 17 that the recordings do not tell from none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.examples.oscillator import integrate_pieces
+from dashpot.identify import identify
+from dashpot.identify.fit.plainest import likely_absent
+from dashpot.recording.recording import Recording
+
+NAMES = ("omega0", "cubic", "viscous")
+
+
+def test_what_is_within_its_error_is_absent():
+    covariance = np.diag([1e-4, 1e-6, 1e-4])
+    absent = likely_absent(NAMES, np.array([10.0, 1e-3, 0.5]), covariance, np.ones(3))
+    assert absent is not None
+    assert absent.names == ("cubic",)
+    # the odds of two normal densities at the estimate, by hand
+    assert absent.log_odds == pytest.approx(0.5 * np.log(1 + 1e6) - 0.5 * 1e-6 * (1e6 - 1 / (1 + 1e-6)), rel=1e-9)
+
+
+def test_what_stands_out_of_its_error_stays():
+    assert likely_absent(NAMES, np.array([10.0, 6e-3, 0.5]), np.diag([1e-4, 1e-6, 1e-4]), np.ones(3)) is None
+
+
+def test_frequency_and_viscous_damping_are_never_left_out():
+    covariance = np.diag([1.0, 1e-6, 1.0])
+    absent = likely_absent(NAMES, np.zeros(3), covariance, np.ones(3))
+    assert absent is not None
+    assert absent.names == ("cubic",)
+
+
+def test_that_it_may_be_there_is_in_the_errors_of_what_it_moves():
+    covariance = np.array([[1e-4, 0.9e-5], [0.9e-5, 1e-6]])
+    absent = likely_absent(NAMES[:2], np.array([10.0, 3.6e-3]), covariance, np.ones(2))
+    assert absent is not None
+    likely = 1 / (1 + np.exp(absent.log_odds))
+    # the estimate beside it would be 9 times 3.6e-3 away, and no better known than the member itself
+    assert absent.spread[0, 0] == pytest.approx(likely * 81 * (3.6e-3**2 + 1e-6), rel=1e-4)
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.02], ids=["linear", "preload"])
+def decay(request):
+    rig = {"mass": 1.0, "omega0": 12.0, "cubic": 0.0, "viscous": 0.6, "dry": 0.0}
+    rig["preload"] = request.param * rig["omega0"] ** 2
+    x = integrate_pieces(rig, np.zeros((600, 1)), 0.01, 1.0, 0.0)[0][:600]
+    x = x + 1e-3 * np.random.default_rng(4).standard_normal(600)
+    return rig, identify([Recording("decay", 100.0, x)], every=False)
+
+
+def test_members_that_act_stay_and_the_others_are_zero(decay):
+    rig, found = decay
+    known = found.oscillator.parameters()
+    assert (known["preload"].std is None) is (rig["preload"] == 0.0)
+    assert (known["cubic"].value, known["cubic"].std) == (0.0, None)
+    for name in set(found.fit.names):
+        assert abs(known[name].value - rig[name]) < 3.5 * known[name].std
+
+
+def test_it_is_said(decay):
+    assert any("left at zero" in note for note in decay[1].notes)
