@@ -248,10 +248,12 @@ def identify(
         say(sentence, always=True)
     if identification.useless:
         say(f"{output}: {identification.useless}", always=True)
+    if identification.modes_left:
+        say(f"{output}: {identification.modes_left}", always=True)
     exceeded = [] if max_left is None else beyond(identification.oscillator, max_left)
     for sentence in exceeded:
         say(f"{sentence} (--max-left)", always=True)
-    if identification.useless or identification.faults or exceeded:
+    if identification.useless or identification.faults or identification.modes_left or exceeded:
         sys.exit(1)
 
 

@@ -158,7 +158,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     model = found.oscillator
     most = how["max_left"]
     more = left_over(model) if most is None else beyond(model, parse_most_left(most))
-    unfit = bool(more or found.useless)
+    unfit = bool(more or found.useless or found.modes_left)
     page, without = _page(how["report"], lambda: identification_page(found, files=(MODEL,)).html)
     picture, left = _picture(found)
     outcome = Outcome(
@@ -199,6 +199,8 @@ def _told(found: Identification, more: list[str]) -> str:
         return found.useless
     if found.faults:
         return found.faults[0]
+    if found.modes_left:
+        return found.modes_left
     return more[0] if more else "the model leaves no more than it may"
 
 

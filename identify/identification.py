@@ -37,7 +37,9 @@ from .fit.plainest import plainest
 from .fit.reported_result import Fit, SegmentFit
 from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
 from .motion.excitation import kind_of
+from .motion.modes import modes_beside
 from .problem.data import Data, data_of
+from .problem.offset import Offset
 from .problem.prediction import FREE
 from .problem.structure import shapes_of
 from .provenance import with_provenance
@@ -69,6 +71,7 @@ class Identification:
             that explains what the model leaves; the parameters are those of the recordings as given, with errors that
             cover it.
         work: how often the recordings were simulated for it, and how long that took.
+        modes_left: a sentence on modes that the model does not hold, where it leaves more than noise; else None.
     """
 
     oscillator: Oscillator
@@ -78,6 +81,7 @@ class Identification:
     notes: tuple[str, ...]
     faults: tuple[str, ...] = ()
     work: Work | None = None
+    modes_left: str | None = None
 
     def __repr__(self) -> str:
         return f"<Identification of {self.oscillator!r} from {', '.join(r.name for r in self.recordings)}>"
@@ -155,7 +159,12 @@ def identify(
     laws = [effect for effect in effects if effect not in {term.effect for term in base.terms}]
 
     def answer(
-        recordings: Sequence[Recording], known: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool
+        recordings: Sequence[Recording],
+        known: Oscillator | None,
+        kept: Sequence[str] = (),
+        drifts: Sequence[Offset] = (),
+        *,
+        doubted: bool,
     ) -> Fit:
         data = data_of(recordings, base, coarse=False)
 
@@ -180,13 +189,14 @@ def identify(
         progress("maximum likelihood, from prediction to simulation")
         asked = [key for key, p in model.parameters().items() if p.std is not None]  # data asked for it before
         shapes = tuple(shape for shape in shapes_of(model) if shape not in (*fixed, *asked))
-        how = {"doubted": doubted and not shapes, "near": near or known is not None}
+        how = {"doubted": doubted and not shapes, "near": near or known is not None, "drifts": drifts}
         fit = maximum_likelihood(model, recordings, (*fixed, *kept, *shapes), data, others=others, **how)
         return _with_shapes(fit, recordings, data, (*fixed, *kept), doubted=doubted) if shapes else fit
 
-    def of_modes(model: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool) -> Fit:
+    def of_modes(fit: Fit | None, model: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool) -> Fit:
         begin = None if model is None else _with_values(model, fixed, final=False)
-        return answer(recordings, begin, kept, doubted=doubted)
+        drifts = [] if fit is None else [o.begun(recordings) for o in fit.offsets if o.channel == "drift"]
+        return answer(recordings, begin, kept, drifts, doubted=doubted)
 
     kept: Sequence[str] = ()
     if start is None and not effects:
@@ -229,6 +239,20 @@ def identify(
         ),
         faults=tuple(f"{recordings[i].name}: {words}" for i, words in told.items()),
         work=work,
+        modes_left=_modes_left(fit, recordings),
+    )
+
+
+def _modes_left(fit: Fit, recordings: Sequence[Recording]) -> str | None:
+    if max(s.over_noise for s in fit.segments) < LACKING:
+        return None
+    others = modes_beside(recordings, [omega / (2 * np.pi) for omega, _, _ in modes_of_fit(fit.oscillator)])
+    if not others:
+        return None
+    there = f"{'is' if len(others) == 1 else 'are'} {', '.join(map(str, others))}"
+    return (
+        f"it does not hold all modes that ring: beside it there {there}; the parameters may be off by more than their "
+        "errors, and --mode takes one alone"
     )
 
 

@@ -17,7 +17,7 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...model.fit_state import FOLLOWS, LACKING
 from ...model.laws import MODES
-from ..signals.odds import ABOVE_NOISE, DECISIVE
+from ..signals.odds import ABOVE_NOISE, DECISIVE, SIGNIFICANT
 from ..start.further_modes import Mode, with_modes
 from ..start.linear_modes import one_mode_more
 from .reported_result import Fit, SegmentFit
@@ -27,9 +27,9 @@ MEMBERS = ("cubic", "preload", "dry")
 
 
 class Answer(Protocol):
-    """Fits Eq. 17 from its own starts (None), or a model from its values, some parameters kept."""
+    """Fits Eq. 17 from its own starts (None), or a model from its values and a fit's drifts, some parameters kept."""
 
-    def __call__(self, model: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool) -> Fit:
+    def __call__(self, fit: Fit | None, model: Oscillator | None, kept: Sequence[str] = (), *, doubted: bool) -> Fit:
         """As ``identify`` fits, from there."""
         ...
 
@@ -42,13 +42,13 @@ def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> 
         answer: fits a model.
         doubted: see ``maximum_likelihood``.
     """
-    fit = answer(None, doubted=doubted and not modes)
+    fit = answer(None, None, doubted=doubted and not modes)
     several = _beside(fit, modes, answer, doubted) if modes else None
     if modes and (several is None or odds(several[0], fit) < 0.0):
-        return answer(None, doubted=doubted), ()
+        return answer(None, None, doubted=doubted), ()
     best = several or (fit, ())
     while len(known := modes_of_fit(best[0].oscillator)) <= len(MODES):
-        if max(s.over_noise for s in best[0].segments) < ABOVE_NOISE:
+        if max(s.over_noise for s in best[0].segments) < ABOVE_NOISE and not _is_bent(best[0]):
             break
         more = one_mode_more([s.segment for s in best[0].segments], known)
         other = _beside(best[0], more, answer, doubted) if more else None
@@ -61,8 +61,8 @@ def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> 
 def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer, doubted: bool) -> tuple[Fit, tuple[str, ...]] | None:
     """Linear modes, the first of them nonlinear where that is decisively likelier; None where they do not simulate."""
     try:
-        plain = answer(with_modes(fit.oscillator, modes), MEMBERS, doubted=doubted)
-        freed = answer(plain.oscillator, doubted=doubted)
+        plain = answer(fit, with_modes(fit.oscillator, modes), MEMBERS, doubted=doubted)
+        freed = answer(plain, plain.oscillator, doubted=doubted)
     except BadInput:
         return None
     return (freed, ()) if odds(freed, plain) > DECISIVE else (plain, MEMBERS)
@@ -121,11 +121,19 @@ def _power(part: SegmentFit, first: int, last: int) -> float:
     return float(np.mean(left[first - part.segment.start : last - part.segment.start] ** 2))
 
 
+def _is_bent(fit: Fit) -> bool:
+    """Whether friction or preload came out negative beyond their errors: they stand for something else then."""
+    known = (fit.oscillator.parameters()[name] for name in ("preload", "dry"))
+    return any(p.std is not None and p.value < -SIGNIFICANT * p.std for p in known)
+
+
 def _is_better(fit: Fit, before: Fit) -> bool:
     """Whether one mode more is decisively likelier and leaves but noise, or follows where there was nothing to follow.
 
-    What Eq. 17 lacks leaves lines that a further mode may imitate, down to the noise it does not.
+    What Eq. 17 lacks leaves lines that a further mode may imitate, down to the noise it does not. Where Eq. 17 has bent
+    itself around what is there, it is enough that the other is not decisively less likely.
     """
     explains = max(s.over_noise for s in fit.segments) < LACKING
     follows = max(s.nrmse for s in fit.segments) <= FOLLOWS < max(s.nrmse for s in before.segments)
-    return (explains or follows) and odds(fit, before) > DECISIVE
+    least = -DECISIVE if _is_bent(before) and not _is_bent(fit) else DECISIVE
+    return (explains or follows) and odds(fit, before) > least

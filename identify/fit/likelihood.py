@@ -25,6 +25,7 @@ from ..problem.data import Data, data_of
 from ..problem.descent import search
 from ..problem.jumps import left_out, smooth_stretches
 from ..problem.last_swings import with_last_swings
+from ..problem.offset import Offset
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..problem.structure import Structure
@@ -45,6 +46,7 @@ def maximum_likelihood(
     *,
     doubted: bool = True,
     near: bool = False,
+    drifts: Sequence[Offset] = (),
     others: Callable[[], Iterable[Oscillator]] = tuple,
 ) -> Fit:
     """Find the parameters of ``start``'s structure that make the recordings most likely.
@@ -58,13 +60,14 @@ def maximum_likelihood(
             search ended by simulations as they are delivered; fits that are only compared need neither.
         near: whether ``start`` was found from these very recordings: then nothing has to lead to it, and where it keeps
             step no linear rig is asked for.
+        drifts: of sensors, where they are known from another fit: a further mode would take one for a slow one.
         others: more models of the same structure to start from, asked for where the first explains little.
 
     Raises:
         BadInput: where nothing in the recordings can be simulated.
     """
     data = data or data_of(recordings, start, coarse=False)
-    structure = Structure(start, data, fixed, zeros_of(data, recordings, start))
+    structure = Structure(start, data, fixed, (*zeros_of(data, recordings, start), *drifts))
     problem = structure.problem.coarsely()
     climb = from_near(problem, structure.state(None)) if near else None
     near = climb is not None and keeps_step(problem.segments, problem.residuals(climb.state))

@@ -116,13 +116,16 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return problem, state
     added: list[Offset] = []
-    for index in sorted({segment.recording for segment in problem.segments}):
+    known = {offset.recording for offset in problem.offsets if offset.channel == "drift"}
+    for index in sorted({segment.recording for segment in problem.segments} - known):
         parts = [(s, r) for s, r in zip(problem.segments, residuals, strict=True) if s.recording == index]
         begin, end = parts[0][0].time, parts[-1][0].time + parts[-1][0].n * parts[-1][0].dt
         size = FEELER * float(np.std(np.concatenate([s.response for s, _ in parts])))
         if not any((o.recording, o.channel) == (index, "response") for o in problem.offsets):
             added.append(Offset(index, "response", size))
         added.append(Offset(index, "drift", size / (end - begin), middle=0.5 * (begin + end)))
+    if not added:
+        return problem, state
     tried = judged.with_offsets([*problem.offsets, *added])
     point = replace(state, offsets=np.concatenate([state.offsets, np.zeros(len(added))]))
     straight = [r - _line(r) for r in residuals]
@@ -133,7 +136,9 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
     stands = {
         tried.offsets[i].recording
         for i in range(len(tried.offsets))
-        if tried.offsets[i].channel == "drift" and abs(step[first + i]) > BEYOND_ERRORS * errors[first + i]
+        if tried.offsets[i].channel == "drift"
+        and tried.offsets[i].recording not in known
+        and abs(step[first + i]) > BEYOND_ERRORS * errors[first + i]
     }
     pace = start.omega0.value
     stands = {index for index in stands if _goes_on(index, problem.segments, residuals, pace)}

@@ -28,6 +28,10 @@ class Mode:
     damping_ratio: float | None = None
     errors: tuple[float, float, float] | None = None
 
+    def is_at(self, frequency: float) -> bool:
+        """Whether a frequency in Hz is this mode's, within what it moves and a little."""
+        return self.low / 1.05 <= frequency <= self.high * 1.05
+
     def __str__(self) -> str:
         """As it is listed."""
         if self.damping_ratio is None or self.errors is None:

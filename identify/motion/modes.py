@@ -95,6 +95,11 @@ def mode_by_itself(
     return [without_other_modes(recording, mode) for recording in recordings], None
 
 
+def modes_beside(recordings: Sequence[Recording], known: Sequence[float]) -> list[Mode]:
+    """Modes that recordings show beside those of known frequencies, in Hz."""
+    return [mode for mode in modes_of(recordings) if not any(mode.is_at(frequency) for frequency in known)]
+
+
 def _are_linear(modes: Sequence[Mode]) -> bool:
     return len(modes) > 1 and all(mode.damping_ratio is not None for mode in modes)
 
@@ -127,7 +132,7 @@ def mode_of(modes: Sequence[Mode], wanted: str | None) -> Mode:
     if text.isdigit() and len(text) < 9 and 1 <= int(text) <= len(modes):
         return modes[int(text) - 1]
     near = min(modes, key=lambda mode: abs(mode.frequency - value), default=None)
-    if near is None or not near.low / 1.05 <= value <= near.high * 1.05:
+    if near is None or not near.is_at(value):
         raise BadInput(f"--mode {wanted}: there is no such mode in the recordings; there are: {there}")
     return near
 

@@ -95,6 +95,10 @@ class FoundOffset:
     std: float
     middle: float = 0.0
 
+    def begun(self, recordings: Sequence[Recording]) -> Offset:
+        """The offset from which another fit to these recordings begins."""
+        return Offset.of(recordings, self.recording, self.channel, guess=self.value, middle=self.middle)
+
     def sentence(self, recording: Recording) -> str:
         """What a user reads of it."""
         row = ROWS[self.channel]

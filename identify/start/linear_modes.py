@@ -75,7 +75,8 @@ def _solve(signals: Sequence[Signal], theta: np.ndarray) -> tuple[np.ndarray, li
     parts = []
     for signal in signals:
         free = [signal.free(*pole) for pole in poles]
-        columns = np.column_stack([*(own[:, :2] for own in free), free[0][:, 2]])
+        drift = np.linspace(-1.0, 1.0, signal.measured.size)  # of a sensor, which else is taken for a slow mode
+        columns = np.column_stack([*(own[:, :2] for own in free), free[0][:, 2], drift])
         basis = np.linalg.qr(columns / np.linalg.norm(columns, axis=0))[0]
         rest = signal.measured - basis @ (basis.T @ signal.measured)
         forced = np.zeros((rest.size, 0))

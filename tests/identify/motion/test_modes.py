@@ -101,6 +101,15 @@ def test_a_mode_that_is_asked_for():
         mode_of([], "low")
 
 
+@pytest.mark.long
+def test_modes_that_the_model_does_not_hold_are_named():
+    recording, _, _ = rig((12.0, 41.0, 77.0), 8.0, (0.3, 0.35, 0.5), cubic=2.0e7)
+    found = identify([recording], doubted=False)
+    assert max(s.over_noise for s in found.fit.segments) > 2.0
+    assert found.modes_left is not None
+    assert "41" in found.modes_left
+
+
 def test_one_further_mode_is_left_for_the_fit():
     recording, _, _ = rig((12.0, 19.0), 12.0, (0.3, 0.2))
     (same,), band, note = isolated([recording])
