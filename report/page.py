@@ -17,7 +17,7 @@ from .backbone_distance import distance_figure
 from .backbone_figure import backbone_figure, backbone_kind
 from .blocks import Block, Code, Items, Page, Section, Table, Text, picture
 from .characteristics import friction_figure, stiffness_figure
-from .comparison import comparisons
+from .comparison import Comparison, comparisons
 from .modal_table import modal_table
 from .parameters import correlation_table, equation_blocks, machine_table, parameter_table
 from .provenance import files_text, recordings_table
@@ -66,12 +66,14 @@ def identification_page(
         Section("Where the numbers come from", tuple(_provenance(identification, files)), folded=True),
     ]
     footer = f"Made by {model.identified.software or 'dashpot'}."
-    lead = (verdict(shown), *_next(identification, verification is not None, files))
+    lead = _lead(identification, shown, verified=verification is not None, files=files)
     return Page(f"Identification of {model.name}", sections, lead=lead, footer=footer)
 
 
-def _next(identification: Identification, verified: bool, files: Sequence[str]) -> list[Block]:
-    """Whether its numbers may be believed, and what to type next."""
+def _lead(
+    identification: Identification, shown: Sequence[Comparison], *, verified: bool, files: Sequence[str]
+) -> list[Block]:
+    """Whether the numbers may be believed, and what to type next."""
     model = identification.oscillator
     yaml = next((name for name in files if name.endswith(".yaml")), "model.yaml")
     recordings = dict.fromkeys(r.name.partition("#")[0] for r in identification.recordings)
@@ -85,14 +87,14 @@ def _next(identification: Identification, verified: bool, files: Sequence[str]) 
             words += full_stop(f"{useless[0].upper()}{useless[1:]}") + " "
         words += "The recordings hold something that the model does not, and the standard errors below may not hold."
         ask = Code("What is missing (with the options that the recordings were read with):", again)
-        return [Text(words, "warn", "▲ More than noise is left."), ask]
+        warning = Text(words, "warn", "▲ More than noise is left.")
+        return [*([verdict(shown)] if verified else []), warning, ask]
     if verified:
-        return []
+        return [verdict(shown)]
     fmu = f"{yaml.removesuffix('.yaml')}.fmu"
     commands = f"dashpot export {shlex.join([yaml, fmu])}\ndashpot verify {shlex.join([fmu, *recordings])}"
-    return [
-        Code("Next, as an FMU and proven on the recordings (with the options that these were read with):", commands)
-    ]
+    how = "Next, as an FMU and proven on the recordings (with the options that these were read with):"
+    return [verdict(shown), Code(how, commands)]
 
 
 def _methods(identification: Identification) -> tuple[Table, ...]:

@@ -74,7 +74,7 @@
       const up = ticksOf(data.y, y, ends.y, {width: 1e9, count: Math.max(2, inner / 42)});
       const letters = Math.max(0, ...up.map(([, text]) => text.length));
       const bare = data.y.names && !data.y.names.length;
-      const left = bare ? data.y.label.length * LETTER + 10 : 26 + letters * LETTER;
+      const left = bare ? data.y.label.length * 7.3 + 14 : 26 + letters * LETTER;
       const across = Math.max(width - left - GAP.right, 40);
       const x = scaleOf(data.x, ends.x).range([0, across]);
       const along = ticksOf(data.x, x, ends.x, {width: across, count: Math.max(2, across / 75)});
