@@ -243,7 +243,7 @@ def _others(place: int, fit: Fit, recordings: Sequence[Recording]) -> str:
 
 
 def divisions_of(segments: Sequence[Segment], simulated: Sequence[np.ndarray]) -> list[Division]:
-    """Every division that is asked for, of segments and what the model shows of each (n,)."""
+    """Every division that is asked for and has samples, of segments and what the model shows of each (n,)."""
     divisions: list[Division] = []
     recordings = sorted({segment.recording for segment in segments})
     for recording in recordings:
@@ -257,7 +257,8 @@ def divisions_of(segments: Sequence[Segment], simulated: Sequence[np.ndarray]) -
             divisions.append(Division(recording, "whole", _whole(recording)))
     if len({segment.force is None for segment in segments}) == 2:
         divisions.append(Division(None, "free", lambda segment, _: np.full(segment.n, segment.force is None)))
-    return divisions
+    motions = list(zip(segments, simulated, strict=True))  # of less than a cycle no part moves farther than the middle
+    return [one for one in divisions if any(np.any(one.inside(segment, made)) for segment, made in motions)]
 
 
 def _later(recording: int, middle: float) -> Callable[[Segment, np.ndarray], np.ndarray]:

@@ -153,6 +153,13 @@ def test_every_side_is_asked_for():
     assert [(division.recording, division.kind) for division in free] == [(0, "later")]
 
 
+def test_a_side_without_samples_is_not_asked_for():
+    """Within less than a cycle no part of a driven motion moves farther than the rest."""
+    fit, _ = fitted(QUICK)
+    segments, shown = [s.segment for s in fit.segments[1:]], [np.zeros(s.segment.n) for s in fit.segments[1:]]
+    assert {division.kind for division in divisions_of(segments, shown)} == {"later", "whole"}
+
+
 def test_what_is_a_little_more_than_noise_is_asked_where_no_part_is_to_blame():
     """Beyond 1.1 times the noise by chance alone: no part stands out, and the halves contradict each other."""
     slow = replace(STANDS["slow"], noise=13 * STANDS["slow"].noise)
