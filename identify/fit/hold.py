@@ -54,19 +54,21 @@ class HoldFound:
         hold: ``zero`` or ``linear`` where that is decisively likelier than ``smooth`` and matters; else ``smooth``.
         log_odds: of each hold against a smooth force; empty where no hold makes a difference.
         values: (k,) free parameters under each hold.
-        further: gain of log-likelihood that a further lag and loss of the force would bring under ``hold``.
+        gain: of log-likelihood from a smooth force to ``hold``, by the noise that is left under that.
+        further: the same from there by a further lag and loss of the force.
     """
 
     hold: str
     log_odds: Mapping[str, float]
     values: Mapping[str, np.ndarray]
+    gain: float = 0.0
     further: float = 0.0
 
     def believed(self, further: float | None = None) -> bool:
         """Whether the hold is all that the records ask for; ``further`` stands in for that of another fit."""
         shown = self.further if further is None else further
         # a gain grows with the square of what it is gained by
-        return shown < max(DECISIVE, NEAR_HOLD**2 * self.log_odds.get(self.hold, 0.0))
+        return shown < max(DECISIVE, NEAR_HOLD**2 * self.gain)
 
     def spread(self, hold: str) -> np.ndarray | float:
         """(k, k) mean square of the parameters' distance from those under ``hold``, every hold by its likelihood.
@@ -141,13 +143,12 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
         return unknown
     best = max(moving, key=lambda trial: trial.likelihood)
     log_odds |= {trial.hold: _log_odds(trial, smooth, oscillator, recordings) for trial in trials}
-    decisive = log_odds[best.hold] > DECISIVE
-    return HoldFound(
-        best.hold if decisive else "smooth",
-        log_odds,
-        {trial.hold: trial.values for trial in trials},
-        _further(best.problem, best.outcome.state, best.noise, recordings, best.hold) if decisive else 0.0,
-    )
+    found = HoldFound("smooth", log_odds, {trial.hold: trial.values for trial in trials})
+    if not log_odds[best.hold] > DECISIVE:
+        return found
+    gain = cost_of(smooth.outcome.residuals, best.noise) - best.outcome.cost
+    further = _further(best.problem, best.outcome.state, best.noise, recordings, best.hold)
+    return replace(found, hold=best.hold, gain=gain, further=further)
 
 
 def hold_of_fit(fit: Fit, recordings: Sequence[Recording]) -> HoldFound:

@@ -32,10 +32,10 @@ STRETCH = decides(
 # hold.py
 
 NEAR_HOLD = decides(
-    0.1,
+    0.5,
     "part of half a sample",
     "of a further lag or loss that does not speak against a hold",
-    why="a twentieth of a sample: no model is exact, and what it lacks leaves a trace of everything",
+    why="a quarter of a sample: what is nearer to this hold than to any other; converters and clocks are off by less",
 )
 MATTERS = decides(
     1.0,
