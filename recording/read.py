@@ -17,6 +17,7 @@ from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
 from .fact import changed
 from .formats import read_tables
+from .missing import made_whole
 from .objects import tables_of_object
 from .part import cut_out, rows_of
 from .recording import QUANTITIES, Recording
@@ -135,27 +136,23 @@ def _recording(
     indices = [i for i in (choice.response, choice.force, choice.time) if i is not None]
     numbers = table.numbers(indices)
     there = np.flatnonzero(~np.any(np.isnan(numbers), axis=1))  # an infinite one is there, and refused
-    if there.size and (missing := len(numbers) - 1 - int(there[-1])):
-        numbers = numbers[:-missing]
-        notes.append(f"{table.where}: a channel ends before the others, {missing} row(s) behind its end were left out")
+    if there.size and (before := int(there[0])):
+        notes.append(f"{table.where}: a channel begins after the others, {before} row(s) before it were left out")
+    if there.size and (behind := len(numbers) - 1 - int(there[-1])):
+        notes.append(f"{table.where}: a channel ends before the others, {behind} row(s) behind its end were left out")
+    numbers = numbers[there[0] : there[-1] + 1] if there.size else numbers
     signals = numbers[:, : 1 if choice.force is None else 2]
     stamps, rate = None, table.fs if fs is None else fs
     if choice.time is not None:
         stamps, said = _stamps(table, choice.time, numbers[:, -1], fs, calibration)
         notes += said
-    empty = np.any(np.isnan(signals), axis=1)
-    if np.any(empty) and not np.all(empty):  # like samples that a recorder lost: bridged where they are few
-        if stamps is None and rate is not None and np.isfinite(rate) and rate > 0:
-            stamps, rate = np.arange(len(signals)) / rate, None
-        if stamps is not None:
-            stamps, signals = stamps[~empty], signals[~empty]
-            notes.append(f"{table.where}: {np.sum(empty)} row(s) hold no number in a channel and were left out")
     if part is not None and stamps is not None:
         rows, said = rows_of(table.where, stamps, part)
         stamps, signals = stamps[rows], signals[rows]
         notes += said
     sampling = uniform_sampling(table.where, stamps, rate, signals)
-    columns = sampling.columns
+    whole = made_whole(table.where, sampling.columns, sampling.fs)
+    columns = whole.columns
     recording = Recording(
         name=table.where,
         fs=sampling.fs,
@@ -166,7 +163,9 @@ def _recording(
         force_unit=force_unit.si if force_unit else "N",
         start=sampling.start,
         sha256=sha256,
-        notes=(*notes, *sampling.notes),
+        notes=(*notes, *sampling.notes, *whole.notes),
+        blank=whole.blank,
+        unknown=whole.unknown,
     )
     return recording if part is None or stamps is not None else cut_out(recording, part)
 

@@ -12,6 +12,7 @@ import numpy as np
 from ..errors import BadInput
 from ..files.arguments import number_of, text_of
 from ..files.computed_once import computed_once
+from .missing import Runs, cut_runs, made_whole
 from .plain_numbers import vector_of
 from .units import parse_unit
 
@@ -29,7 +30,9 @@ class Recording:
     `sha256` is of the file as read; `notes` are the sentences that reading or checking had to say. `free` is set where
     the record is known to be a piece of one free decay, which need not be sought in it again. `hold` is how the force
     runs between its samples, one of HOLDS, None where nobody said. `struck` holds start, stop and whether it was
-    clipped of each blow of a hammer where these are known, after a band has drawn them out.
+    clipped of each blow of a hammer where these are known, after a band has drawn them out. `blank` holds start and
+    stop of what the response does not show, which was filled from its neighbours and is not fitted; `unknown` those of
+    what the force does not tell, behind which the motion begins anew.
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
@@ -47,6 +50,8 @@ class Recording:
     free: bool = False
     hold: str | None = None
     struck: tuple[tuple[int, int, bool], ...] = ()
+    blank: Runs = ()
+    unknown: Runs = ()
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")
@@ -117,7 +122,8 @@ class Recording:
             (max(a - first, 0), min(b, last) - first, c) for a, b, c in self.struck if b > first and a < last
         )
         start = self.start + first / self.fs
-        return replace(self, response=self.response[first:last], force=force, start=start, struck=struck)
+        left = {name: cut_runs(getattr(self, name), first, last) for name in ("blank", "unknown")}
+        return replace(self, response=self.response[first:last], force=force, start=start, struck=struck, **left)
 
     def to_sep5(self) -> list[dict[str, Any]]:
         """Return the response, then the force if any, as SEP 5 time-series dictionaries (sdypy)."""
@@ -148,13 +154,8 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
     time, fs = response.get("time"), response.get("fs")
     stamps = None if time is None else vector_of(time, f"{name}: 'time'")
     rate = None if fs is None else float(vector_of([fs], f"{name}: 'fs'")[0])
-    signals = np.column_stack(columns)
-    empty = np.any(np.isnan(signals), axis=1)
-    if np.any(empty) and not np.all(empty) and (stamps is not None or (rate is not None and rate > 0)):
-        # samples that were lost are bridged where they are few
-        stamps = (np.arange(len(signals)) / rate if stamps is None and rate else np.asarray(stamps))[~empty]
-        signals, rate = signals[~empty], None
-    sampling = uniform_sampling(name, stamps, rate, signals)
+    sampling = uniform_sampling(name, stamps, rate, np.column_stack(columns))
+    whole = made_whole(name, sampling.columns, sampling.fs)
     unit = parse_unit(str(response.get("unit_str", "m")), where=name)
     force_unit = parse_unit(str(force.get("unit_str", "N")) if force else "N", where=name)
     for which, measured, allowed in (("response", unit, (*QUANTITIES, "any")), ("force", force_unit, ("force", "any"))):
@@ -166,13 +167,15 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
     return Recording(
         name=name,
         fs=sampling.fs,
-        response=sampling.columns[:, 0] * unit.factor,
-        force=None if force is None else sampling.columns[:, 1] * force_unit.factor,
+        response=whole.columns[:, 0] * unit.factor,
+        force=None if force is None else whole.columns[:, 1] * force_unit.factor,
         quantity=quantity,
         unit=unit.si,
         force_unit=force_unit.si,
         start=sampling.start,
-        notes=sampling.notes,
+        notes=(*sampling.notes, *whole.notes),
+        blank=whole.blank,
+        unknown=whole.unknown,
     )
 
 

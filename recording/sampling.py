@@ -13,18 +13,22 @@ NEGLIGIBLE = 0.01  # intervals: time stamps this close to a uniform grid are tha
 TOLERABLE = 0.25  # intervals, rms of the steps: beyond it a spline between the samples is a guess ...
 WITHIN_CYCLE = 0.01  # ... but not where it is a smaller part of the fastest channel's cycle
 NEARLY_ALL = 0.99  # of a channel's power: what is faster is a tenth of its size at most, and noise
-#: Cycles of the fastest channel: a cubic spline bridges that long a step to a thousandth of a sine, 5/384 (w h)^4 (Hall
-#: and Meyer 1976).
-BRIDGED = 1 / 12
 LONE = 0.01  # of the steps: rarer odd ones are lost samples, not a rate that the rounding cannot show
-GAP = 1.5  # medians: between one step and two
+HALF = 0.5  # intervals: between one step and two, or of all stamps
+_STEADY = 4.0  # standard deviations of the steps: what jitter does in one of fifteen thousand
+_MEDIAN = 0.6745  # of the sizes of Gaussian numbers of unit standard deviation
+#: Samples of a recording that may be missing for each that is there: where most are, it is several recordings.
+_MOST_LOST = 11
 #: Hz, physical limit: nothing is sampled more slowly than once in a century, or faster than light swings.
 RATES = (3e-10, 1e15)
 
 
 @dataclass(frozen=True)
 class Sampling:
-    """Uniform sampling: `fs` in Hz, `start` in s, `columns` (n, k) on the uniform grid, and what was noticed."""
+    """Uniform sampling: `fs` in Hz, `start` in s, `columns` (n, k) on the uniform grid, and what was noticed.
+
+    Columns are not a number where a sample is missing.
+    """
 
     fs: float
     start: float
@@ -35,9 +39,9 @@ class Sampling:
 def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, columns: np.ndarray) -> Sampling:
     """Return the columns on a uniform grid.
 
-    `time` (n,) in s and `fs` in Hz: at least one is needed, and both must agree. Moderate jitter, and gaps that are
-    short beside a cycle of the motion, are bridged with a cubic spline (a note says so). Raises BadInput when time does
-    not increase, or its gaps or its jitter are larger.
+    `time` (n,) in s and `fs` in Hz: at least one is needed, and both must agree. Moderate jitter is bridged with a
+    cubic spline (a note says so); where stamps are missing, so are the samples. Of rows with one stamp the last is
+    taken. Raises BadInput when time does not increase, or its jitter is larger.
     """
     if fs is not None and not (np.isfinite(fs) and fs > 0):
         raise BadInput(f"{where}: the sampling rate (--fs) is {fs:g} Hz; it must be a positive number")
@@ -56,23 +60,27 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
         )
     if time[-1] <= time[0]:
         raise BadInput(f"{where}: time does not increase, it runs from {time[0]:g} s to {time[-1]:g} s; check --time")
-    rate = (len(time) - 1) / (time[-1] - time[0])
-    deviation = np.abs((time - time[0]) * rate - np.arange(len(time)))  # in intervals
-    rounding = _rounding(time)
     notes: list[str] = []
-    if deviation.max() > NEGLIGIBLE and not _only_rounded(time, rounding):
+    rounding = _rounding(time)
+    if _off_grid(time) > NEGLIGIBLE and not _only_rounded(time, rounding):
+        time, columns = _once(where, time, columns, notes)
+    rate = (len(time) - 1) / (time[-1] - time[0])
+    off = _off_grid(time)
+    if off > NEGLIGIBLE and not _only_rounded(time, rounding):
         _reject_disorder(where, time)
         size = _grid_size(time)
-        if size > len(time) / BRIDGED:  # fewer than that a cycle are no motion, and the grid may not fit in memory
-            _bridged(where, time, 0.0)
+        if size > (_MOST_LOST + 1) * len(time):  # and the grid may not fit in memory
+            longest = int(np.argmax(np.diff(time)))
+            raise BadInput(
+                f"{where}: most of it is missing, {size - len(time)} of {size} samples, most after "
+                f"{time[longest] - time[0]:g} s; choose what lies on one side of it (--part FROM:TO)"
+            )
         grid = np.linspace(time[0], time[-1], size)
-        cycle = _shortest_cycle(time, grid, columns)
-        missing = _bridged(where, time, cycle)
-        columns = _resampled(where, time, grid, columns, cycle, missing, notes)
+        columns = _on_grid(where, time, grid, columns, notes)
         rate = (len(grid) - 1) / (time[-1] - time[0])
     else:
         rate = _plain_rate(rate, rounding / (time[-1] - time[0]))
-        if deviation.max() > NEGLIGIBLE:
+        if off > NEGLIGIBLE:
             notes.append(f"{where}: the time stamps are rounded to {rounding:.1g} s; taken as uniform at {rate:g} Hz")
     if fs is not None and abs(fs / rate - 1) > SAME_RATE:
         raise BadInput(
@@ -86,6 +94,12 @@ def _rate(where: str, rate: float, source: str) -> float:
     if not RATES[0] <= rate <= RATES[1]:
         raise BadInput(f"{where}: a sampling rate of {rate:.3g} Hz is none that a recorder has; check {source}")
     return rate
+
+
+def _off_grid(time: np.ndarray) -> float:
+    """How far stamps (n,) lie from uniform ones, at most, in intervals."""
+    places = (time - time[0]) / (time[-1] - time[0]) * (len(time) - 1)
+    return float(np.max(np.abs(places - np.arange(len(time)))))
 
 
 def _rounding(time: np.ndarray) -> float:
@@ -131,80 +145,90 @@ def _reject_disorder(where: str, time: np.ndarray) -> None:
                 f"{len(back) + 1} runs; give each as a file of its own"
             )
         raise BadInput(
-            f"{where}: time does not increase at {len(back)} place(s), first after {time[i]:g} s (row {i + 1} of the "
-            f"data, the next stamp is {time[i + 1]:g} s); sort the rows or remove the repeated ones"
+            f"{where}: time does not increase at {len(back)} place(s), first after row {i + 1} of the data, "
+            f"{time[i] - time[0]:g} s from the start, by {time[i + 1] - time[i]:g} s; sort the rows"
         )
 
 
 def _grid_size(time: np.ndarray) -> int:
     """How many uniform times lead from the first stamp to the last, those at which a sample is missing among them."""
     step = np.diff(time)
-    usual = float(np.mean(step[step <= GAP * np.median(step)])) if _gaps(step).size else float(np.mean(step))
+    usual = float(np.mean(np.delete(step, _gaps(step)))) if _gaps(step).size else float(np.mean(step))
     return max(2, round((time[-1] - time[0]) / usual) + 1)
 
 
 def _gaps(step: np.ndarray) -> np.ndarray:
     """Which steps lack samples: lost ones only lengthen steps, where jitter shortens about as many."""
     median = float(np.median(step))
-    gaps = np.flatnonzero(step > GAP * median)
-    return gaps if gaps.size > 2 * np.count_nonzero(step < median / 2) else gaps[:0]
+    spread = float(np.median(np.abs(step - median))) / _MEDIAN
+    longer = max(HALF * median, _STEADY * spread)
+    gaps = np.flatnonzero(step > median + longer)
+    return gaps if gaps.size > 2 * np.count_nonzero(step < median - longer) else gaps[:0]
 
 
 def _shortest_cycle(time: np.ndarray, grid: np.ndarray, columns: np.ndarray) -> float:
     """Of each channel the cycle below whose frequency nearly all its power is, in s: the shortest of them, or 0."""
-    if not np.isfinite(columns).all():
-        return 0.0
     lines = []
     for column in columns.T:
-        even = np.interp(grid, time, column)
+        there = np.isfinite(column)
+        if not np.any(there):
+            return 0.0
+        even = np.interp(grid, time[there], column[there])
         power = np.cumsum(np.abs(np.fft.rfft((even - even.mean()) * np.hanning(even.size))) ** 2)
         lines.append(int(np.searchsorted(power, NEARLY_ALL * power[-1])))
     return float((grid[-1] - grid[0]) / max(lines)) if lines and max(lines) else 0.0
 
 
-def _bridged(where: str, time: np.ndarray, cycle: float) -> str:
-    """A clause on the samples that are missing, where there are any; refused where a gap is too long beside a cycle."""
+def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray, notes: list[str]) -> np.ndarray:
+    """Columns (n, k) at the times of the grid, not a number where samples are missing."""
     step = np.diff(time)
     gaps = _gaps(step)
-    if not gaps.size:
-        return ""
-    missing = np.maximum(np.rint(step[gaps] / np.median(step)).astype(int) - 1, 1)
-    longest = int(np.argmax(step[gaps]))
-    if step[gaps[longest]] > BRIDGED * cycle:
-        more = "" if len(gaps) == 1 else f", {missing.sum()} samples in {len(gaps)} gaps altogether"
-        raise BadInput(
-            f"{where}: gap in time after {time[gaps[longest]]:g} s, {missing[longest]} sample(s) are missing{more}; "
-            "choose what lies on one side of it (--part FROM:TO), or give the parts as separate files"
-        )
-    return (
-        f"{missing.sum()} sample(s) are missing in {len(gaps)} gap(s) of time, "
-        f"{missing[longest]} of them after {time[gaps[longest]]:g} s, each short beside a cycle"
-    )
-
-
-def _resampled(
-    where: str,
-    time: np.ndarray,
-    grid: np.ndarray,
-    columns: np.ndarray,
-    cycle: float,
-    missing: str,
-    notes: list[str],
-) -> np.ndarray:
-    step = np.diff(time)
-    usual = step[step <= GAP * np.median(step)] if missing else step
+    usual = np.delete(step, gaps)
     interval = (grid[-1] - grid[0]) / (len(grid) - 1)
     jitter = float(np.std(usual))
-    if jitter > max(TOLERABLE * interval, WITHIN_CYCLE * cycle):
+    if jitter > max(TOLERABLE * interval, WITHIN_CYCLE * _shortest_cycle(time, grid, columns)):
         raise BadInput(
             f"{where}: the time steps jitter by {100 * jitter / interval:.0f} % (rms) of {interval:.4g} s; "
             "record again with a hardware clock, or resample the file yourself"
         )
-    if not np.isfinite(columns).all():
+    off = float(np.max(np.abs(time - grid[nearest := np.rint((time - grid[0]) / interval).astype(int)])))
+    if off <= NEGLIGIBLE * interval:  # the samples are those of the grid
+        made = np.full((len(grid), columns.shape[1]), np.nan)
+        made[nearest] = columns
+        return made
+    if np.any(np.isinf(columns)):
         return columns  # the check for numbers reports these; a spline would only spread them
     from scipy.interpolate import CubicSpline
 
-    jittering = f"the time steps jitter by {100 * jitter / interval:.1f} % (rms)" if jitter else ""
-    said = " and ".join(clause for clause in (missing, jittering) if clause)
-    notes.append(f"{where}: {said}; resampled by cubic spline at {1 / interval:.6g} Hz")
-    return CubicSpline(time, columns)(grid)
+    made = np.empty((len(grid), columns.shape[1]))
+    for k, column in enumerate(columns.T):
+        there = np.isfinite(column)
+        made[:, k] = CubicSpline(time[there], column[there])(grid) if np.count_nonzero(there) > 1 else np.nan
+        at = np.searchsorted(time[there], grid)
+        before, after = time[there][np.maximum(at - 1, 0)], time[there][np.minimum(at, np.count_nonzero(there) - 1)]
+        lost = after - before > np.median(step) + max(HALF * np.median(step), _STEADY * jitter)
+        made[lost & (np.minimum(grid - before, after - grid) > HALF * interval), k] = np.nan
+    if jitter:
+        notes.append(
+            f"{where}: the time steps jitter by {100 * jitter / interval:.1f} % (rms); "
+            f"resampled by cubic spline at {1 / interval:.6g} Hz"
+        )
+    return made
+
+
+def _once(where: str, time: np.ndarray, columns: np.ndarray, notes: list[str]) -> tuple[np.ndarray, np.ndarray]:
+    """Rows without those whose stamp the next one repeats: a discontinuity, before and after it, or a row once more.
+
+    What holds from the stamp on is the last of them, as in FMI 3.0, 2.2.1 (events). A clock that is too coarse repeats
+    stamps too, often, and then every channel goes on.
+    """
+    again, same = time[1:] == time[:-1], columns[1:] == columns[:-1]
+    goes_on = again & ~np.any(same, axis=1)
+    if not np.any(again) or np.count_nonzero(goes_on) > LONE * time.size:
+        return time, columns
+    again, alike = np.append(again, False), np.append(np.all(same, axis=1), False)
+    jumps, copies = np.count_nonzero(again & ~alike), np.count_nonzero(again & alike)
+    said = [f"{jumps} discontinuities stand in two rows with one time stamp, and hold from it on"] if jumps else []
+    said += [f"{copies} row(s) are written twice, and taken once"] if copies else []
+    notes.append(f"{where}: {'; '.join(said)}")
+    return time[~again], columns[~again]

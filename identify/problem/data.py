@@ -184,7 +184,8 @@ def noise_of(
     spectra = []
     for segment, residual in zip(segments, residuals, strict=True):
         passed = segment.force is not None and memory == FREE
-        spectra.append(estimate(residual, equivalent_resonance(segment, values) if passed else None))
+        there = 1.0 if segment.blank is None else 1.0 - float(np.mean(segment.blank))
+        spectra.append(estimate(residual, equivalent_resonance(segment, values) if passed else None, there))
     return spectra
 
 

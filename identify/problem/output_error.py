@@ -191,9 +191,20 @@ class OutputError:
         return tuple(i for i in range(self.core.states) if free[i] or not segment.rests)
 
     def residuals(self, state: State) -> tuple[np.ndarray, ...]:
-        """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``)."""
+        """Measured minus response; beside a jump of that, minus the nearer of its two sides (``jump_sides``).
+
+        Zero, as the derivatives are, where nothing was measured.
+        """
         made = self.map(lambda i: self.response(i, state), range(len(self.segments)))
-        return tuple(np.subtract(s.response, shown, out=shown) for s, shown in zip(self.segments, made, strict=True))
+        return tuple(self._left(i, shown) for i, shown in enumerate(made))
+
+    def _left(self, i: int, shown: np.ndarray) -> np.ndarray:
+        """(n,) what a response leaves of a segment, in its place: zero where nothing was measured."""
+        segment = self.segments[i]
+        left = np.subtract(segment.response, shown, out=shown)
+        if segment.blank is not None:
+            left[segment.blank & np.isfinite(left)] = 0.0
+        return left
 
     def response(self, index: int, state: State) -> np.ndarray:
         """(n,) response of one segment, beside its jumps on the nearer side."""
@@ -243,7 +254,7 @@ class OutputError:
         rows = self._rows(single=single)
 
         def fill(i: int) -> np.ndarray:
-            residual = self.segments[i].response - self.carry(i, state, self._moving(self.segments[i]), rows[i])
+            residual = self._left(i, self.carry(i, state, self._moving(self.segments[i]), rows[i]))
             self._bound(i, rows[i], state, residual)
             return residual
 
@@ -324,7 +335,7 @@ class OutputError:
         return zeros_along([self.offsets[k - len(self.free)]], np.ones(1), self.segments[i])[0]
 
     def _bound(self, i: int, rows: np.ndarray, state: State, residual: np.ndarray) -> None:
-        """Leave out of a segment's derivatives, in their place, the samples at which they cannot be any.
+        """Leave out of a segment's derivatives, in their place, the samples at which they cannot be any, or are asked.
 
         A frequency that changes by all of itself turns the phase by 2 pi a cycle, as far back as the model remembers;
         no parameter does more.
@@ -338,6 +349,8 @@ class OutputError:
             limit = _MOST_TURN * np.pi * cycles * span / sizes[k] if k < len(sizes) else np.finfo(row.dtype).max
             if not max(float(np.max(row)), -float(np.min(row))) <= limit:  # or it does not simulate to its end
                 beyond |= ~(np.abs(row) <= limit)
+        if segment.blank is not None:
+            beyond |= segment.blank
         if np.any(beyond):
             rows[:, beyond] = 0.0
 

@@ -50,6 +50,7 @@ class Segment:
         quantity: what the response shows of the motion.
         after: sample of the recording at which the stretch before it ended; None where it is the first. From there goes
             on what no sensor shows (``handed_on``).
+        blank: (n,) which samples were filled in and are not fitted; None where all were measured.
     """
 
     recording: int
@@ -64,6 +65,7 @@ class Segment:
     slide: bool = False
     quantity: str = "displacement"
     after: int | None = None
+    blank: np.ndarray | None = None
 
     @property
     def order(self) -> int:
@@ -104,6 +106,7 @@ class Segment:
             time=self.time + begin * self.dt,
             rests=self.rests and begin == 0,
             after=self.start + begin if begin else self.after,
+            blank=None if self.blank is None else self.blank[begin:end],
         )
 
 
@@ -146,6 +149,8 @@ def _cut(
         elif force is not None and np.any(force) and not (decays and force_is_silent(recording)):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+        ends = [(a, b, forced) for start, stop, forced in ends for a, b in _known(recording, start, stop)]
+        blank = _blank(recording)
         highest = force_band * pace / (2 * np.pi)
         quiet, slow = quiet_noise(response_of(recording).samples, motion.blows, recording.dt, pace)
         for start, stop, forced in sorted(ends):
@@ -176,9 +181,25 @@ def _cut(
                 slide=slide,
                 quantity=recording.quantity,
                 after=segments[-1].stop if segments and segments[-1].recording == index else None,
+                blank=blank[start:stop] if np.any(blank[start:stop]) else None,
             )
             segments += _pieces(whole) if slide else [whole]
     return tuple(segments)
+
+
+def _known(recording: Recording, start: int, stop: int) -> list[tuple[int, int]]:
+    """Parts of a stretch along which what drives it is known."""
+    gaps = [(max(a, start), min(b, stop)) for a, b in recording.unknown if b > start and a < stop]
+    edges = [start, *(edge for gap in gaps for edge in gap), stop]
+    return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
+
+
+def _blank(recording: Recording) -> np.ndarray:
+    """(n,) which samples of the response were filled in."""
+    blank = np.zeros(recording.n, bool)
+    for start, stop in recording.blank:
+        blank[start:stop] = True
+    return blank
 
 
 def _pieces(whole: Segment) -> list[Segment]:

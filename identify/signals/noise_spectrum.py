@@ -149,7 +149,7 @@ def white(residual: np.ndarray) -> NoiseSpectrum:
     return NoiseSpectrum(np.full(residual.size // 2 + 1, level), residual.size)
 
 
-def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> NoiseSpectrum:
+def estimate(residual: np.ndarray, resonance: np.ndarray | None = None, there: float = 1.0) -> NoiseSpectrum:
     """Spectrum of a fit's residual.
 
     First ``a + b resonance`` by maximum likelihood: sensor noise, and force noise as the rig passes it on. Then the
@@ -160,11 +160,12 @@ def estimate(residual: np.ndarray, resonance: np.ndarray | None = None) -> Noise
     Args:
         residual: (n,) measured minus simulated.
         resonance: (n // 2 + 1,) squared magnitude of the rig's frequency response; None for a free decay.
+        there: share of the samples that were measured; the residual is zero at the others.
     """
     from scipy import fft, ndimage
 
     n = residual.size
-    periodogram = np.abs(np.asarray(fft.rfft(residual))) ** 2 / n
+    periodogram = np.abs(np.asarray(fft.rfft(residual))) ** 2 / (n * there)
     floor = max(float(np.mean(periodogram)) * _FLOOR, np.finfo(float).tiny)
     shape, share = np.full(periodogram.size, max(float(np.mean(periodogram)), floor)), 0.0
     if resonance is not None:

@@ -204,9 +204,6 @@ def bad_files(folder, signals):
     def table(name, rows, head=header):
         return write(folder / name, rows.T, head)
 
-    gap = np.delete(good, slice(2000, 2100), axis=0)
-    hole = good.copy()
-    hole[100:200, 2] = np.nan
     clipped = good.copy()
     clipped[:, 2] = np.clip(clipped[:, 2], -4e-3, 4e-3)
     jitter = good.copy()
@@ -229,8 +226,6 @@ def bad_files(folder, signals):
         folder / "text.csv": "line 3",
         folder / "ragged.csv": "line 3",
         folder / "other.xyz": ".xyz",
-        table("gap.csv", gap): "gap",
-        table("hole.csv", hole): "gap in time",
         table("clipped.csv", clipped): "clipped",
         table("jitter.csv", jitter): "jitter.csv",
         table("short.csv", good[:100]): "cycles",

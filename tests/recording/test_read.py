@@ -106,7 +106,6 @@ def test_a_decay_beside_an_idle_force_sensor_is_free(tmp_path):
         ("t_s,x_m,y_m", [TIME, DECAY, DECAY], {"force": "y_m", "response": "x_m"}, "'y_m'.*none of a force"),
         ("t_s,x_m", [TIME, DECAY], {"time": "x_m", "response": "t_s", "unit": "m"}, "time column 'x_m' has the unit"),
         ("V1_V,V2_V", [DECAY, DECAY], {"fs": FS}, "--force and --response"),
-        ("t_s,x_m", [np.delete(TIME, range(50, 90)), DECAY[40:]], {}, "gap in time"),
     ],
 )
 def test_bad_input(tmp_path, header, columns, options, words):

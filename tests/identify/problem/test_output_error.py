@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate
 from dashpot.examples.truth import TRUTH
-from dashpot.identify.problem.data import data_of
+from dashpot.identify.problem.data import data_of, noise_of
 from dashpot.identify.problem.descent import search
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.structure import Structure
@@ -137,3 +139,28 @@ def test_what_moves_nothing_has_a_derivative_of_nothing():
     (rows,) = problem.derivatives(state, problem.residuals(state))
     moved = dict(zip(structure.free, np.any(rows != 0.0, axis=1), strict=False))
     assert moved == dict.fromkeys(structure.free, True) | {f"{sine}.width": False}
+
+
+def test_samples_that_were_filled_do_not_count():
+    """A tenth of a decay is filled with nonsense: the fit finds the motion by the rest, with the rest's noise."""
+    whole, runs = decay(), ((300, 420), (1000, 1180))
+    wrong = np.array(whole.response)
+    for start, stop in runs:
+        wrong[start:stop] += 1e-4
+    structure, state = problem_of(LINEAR, [replace(whole, response=wrong, blank=runs)])
+    found = search(structure.problem, state)
+    error = structure.problem.residuals(found.state)[0]
+    assert found.state.values == pytest.approx(state.values, rel=1e-4)
+    assert not np.any(error[300:420])
+    assert not np.any(error[1000:1180])
+    assert np.std(error) == pytest.approx(1e-7 * np.sqrt(0.9), rel=0.1)
+    (rows,) = structure.problem.derivatives(found.state, [error])
+    assert not np.any(rows[:, 300:420])
+    level = noise_of(structure.problem.segments, [error], LINEAR)[0].density
+    assert np.median(np.sqrt(level)) == pytest.approx(1e-7, rel=0.1)
+
+
+def test_a_stretch_is_cut_where_what_drives_it_is_unknown():
+    recording = replace(sweep(LINEAR), unknown=((1200, 1210),))
+    segments = problem_of(LINEAR, [recording])[0].problem.segments
+    assert [(s.start, s.stop) for s in segments] == [(0, 1200), (1210, 3000)]
