@@ -27,7 +27,7 @@ from ...model import Oscillator
 from ...model.oscillator import QUANTITIES
 from ..limits import LASTING_SIGN
 from .model_force import OwnForce, term_force
-from .penalised_states import PenalisedStates
+from .penalised_states import Change, PenalisedStates
 
 _SHORTEST = numerics(7, "samples", why="of a filter of third order")
 
@@ -47,7 +47,10 @@ _PARTS = numerics(
 )
 _LEAST_NOISE = numerics(1e-4, "part of the signal", why="rounding and interpolation are not nothing")
 _PLACES = numerics(24, "places", why="standard deviations are found there and interpolated: they change slowly")
-_TRIALS = budget(45, "values of strength and memory", why="a search in two unknowns with a smooth likelihood")
+_TRIALS = budget(20, "values of strength and memory", why="a search in two unknowns with a smooth likelihood")
+_RUINED = numerics(1e30, "log-likelihood", why="of what the numbers do not carry: no search goes there")
+_TINY = numerics(1e-30, "of a squared unit", why="a variance that is none")
+_ENDS = numerics(1e-5, "of the log-likelihood", why="a step that gains less changes no strength by its error")
 _NONE = numerics(1e-6, "of the force of the spring", why="a missing force below this is none")
 
 
@@ -183,8 +186,8 @@ class Smoother:
         v = moment[0] - c * moment[1] - (k - c**2) * moment[2] / 2
         return np.column_stack([x, v, np.zeros_like(x)])
 
-    def _blocks(self, memory: float, first: int, last: int) -> np.ndarray:
-        """(n - 1, 3, 3) transition over a sample, states scaled by powers of dt."""
+    def _blocks(self, memory: float, first: int, last: int) -> tuple[np.ndarray, np.ndarray]:
+        """(n - 1, 3, 3) transition over a sample, states scaled by powers of dt, and its derivative by log(memory)."""
         mid = slice(first * _PARTS + _PARTS // 2, (last - 1) * _PARTS, _PARTS)
         a = np.zeros((last - first - 1, 3, 3))
         a[:, 0, 1] = 1.0
@@ -193,27 +196,45 @@ class Smoother:
         a[:, 1, 2] = -1.0
         a[:, 2, 2] = -self.dt / memory
         phi = np.tile(np.eye(3), (a.shape[0], 1, 1))
-        term = phi
+        slopes = np.zeros_like(phi)
+        term, change = phi, slopes
+        by_memory = np.diag([0.0, 0.0, self.dt / memory])
         for k in range(1, 7):
-            term = term @ a / k
-            phi = phi + term
-        return phi
+            term, change = term @ a / k, (change @ a + term @ by_memory) / k
+            phi, slopes = phi + term, slopes + change
+        return phi, slopes
+
+    def _slopes(self, strength: float, memory: float, first: int, last: int) -> tuple[float, np.ndarray]:
+        """Log-likelihood of a stretch, and its derivatives by the logarithms of strength and memory."""
+        phi, by_memory = self._blocks(memory, first, last)
+        spread, begin = self._spread(strength, memory), self._begin(strength)
+        by_strength = np.array([0.0, 0.0, 2.0 if begin[2] > _TINY else 0.0])
+        changes = Change(0.0, 2.0 * spread, by_strength), Change(by_memory, -spread, np.zeros(3))
+        return self._system(strength, memory, first, last).slopes(phi, begin, changes)
+
+    def _spread(self, strength: float, memory: float) -> np.ndarray:
+        """(3, 3) covariance of what the latent force adds to the states over a sample."""
+        spread = 2.0 * strength**2 / memory * self.dt**5 / (self.sensor * self.dt**self.order) ** 2
+        return spread * np.array([[1 / 20, 1 / 8, -1 / 6], [1 / 8, 1 / 3, -1 / 2], [-1 / 6, -1 / 2, 1.0]])
+
+    def _begin(self, strength: float) -> np.ndarray:
+        """(3,) variance of the states at the first sample before anything is seen."""
+        unit = self.sensor * self.dt**self.order
+        reach = 0.1 * float(np.max(np.abs(self.x))) / unit
+        rate = 2 * np.pi * self.dt / self.period
+        return np.array([reach**2, (reach * rate) ** 2, max((strength * self.dt**2 / unit) ** 2, _TINY)])
 
     def _system(self, strength: float, memory: float, first: int, last: int) -> PenalisedStates:
         """States are in units of the displacement that the noise of one sample amounts to, time in samples."""
         dt, n = self.dt, last - first
         unit = self.sensor * (dt**self.order)
-        phi = self._blocks(memory, first, last)
-        spread = 2.0 * strength**2 / memory * dt**5 / unit**2
-        q = spread * np.array([[1 / 20, 1 / 8, -1 / 6], [1 / 8, 1 / 3, -1 / 2], [-1 / 6, -1 / 2, 1.0]])
+        phi, _ = self._blocks(memory, first, last)
         noise = self.force_noise * dt**2 / unit
         kick = noise**2 + self.unsure[first : last - 1, None, None] * (dt / unit) ** 2
-        q = np.tile(q, (n - 1, 1, 1))
+        q = np.tile(self._spread(strength, memory), (n - 1, 1, 1))
         q[:, :2, :2] += kick * np.array([[1 / 3, 1 / 2], [1 / 2, 1.0]])
         inverse = np.linalg.inv(q)
-        reach = 0.1 * float(np.max(np.abs(self.x))) / unit
-        rate = 2 * np.pi * dt / self.period
-        begin = np.array([reach**2, (reach * rate) ** 2, max((strength * dt**2 / unit) ** 2, 1e-30)])
+        begin = self._begin(strength)
         places = slice(first * _PARTS, (last - 1) * _PARTS + 1, _PARTS)
         h = np.zeros((n, 3))
         along = (self.x, self.v, self.known)[self.order][places]
@@ -248,24 +269,20 @@ class Smoother:
         return self._system(strength, memory, first, last).log_likelihood()
 
     def most_likely(self, first: int, last: int) -> tuple[float, float]:
-        """Strength and memory of the latent force that make a stretch most likely (Nelder and Mead 1965)."""
+        """Strength and memory of the latent force that make a stretch most likely (quasi-Newton: Byrd et al. 1995)."""
         from scipy.optimize import minimize
 
         bounds = (np.log(_NONE), np.log(10.0)), (np.log(3 * self.dt), np.log(20 * self.period))
 
-        def cost(point: np.ndarray) -> float:
-            s, m = (np.exp(np.clip(p, *b)) for p, b in zip(point, bounds, strict=True))
-            outside = sum(max(b[0] - p, p - b[1], 0.0) for p, b in zip(point, bounds, strict=True))
-            value = self.log_likelihood(self.scale * s, m, first, last)
-            return (1e30 if not np.isfinite(value) else -value) + outside
+        def cost(point: np.ndarray) -> tuple[float, np.ndarray]:
+            s, m = np.exp(point)
+            value, slopes = self._slopes(self.scale * s, m, first, last)
+            return (-value if np.isfinite(value) else _RUINED), -slopes
 
         start = np.array([np.log(0.01), np.log(self.period / 6)])
-        simplex = start + np.array([[0.0, 0.0], [1.5, 0.0], [0.0, 1.0]])
-        optimum = minimize(
-            cost, start, method="Nelder-Mead", options={"maxfev": _TRIALS, "initial_simplex": simplex, "fatol": 0.1}
-        )
-        s, m = (float(np.exp(np.clip(p, *b))) for p, b in zip(optimum.x, bounds, strict=True))
-        return self.scale * s, m
+        how = {"maxfun": _TRIALS, "ftol": _ENDS}
+        s, m = np.exp(minimize(cost, start, jac=True, method="L-BFGS-B", bounds=bounds, options=how).x)
+        return self.scale * float(s), float(m)
 
     def evidence(self, strength: float, memory: float, first: int, last: int) -> float:
         """Gain of log-likelihood of a stretch over that without a missing force."""

@@ -73,7 +73,7 @@ def written_out(smoother: Smoother, strength: float, memory: float, first: int, 
     """The penalised system, and mean and covariance of all states before anything is seen, written out in full."""
     n = last - first
     system = smoother._system(strength, memory, first, last)
-    phi = smoother._blocks(memory, first, last)
+    phi, _ = smoother._blocks(memory, first, last)
     covariance = np.zeros((3 * n, 3 * n))
     mean = np.zeros(3 * n)
     # the prior at the first sample: precision of its diagonal block less what the dynamics and the measurement add
@@ -152,3 +152,16 @@ def test_the_spline_has_fourteen_points_a_cycle_and_none_crowds_the_last(samples
     assert points[0] == 0.0
     assert points[-1] == pytest.approx((smoother.n - 1) * smoother.dt)
     assert np.min(np.diff(points)) > 0.5 * step * (1 - 1e-9) - 1e-12
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "acceleration"])
+def test_the_slopes_are_those_of_the_likelihood(quantity):
+    base = Oscillator.from_values(VALUES)
+    smoother = smoother_of(base, recorded(with_term(base, "quadratic-drag", {"coefficient": 20.0}), quantity))
+    here, step = np.log([0.02 * smoother.scale, 0.02]), 1e-4
+    value, slopes = smoother._slopes(*np.exp(here), 200, 1200)
+    assert value == pytest.approx(smoother.log_likelihood(*np.exp(here), 200, 1200), rel=1e-12)
+    for k in range(2):
+        ahead, behind = here + step * np.eye(2)[k], here - step * np.eye(2)[k]
+        moved = [smoother.log_likelihood(*np.exp(place), 200, 1200) for place in (ahead, behind)]
+        assert slopes[k] == pytest.approx((moved[0] - moved[1]) / (2 * step), rel=1e-3, abs=1e-3)
