@@ -163,7 +163,7 @@ def _shifts(
     estimates: Estimates, covariance: np.ndarray, known: Repeatability, moved: Moved, level: float
 ) -> tuple[Shift, ...]:
     """Each parameter of the first two models by itself."""
-    from scipy.stats import t
+    from scipy.special import stdtr, stdtrit
 
     scale = estimates.scale
     difference = estimates.values[1] - estimates.values[0]
@@ -174,9 +174,9 @@ def _shifts(
     if moved.inflation > 1.0:
         freedom = np.minimum(freedom, moved.best.freedom)
     freedom = np.minimum(freedom, KNOWN)
-    chance = holm(2 * t.sf(np.abs(in_repeats), freedom))
+    chance = holm(2 * stdtr(freedom, -np.abs(in_repeats)))
     alone = 1.0 / np.sqrt(np.diag(np.linalg.inv(whole)))  # its error were it the only one to move
-    seen = t.isf(level / 2 / estimates.k, freedom) * alone
+    seen = -stdtrit(freedom, level / 2 / estimates.k) * alone
     return tuple(
         Shift(
             name=name,

@@ -119,14 +119,14 @@ def what_moved(states: States, level: float = BY_CHANCE) -> Moved:
 
 def _tested(states: States, moved: Sequence[str]) -> Hypothesis:
     """What is left where nothing but ``moved`` did."""
-    from scipy.stats import chi2, f
+    from scipy.special import chdtrc, fdtrc
 
     stay = [i for i, name in enumerate(states.names) if name not in moved]
     left, freedom = _heterogeneity(states, stay), (len(states.values) - 1) * len(stay)
     if not stay:
         return Hypothesis(tuple(moved), 0.0, 0, 1.0)
     known = 1.0 / float(np.mean(1.0 / states.repeatability.freedom[stay]))
-    chance = chi2.sf(left, freedom) if known >= KNOWN else f.sf(left / freedom, freedom, known)
+    chance = chdtrc(freedom, left) if known >= KNOWN else fdtrc(freedom, known, left / freedom)
     return Hypothesis(tuple(moved), left, freedom, float(chance))
 
 
@@ -160,7 +160,7 @@ def _fewest(states: States, nothing: Hypothesis, level: float) -> Hypothesis:
 
 def _by_the_rest(states: States, nothing: Hypothesis, level: float) -> Hypothesis:
     """Parameters are added while each takes away more than the rest differs by, in the light of how many are tried."""
-    from scipy.stats import f
+    from scipy.special import fdtrc
 
     found, steps = nothing, len(states.values) - 1
     while len(found.moved) < len(states.names) - 1:
@@ -169,7 +169,7 @@ def _by_the_rest(states: States, nothing: Hypothesis, level: float) -> Hypothesi
             break
         noise = max(1.0, next_one.left / next_one.freedom)
         tried = len(states.names) - len(found.moved)
-        chance = tried * float(f.sf((found.left - next_one.left) / steps / noise, steps, next_one.freedom))
+        chance = tried * float(fdtrc(steps, next_one.freedom, (found.left - next_one.left) / steps / noise))
         if chance > level:
             break
         found = next_one

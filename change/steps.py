@@ -42,10 +42,11 @@ def steps_of(name: str, values: np.ndarray, errors: np.ndarray, freedom: float, 
         freedom: degrees of freedom of the errors.
         level: how often chance alone may make a step in the whole row.
     """
-    from scipy.stats import f
+    from scipy.special import stdtrit
 
     m = len(values)
-    price = float(f.isf(level / max(1, m - 1), 1, min(freedom, 1e6)))
+    # the square of Student's t is F of one degree of freedom
+    price = float(stdtrit(min(freedom, 1e6), 0.5 * level / max(1, m - 1))) ** 2
     weight = 1.0 / errors**2
     sums = [np.concatenate([[0.0], np.cumsum(weight * values**p)]) for p in (0, 1, 2)]
     best, last = np.full(m + 1, np.inf), np.zeros(m + 1, int)
@@ -68,7 +69,7 @@ def steps_of(name: str, values: np.ndarray, errors: np.ndarray, freedom: float, 
 
 def drift_of(values: np.ndarray, errors: np.ndarray, level: float) -> tuple[float, float] | None:
     """Change from state to state and its error where a straight line tells the row; None where it does not."""
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     m = len(values)
     if m < _ENOUGH:
@@ -78,6 +79,6 @@ def drift_of(values: np.ndarray, errors: np.ndarray, level: float) -> tuple[floa
     normal = rows.T @ (weight[:, None] * rows)
     line = np.linalg.solve(normal, rows.T @ (weight * values))
     left = float(np.sum(weight * (values - rows @ line) ** 2))
-    if chi2.sf(left, m - 2) <= level:
+    if chdtrc(m - 2, left) <= level:
         return None
     return float(line[1]), float(np.sqrt(np.linalg.inv(normal)[1, 1]))

@@ -105,13 +105,13 @@ def _limit(
     make: Callable[[Recording], Backbone], drawn: list[Recording], simulated: Backbone, grid: np.ndarray
 ) -> np.ndarray:
     """(m,) distance in Hz that chance exceeds anywhere once in a thousand, from what some draws scatter."""
-    from scipy.stats import t
+    from scipy.special import stdtrit
 
     others = [_made(make, recording) for recording in drawn]
     apart = np.array([other.at(grid) - simulated.at(grid) for other in others if other is not None])
     if len(apart) < DRAWS // 2:
         return np.full(grid.size, np.inf)  # a backbone that chance mostly leaves none of says nothing
-    return float(t.isf(0.5 * BY_CHANCE / grid.size, len(apart))) * np.sqrt(np.mean(apart**2, axis=0))
+    return -float(stdtrit(len(apart), 0.5 * BY_CHANCE / grid.size)) * np.sqrt(np.mean(apart**2, axis=0))
 
 
 def _makers(piece: Piece) -> list[Callable[[Recording], Backbone]]:

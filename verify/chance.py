@@ -71,10 +71,10 @@ def by_chance(drawn: np.ndarray) -> float:
     A sum of squares of which few are independent: chi² with the degrees of freedom that their scatter
     shows (Satterthwaite 1946).
     """
-    from scipy.stats import chi2
+    from scipy.special import chdtri
 
     mean, variance = float(np.mean(drawn)), float(np.var(drawn, ddof=1))
     if not variance > 0:
         return mean
     freedom = 2.0 * mean**2 / variance
-    return mean * float(chi2.isf(BY_CHANCE, freedom)) / freedom
+    return mean * float(chdtri(freedom, BY_CHANCE)) / freedom

@@ -193,7 +193,7 @@ def _score(
 
     Twice the gain is chi² of m degrees of freedom where only chance asks for it.
     """
-    from scipy.stats import chi2
+    from scipy.special import chdtrc
 
     weighed = moved.T @ pseudo_inverse(spread)
     told = weighed @ moved
@@ -201,7 +201,7 @@ def _score(
         return None
     step = pseudo_inverse(told) @ (weighed @ gradient)
     gain = 0.5 * float(step @ weighed @ gradient)
-    chance = float(chi2.sf(2.0 * gain, moved.shape[1]))
+    chance = float(chdtrc(moved.shape[1], 2.0 * gain))
     if name is None:
         return Score(None, "", None, None, gain, chance)
     parameter = model.parameters()[name]
