@@ -14,6 +14,7 @@ from ...recording.short_decay import LEAST_CYCLES
 from ...simulate.force import Force, force_between
 from ..motion.blows import ContactForce, contact_force, through
 from ..motion.decays import find_free_motion, force_is_silent
+from ..motion.excitation import band_of
 from ..motion.first_motion import starts_at_rest
 from ..motion.quiet import quiet_noise
 from ..signals.hilbert import noise_level
@@ -234,5 +235,7 @@ def pace_of(recordings: Sequence[Recording], omega0: float) -> float:
     driven = [recording for recording in recordings if recording.force is not None and np.any(recording.force)]
     if longest * omega0 > 2 * np.pi * FEWEST_SWINGS or not driven:
         return omega0
-    pace = max(2 * np.pi * response_of(recording).frequency for recording in driven)
+    lines = [(response_of(recording).frequency, band_of(recording) or (0.0, 0.0)) for recording in driven]
+    # a line that nothing drives, such as hum, is no motion of a slide
+    pace = max((2 * np.pi * line for line, (_, high) in lines if line <= NEAR_ITS_OWN * high), default=0.0)
     return pace if pace > NEAR_ITS_OWN * omega0 else omega0
