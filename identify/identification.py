@@ -22,7 +22,7 @@ from ..model import Oscillator, Response
 from ..model.fit_state import FOLLOWS, LACKING, left_over
 from ..model.limits import checked_value
 from ..model.oscillator import Band
-from ..recording.checks import reversed_force
+from ..recording.checks import overlapping, reversed_force
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
@@ -341,6 +341,8 @@ def belong_together(recordings: Sequence[Recording]) -> None:
         if np.ptp(recording.response) > 0 and recording.n > 1:
             for problem in reversed_force(recording, oscillation_of(recording)):
                 raise BadInput(problem.sentence)
+    for problem in overlapping(recordings):
+        raise BadInput(problem.sentence)
     for other in recordings[1:]:
         if not of_one_motion(other, Response(first.quantity, first.unit)):
             raise BadInput(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -11,7 +11,7 @@ import numpy as np
 
 from .channel_range import lasting, reach
 from .clipping import Clipping, clipping, measured, noise_of
-from .continuity import folded, leaps, noise_beside, repeated, wrapped
+from .continuity import folded, in_both, leaps, noise_beside, repeated, wrapped
 from .oscillation import Oscillation, is_one_decay, is_white, oscillation_of
 from .recording import QUANTITIES, Recording
 from .resolution import converter_step
@@ -146,9 +146,8 @@ def wrapping(recording: Recording, _: Oscillation) -> list[Problem]:
 def written_twice(recording: Recording, _: Oscillation) -> list[Problem]:
     """Find a block of samples that the recorder wrote twice: with noise on a signal nothing is the same again."""
     signals = [signal for signal, _, _ in _signals(recording)]
-    response = recording.response
-    if not measured(response) or noise_beside(response) < NOISY_STEPS * converter_step(response):
-        return []  # computed, or rounded so that the noise does not show: either may well repeat
+    if not _is_noisy(recording.response):
+        return []
     if (found := repeated(np.vstack(signals))) is None:
         return []
     later, earlier, length = found
@@ -160,6 +159,35 @@ def written_twice(recording: Recording, _: Oscillation) -> list[Problem]:
             "wrote a block twice, and what follows is late; use the part before it (--part FROM:TO), or record again",
         )
     ]
+
+
+def overlapping(recordings: Sequence[Recording]) -> list[Problem]:
+    """Find a block of samples that two of several recordings hold: one run exported twice, whole or in part.
+
+    What is computed, or rounded so that its noise does not show, may well repeat.
+    """
+    asked = [r for r in recordings if r.n >= LEAST_SAMPLES and _is_noisy(r.response, SAME)]
+    for channels in (1, 2):
+        alike = [r for r in asked if len(_signals(r)) == channels]
+        found = in_both([np.vstack([signal for signal, _, _ in _signals(r)]) for r in alike])
+        if found is None:
+            continue
+        one, other, first, second, length = found
+        earlier, later = alike[one], alike[other]
+        sentence = (
+            f"the {length} samples from {later.start + second / later.fs:.6g} s on are those of {earlier.name} from "
+            f"{earlier.start + first / earlier.fs:.6g} s on: one run would count twice and the standard errors be too "
+            "small; name one of them, or only what the other does not have (--part FROM:TO)"
+        )
+        return [_error(later, sentence)]
+    return []
+
+
+def _is_noisy(response: np.ndarray, least: float = 0.0) -> bool:
+    """Whether a response (n,) has noise that no two runs share, more than so much of its range."""
+    if not np.all(np.isfinite(response)) or not measured(response):
+        return False
+    return noise_beside(response) >= NOISY_STEPS * max(converter_step(response), least * float(np.ptp(response)))
 
 
 def coarse(recording: Recording, _: Oscillation) -> list[Problem]:

@@ -6,6 +6,7 @@ that is off by tens of its standard errors: what follows the gap comes too early
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,6 +23,9 @@ _MOST = 5
 _BLOCK = 16
 #: ... where at least this many of them differ: at rest, and between steps of a coarse converter, they repeat.
 _VALUES = 8
+#: Signs in a row that are compared of two recordings, and the part of the range to which a file of six digits rounds.
+_SIGNS = 60
+_ROUNDED = 1e-6
 
 
 @dataclass(frozen=True)
@@ -139,3 +143,43 @@ def repeated(signals: np.ndarray) -> tuple[int, int, int] | None:
             earlier, later, length = earlier - 1, later - 1, length + 1
         return later, earlier, length
     return None
+
+
+def in_both(signals: Sequence[np.ndarray]) -> tuple[int, int, int, int, int] | None:
+    """Places of two of several (channels, n) signals, first samples in each, and length of a block that both hold.
+
+    Of each first channel the signs of so many third differences in a row are compared, which no noise shows twice; what
+    they say is proved by the samples of all channels, which are the same to what a file of six digits leaves of them.
+    One sort of all marks says which pairs and which shifts are asked.
+    """
+    marks = [_marks(signal[0]) for signal in signals]
+    every = np.concatenate([*marks, np.zeros(0, np.uint64)])
+    owner = np.repeat(np.arange(len(marks)), [mark.size for mark in marks])
+    place = np.concatenate([*(np.arange(mark.size) for mark in marks), np.zeros(0, int)])
+    order = np.argsort(every, kind="stable")
+    before, after = order[:-1], order[1:]
+    met = (every[before] == every[after]) & (owner[before] != owner[after])
+    pairs = np.column_stack([owner[before], owner[after], place[after] - place[before]])[met]
+    shifts, counts = np.unique(pairs, axis=0, return_counts=True)
+    for one, other, lag in shifts[np.argsort(-counts)][:_MOST]:
+        first, second = signals[one], signals[other]
+        begin, end = max(0, -lag), min(first.shape[1], second.shape[1] - lag)
+        if len(first) != len(second):
+            continue
+        sizes = np.maximum(np.ptp(first, axis=1), np.ptp(second, axis=1))[:, None]
+        off = np.abs(first[:, begin:end] - second[:, begin + lag : end + lag])
+        same = np.all(off <= _ROUNDED * sizes, axis=0)
+        edges = np.flatnonzero(np.diff(np.concatenate([[0], same.astype(int), [0]]))).reshape(-1, 2)
+        at, stop = max(edges.tolist(), key=lambda edge: edge[1] - edge[0], default=(0, 0))
+        if stop - at >= _SIGNS:
+            return int(one), int(other), int(begin + at), int(begin + at + lag), int(stop - at)
+    return None
+
+
+def _marks(signal: np.ndarray) -> np.ndarray:
+    """(n - _SIGNS - 2,) of each place the signs of so many third differences from there on, as one number."""
+    signs = (np.diff(signal, 3) > 0).astype(np.uint64)
+    if signs.size < _SIGNS:
+        return np.zeros(0, np.uint64)
+    windows = np.lib.stride_tricks.sliding_window_view(signs, _SIGNS)
+    return windows @ (np.uint64(1) << np.arange(_SIGNS, dtype=np.uint64))
