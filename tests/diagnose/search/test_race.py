@@ -73,7 +73,7 @@ def test_what_cannot_reach_the_best_leaves_without_a_step(plain, there, bent):
 
 def test_where_no_time_is_left_no_step_is_taken(plain, there, bent):
     (data, model), (fitted, measure) = plain, there
-    start = started(Entry((), bent(model, viscous=1.2), hoped=np.inf), data, measure)
+    start = started(Entry((), bent(model, viscous=1.2), patience=3), data, measure)
     assert start is not None
     race([start], measure, fitted, data.points, over=lambda: True)
     assert start.steps == 0

@@ -351,6 +351,7 @@ def test_a_race_is_told_from_three_tenths_on(monkeypatch):
 
 def test_where_no_time_is_left_the_best_so_far_is_returned_and_what_was_not_asked_is_said(proposing, monkeypatch):
     search, leader = leading("quadratic-drag")
+    leader = replace(leader, evidence=0.0, predictive=0.0)
     asked: list[Candidate] = []
     for way in ("_moved", "_as_long_or_shorter", "_scored", "_less_scored", "_predicted", "_rugged", "_learnt"):
         monkeypatch.setattr(Search, way, lambda _self, beside: asked.append(beside) or [])
