@@ -242,7 +242,7 @@ MATTERS = decides(
 GROUP = decides(
     0.95,
     "of the odds",
-    "which set of laws cannot be told apart",
+    "which set of laws cannot be told apart, and what is beyond chance far from the noise",
     why="odds: the smallest set that holds this share, the usual credible set",
 )
 

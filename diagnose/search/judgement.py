@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,7 @@ from ...model.library import KNOWN, find
 from ...model.oscillator import Oscillator, Term
 from ..limits import GROUP, MATTERS
 from .candidate import Candidate
+from .chance import by_chance
 from .residual_test import times_the_noise
 
 
@@ -22,27 +24,42 @@ def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> f
     """Logarithm of how many times more probable one structure is than another, given all recordings.
 
     That counts every sample as a witness of its own, which is right where what is left is noise. Where the better one
-    leaves a mismatch, its samples repeat each other (the likelihood of a wrong model is too sure of itself: White
-    1982): a stretch of some cycles tells no more than the amplitude and phase of the motion's harmonics.
+    leaves a mismatch, its samples repeat each other, and its witnesses count instead, the more of them the nearer it is
+    to the noise, and never beyond what all samples say.
     """
     total = candidate.value - other.value
-    better = candidate if total >= 0 else other
-    if not leaves_mismatch(better, parts):
-        return total
+    share = mismatch_share(candidate if total >= 0 else other, parts)
     pairs = [(other.fit, candidate.fit), (other.held_out, candidate.held_out)]
-    both = [(before, after) for before, after in pairs if before is not None and after is not None]
-    gained = [
-        gain_of_mismatch(before.residuals, after.residuals, data.segments)
-        for (before, after), data in zip(both, parts, strict=True)
-    ]
-    return float(np.sign(total)) * min(abs(total), max(float(np.sign(total)) * sum(gained), 0.0))
+    both = [pair for pair in pairs if pair[0] is not None and pair[1] is not None]
+    if share <= 0.0 or not all(fit.finite for pair in both for fit in pair if fit is not None):
+        return total
+    before, after = ([r for pair in both if (fit := pair[i]) for r in fit.residuals] for i in (0, 1))
+    segments = [segment for data in parts[: len(both)] for segment in data.segments]
+    told, worth = gain_of_mismatch(before, after, segments)
+    # a law that is not there takes its part too; before anything was measured each was as likely as any other
+    further, fewer = len(candidate.laws) - len(other.laws), min(candidate, other, key=lambda one: len(one.laws))
+    if further and fewer.fit is not None:
+        told += 0.5 * worth * further * math.log1p(-share * by_chance(fewer.fit, parts[0]))
+    prior = further * math.log(sum(not law.learnt for law in KNOWN.values()))
+    samples = sum(segment.n for segment in segments)
+    told *= 1.0 / (worth / samples + share)
+    return float(np.clip(told - share * prior, -abs(total), abs(total)))
+
+
+def mismatch_share(candidate: Candidate, parts: Sequence[Data]) -> float:
+    """Part of the power that a structure leaves which is no noise, as well as that is known; 0 where all may be."""
+    ratio = max(_times_the_noise(candidate, parts))
+    return 1.0 - (ABOVE_NOISE / ratio) ** 2 if ratio > ABOVE_NOISE else 0.0
 
 
 def leaves_mismatch(candidate: Candidate, parts: Sequence[Data]) -> bool:
     """Whether what a structure leaves is more than the noise, as well as that is known."""
+    return mismatch_share(candidate, parts) > 0.0
+
+
+def _times_the_noise(candidate: Candidate, parts: Sequence[Data]) -> list[float]:
     fits = [fit for fit in (candidate.fit, candidate.held_out) if fit is not None]
-    ratios = [r for fit, data in zip(fits, parts, strict=True) for r in times_the_noise(fit.residuals, fit.model, data)]
-    return max(ratios) > ABOVE_NOISE
+    return [r for fit, data in zip(fits, parts, strict=True) for r in times_the_noise(fit.residuals, fit.model, data)]
 
 
 def accepted(candidate: Candidate, leader: Candidate, parts: Sequence[Data]) -> bool:
@@ -75,7 +92,7 @@ def leading(leader: Candidate, arrived: Sequence[Candidate], parts: Sequence[Dat
     as_long = [c for c in arrived if len(c.laws) <= len(leader.laws) and log_odds(c, leader, parts) > 0]
     as_long = [c for c in as_long if c.foretold >= leader.foretold - (0.0 if c.held_out is None else DECISIVE)]
     further = [c for c in arrived if accepted(c, leader, parts)]
-    return max([leader, *as_long, *further], key=lambda c: c.value)
+    return max([leader, *as_long, *further], key=lambda c: log_odds(c, leader, parts))
 
 
 def first_of_several(given: Candidate, candidates: Iterable[Candidate], parts: Sequence[Data]) -> Candidate | None:
@@ -91,7 +108,7 @@ def first_of_several(given: Candidate, candidates: Iterable[Candidate], parts: S
     """
     judged = [candidate for candidate in candidates if candidate.stage == "judged" and candidate.laws]
     told = [c for c in judged if matters(c, given) and log_odds(c, given, parts) > DECISIVE]
-    return max(told, key=lambda c: c.value, default=None)
+    return max(told, key=lambda c: log_odds(c, given, parts), default=None)
 
 
 def why_not(candidate: Candidate, without: Candidate, best: Candidate, parts: Sequence[Data]) -> str:

@@ -113,7 +113,7 @@ def _told(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -
 
 def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> list[Told]:
     """The same of each segment."""
-    structure, state, slopes = _linearised(fitted, data, free)
+    structure, state, slopes = linearised_at(fitted, data, free)
     problem = structure.problem
     linearised = Linearised.of(problem, state, fitted.residuals, measure.spectra(fitted.residuals), slopes)
     k, whole = len(structure.free), initial_prior(fitted.model, data)
@@ -137,7 +137,7 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
 
 
 @lru_cache(maxsize=_REMEMBERED)
-def _linearised(fitted: Fitted, data: Data, free: tuple[str, ...]) -> tuple[Structure, State, list[np.ndarray]]:
+def linearised_at(fitted: Fitted, data: Data, free: tuple[str, ...]) -> tuple[Structure, State, list[np.ndarray]]:
     """A fit as a point of its structure's search, with its derivatives: the same in every measure."""
     fixed = [name for name in fitted.model.parameters() if name not in free]
     structure = Structure(fitted.model, data, fixed)
@@ -147,7 +147,7 @@ def _linearised(fitted: Fitted, data: Data, free: tuple[str, ...]) -> tuple[Stru
 
 def forget() -> None:
     """Give back the derivatives that were kept; a search that has ended needs them no more."""
-    _linearised.cache_clear()
+    linearised_at.cache_clear()
 
 
 def shared_prior(model: Oscillator, free: tuple[str, ...], scales: Scales) -> Prior:

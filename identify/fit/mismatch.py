@@ -1,33 +1,78 @@
-"""What a mismatch tells, of which no sample is a witness of its own."""
+"""What a mismatch tells, of which no sample is a witness of its own.
+
+What a wrong model leaves is one draw of an unknown function of the motion: more cycles of the same motion show the same
+draw again, and only other motions show more of it (the likelihood of a wrong model is too sure of itself: White 1982).
+So a mismatch is taken in blocks of some cycles, each a vector of the harmonics of the motion, and the blocks count by
+how unlike they are. Levels are pooled over all blocks: a quiet block does not outvote a loud one.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import pairwise
 
 import numpy as np
+from scipy.signal import hilbert
 
 from ..problem.segments import Segment
 from .limits import CYCLES, HARMONICS
 
+#: Components of a witness: the constant, then cosine and sine of each harmonic.
+_COMPONENTS = 1 + 2 * HARMONICS
+#: Log-likelihood that each independent witness gains by a factor of e in power: cosine and sine of each harmonic.
+WITNESS = 2 * HARMONICS
 
-def gain_of_mismatch(before: Sequence[np.ndarray], after: Sequence[np.ndarray], segments: Sequence[Segment]) -> float:
+
+def gain_of_mismatch(
+    before: Sequence[np.ndarray], after: Sequence[np.ndarray], segments: Sequence[Segment]
+) -> tuple[float, float]:
     """Gain of log-likelihood from one model to another, both of which leave a mismatch.
-
-    A likelihood that counts every sample is too sure of itself there (White 1982): a stretch of some cycles tells no
-    more than the amplitude and phase of the motion's harmonics.
 
     Args:
         before, after: of each segment, what the two leave.
-        segments: of the recordings.
+        segments: of the recordings; free and driven stretches of one sensor share one level each.
+
+    Returns:
+        The gain, and as how many independent samples the mismatch counts.
     """
-    tiny = np.finfo(float).tiny
-    return sum(
-        HARMONICS * float(np.log(max(np.mean(old**2), tiny) / max(np.mean(new**2), tiny)))
-        for segment, left, leaves in zip(segments, before, after, strict=True)
-        for old, new in zip(_stretches(left, segment), _stretches(leaves, segment), strict=True)
-    )
+    kinds = [(segment.quantity, segment.force is None) for segment in segments]
+    total, worth = 0.0, 0.0
+    for kind in dict.fromkeys(kinds):
+        places = [i for i, other in enumerate(kinds) if other == kind]
+        old, new = (sum(float(np.sum(left[i] ** 2)) for i in places) for left in (before, after))
+        least = after if new <= old else before
+        tiny = np.finfo(float).tiny
+        count = WITNESS * witnesses([least[i] for i in places], [segments[i] for i in places])
+        worth += 2.0 * count
+        total += count * float(np.log(max(old, tiny) / max(new, tiny)))
+    return total, worth
 
 
-def _stretches(residual: np.ndarray, segment: Segment) -> list[np.ndarray]:
+def witnesses(residuals: Sequence[np.ndarray], segments: Sequence[Segment]) -> float:
+    """How many independent witnesses a mismatch has: one where all blocks say the same, all of them where none does.
+
+    The effective number of (tr C)² / tr C², of the inner products C of the blocks' vectors, less what vectors without
+    any relation have on the mean.
+
+    Args:
+        residuals: of each segment, what is left.
+        segments: along whose motion it was left.
+    """
+    vectors = np.concatenate([_vectors(left, segment) for left, segment in zip(residuals, segments, strict=True)])
+    count = len(vectors)
+    alike = float(np.sum((vectors.T @ vectors) ** 2)) - count
+    return count / (1.0 + max(alike - count * (count - 1) / _COMPONENTS, 0.0) / max(count, 1))
+
+
+def _vectors(residual: np.ndarray, segment: Segment) -> np.ndarray:
+    """(blocks, components) of what is left along the harmonics of the motion, of unit length."""
+    motion = segment.response - residual
+    analytic = np.asarray(hilbert(motion - np.mean(motion)))
+    turn = analytic / np.maximum(np.abs(analytic), np.finfo(float).tiny)
+    orders = [turn**k for k in range(1, HARMONICS + 1)]
+    rows = np.vstack([np.full(turn.size, np.sqrt(0.5)), *(part for z in orders for part in (z.real, z.imag))])
     count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * CYCLES)))
-    return np.array_split(residual, count)
+    edges = np.linspace(0, segment.n, count + 1).astype(int)
+    made = np.array([rows[:, a:b] @ residual[a:b] for a, b in pairwise(edges)])
+    size = np.linalg.norm(made, axis=1, keepdims=True)
+    return made / np.maximum(size, np.finfo(float).tiny)

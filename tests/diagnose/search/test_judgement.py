@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dashpot.diagnose.search import judgement as module
 from dashpot.diagnose.search.candidate import Candidate, key
 from dashpot.diagnose.search.judgement import (
     accepted,
@@ -14,20 +15,38 @@ from dashpot.diagnose.search.judgement import (
     leaves_mismatch,
     log_odds,
     matters,
+    mismatch_share,
     names_of,
     standing,
     why_not,
 )
+from dashpot.identify.fit.mismatch import gain_of_mismatch
 from dashpot.identify.problem.data import Data
 from dashpot.identify.problem.segments import Segment
 from dashpot.identify.problem.structure import Fitted
 from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.law import Scales
+from dashpot.model.library import KNOWN
 
 BASE = {"mass": 0.3, "omega0": 80.0, "cubic": 0.0, "preload": 0.0, "viscous": 5.0, "dry": 0.1}
 MODEL = Oscillator.from_values(BASE)
 CYCLES = 20
+
+
+#: What a law's place in the library costs.
+PRICE = np.log(sum(not law.learnt for law in KNOWN.values()))
+
+
+@pytest.fixture
+def luck(monkeypatch):
+    """Set the part of the power that chance takes away; none at first."""
+
+    def put(part: float) -> None:
+        monkeypatch.setattr(module, "by_chance", lambda *_: part)
+
+    put(0.0)
+    return put
 
 
 def data(noise: float) -> Data:
@@ -54,30 +73,39 @@ def test_where_only_noise_is_left_the_odds_are_those_of_the_evidence():
     assert log_odds(worse, better, parts(1.0)) == -30.0
 
 
-def test_where_a_mismatch_is_left_its_cycles_say_the_same_again():
-    """Thousands of samples a mismatch repeats itself in are few witnesses."""
+def test_where_a_mismatch_is_left_its_cycles_say_the_same_again(luck):
+    """Thousands of samples a mismatch repeats itself in are few witnesses, and the law pays for its place."""
     better, worse = candidate("quadratic-drag", evidence=3000.0, left=1.0), candidate(left=1.05)
     told = log_odds(better, worse, parts(0.1))
-    stretches = 2 * (CYCLES // 6)
-    assert told == pytest.approx(stretches * 5 * np.log(1.05**2))
+    both = [s for d in parts(0.1) for s in d.segments]
+    gain, _ = gain_of_mismatch([*worse.residuals], [*better.residuals], both)
+    assert 0.0 < gain < 10.0
+    assert told == pytest.approx(gain - PRICE, abs=0.3)
     assert log_odds(worse, better, parts(0.1)) == pytest.approx(-told)
     # but what takes nearly everything away is decided all the same
-    assert log_odds(candidate("quadratic-drag", evidence=3000.0, left=0.2), worse, parts(0.1)) > DECISIVE
+    sure = candidate("quadratic-drag", evidence=3000.0, left=0.2)
+    assert log_odds(sure, worse, parts(0.1)) > DECISIVE
 
 
-def test_a_stretch_of_less_than_some_cycles_is_one():
-    """Five harmonics once in each of the two recordings, however short they are."""
-    few = 300  # samples: three cycles
-    short = tuple(replace(d, segments=(replace(d.segments[0], stop=few),)) for d in parts(0.1))
-    better, worse = (
-        replace(c, fit=replace(c.fit, residuals=(left,)), held_out=replace(c.held_out, residuals=(left,)))
-        for c, left in (
-            (candidate("quadratic-drag", evidence=3000.0), np.full(few, 1.0)),
-            (candidate(), np.linspace(1.0, 2.0, few)),
-        )
-    )
-    power = 7.0 / 3.0  # of a line from 1 to 2
-    assert log_odds(better, worse, short) == pytest.approx(2 * 5 * np.log(power), rel=1e-3)
+def test_what_chance_takes_away_too_speaks_for_no_law(luck):
+    better, worse = candidate("quadratic-drag", evidence=3000.0, left=0.5), candidate(left=1.0)
+    told = log_odds(better, worse, parts(0.01))
+    luck(0.75)  # of the power: half the size
+    assert log_odds(better, worse, parts(0.01)) == pytest.approx(-PRICE, abs=0.1)
+    assert told > 10.0
+
+
+@pytest.mark.parametrize("noise", [1.0, 1.0 / 1.1])
+def test_the_odds_of_witnesses_go_over_into_those_of_samples(noise):
+    """The noise is known to a tenth."""
+    better, worse = candidate("quadratic-drag", evidence=30.0, left=1.0), candidate(left=1.05)
+    assert mismatch_share(better, parts(noise)) == pytest.approx(0.0, abs=1e-9)
+    assert log_odds(better, worse, parts(noise)) == pytest.approx(30.0)
+
+
+def test_the_odds_do_not_jump_where_a_mismatch_begins(luck):
+    better, worse = candidate("quadratic-drag", evidence=30.0, left=1.0), candidate(left=1.05)
+    assert log_odds(better, worse, parts(1.0 / 1.10001)) == pytest.approx(30.0, rel=0.01)
 
 
 @pytest.mark.parametrize(("behind", "leads"), [(DECISIVE - 0.1, ()), (DECISIVE + 0.1, ("quadratic-drag",))])
@@ -87,8 +115,8 @@ def test_a_shorter_structure_leads_where_it_comes_as_near(behind, leads):
     assert leading(leader, [family], parts(1.0)).laws == leads
 
 
-@pytest.mark.parametrize(("left", "leads"), [(1.02, ()), (1.4, ("quadratic-drag",))])
-def test_far_from_the_noise_a_shorter_structure_leads_by_the_odds_that_the_longer_must_have(left, leads):
+@pytest.mark.parametrize(("left", "leads"), [(1.2, ()), (1.7, ("quadratic-drag",))])
+def test_far_from_the_noise_a_shorter_structure_leads_by_the_odds_that_the_longer_must_have(left, leads, luck):
     """There thousands of samples repeat themselves, and are few witnesses for a law more."""
     leader = candidate("quadratic-drag", evidence=1000.0, left=1.0)
     assert leading(leader, [candidate(left=left)], parts(0.1)).laws == leads
