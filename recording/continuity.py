@@ -17,6 +17,8 @@ from .resolution import converter_step
 _LEAP = 3.0
 #: Noise of so many standard deviations is not met in any record.
 _NOISE = 6.0
+#: Samples on either side of a leap over which a signal that was resampled by splines rings, and what it rings by then.
+_RINGS, _RINGING = 2, 5e-3
 #: Leaps that are told; more of them are the way in which the thing moves, or its sensor works.
 _MOST = 5
 #: Samples in a block that is compared; of so many values with noise on them none are the same by chance ...
@@ -93,7 +95,7 @@ def folded(signal: np.ndarray) -> np.ndarray:
 
     A counter or a converter that does not stop at its limit. Its leaps go over all of its range, out and
     back again, and stand out from its steps; in between it moves on, away from the limit by more than noise, which a
-    force that is switched does not.
+    force that is switched does not, nor what a resampling makes of its edges.
     """
     steps = np.diff(signal)
     over = np.abs(steps) > 0.5 * np.ptp(signal)
@@ -106,8 +108,11 @@ def folded(signal: np.ndarray) -> np.ndarray:
     if not whole or np.min(np.abs(steps[over])) <= _LEAP * ordinary or any(out == back for out, back in pairs):
         return np.zeros(0, int)
     beyond = [signal[first:last] for first, last in zip(places[:-1:2], places[1::2], strict=False)]
+    within = [piece[_RINGS:-_RINGS] for piece in beyond if piece.size > 2 * _RINGS]
     away = min(float(np.ptp(piece)) for piece in beyond)
-    return places if away > _NOISE * noise_beside(signal) else np.zeros(0, int)
+    middle = float(np.median([np.ptp(piece) for piece in within])) if within else 0.0
+    moves = away > _NOISE * noise_beside(signal) and middle > _RINGING * np.ptp(signal)
+    return places if moves else np.zeros(0, int)
 
 
 def noise_beside(signal: np.ndarray) -> float:

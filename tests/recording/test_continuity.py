@@ -9,6 +9,7 @@ import pytest
 from dashpot.examples.lies import STANDS, told
 from dashpot.recording import check
 from dashpot.recording.continuity import folded, leaps, repeated, wrapped
+from scipy.interpolate import CubicSpline
 
 N, CYCLE = 4000, 80
 PHASE = 2 * np.pi * np.arange(N) / CYCLE
@@ -142,9 +143,12 @@ def test_a_signal_that_wraps_at_its_range_is_told_from_what_leaps_by_itself(nois
     assert places.size > 100
     over = np.cumsum(np.isin(np.arange(t.size), places) * -np.sign(np.diff(made, prepend=made[0]))) * 1.4
     assert np.max(np.abs(made + over - sweep)) < 10 * noise + 1e-9
+    late = t + 1e-4 * np.clip(random.standard_normal(t.size), -3, 3)
+    switched = random.choice([-1.0, 1.0], 600)[np.arange(t.size) // 10]
     bounce = 1.0 - (6 * t) % 2.0  # a velocity turned round at two walls, and a sawtooth
     others = {
         "square": np.sign(sweep),
+        "resampled command": CubicSpline(late, switched)(t),
         "bursts": np.sign(sweep) * (t % 2 < 0.4),
         "random": np.sign(random.standard_normal(t.size)),
         "noise": random.standard_normal(t.size),
