@@ -12,6 +12,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..files.arguments import known_options, number_of, path_of, shown, text_of
+from .checks import not_a_number
 from .objects import is_sep5, tables_of_object
 from .part import part_of
 from .plain_numbers import vector_of
@@ -49,7 +50,7 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     """The recordings that are meant, in order.
 
     Args:
-        given: each a Recording (taken as it is, whatever the options), a path (all records of the file), a DataFrame,
+        given: each a Recording (as it is, where all of it is numbers), a path (all records of the file), a DataFrame,
             an xarray Dataset or DataArray, SEP 5 dictionaries, arrays by name such as
             {"time_s": t, "force_N": f, "displacement_m": x}, one array (n,) with ``fs``, or any of these in a list.
         options: see ``Reading``.
@@ -67,6 +68,8 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     number, made = count(1), []
     for one in _each(given):
         if isinstance(one, Recording):
+            for problem in not_a_number(one):
+                raise BadInput(problem.sentence)
             made.append(one)
             continue
         for column in columns or [None]:

@@ -151,3 +151,13 @@ def test_a_force_that_is_nothing_is_refused_in_a_sentence():
     response = np.sin(2 * np.pi * (6 + T) * T)
     with pytest.raises(BadInput, match="check signs and units of force and response"):
         dashpot.identify(dashpot.Recording("r", 500.0, response, 1e-200 * response))
+
+
+@pytest.mark.parametrize("channel", ["response", "force"])
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+@pytest.mark.parametrize("call", [dashpot.identify, dashpot.hilbert], ids=["identify", "hilbert"])
+def test_a_recording_made_by_hand_is_all_numbers(call, channel, value):
+    signals = {"response": X, "force": np.cos(60 * T)}
+    spoilt = np.where(np.arange(X.size) == 7, value, signals[channel])
+    with pytest.raises(BadInput, match=f"the {channel} has 1 value.s. that are not a number, the first at 0.014 s"):
+        call(dashpot.Recording("r", 500.0, **(signals | {channel: spoilt})))
