@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import ctypes
 import subprocess
+import sys
 
 import pytest
 from dashpot.errors import ToolchainMissing
@@ -55,3 +56,19 @@ def test_zig_is_this_machines_compiler_where_there_is_no_other(monkeypatch, tmp_
     assert list((tmp_path / "cache" / "compiled").iterdir()) == [library]
     with pytest.raises(ToolchainMissing, match=r"of the package ziglang failed: .*error"):
         shared_library({"a.c": "not C"}, "a.c")
+
+
+def test_the_second_command_of_a_day_compiles_nothing(monkeypatch, tmp_path):
+    """What the first has compiled is loaded by a process of its own, on a machine without a compiler."""
+    monkeypatch.setenv("DASHPOT_CACHE", str(tmp_path))
+    program = (
+        "import dashpot; from dashpot.examples.virtual_recording import recording_of;"
+        "from dashpot.simulate import compiler;{}"
+        "print(dashpot.identify(recording_of(begin=(9e-3, 0.0), seconds=2.0)).parameters['omega0'].value)"
+    )
+    nothing = "compiler._compile = None;"
+    said = [
+        subprocess.run([sys.executable, "-P", "-c", program.format(how)], capture_output=True, text=True, check=True)
+        for how in ("", nothing)
+    ]
+    assert said[0].stdout == said[1].stdout != ""
