@@ -18,7 +18,7 @@ from ..signals.signals import response_of
 from .limits import STANDS_OUT
 from .output_error import OutputError, State
 from .prediction import FREE
-from .segments import Segment
+from .segments import Segment, blank_of
 
 
 def with_last_swings(problem: OutputError, state: State, recordings: Sequence[Recording]) -> tuple[Segment, ...]:
@@ -51,13 +51,13 @@ def _longer(
         (s.start for s in problem.segments if s.recording == segment.recording and s.start >= segment.stop),
         default=recording.n,
     )
-    stop = min(stop, segment.stop + segment.n)
+    stop = min([stop, segment.stop + segment.n, *(a for a, _ in recording.unknown if a >= segment.stop)])
     if stop == segment.stop or not noise > 0 or not _is_noise(residual, noise):
         return segment
     if float(np.std(segment.response[-segment.cycle :])) > BEYOND_ERRORS * noise:
         return segment
     response = response_of(recording).part(segment.start, stop).samples
-    whole = replace(segment, stop=stop, response=response)
+    whole = replace(segment, stop=stop, response=response, blank=blank_of(recording)[segment.start : stop])
     made = problem.over([whole]).simulate(0, replace(state, initial=state.initial[[i]]))
     if not np.all(np.isfinite(made)):
         return segment

@@ -151,7 +151,7 @@ def _cut(
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
         ends = [(a, b, forced) for start, stop, forced in ends for a, b in _known(recording, start, stop)]
-        blank = _blank(recording)
+        blank = blank_of(recording)
         highest = force_band * pace / (2 * np.pi)
         quiet, slow = quiet_noise(response_of(recording).samples, motion.blows, recording.dt, pace)
         for start, stop, forced in sorted(ends):
@@ -195,7 +195,7 @@ def _known(recording: Recording, start: int, stop: int) -> list[tuple[int, int]]
     return [(a, b) for a, b in zip(edges[::2], edges[1::2], strict=True) if b > a]
 
 
-def _blank(recording: Recording) -> np.ndarray:
+def blank_of(recording: Recording) -> np.ndarray:
     """(n,) which samples of the response were filled in."""
     blank = np.zeros(recording.n, bool)
     for start, stop in recording.blank:

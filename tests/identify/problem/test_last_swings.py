@@ -26,9 +26,9 @@ def motion():
     return integrate_pieces(dict(TRUTH), np.zeros((N, 2)), 1 / FS, 5e-3)[0][:N]
 
 
-def lengthened(response, model=MODEL, found_in=None):
+def lengthened(response, model=MODEL, found_in=None, blank=()):
     """Ends of a decay's segment before and after, in samples; it is found in another recording where that is given."""
-    recording = Recording("decay", FS, response)
+    recording = Recording("decay", FS, response, blank=blank)
     data = data_of([recording], model, coarse=False)
     if found_in is not None:
         segment = data_of([Recording("decay", FS, found_in)], model, coarse=False).segments[0]
@@ -38,6 +38,9 @@ def lengthened(response, model=MODEL, found_in=None):
     state = search(problem.keeping(state), replace(state, offsets=np.zeros(0))).state
     (after,) = with_last_swings(problem, state, [recording])
     assert np.array_equal(after.response, response[after.start : after.stop])
+    if blank:
+        assert after.blank is not None
+        assert [after.start + int(k) for k in np.flatnonzero(after.blank)] == list(range(*blank[0]))
     return data.segments[0].stop, after.stop
 
 
@@ -50,6 +53,11 @@ def test_a_decay_goes_on_to_where_its_model_meets_the_noise():
     last = int(np.flatnonzero(np.abs(motion()) > 0.5 * NOISE)[-1])
     assert before < last - 40  # more than half a cycle
     assert after == pytest.approx(last, abs=4)
+
+
+def test_a_decay_with_filled_samples_goes_on_with_them():
+    before, after = lengthened(motion() + noise(), blank=((700, 703),))
+    assert after > before + 40
 
 
 def test_a_decay_that_was_caught_ends_there():
