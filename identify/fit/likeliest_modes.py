@@ -17,7 +17,7 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...model.fit_state import FOLLOWS, LACKING
 from ...model.laws import MODES
-from ..signals.odds import ABOVE_NOISE, DECISIVE, SIGNIFICANT
+from ..signals.odds import DECISIVE, SIGNIFICANT, is_noise
 from ..start.further_modes import Mode, with_modes
 from ..start.linear_modes import one_mode_more
 from .reported_result import Fit, SegmentFit
@@ -47,15 +47,17 @@ def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> 
     if modes and (several is None or odds(several[0], fit) < 0.0):
         return answer(None, None, doubted=doubted), ()
     best = several or (fit, ())
+    first = best[0]
     while len(known := modes_of_fit(best[0].oscillator)) <= len(MODES):
-        if max(s.over_noise for s in best[0].segments) < ABOVE_NOISE and not _is_bent(best[0]):
+        if _leaves_noise(best[0]) and not _is_bent(best[0]):
             break
         more = one_mode_more([s.segment for s in best[0].segments], known)
-        other = _beside(best[0], more, answer, doubted) if more else None
+        other = _beside(best[0], more, answer, doubted=False)
         if other is None or not _is_better(other[0], best[0]):
             break
         best = other
-    return best
+    fit, kept = best
+    return (answer(fit, fit.oscillator, kept, doubted=True), kept) if doubted and fit is not first else best
 
 
 def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer, doubted: bool) -> tuple[Fit, tuple[str, ...]] | None:
@@ -119,6 +121,11 @@ def _power(part: SegmentFit, first: int, last: int) -> float:
     """Mean square of what is left over samples of the recording."""
     left = part.segment.response - part.simulated
     return float(np.mean(left[first - part.segment.start : last - part.segment.start] ** 2))
+
+
+def _leaves_noise(fit: Fit) -> bool:
+    squares = np.array([s.over_noise**2 for s in fit.segments])
+    return is_noise(squares, np.array([float(s.segment.n) for s in fit.segments]))
 
 
 def _is_bent(fit: Fit) -> bool:
