@@ -11,7 +11,8 @@ from dataclasses import replace
 import pytest
 from dashpot.errors import BadInput
 from dashpot.model import Oscillator, oscillator_with
-from dashpot.model.laws import LIBRARY
+from dashpot.model.file import dumps, loads
+from dashpot.model.laws import LIBRARY, MODES
 from dashpot.model.library import KNOWN, find, take
 
 PLAIN = {"mass": 0.3, "omega0": 60.0, "cubic": 0.0, "preload": 0.0, "viscous": 3.0, "dry": 0.0}
@@ -64,3 +65,14 @@ def test_of_two_laws_none_is_taken_where_one_fails():
 def test_the_laws_of_the_package_are_data():
     with pytest.raises(TypeError):
         LIBRARY["mine"] = LIBRARY["quadratic-drag"]  # type: ignore[index]
+
+
+@pytest.mark.parametrize("effect", MODES)
+def test_further_modes_are_found_by_name_and_asked_for_by_no_diagnosis(effect):
+    law = find(effect)
+    assert pickle.loads(pickle.dumps(law)) is law
+    assert effect not in KNOWN
+    values = {"omega0": 1.0, "cubic": 0.0, "preload": 0.0, "viscous": 0.1, "dry": 0.0}
+    values |= {f"{effect}.participation": 1.0, f"{effect}.frequency": 2.0, f"{effect}.viscous": 0.2}
+    model = oscillator_with(values, [effect])
+    assert loads(dumps(model)).values() == model.values()
