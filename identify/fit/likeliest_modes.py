@@ -75,7 +75,8 @@ def modes_of_fit(model: Oscillator) -> tuple[Mode, ...]:
     own = [(model.omega0.value, model.viscous.value, 0.0 if model.mass is None else 1.0 / model.mass.value)]
     for term in model.terms:
         if term.effect in MODES:
-            own.append(tuple(term.parameters[name].value for name in ("frequency", "viscous", "participation")))
+            frequency, viscous, gain = (term.parameters[n].value for n in ("frequency", "viscous", "participation"))
+            own.append((frequency, viscous, gain))
     return tuple((omega, viscous / (2 * omega), gain) for omega, viscous, gain in own)
 
 
