@@ -49,7 +49,7 @@ def _filters() -> tuple[np.ndarray, ...]:
     made = list(differences)
     for length in _LENGTHS:
         turned = np.cos(2 * np.pi * _PASSED * (np.arange(length) - 0.5 * (length - 1)))
-        made.append(np.convolve(differences[-1], get_window("blackmanharris", length) * turned))
+        made.append(np.convolve(differences[-1], np.asarray(get_window("blackmanharris", length)) * turned))
     return tuple(taps / np.linalg.norm(taps) for taps in made)
 
 
