@@ -72,7 +72,7 @@ def _consistent(records: Sequence[RecordFit], remainder: str | None) -> str:
         part, times = figure(100 * worst.nrmse_before, 2), figure(_times_the_noise(worst), 2)
         return (
             f"The model reproduces every recording to {part} % of its motion ({worst.file}, {times} times the noise); "
-            "no effect of the library tells more."
+            "no effect that was tried tells more."
         )
     ratio = _times_the_noise(worst)
     return (

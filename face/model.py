@@ -282,8 +282,7 @@ class Model:
     ) -> Diagnosis:
         """What physics the model lacks that recordings show; see ``dashpot.diagnose``."""
         training, held = recordings_of(*recordings, **options), recordings_of(holdout, **options)
-        how = {"mode": mode_text(mode), "progress": progress or (lambda _what, _part: None)}
-        how |= {"seconds": seconds}
+        how = {"mode": mode_text(mode), "progress": progress or (lambda _what, _part: None), "seconds": seconds}
         return Diagnosis(*diagnosed(self.oscillator, training, held, **how))
 
     def renamed(self, name: str) -> Model:
