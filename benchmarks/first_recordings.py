@@ -122,7 +122,9 @@ def stated_by(model: Model) -> Stated:
 
 
 def mode_taken(found: Case, stated: Stated) -> int:
-    """Index of the mode whose frequency is nearest to the stated one."""
+    """Index of the mode whose frequency is nearest to the stated one; the first where none is stated."""
+    if "omega0" not in stated.values:
+        return 0
     omega = stated.values["omega0"][0]
     return int(np.argmin([abs(np.log(abs(omega) / mode["omega0"])) for mode in found.modes]))
 
