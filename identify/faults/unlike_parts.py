@@ -313,6 +313,9 @@ def _chance(reduced: np.ndarray, asks: np.ndarray, spread: np.ndarray) -> float:
     from scipy.special import chdtrc
 
     inverse = _root(reduced, -0.5)
-    directions = round(float(np.trace(inverse @ reduced @ inverse)))
+    known = float(np.trace(inverse @ reduced @ inverse))
+    if not (np.isfinite(known) and np.all(np.isfinite(spread))):  # nothing can be said of them
+        return 1.0
+    directions = round(known)
     told = inverse @ asks
     return float(chdtrc(directions, float(told @ np.linalg.solve(spread, told)))) if directions else 1.0

@@ -1,27 +1,28 @@
 """How many modes ring in the recordings: the fits of one and of several, and of one more at the line that is left.
 
 A mode is a linear oscillator, which explains its motion down to the noise. What Eq. 17 lacks leaves lines too, that a
-mode only imitates: another one is taken where it is decisively likelier and leaves no more than noise, or where the
-simulation keeps step with the recordings by it alone.
+mode only imitates: another one is taken where it is decisively likelier and leaves no more than noise, where each of
+them rings, and where each is another one than the others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import product
+from itertools import combinations, product
 from typing import Protocol
 
 import numpy as np
 
 from ...errors import BadInput
 from ...model import Oscillator
-from ...model.fit_state import FOLLOWS, LACKING
 from ...model.laws import MODES
 from ..signals.odds import DECISIVE, SIGNIFICANT, is_noise
+from ..signals.registry import numerics
 from ..start.further_modes import Mode, with_modes
 from ..start.linear_modes import one_mode_more
 from .reported_result import Fit, SegmentFit
 
+_RINGS = numerics(0.5**0.5, "damping ratio", why="what is damped more has no resonance (the peak is at zero)")
 #: What a linear rig does without.
 MEMBERS = ("cubic", "preload", "dry")
 
@@ -44,16 +45,16 @@ def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> 
     """
     fit = answer(None, None, doubted=doubted and not modes)
     several = _beside(fit, modes, answer, doubted) if modes else None
-    if modes and (several is None or odds(several[0], fit) < 0.0):
+    if modes and (several is None or not _stand(several[0], fit)):
         return answer(None, None, doubted=doubted), ()
     best = several or (fit, ())
     first = best[0]
     while len(known := modes_of_fit(best[0].oscillator)) <= len(MODES):
-        if _leaves_noise(best[0]) and not _is_bent(best[0]):
+        if _leaves_noise(best[0]):
             break
         more = one_mode_more([s.segment for s in best[0].segments], known)
         other = _beside(best[0], more, answer, doubted=False)
-        if other is None or not _is_better(other[0], best[0]):
+        if other is None or not _stand(other[0], best[0]):
             break
         best = other
     fit, kept = best
@@ -129,19 +130,23 @@ def _leaves_noise(fit: Fit) -> bool:
     return is_noise(squares, np.array([float(s.segment.n) for s in fit.segments]))
 
 
-def _is_bent(fit: Fit) -> bool:
-    """Whether friction or preload came out negative beyond their errors: they stand for something else then."""
-    known = (fit.oscillator.parameters()[name] for name in ("preload", "dry"))
-    return any(p.std is not None and p.value < -SIGNIFICANT * p.std for p in known)
+def _stand(fit: Fit, before: Fit) -> bool:
+    """Whether the modes of a fit are there, held against a fit of fewer."""
+    if not (_leaves_noise(fit) and odds(fit, before) > DECISIVE):
+        return False
+    modes, errors = modes_of_fit(fit.oscillator), _errors(fit.oscillator)
+    if any(not zeta < _RINGS for _, zeta, _ in modes):
+        return False
+    return all(
+        any(abs(a[k] - b[k]) > SIGNIFICANT * np.hypot(d[k], e[k]) for k in (0, 1))
+        for (a, d), (b, e) in combinations(list(zip(modes, errors, strict=True)), 2)
+    )
 
 
-def _is_better(fit: Fit, before: Fit) -> bool:
-    """Whether one mode more is decisively likelier and leaves but noise, or follows where there was nothing to follow.
-
-    What Eq. 17 lacks leaves lines that a further mode may imitate, down to the noise it does not. Where Eq. 17 has bent
-    itself around what is there, it is enough that the other is not decisively less likely.
-    """
-    explains = max(s.over_noise for s in fit.segments) < LACKING
-    follows = max(s.nrmse for s in fit.segments) <= FOLLOWS < max(s.nrmse for s in before.segments)
-    least = -DECISIVE if _is_bent(before) and not _is_bent(fit) else DECISIVE
-    return (explains or follows) and odds(fit, before) > least
+def _errors(model: Oscillator) -> list[tuple[float, float]]:
+    """Standard errors of each mode's frequency and damping ratio, as ``modes_of_fit`` has them; infinite if unknown."""
+    parameters = [(model.omega0, model.viscous)]
+    terms = [term.parameters for term in model.terms if term.effect in MODES]
+    parameters += [(known["frequency"], known["viscous"]) for known in terms]
+    known = [(omega.value, *(np.inf if p.std is None else p.std for p in (omega, rate))) for omega, rate in parameters]
+    return [(std, by / (2 * omega)) for omega, std, by in known]

@@ -3,7 +3,7 @@
 Each costs the others some of what is known of them. Whether it is there is a question of odds: the likelihood of its
 estimate with the member at zero, over that with a value of the size at which it matters (Jeffreys 1961, chapter V).
 What not knowing the answer does to the others is in their errors: the law of total variance over both models (Hoeting
-et al. 1999, equation 3).
+et al. 1999, equation 3). Absence has to be decisive: what is left out by mistake bends the others.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from ...model import Oscillator
 from ...model.fit_state import LACKING
 from ..problem.data import displacement_amplitude
 from ..problem.structure import typical_sizes
+from ..signals.odds import DECISIVE
 from .likeliest_modes import MEMBERS
 from .reported_result import Fit
 
@@ -39,7 +40,7 @@ class Absent:
 
 
 def likely_absent(names: Sequence[str], values: np.ndarray, covariance: np.ndarray, sizes: np.ndarray) -> Absent | None:
-    """The members whose absence together is the likeliest; None where they are likelier there.
+    """The members whose absence together is the likeliest, and decisively so; None where none are decisively absent.
 
     Args:
         names: of k free parameters.
@@ -62,7 +63,7 @@ def likely_absent(names: Sequence[str], values: np.ndarray, covariance: np.ndarr
                 - np.linalg.slogdet(told)[1]
                 - found @ (inverse - np.linalg.inv(wide)) @ found
             )
-            if not odds > (0.0 if best is None else best.log_odds):
+            if not odds > (DECISIVE if best is None else best.log_odds):
                 continue
             kept = [i for i in range(len(names)) if i not in some]
             follows = covariance[np.ix_(kept, gone)] / scale @ inverse  # what each of them moves the others by

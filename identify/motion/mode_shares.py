@@ -26,11 +26,13 @@ def mode_shares(
         modes: fitted to them.
         deviation: of the white noise on each.
     """
+    if modes.count == 1:
+        return np.ones(1), np.zeros(1)
     power, by_noise = _powers(pieces, modes, deviation)
     theta, spread = np.concatenate([np.log(modes.omega), modes.zeta]), np.sqrt(np.diag(modes.covariance))
     slopes = np.zeros((modes.count, theta.size))
     for k in range(theta.size):
-        h = _FELT * spread[k]
+        h = _FELT * min(spread[k], 1.0)  # of a logarithm, or of a damping ratio: one is all of it
         moved = [theta + sign * h * (np.arange(theta.size) == k) for sign in (1.0, -1.0)]
         up, down = (
             _powers(pieces, replace(modes, omega=np.exp(at[: modes.count]), zeta=at[modes.count :]), deviation)[0]
@@ -49,6 +51,8 @@ def _powers(pieces: Sequence[np.ndarray], modes: Modes, deviation: Sequence[floa
     power, covariance = np.zeros(count), np.zeros((count, count))
     for piece, spread in zip(pieces, deviation, strict=True):
         columns = modes.columns(piece.size)
+        if not np.all(np.isfinite(columns)):  # what grows so fast is no mode, and has no share
+            return np.full(count, np.nan), np.full((count, count), np.nan)
         scale = np.linalg.norm(columns, axis=0)
         columns = columns / scale
         inverse = np.linalg.pinv(columns.T @ columns, hermitian=True)

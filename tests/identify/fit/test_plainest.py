@@ -13,12 +13,12 @@ NAMES = ("omega0", "cubic", "viscous")
 
 
 def test_what_is_within_its_error_is_absent():
-    covariance = np.diag([1e-4, 1e-6, 1e-4])
-    absent = likely_absent(NAMES, np.array([10.0, 1e-3, 0.5]), covariance, np.ones(3))
+    covariance = np.diag([1e-4, 1e-8, 1e-4])
+    absent = likely_absent(NAMES, np.array([10.0, 1e-4, 0.5]), covariance, np.ones(3))
     assert absent is not None
     assert absent.names == ("cubic",)
     # the odds of two normal densities at the estimate, by hand
-    assert absent.log_odds == pytest.approx(0.5 * np.log(1 + 1e6) - 0.5 * 1e-6 * (1e6 - 1 / (1 + 1e-6)), rel=1e-9)
+    assert absent.log_odds == pytest.approx(0.5 * np.log(1 + 1e8) - 0.5 * 1e-8 * (1e8 - 1 / (1 + 1e-8)), rel=1e-9)
 
 
 def test_what_stands_out_of_its_error_stays():
@@ -33,12 +33,19 @@ def test_frequency_and_viscous_damping_are_never_left_out():
 
 
 def test_that_it_may_be_there_is_in_the_errors_of_what_it_moves():
+    """The estimate beside it would be nine times as far away, and no better known than the member itself."""
     covariance = np.array([[1e-4, 0.9e-5], [0.9e-5, 1e-6]])
-    absent = likely_absent(NAMES[:2], np.array([10.0, 3.6e-3]), covariance, np.ones(2))
+    absent = likely_absent(NAMES[:2], np.array([10.0, 2e-3]), covariance, np.array([1.0, 36.0]))
     assert absent is not None
+    there = 1.0 / (1e6 + 36.0**-2)
+    mean = there * 1e6 * 2e-3
     likely = 1 / (1 + np.exp(absent.log_odds))
-    # the estimate beside it would be 9 times 3.6e-3 away, and no better known than the member itself
-    assert absent.spread[0, 0] == pytest.approx(likely * 81 * (3.6e-3**2 + 1e-6), rel=1e-4)
+    assert absent.spread[0, 0] == pytest.approx(likely * 81 * (mean**2 + there), rel=1e-4)
+
+
+def test_what_is_not_decisively_absent_stays():
+    covariance = np.array([[1e-4, 0.9e-5], [0.9e-5, 1e-6]])
+    assert likely_absent(NAMES[:2], np.array([10.0, 2e-3]), covariance, np.array([1.0, 0.1])) is None
 
 
 @pytest.fixture(scope="module", params=[0.0, 0.02], ids=["linear", "preload"])
