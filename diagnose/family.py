@@ -14,7 +14,7 @@ from ..identify.faults.stranger_among import KEPT
 from ..identify.fit.from_prediction import keeps_step, memories
 from ..identify.fit.hold import held_as
 from ..identify.fit.likelihood import maximum_likelihood
-from ..identify.identification import Identification, identify
+from ..identify.identification import LEADS_NOWHERE, Identification, identify
 from ..identify.problem.data import Data, data_of
 from ..identify.problem.offset import FoundOffset, Offset
 from ..identify.problem.prediction import FREE
@@ -76,21 +76,27 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     in_step = identification is not None and keeps_step(
         [s.segment for s in identification.fit.segments], _free_residuals(identification)
     )
-    if identification is None or not (in_step or identified_from(model, recordings)):
+    known = identified_from(model, recordings)
+    anew = (
+        identification is not None
+        and not known
+        and LEADS_NOWHERE in identification.notes
+        and abs(math.log(model.omega0.value / identification.oscillator.omega0.value)) > math.log(OTHER_FREQUENCY)
+    )
+    if identification is None or not (in_step or known):
         effects = [term.effect for term in model.terms]
         again = identify(recordings, name=model.name, effects=effects, doubted=False)
         if identification is None or _left(again) < _left(identification) - math.log(2.0):
-            identification = again
-            notes.append(
-                "the values in the model file lead nowhere near these recordings: all were found anew from them"
-            )
+            identification, anew = again, True
     assert identification is not None
+    if anew:
+        notes.append("the values in the model file lead nowhere near these recordings: all were found anew from them")
     best = replace(identification.oscillator, amplitude=model.amplitude, frequency=model.frequency)
     if any(mine.hold != given.hold for mine, given in zip(identification.recordings, recordings, strict=True)):
         recordings, holdout = identification.recordings, held_as(holdout, best.hold)
     if best.hold != "smooth":
         chain.append(hold_of(best.hold, found=best.hold != model.hold))
-    if not identified_from(model, recordings):
+    if not known:
         notes += _same_rig(model, best, slide=identification.fit.segments[0].segment.slide)
     # what is missing adds up over time: the longer the memory, the more of it shows
     memory = (

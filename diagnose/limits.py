@@ -91,10 +91,10 @@ BLOCK_CYCLES = decides(
 # place/locate.py
 
 LEAST_EVIDENCE = decides(
-    0.01,
+    0.015,
     "log-likelihood a sample",
     "what a missing force must gain to be placed",
-    why="2 % of the power of the noise, which is known no better",
+    why="3 % of the power of the noise, which is known no better",
 )
 
 # place/mismatch_ranges.py

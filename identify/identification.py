@@ -51,7 +51,7 @@ from .start.start import HilbertEstimate, hilbert_start, plain_starts
 
 _log = logging.getLogger(__name__)
 
-_LEADS_NOWHERE = (
+LEADS_NOWHERE = (
     "the model to start from does not predict the motion, not even over one cycle; the search began at an estimate "
     "from the recordings: check that the model is of this rig and in the same units"
 )
@@ -230,7 +230,7 @@ def identify(
         fit=fit,
         recordings=tuple(recordings),
         notes=(
-            *([] if leading else [_LEADS_NOWHERE]),
+            *([] if leading else [LEADS_NOWHERE]),
             *hilbert.notes,
             *chain,
             *fit.notes,

@@ -11,7 +11,7 @@ from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
 from dashpot.identify.fit.likelihood import maximum_likelihood
-from dashpot.identify.provenance import _left, with_provenance
+from dashpot.identify.provenance import left_of_recording, with_provenance
 from dashpot.model import Oscillator
 from dashpot.model.file import dumps, loads
 from dashpot.recording import Recording
@@ -54,10 +54,10 @@ def test_of_several_stretches_it_is_the_whole(fit):
         simulated=3.0 * segment.response - 2.0 * left,
         over_noise=2.0 * first.over_noise,
     )
-    both = _left(replace(fit, segments=(first, second)), 0)
+    both = left_of_recording(replace(fit, segments=(first, second)), 0)
     assert both["over_noise"] == pytest.approx(first.over_noise * np.sqrt(2.5), rel=1e-3)
     assert both["nrmse"] == pytest.approx(first.nrmse * np.sqrt(5.0 / 10.0), rel=1e-3)
-    assert _left(fit, 1) == {}
+    assert left_of_recording(fit, 1) == {}
 
 
 def test_the_range_is_that_of_motion_and_force(fit, recording):

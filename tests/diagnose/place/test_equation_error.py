@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dashpot.diagnose.limits import LEAST_EVIDENCE
 from dashpot.diagnose.place.equation_error import BLOCK_CYCLES, _stretch, equation_error
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
@@ -28,7 +29,7 @@ def errors(model, *recordings):
 
 def test_nothing_is_missing_in_the_right_model(sweep):
     (stretch,), evidence = errors(Oscillator.from_values(LINEAR), sweep)
-    assert evidence < 0.01
+    assert evidence < LEAST_EVIDENCE
     assert np.std(stretch.missing) < 3e-3 * LINEAR["omega0"] ** 2 * np.std(stretch.x)
 
 

@@ -140,7 +140,7 @@ def drag(s):
     return 60.0 * s.v * np.abs(s.v)
 
 
-@pytest.mark.parametrize(("evidence", "located_at"), [(0.009, "unknown"), (0.011, "dissipation")])
+@pytest.mark.parametrize(("evidence", "located_at"), [(0.014, "unknown"), (0.016, "dissipation")])
 def test_a_missing_force_gains_a_hundredth_a_sample(located, stretch, evidence, located_at):
     """That is 2 % of the noise's power, which is known no better."""
     where = located(stretch(drag, name="loud"), evidence=evidence)
