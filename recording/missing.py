@@ -167,7 +167,7 @@ def _by_model(signal: np.ndarray, missing: np.ndarray, a: int, b: int) -> tuple[
     count = (end - begin) // stride
     blocks = slice(begin, begin + count * stride)
     values = signal[blocks].reshape(count, stride).mean(axis=1)
-    gone = missing[blocks].reshape(count, stride).any(axis=1)
+    gone: np.ndarray = np.any(missing[blocks].reshape(count, stride), axis=1)
     own = slice((a - begin) // stride, -(-(b - begin) // stride))
     if np.count_nonzero(~gone) < 3 * _ORDER or own.stop > count:
         return signal[a:b], np.inf
