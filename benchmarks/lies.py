@@ -42,7 +42,10 @@ def outcome(stand: Stand, lie: Lie, seed: int = 0) -> dict[str, object]:
         said, noted = [str(problem)], []
     else:
         parameters = found.oscillator.parameters()
-        off = max(abs(p.value - stand.values[key]) / p.std for key, p in parameters.items() if p.std)
+        known = {
+            key: p for key, p in parameters.items() if key in stand.values
+        }  # a lie may be taken for a further mode
+        off = max(abs(p.value - stand.values[key]) / p.std for key, p in known.items() if p.std)
         contradicted = [n for n in found.notes if "does not agree with" in n or "contradict" in n]
         said, noted = [*found.faults, *contradicted], [*remarks, *found.notes]
     if any(name in s and lie.is_named(s) for s in (*said, *noted)):

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...recording.fact import fact
 from ...recording.short_decay import LEAST_CYCLES, is_short_decay
+from ..signals.odds import SIGNIFICANT
 from ..signals.signals import response_of
 from .blow_answer import answers_against
 from .blows import blows_of, ringing
@@ -52,7 +53,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     if shared is not None and (few or _explains(shared, by_envelope.decays)):
         decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
         motion = _described(recording, decays)
-        return replace(motion, modes=_modes_of(shared))
+        return replace(motion, modes=_modes_of(shared, recording.fs))
     return by_envelope
 
 
@@ -71,11 +72,18 @@ def _explains(shared: SharedModes, decays: Sequence[Decay]) -> bool:
     return taken >= TAKES * sum(decay.stop - decay.start for decay in decays)
 
 
-def _modes_of(shared: SharedModes) -> tuple[Mode, ...]:
-    """Several modes, that which moves most first; none where there is one."""
-    if shared.omega.size == 1:
+def _modes_of(shared: SharedModes, fs: float) -> tuple[Mode, ...]:
+    """Several modes, that which moves most first; none where there is one.
+
+    A line that stands while the main mode rings out is a tone, and no mode: in the longest piece it does not fall by a
+    factor e, as far as is known of it.
+    """
+    omega, zeta = shared.omega, shared.zeta
+    longest = max(stop - start for start, stop, _ in shared.pieces) / fs
+    stands = (omega * (zeta + SIGNIFICANT * shared.errors[1]) * longest < 1) & (shared.rate * longest > 1)
+    order = sorted(np.flatnonzero(~stands | (np.arange(omega.size) == shared.main)), key=lambda k: k != shared.main)
+    if len(order) == 1:
         return ()
-    order = sorted(range(shared.omega.size), key=lambda k: k != shared.main)
     frequency = shared.omega / (2 * np.pi)
     errors = shared.errors * np.stack([frequency, np.ones(frequency.size), np.ones(frequency.size)])
     return tuple(

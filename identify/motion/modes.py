@@ -45,7 +45,9 @@ def isolated(recordings: Sequence[Recording], wanted: str | None = None) -> tupl
         told += f" beside {_listed(others)}"
     if not others:
         return list(recordings), None, f"{told}; no other was found, and nothing was taken away"
-    if wanted is None and len(others) == 1:
+    # within an octave a law stands for one further mode, or the fit takes it beside; what is farther a band takes away
+    nearest = min(max(o.frequency / mode.frequency, mode.frequency / o.frequency) for o in others)
+    if wanted is None and len(others) == 1 and nearest < 2:
         return list(recordings), None, f"{told}; both are fitted together, --mode {modes.index(mode) + 1} isolates it"
     band = band_around(mode, others)
     if band is None:

@@ -91,7 +91,8 @@ def test_no_lie_leaves_wrong_numbers_without_a_word(place):
         assert recordings[lie.record].name in refused
         return
     parameters = found.oscillator.parameters()
-    off = max(abs(p.value - stand.values[name]) / p.std for name, p in parameters.items() if p.std)
+    known = {name: p for name, p in parameters.items() if name in stand.values and p.std}  # the rig has no other mode
+    off = max(abs(p.value - stand.values[name]) / p.std for name, p in known.items() if p.std)
     name = recordings[lie.record].name
     assert off < 5.0 or any(name in sentence for sentence in (*found.faults, *found.notes))
     for sentence in found.faults:
