@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from pathlib import Path
@@ -272,10 +273,9 @@ def identify(
 @click.option(
     "--seconds",
     type=Above(),
-    default=60.0,
-    show_default=True,
+    default=math.inf,
     metavar="SECONDS",
-    help="After which the best answer is given that was found, and what was not tried is said.",
+    help="After which the best answer is given that was found, and what was not tried is said. (default: no limit)",
 )
 @with_figures
 @with_mode

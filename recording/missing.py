@@ -69,7 +69,7 @@ def made_whole(where: str, columns: np.ndarray, fs: float) -> Whole:
     for k in range(columns.shape[1]):
         made[:, k], error = filled(columns[:, k], gone[:, k])
         errors.append(error)
-    blank, unknown = tuple(errors[0]), tuple(_unknown(made, errors, fs))
+    blank, unknown = tuple(errors[0]), tuple(_unknown(made, errors))
     every = runs_of(np.any(gone, axis=1))
     lost = sum(b - a for a, b in every)
     notes = [
@@ -84,15 +84,14 @@ def made_whole(where: str, columns: np.ndarray, fs: float) -> Whole:
     return Whole(made, blank, unknown, tuple(notes))
 
 
-def _unknown(columns: np.ndarray, errors: list[dict[tuple[int, int], float]], fs: float) -> list[tuple[int, int]]:
+def _unknown(columns: np.ndarray, errors: list[dict[tuple[int, int], float]]) -> list[tuple[int, int]]:
     """Gaps after which the motion does not follow from that before; ``errors`` are of filling, by gap and column."""
-    from .oscillation import oscillation
-
     response = columns[:, 0]
     spread = float(np.std(response))
     if not spread > 0:
         return []
-    cycle = fs / oscillation(response, fs).frequency
+    power = np.abs(np.fft.rfft(response - np.mean(response))) ** 2
+    cycle = response.size / (1 + int(np.argmax(power[1:])))  # of the largest line
     if len(errors) == 1 or not (strength := float(np.std(columns[:, 1]))) > 0:
         return [(a, b) for a, b in errors[0] if b - a > cycle]
     least = noise_of(response) / spread * strength * 0.5 * cycle

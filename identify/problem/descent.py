@@ -193,7 +193,8 @@ def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | No
     if not all(np.all(np.isfinite(residual)) for residual in residuals):
         return np.inf
     if noise is None:
-        return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
+        with np.errstate(over="ignore"):  # a motion that runs away costs without end
+            return sum(0.5 * r.size * float(np.log(max(np.mean(r**2), np.finfo(float).tiny))) for r in residuals)
     return sum(0.5 * float(np.vdot(lines := s.lines(r), lines)) for r, s in zip(residuals, noise, strict=True))
 
 

@@ -46,10 +46,10 @@ def test_the_harmonics_that_are_there_are_drawn_and_no_others(third, second, dra
 
 def test_it_stands_on_the_page_with_the_figures_of_the_largest_cycle():
     record, analysis = analysed(0.02)
-    page = hilbert_page(analysis, [record])
+    page = hilbert_page(analysis, [record]).html
     assert "Within the cycle" in page
     reached = re.search(r"the largest cycle reaches ([\d.]+)(?:&nbsp;| )m", page)
     assert reached is not None
     assert float(reached.group(1)) == pytest.approx(1.02 * analysis.curves[0].amplitude.max(), rel=1e-3)
     without = replace(analysis, curves=tuple(replace(curve, within=None) for curve in analysis.curves))
-    assert "Within the cycle" not in hilbert_page(without, [record])
+    assert "Within the cycle" not in hilbert_page(without, [record]).html

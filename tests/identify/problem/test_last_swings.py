@@ -89,7 +89,7 @@ def test_over_its_last_cycle_it_must_have_come_down(times, longer, monkeypatch):
     segment = data_of([recording], MODEL, coarse=False).segments[0]
     cycle = round(2 * np.pi / segment.pace * FS)
     level = float(np.std(segment.response[-cycle:])) / segment.noise
-    assert level < 0.9 * last_swings._DOWN  # an end at the noise is well below the limit
-    monkeypatch.setattr(last_swings, "_DOWN", times * level)
+    assert level < 0.9 * last_swings.BEYOND_ERRORS  # an end at the noise is well below the limit
+    monkeypatch.setattr(last_swings, "BEYOND_ERRORS", times * level)
     before, after = lengthened(recording.response)
     assert (after > before) is longer
