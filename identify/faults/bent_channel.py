@@ -20,8 +20,7 @@ from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
 from .fault import Fault, times_over, with_error
-from .fault_score import OWN, columns_of
-from .faulty_fit import FaultyFit
+from .fault_score import OWN, beside_fault
 from .part import Span, spans_of
 
 #: What a channel counts more by where its size is one, in words, and what does that.
@@ -154,14 +153,7 @@ def bent_channels(
         for force in ((False, True) if span.recording in driven else (False,))
     ]
     for fault in asked:
-        faulty = FaultyFit(problem, [fault])
-        point = faulty.with_sizes(state)
-        columns = {
-            i: noise[i].lines(columns_of(faulty, point, i, segment.response - residuals[i]))
-            for i, segment in enumerate(problem.segments)
-            if segment.recording == fault.recording
-        }
-        beside = linearised.beside(columns)
+        beside = beside_fault(linearised, problem, state, residuals, noise, fault)
         alone = beside.without(slice(k))
         information = float(alone.normal[0, 0])
         if information > OWN * float(beside.normal[k, k]):

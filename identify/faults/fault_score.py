@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ..problem.linearised import Linearised
+from ..problem.linearised import Linearised, Sums
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
@@ -109,14 +109,7 @@ def expected_gains(
     linearised = Linearised.of(problem, state, residuals, noise, single=False)
     k, gains = problem.shared, []
     for fault in faults:
-        faulty = FaultyFit(problem, [fault])
-        point = faulty.with_sizes(state)
-        columns = {
-            i: noise[i].lines(columns_of(faulty, point, i, segment.response - residuals[i]))
-            for i, segment in enumerate(problem.segments)
-            if segment.recording == fault.recording
-        }
-        beside = linearised.beside(columns)
+        beside = beside_fault(linearised, problem, state, residuals, noise, fault)
         asked = beside.without(slice(k))
         # what the parameters can do themselves is no fault's
         before = np.maximum(np.diag(beside.normal)[k:], np.finfo(float).tiny)
@@ -124,7 +117,26 @@ def expected_gains(
     return np.array(gains)
 
 
-def columns_of(faulty: FaultyFit, point: State, index: int, base: np.ndarray) -> np.ndarray:
+def beside_fault(
+    linearised: Linearised,
+    problem: OutputError,
+    state: State,
+    residuals: Sequence[np.ndarray],
+    noise: Sequence[NoiseSpectrum],
+    fault: Fault,
+) -> Sums:
+    """The sums over all segments with the sizes of one fault as further columns, behind what segments share."""
+    faulty = FaultyFit(problem, [fault])
+    point = faulty.with_sizes(state)
+    columns = {
+        i: noise[i].lines(_columns(faulty, point, i, segment.response - residuals[i]))
+        for i, segment in enumerate(problem.segments)
+        if segment.recording == fault.recording
+    }
+    return linearised.beside(columns)
+
+
+def _columns(faulty: FaultyFit, point: State, index: int, base: np.ndarray) -> np.ndarray:
     """(sizes, n) derivatives of what is shown along one segment with respect to the sizes of the last fault."""
     columns = []
     for place in range(len(faulty.offsets) - faulty.faults[-1].count, len(faulty.offsets)):

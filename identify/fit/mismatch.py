@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
-from scipy.signal import hilbert
 
 from ..problem.segments import Segment
 from .limits import CYCLES, HARMONICS
@@ -66,6 +65,8 @@ def witnesses(residuals: Sequence[np.ndarray], segments: Sequence[Segment]) -> f
 
 def _vectors(residual: np.ndarray, segment: Segment) -> np.ndarray:
     """(blocks, components) of what is left along the harmonics of the motion, of unit length."""
+    from scipy.signal import hilbert  # half a second, which no command needs that finds no mismatch
+
     motion = segment.response - residual
     analytic = np.asarray(hilbert(motion - np.mean(motion)))
     turn = analytic / np.maximum(np.abs(analytic), np.finfo(float).tiny)
