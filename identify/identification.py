@@ -30,7 +30,7 @@ from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import blame
 from .fit.given_start import leads, with_shared
 from .fit.hold import held_as, with_hold
-from .fit.likeliest_modes import likeliest_modes, modes_of_fit
+from .fit.likeliest_modes import likeliest_modes, modes_of_fit, odds
 from .fit.likelihood import maximum_likelihood
 from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
 from .fit.plainest import plainest
@@ -205,6 +205,9 @@ def identify(
         fit = answer(recordings, None, doubted=doubted)
     several = len(modes_of_fit(fit.oscillator)) > 1
     fit, recordings, chain = with_hold(fit, recordings, partial(answer, kept=kept), doubted=doubted)
+    if start is None and not effects:
+        how = {"recordings": recordings, "fixed": (*fixed, *kept), "doubted": doubted}
+        fit = _out_of_a_well(fit, partial(maximum_likelihood, **how))
     if not every:
         progress("whether a plainer model explains as much")
         held = tuple(recordings)
@@ -241,6 +244,22 @@ def identify(
         work=work,
         modes_left=_modes_left(fit, recordings),
     )
+
+
+def _out_of_a_well(fit: Fit, answer: Callable[[Oscillator], Fit]) -> Fit:
+    """The fit, or that from no preload, where the preload came out negative and that is likelier.
+
+    A negative preload makes two wells, and a motion in one of them under a load looks like one about the middle.
+    """
+    preload = fit.oscillator.preload
+    loaded = any(offset.channel == "force" for offset in fit.offsets)
+    if preload.std is None or not preload.value < (0.0 if loaded else -SIGNIFICANT * preload.std):
+        return fit
+    try:
+        other = answer(fit.oscillator.with_parameters({"preload": replace(preload, value=0.0)}))
+    except BadInput:
+        return fit
+    return other if odds(other, fit) > 0.0 else fit
 
 
 def _modes_left(fit: Fit, recordings: Sequence[Recording]) -> str | None:

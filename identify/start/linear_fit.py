@@ -59,7 +59,7 @@ class LinearFit:
 
 
 def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
-    """Fit a linear rig to segments; None where a motion has no frequency of its own, as on a slide."""
+    """Fit a linear rig to segments; None where a motion shows no frequency of its own, as on a slide."""
     from scipy.optimize import least_squares
 
     if not segments or any(segment.slide for segment in segments):
@@ -78,6 +78,8 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
     places = _free_places([s for s in signals if s.force is None])
     if any(s.force is not None for s in signals):
         places += [(k * pace, z * k * pace) for k in _FREQUENCIES for z in _DAMPING]
+    if not places:  # what stands still, or moves by less than a cycle, shows no line
+        return None
     inside = [np.clip(np.log(place), low + _EDGE, high - _EDGE) for place in places]
     costs = [float(np.sum(remainder(theta) ** 2)) for theta in inside]
     nearest = [inside[i] for i in np.argsort(costs)[:_KEPT]]

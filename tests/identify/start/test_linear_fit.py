@@ -172,6 +172,7 @@ def test_places_to_begin_at():
 
 def test_where_there_is_no_frequency_there_is_no_fit():
     assert linear_fit([]) is None
+    assert linear_fit([segment(np.zeros(80), 0.01)]) is None  # at rest
     assert linear_fit([free(0.01, 700, slide=True)]) is None
     assert linear_fit([free(0.01, 700), free(0.01, 700, slide=True)]) is None
 
