@@ -17,6 +17,7 @@ from __future__ import annotations
 
 import argparse
 import ast
+import importlib.util
 import json
 import os
 import random
@@ -224,7 +225,7 @@ class Judge:
         end = time.monotonic() + self.limit
         try:
             while True:
-                target.write_text(text, encoding="utf-8")
+                put(target, text)
                 left_out = [f"--deselect={name}" for name in sorted(self.red)]
                 code, out = self._pytest([*map(str, tests), *left_out], end - time.monotonic())
                 if code is None:
@@ -237,12 +238,12 @@ class Judge:
                 if name is None:  # the process itself ended
                     return KILLED, f"pytest ended with code {code}"
                 # as the mutant is written, and nothing changed
-                target.write_text(ast.unparse(ast.parse(original)), encoding="utf-8")
+                put(target, ast.unparse(ast.parse(original)))
                 if self._passes(name):
                     return KILLED, name
                 self.red.add(name)
         finally:
-            target.write_text(original, encoding="utf-8")
+            put(target, original)
 
     def _passes(self, name: str) -> bool:
         """Whether a test passes now; where there is no test of that name, all of its file."""
@@ -254,6 +255,16 @@ class Judge:
                 return False
             self.green.add(name)
         return True
+
+
+def put(source: Path, text: str) -> None:
+    """Write a module's text, without what was compiled of the text before.
+
+    Compiled code is held to be that of a source of its size and second: two texts of one length within a second would
+    be taken for one.
+    """
+    source.write_text(text, encoding="utf-8")
+    Path(importlib.util.cache_from_source(str(source))).unlink(missing_ok=True)
 
 
 def failed_of(out: str) -> str | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +15,7 @@ BENCHMARKS = Path(__file__).resolve().parents[2] / "benchmarks"
 sys.path.append(str(BENCHMARKS))
 
 import random_mutants  # noqa: E402  (it lies beside the package, not in it)
-from random_mutants import Known, drawn, fitting_tests, found_again, modules_imported  # noqa: E402
+from random_mutants import Known, drawn, fitting_tests, found_again, modules_imported, put  # noqa: E402
 
 SOURCE = '''"""Two functions."""
 
@@ -135,6 +136,22 @@ def test_the_test_that_failed_is_read():
     assert random_mutants.failed_of("..F\nFAILED tests/a.py::test_b[1-2] - assert 1\n") == "tests/a.py::test_b[1-2]"
     assert random_mutants.failed_of("ERROR tests/a.py - ImportError: no\n") == "tests/a.py"
     assert random_mutants.failed_of("1 passed") is None
+
+
+def test_of_two_texts_of_one_length_the_last_is_run(tmp_path):
+    module = tmp_path / "door.py"
+    put(module, "OPEN = 1\n")
+    begun = module.stat().st_mtime_ns
+    import_it = [
+        sys.executable,
+        "-P",
+        "-c",
+        f"import sys; sys.path.insert(0, {str(tmp_path)!r}); import door; print(door.OPEN)",
+    ]
+    assert subprocess.run(import_it, capture_output=True, text=True, check=True).stdout == "1\n"
+    put(module, "OPEN = 2\n")
+    os.utime(module, ns=(begun, begun))
+    assert subprocess.run(import_it, capture_output=True, text=True, check=True).stdout == "2\n"
 
 
 def test_what_is_killed_and_what_survives_is_recorded_and_what_was_lost_is_said(tmp_path):
