@@ -42,7 +42,7 @@ from .search.candidate import Candidate, key
 from .search.found import Found
 from .search.judgement import MATTERS, leaves_mismatch
 from .search.measure import Measure
-from .search.race import PATIENCE, Entry, led, race, started
+from .search.race import PATIENCE, Entry, continued, race, started
 from .search.starts import handed_down
 from .search.weigh import forget, judged
 
@@ -182,7 +182,7 @@ def _of_the_angle(found: Found) -> Found:
     fixed = [name for name in parameters if name not in fitted.free or name in told]
     # the others have made up for what was fitted, and simulated with it they lose the motion
     try:
-        held = Structure(led(there, data, fixed), data, fixed).fit(tolerance=_AT_REST)
+        held = Structure(continued(there, data, fixed), data, fixed).fit(tolerance=_AT_REST)
     except BadInput:
         return found
     candidate = found.weighing.weigh(selected.laws, held)

@@ -22,7 +22,7 @@ from ..errors import DashpotError
 _HELD = {getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)}
 
 
-def aside(work: Callable[[], None]) -> None:
+def run_in_child(work: Callable[[], None]) -> None:
     """Do ``work``; what it raises is raised here. Signals that ask for an end are heard when it is done."""
     with signals_held():
         if not sys.platform.startswith("linux"):

@@ -1,9 +1,9 @@
 """Files appear whole or not at all, and those of one command together; like ``errors``, for every folder to use.
 
 What is written is kept in memory to the end of its command. Then it is written under temporary names and read back; the
-files take their places when nothing can go wrong any more, and where one cannot, those before it are put back. This is
-done aside (see there), so that an end by force changes nothing of it. Only regular files are replaced; links are
-followed.
+files take their places when nothing can go wrong any more, and where one cannot, those before it are put back. A child
+process does this (``run_in_child``), so that an end by force changes nothing of it. Only regular files are replaced;
+links are followed.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import BadInput, Unwritable
-from .forked_writer import aside
+from .forked_writer import run_in_child
 
 
 @dataclass
@@ -116,7 +116,7 @@ def together() -> Iterator[None]:
     finally:
         _pending.reset(token)
     if pending.contents:
-        aside(pending.settle)
+        run_in_child(pending.settle)
 
 
 def write(target: Path, content: str | bytes) -> None:
@@ -191,7 +191,7 @@ def writable(target: Path) -> None:
             _remove(folders)  # made again when there is something to put in
 
     with _refusing(target):
-        aside(attempt)
+        run_in_child(attempt)
 
 
 @contextmanager
@@ -268,11 +268,11 @@ def _unused(place: Path) -> Path:
     return place.with_name(f".{place.name[:40]}-{secrets.token_hex(6)}{place.suffix[:20]}")
 
 
-def _second_name(target: Path, aside: Path) -> None:
+def _second_name(target: Path, run_in_child: Path) -> None:
     try:
-        os.link(target, aside)
+        os.link(target, run_in_child)
     except OSError:  # a disk without second names
-        aside.write_bytes(target.read_bytes())
+        run_in_child.write_bytes(target.read_bytes())
 
 
 def _refused(target: Path, problem: Exception) -> BadInput:

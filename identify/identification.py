@@ -27,7 +27,7 @@ from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
-from .faults.inconsistent_recording import blame
+from .faults.inconsistent_recording import explain_residual
 from .fit.given_start import leads, with_shared
 from .fit.hold import held_as, with_hold
 from .fit.likeliest_modes import likeliest_modes, modes_of_fit, odds
@@ -136,7 +136,7 @@ def identify(
         doubted: whether what predictions say otherwise goes into the standard errors; see ``maximum_likelihood``.
         near: whether ``start`` was found from these very recordings; see there.
         faults: whether to ask what the measuring chain may have done to the recordings, by several fits more, where
-            they do not contradict each other too; see ``blame``.
+            they do not contradict each other too; see ``explain_residual``.
         every: whether members of Eq. 17 stay that the recordings do not tell from none; see ``plainest``.
         progress: called with one line per step.
 
@@ -217,14 +217,14 @@ def identify(
             return maximum_likelihood(model, held, (*fixed, *kept, *zero), doubted=False, near=near)
 
         fit = plainest(fit, plainer)
-    told: dict[int, str] = {}
+    faulty: dict[int, str] = {}
     if doubted or faults:
         progress("whether the recordings contradict each other")
         strange = None if effects or fixed or start or several else _alone
-        found = blame(fit, recordings, asked=faults, alone=strange)
-        fit, told, chain = found.fit, found.faults, (*chain, *found.notes)
+        found = explain_residual(fit, recordings, asked=faults, alone=strange)
+        fit, faulty, chain = found.fit, found.faults, (*chain, *found.notes)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
-    oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band, faults=told)
+    oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band, faults=faulty)
     work = meter.read(sum(recording.n for recording in recordings))
     _log.info("%s", work)
     return Identification(
@@ -240,7 +240,7 @@ def identify(
             *_remarks(fit, recordings),
             *left_over(oscillator),
         ),
-        faults=tuple(f"{recordings[i].name}: {words}" for i, words in told.items()),
+        faults=tuple(f"{recordings[i].name}: {words}" for i, words in faulty.items()),
         work=work,
         modes_left=_modes_left(fit, recordings),
     )

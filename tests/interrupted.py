@@ -52,7 +52,7 @@ LONGEST = 300.0
 #: Commands that keep what is done and go on from there, and s that their own processes may take to end.
 GO_ON, GRACE = ("batch",), 2.0
 if os.environ.get("CARELESS"):  # a program that does not do what is tested here, by which the tests are tested
-    writing.aside = lambda work: work()
+    writing.run_in_child = lambda work: work()
     KINDS = ("SIGKILL",)
 
 

@@ -92,7 +92,7 @@ class Score:
 
 
 @dataclass(frozen=True, eq=False)
-class _Told:
+class _Information:
     """What a recording tells of the parameters ``names`` at a model's values.
 
     (k,) gradient of the log-likelihood, (k, k) information, and (k, k) covariance of the gradient that noise makes.
@@ -109,29 +109,29 @@ def score_of(model: Oscillator, recording: Recording) -> Score | None:
 
     None where nothing in the recording tells of the parameters.
     """
-    told, best, gone = _told(model, recording), None, None
+    known, best, gone = _information_of(model, recording), None, None
     for _ in range(_ROUNDS):
-        if told is None:
+        if known is None:
             return best
-        own = covariance_of(model, told.names)
-        moved = np.zeros(len(told.names)) if gone is None else gone
-        gradient = told.gradient + told.information @ moved  # at the model's own values, if the response were linear
-        spread = told.spread + told.information @ own @ told.information
-        best = _best(model, told, gradient, spread)
+        own = covariance_of(model, known.names)
+        moved = np.zeros(len(known.names)) if gone is None else gone
+        gradient = known.gradient + known.information @ moved  # at the model's own values, if the response were linear
+        spread = known.spread + known.information @ own @ known.information
+        best = _best(model, known, gradient, spread)
         if best is None or best.passed or not np.any(own):
             return best
         # a step that the model's own errors allow may be so long that the response bends: look from its end
-        gone = own @ told.information @ pseudo_inverse(spread) @ gradient
-        told = _told(_moved(model, told.names, gone), recording)
+        gone = own @ known.information @ pseudo_inverse(spread) @ gradient
+        known = _information_of(_moved(model, known.names, gone), recording)
     return best
 
 
-def _best(model: Oscillator, told: _Told, gradient: np.ndarray, spread: np.ndarray) -> Score | None:
+def _best(model: Oscillator, at: _Information, gradient: np.ndarray, spread: np.ndarray) -> Score | None:
     """The step that is asked for most."""
-    steps = [(name, told.information[:, [i]]) for i, name in enumerate(told.names)] + [(None, told.information)]
+    steps = [(name, at.information[:, [i]]) for i, name in enumerate(at.names)] + [(None, at.information)]
     scores = [_score(name, moved, gradient, spread, model) for name, moved in steps]
-    known = [score for score in scores if score is not None]
-    return min(known, key=lambda score: (score.chance, -score.gain)) if known else None
+    possible = [score for score in scores if score is not None]
+    return min(possible, key=lambda score: (score.chance, -score.gain)) if possible else None
 
 
 def _moved(model: Oscillator, names: Sequence[str], by: np.ndarray) -> Oscillator:
@@ -147,15 +147,15 @@ def standard_errors(model: Oscillator, recording: Recording) -> dict[str, float]
 
     At the model's values, by what noise makes of the score (Huber 1967).
     """
-    told = _told(model, recording)
-    if told is None:
+    known = _information_of(model, recording)
+    if known is None:
         return {}
-    inverse = pseudo_inverse(told.information)
-    variances = np.diag(inverse @ told.spread @ inverse)
-    return dict(zip(told.names, map(float, np.sqrt(np.maximum(variances, 0.0))), strict=True))
+    inverse = pseudo_inverse(known.information)
+    variances = np.diag(inverse @ known.spread @ inverse)
+    return dict(zip(known.names, map(float, np.sqrt(np.maximum(variances, 0.0))), strict=True))
 
 
-def _told(model: Oscillator, recording: Recording) -> _Told | None:
+def _information_of(model: Oscillator, recording: Recording) -> _Information | None:
     try:
         data = data_of([recording], model, coarse=False)
     except BadInput:
@@ -173,10 +173,10 @@ def _told(model: Oscillator, recording: Recording) -> _Told | None:
         return None
     noise = noise_of(problem.segments, residuals, model.values())
     linearised = Linearised.of(problem, state, residuals, noise)
-    told = linearised.over(linearised.unknowns.parameters)
+    known = linearised.over(linearised.unknowns.parameters)
     del linearised
     spread = scatter(problem, state, noise, [noise_levels(recording)[1]] * len(problem.segments), _DRAWS)
-    return _Told(structure.free, told.gradient, told.normal, spread)
+    return _Information(structure.free, known.gradient, known.normal, spread)
 
 
 def _beside(problem: OutputError, state: State) -> State:
@@ -195,12 +195,12 @@ def _score(
     """
     from scipy.special import chdtrc
 
-    weighed = moved.T @ pseudo_inverse(spread)
-    told = weighed @ moved
-    if not np.all(np.isfinite(told)) or not np.any(np.diag(told) > 0):
+    whitened = moved.T @ pseudo_inverse(spread)
+    information = whitened @ moved
+    if not np.all(np.isfinite(information)) or not np.any(np.diag(information) > 0):
         return None
-    step = pseudo_inverse(told) @ (weighed @ gradient)
-    gain = 0.5 * float(step @ weighed @ gradient)
+    step = pseudo_inverse(information) @ (whitened @ gradient)
+    gain = 0.5 * float(step @ whitened @ gradient)
     chance = float(chdtrc(moved.shape[1], 2.0 * gain))
     if name is None:
         return Score(None, "", None, None, gain, chance)

@@ -31,7 +31,7 @@ from ...identify.start.measured_motion import Regression, probes
 from ...model import Oscillator
 from ...model.law import Law
 from ..limits import PROBE_MEMORY
-from .race import led
+from .race import continued
 from .starts import Proposal
 
 _KEPT = budget(2, "places", why="one on each core is led to a simulation")
@@ -102,7 +102,7 @@ def by_probing(fitted: Fitted, standing: Fitted, data: Data, laws: Sequence[Law]
             proposals += [
                 Proposal(law.name, model, None, fit.likelihood - least)
                 for fit, model in zip(
-                    better, pool.map(lambda f: led(f.model, data, shapes_of(f.model)), better), strict=True
+                    better, pool.map(lambda f: continued(f.model, data, shapes_of(f.model)), better), strict=True
                 )
             ]
     return proposals

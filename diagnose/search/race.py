@@ -298,11 +298,11 @@ def started(entry: Entry, data: Data, measure: Measure, *, beside_noise: bool = 
     start = _put(entry, data, measure)
     if start is None or beside_noise or data.memory != FREE or not any_lost(data.segments, start.descent.residuals):
         return start
-    there = replace(entry, model=led(entry.model, data, entry.fixed), initial=None)
+    there = replace(entry, model=continued(entry.model, data, entry.fixed), initial=None)
     return max(start, _put(there, data, measure) or start, key=lambda one: one.value)
 
 
-def led(model: Oscillator, data: Data, fixed: Sequence[str]) -> Oscillator:
+def continued(model: Oscillator, data: Data, fixed: Sequence[str]) -> Oscillator:
     """A model some steps further at each memory, from a cycle to the length of the recordings.
 
     Args:

@@ -117,9 +117,9 @@ class Search:
 
     def _climbed(self, leader: Candidate) -> Candidate:
         """From a structure to one that no neighbour is better than."""
-        led: dict[tuple[str, ...], float] = {}
-        while leader.value > led.get(leader.laws, -np.inf) + DECISIVE:
-            led[leader.laws] = leader.value
+        reached: dict[tuple[str, ...], float] = {}
+        while leader.value > reached.get(leader.laws, -np.inf) + DECISIVE:
+            reached[leader.laws] = leader.value
             _log.info("%s leads: log-evidence %.6g", leader.name, leader.value)
             best = leader
             for way in self._ways(leader):
@@ -128,7 +128,7 @@ class Search:
                     self.untried.append(asked)
                     continue
                 _log.info("%s", asked)
-                best = self._led_by_others(best, way(best))
+                best = self._best_of_neighbours(best, way(best))
                 if best.laws != leader.laws:
                     break
             leader = self._simulated(best)
@@ -160,7 +160,7 @@ class Search:
         first = [self._as_long_or_shorter, self._learnt] if smooth else [self._learnt]
         return [*rugged, *first, *(way for way in ways if way not in first)]
 
-    def _led_by_others(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
+    def _best_of_neighbours(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:
         """What leads once neighbours of the leader have been weighed; the leader, weighed anew, where none does."""
         arrived = self._arrived(leader, starts)
         return leading(self.candidates[leader.laws], arrived, self.parts)

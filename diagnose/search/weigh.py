@@ -8,7 +8,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...identify.fit.evidence import Prior, Told, cross_validated, evidence, predictive, told
+from ...identify.fit.evidence import Marginal, Prior, cross_validated, evidence, marginalised, predictive
 from ...identify.problem.data import Data, likelihood
 from ...identify.problem.linearised import Linearised
 from ...identify.problem.offset import FEELER
@@ -47,7 +47,7 @@ def judged(model: Oscillator, data: Data) -> Fitted:
     return Fitted(model, state.initial, untold, likelihood(untold, model, data), (), state.offsets)
 
 
-def weighed(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Told]:
+def weighed(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Marginal]:
     """Log-evidence of the training recordings, and what they tell of the parameters.
 
     Args:
@@ -55,12 +55,14 @@ def weighed(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Told]:
         data: training recordings.
         measure: in which structures are compared on these.
     """
-    training = _told(fitted, data, fitted.free, measure)
+    training = _marginal(fitted, data, fitted.free, measure)
     values = np.array([fitted.model.values()[name] for name in fitted.free])
     return evidence(training, values, shared_prior(fitted.model, fitted.free, data.scales)), training
 
 
-def foretold(fitted: Fitted, training: Told, data: Data, held_out: Fitted, holdout: Data, measure: Measure) -> float:
+def foretold(
+    fitted: Fitted, training: Marginal, data: Data, held_out: Fitted, holdout: Data, measure: Measure
+) -> float:
     """Log-probability of held-out recordings, given those of the training.
 
     Args:
@@ -72,7 +74,7 @@ def foretold(fitted: Fitted, training: Told, data: Data, held_out: Fitted, holdo
         measure: in which structures are compared on these.
     """
     prior = shared_prior(fitted.model, fitted.free, data.scales)
-    return predictive(_told(held_out, holdout, fitted.free, measure), training, prior)
+    return predictive(_marginal(held_out, holdout, fitted.free, measure), training, prior)
 
 
 def stretches_of(data: Data) -> Data:
@@ -97,21 +99,21 @@ def foretold_by_the_others(fitted: Fitted, stretches: Data, measure: Measure) ->
         measure: in which structures are compared on these.
     """
     own = judged(fitted.model, stretches)
-    parts = _told_by_each(own, stretches, fitted.free, measure)
+    parts = _marginal_by_segment(own, stretches, fitted.free, measure)
     return cross_validated(parts, shared_prior(fitted.model, fitted.free, stretches.scales))
 
 
-def _told(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> Told:
+def _marginal(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> Marginal:
     """What recordings tell of the parameters, their initial states and offsets averaged over."""
-    parts = _told_by_each(fitted, data, free, measure)
-    return Told(
+    parts = _marginal_by_segment(fitted, data, free, measure)
+    return Marginal(
         sum(part.log_likelihood for part in parts),
         np.sum([part.information for part in parts], axis=0),
         np.sum([part.gradient for part in parts], axis=0),
     )
 
 
-def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> list[Told]:
+def _marginal_by_segment(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Measure) -> list[Marginal]:
     """The same of each segment."""
     structure, state, slopes = linearised_at(fitted, data, free)
     problem = structure.problem
@@ -129,10 +131,10 @@ def _told_by_each(fitted: Fitted, data: Data, free: tuple[str, ...], measure: Me
         middle = np.concatenate([[-problem.offsets[i].taken for i in own], whole[0, places]])
         width = np.concatenate([[_SIZES * problem.offsets[i].scale for i in own], whole[1, places]])
         values = np.concatenate([state.offsets[own], begin[places]])
-        part = told(value, sums, k + where, values, np.array([middle, width]), k)
+        part = marginalised(value, sums, k + where, values, np.array([middle, width]), k)
         information, gradient = np.zeros((len(free), len(free))), np.zeros(len(free))
         information[np.ix_(shared, shared)], gradient[shared] = part.information, part.gradient
-        by_segment.append(Told(part.log_likelihood, information, gradient))
+        by_segment.append(Marginal(part.log_likelihood, information, gradient))
     return by_segment
 
 

@@ -65,7 +65,7 @@ class Bent(Fault):
         """See ``Fault``."""
         return made if self.force else made * self._factor(made, segment, sizes)
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         counted, cause = _IN_WORDS[self.shape]
         size, more = with_error(100 * abs(sizes[0]), 100 * errors[0]), "more" if sizes[0] > 0 else "less"
@@ -124,7 +124,7 @@ class FoundBent:
     @property
     def words(self) -> str:
         """What is said of its recording."""
-        return self.fault.told(np.array([self.size]), np.array([self.error]), "", "")
+        return self.fault.in_words(np.array([self.size]), np.array([self.error]), "", "")
 
 
 def bent_channels(

@@ -26,7 +26,7 @@ from ..signals.signals import noise_levels
 from .fitted_problem import fitted_problem
 from .limits import ALIKE, PROMISING
 from .part import Part
-from .without_part import Level, first_confirmed, parts_to_blame
+from .without_part import Level, first_confirmed, suspect_parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,7 @@ class Contradiction:
 
 
 def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | None:
-    """The part that the rest contradicts; None where no more than noise is left, or no part is to blame alone.
+    """The part that the rest contradicts; None where no more than noise is left, or no single part is the cause.
 
     Args:
         fit: of these recordings.
@@ -70,12 +70,12 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     worth = np.array([level.worth * segment.n for segment, level in zip(problem.segments, levels, strict=True)])
     if is_noise(squares, worth):
         return None
-    parts = parts_to_blame(problem, state, levels, PROMISING)
+    parts = suspect_parts(problem, state, levels, PROMISING)
     first = first_confirmed(problem, state, levels, parts)
     if first is None:
         return None
     # seen from there, where nothing is far off any more, the part has its true length
-    nearer = [part for part in parts_to_blame(problem, first[1], levels) if not part.apart_from(first[0])]
+    nearer = [part for part in suspect_parts(problem, first[1], levels) if not part.apart_from(first[0])]
     part, without = first_confirmed(problem, first[1], levels, nearer) or first
     apart = [other for other in parts if other.apart_from(part)]
     left = problem.residuals(without)
@@ -108,8 +108,8 @@ def _stands_out(
             inside.append((float(np.mean(squares[held])), level.worth * int(np.sum(held))))
         else:
             rest.append(float(np.mean(squares)))
-    told, worth = np.array(inside).T
-    return not is_noise(told / max(rest), worth)
+    squares, worth = np.array(inside).T
+    return not is_noise(squares / max(rest), worth)
 
 
 def _level(segment: Segment, values: Mapping[str, float], recordings: Sequence[Recording]) -> Level:

@@ -52,7 +52,7 @@ class Fault(ABC):
         return 1e-2
 
     @abstractmethod
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """Kind, place and size in words."""
 
 
@@ -72,9 +72,9 @@ class ResponseGain(Fault):
         """See ``Fault``."""
         return made * self._factor(segment, sizes)[: made.size]
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
-        return _gain_told("response", self.place, sizes, errors)
+        return _gain_in_words("response", self.place, sizes, errors)
 
 
 class ForceGain(Fault):
@@ -89,9 +89,9 @@ class ForceGain(Fault):
         factor = np.where(times_of(segment) < self.place, 1.0, 1.0 / max(1.0 + sizes[0], _LEAST))
         return replace(segment, force=times_over(segment.force, factor, segment.dt))
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
-        return _gain_told("force", self.place, sizes, errors)
+        return _gain_in_words("force", self.place, sizes, errors)
 
 
 class Late(Fault):
@@ -109,7 +109,7 @@ class Late(Fault):
         """See ``Fault``; in seconds."""
         return 1e-2 / segment.pace
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         ms, error = 1e3 * sizes[0], 1e3 * errors[0]
         way = "late" if ms > 0 else "early"
@@ -136,7 +136,7 @@ class Clock(Fault):
         """See ``Fault``."""
         return 1e-3
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         way = "faster" if sizes[0] > 0 else "slower"
         share = with_error(100 * abs(sizes[0]), 100 * errors[0])
@@ -177,7 +177,7 @@ class Hum(Added):
         """See ``Added``."""
         return tone(times_of(segment), self.place, sizes)
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         return (
             f"a line of {self.place:.4g} Hz and {float(np.hypot(*sizes)):.3g} {unit} lies on the response that neither "
@@ -207,7 +207,7 @@ class ForceHum(Fault):
         """See ``Fault``; in the unit of the force."""
         return 1.0 if segment.force is None else 1e-2 * float(np.std(segment.force.pieces[:, 0]))
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         return (
             f"a line of {self.place:.4g} Hz and {float(np.hypot(*sizes)):.3g} {force_unit} lies on the force's channel "
@@ -224,7 +224,7 @@ class ZeroStep(Added):
         """See ``Added``."""
         return np.where(times_of(segment) < self.place, 0.0, sizes[0])
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         return (
             f"at {self.place:.4g} s the sensor's zero steps by {sizes[0]:.3g} ± {errors[0]:.2g} {unit}: it slipped, or "
@@ -282,7 +282,7 @@ def times_over(force: Force, factor: np.ndarray, dt: float) -> Force:
     return smooth_force(samples * factor[: samples.size], dt, (force.fine - 0.5) / (SAMPLES_A_CYCLE * dt))
 
 
-def _gain_told(channel: str, place: float, sizes: np.ndarray, errors: np.ndarray) -> str:
+def _gain_in_words(channel: str, place: float, sizes: np.ndarray, errors: np.ndarray) -> str:
     return (
         f"from {place:.4g} s on the {channel} counts {with_error(1.0 + sizes[0], errors[0])} times what it should: "
         "the gain or range of its channel was changed; use the parts before and after as recordings of their own "

@@ -119,18 +119,18 @@ def faults_found(
         finest = best.coarsely(False)
         where = search(finest, point, tolerance=0.1, most=_STEPS, informed=False).state
         if _noise_alone(finest, where, fit, recordings):
-            told = _told(finest, where, gains, fit, recordings)
-            return told if _is_one_cause(told) and all(fault.stands for fault in told) else ()
+            found = _with_sizes(finest, where, gains, fit, recordings)
+            return found if _is_one_cause(found) and all(fault.stands for fault in found) else ()
     return ()
 
 
-def _is_one_cause(told: Sequence[FoundFault]) -> bool:
+def _is_one_cause(found: Sequence[FoundFault]) -> bool:
     """Whether faults are one thing that a chain does: several in several records may come of lines or of delays alone.
 
     Gains and steps of many records, each of its own size, soak up what a family lacks as well.
     """
-    kinds = {type(found.fault) for found in told}
-    return len(told) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
+    kinds = {type(found.fault) for found in found}
+    return len(found) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
 
 
 def with_fault(
@@ -282,24 +282,24 @@ def _noise_alone(faulty: FaultyFit, state: State, fit: Fit, recordings: Sequence
     return max(over_noise(faulty, residuals, state, fit.oscillator, recordings)) <= ABOVE_NOISE
 
 
-def _told(
+def _with_sizes(
     faulty: FaultyFit, state: State, gains: Sequence[float], fit: Fit, recordings: Sequence[Recording]
 ) -> tuple[FoundFault, ...]:
     residuals = faulty.residuals(state)
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
     noise = noise_of(faulty.segments, residuals, values, FREE)
     errors = Linearised.of(faulty, state, residuals, noise).shared.errors()[len(faulty.free) :]
-    told = []
+    found = []
     drive = _lag_of_the_drive(faulty, state, errors)
     for fault, sizes, error, gain in zip(
         faulty.faults, faulty.sizes(state.offsets), faulty.sizes(errors), gains, strict=True
     ):
         recording = recordings[fault.recording]
-        words = drive or fault.told(sizes, error, recording.unit, recording.force_unit)
-        told.append(
+        words = drive or fault.in_words(sizes, error, recording.unit, recording.force_unit)
+        found.append(
             FoundFault(fault, tuple(map(float, sizes)), tuple(map(float, error)), float(gain), recording.name, words)
         )
-    return tuple(told)
+    return tuple(found)
 
 
 def _lag_of_the_drive(faulty: FaultyFit, state: State, errors: np.ndarray) -> str | None:

@@ -1,4 +1,4 @@
-"""What is told where a model leaves more than noise: which part of which recording is to blame, and of which fault."""
+"""The cause of a residual above the noise: which part of which recording is inconsistent, and by which fault."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from .fault_score import KINDS, OF_A_WHOLE
 from .faults_found import faults_found
 from .part import Part
 from .part_kinds import kind_of_part
-from .stranger_among import of_one_rig, stranger_among, told_apart
+from .stranger_among import difference_in_words, of_one_rig, stranger_among
 from .unlike_parts import shifts_of, unlike_in_words, unlike_parts
 
 
 @dataclass(frozen=True, eq=False)
-class Blame:
-    """What recordings that contradict each other are told of.
+class Explanation:
+    """Why a fit leaves more than noise.
 
     Attributes:
-        fit: with errors that cover what the part to blame may have done to the parameters.
+        fit: with errors that cover what the inconsistent part may have done to the parameters.
         faults: by the recordings' places, what the measuring chain did.
         notes: one sentence each on what may be a fault or the rig's own.
     """
@@ -37,17 +37,17 @@ class Blame:
     notes: tuple[str, ...]
 
 
-def blame(
+def explain_residual(
     fit: Fit,
     recordings: Sequence[Recording],
     *,
     asked: bool,
     alone: Callable[[Sequence[Recording]], Fit] | None,
-) -> Blame:
-    """Who is to blame for what a fit leaves.
+) -> Explanation:
+    """Find the fault or the inconsistent part behind the residual of a fit.
 
-    Faults cost several fits. So their kinds are asked for where a part of the recordings is contradicted by all the
-    rest, which the normal equations tell; or where a user asks.
+    Faults cost several fits. So their kinds are tried where the normal equations show that all the rest contradicts a
+    part of the recordings, or where a user asks for them.
 
     Args:
         fit: of these recordings.
@@ -65,26 +65,30 @@ def blame(
     if found is None and alone is not None:
         found = _from_the_others(fit, recordings, alone)
     if found is None and not asked:
-        return _of_parts(fit, recordings) if by_chance else Blame(fit, {}, ())
+        return _of_parts(fit, recordings) if by_chance else Explanation(fit, {}, ())
     if found is not None and alone is not None and (braked := back_emf(recordings, alone)) is not None:
-        return Blame(covering(fit, (*found.shifts, braked.shift(fit.names))), braked.words, ())
-    told = _told(fit, recordings, found, alone)
+        return Explanation(covering(fit, (*found.shifts, braked.shift(fit.names))), braked.words, ())
+    faults = _faults_in_words(fit, recordings, found, alone)
     if found is None:
-        return Blame(fit, told, ())
+        return Explanation(fit, faults, ())
     fit = covering(fit, found.shifts)
-    if told:
-        return Blame(fit, told, ())
+    if faults:
+        return Explanation(fit, faults, ())
     words = in_words(found, recordings)
     name = found.part.recording
-    return Blame(fit, {name: words}, ()) if found.reached else Blame(fit, {}, (f"{recordings[name].name}: {words}",))
+    return (
+        Explanation(fit, {name: words}, ())
+        if found.reached
+        else Explanation(fit, {}, (f"{recordings[name].name}: {words}",))
+    )
 
 
-def _of_parts(fit: Fit, recordings: Sequence[Recording]) -> Blame:
-    """What is told where no more than noise is left, or one channel explains it: that parts contradict each other."""
+def _of_parts(fit: Fit, recordings: Sequence[Recording]) -> Explanation:
+    """Parts that contradict each other where only noise is left, or one channel explains the residual."""
     found = unlike_parts(fit, recordings)
     if not found:
-        return Blame(fit, {}, ())
-    return Blame(covering(fit, shifts_of(found)), {}, (unlike_in_words(found, fit, recordings),))
+        return Explanation(fit, {}, ())
+    return Explanation(covering(fit, shifts_of(found)), {}, (unlike_in_words(found, fit, recordings),))
 
 
 def _from_the_others(
@@ -132,7 +136,7 @@ def _may_be_odd(
     return failing or range(len(recordings))
 
 
-def _told(
+def _faults_in_words(
     fit: Fit,
     recordings: Sequence[Recording],
     found: Contradiction | None,
@@ -146,7 +150,7 @@ def _told(
     if faults:
         return {fault.fault.recording: fault.words for fault in faults}
     if alone is not None and own is not None and suspect is not None:
-        words = told_apart(suspect, own, recordings, alone, alike=found is not None and found.reached)
+        words = difference_in_words(suspect, own, recordings, alone, alike=found is not None and found.reached)
         if words is not None:
             return {suspect: words}
     if found is not None and (kind := kind_of_part(found, fit, recordings)) is not None:

@@ -33,7 +33,7 @@ def stranger_among(recordings: Sequence[Recording], fitted: Fitted) -> tuple[int
     if len(recordings) < SEVERAL or (odd := _oddest(recordings)) is None:
         return None
     own = of_one_rig([recordings[odd]], fitted)
-    words = None if own is None else told_apart(odd, own, recordings, fitted)
+    words = None if own is None else difference_in_words(odd, own, recordings, fitted)
     return None if words is None else (odd, words)
 
 
@@ -46,7 +46,7 @@ def of_one_rig(recordings: Sequence[Recording], fitted: Fitted) -> Fit | None:
     return fit if max(stretch.over_noise for stretch in fit.segments) <= ABOVE_NOISE else None
 
 
-def told_apart(
+def difference_in_words(
     odd: int, own: Fit, recordings: Sequence[Recording], fitted: Fitted, *, alike: bool = False
 ) -> str | None:
     """What is said of a recording whose rig is another than that of the others; None where it is not.

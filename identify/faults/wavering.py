@@ -43,7 +43,7 @@ class Wavering(Fault):
         """See ``Fault``; in seconds."""
         return 1e-2 / segment.pace
 
-    def told(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
         """See ``Fault``."""
         size = float(np.hypot(*sizes))
         share = 2 * np.pi * self.place

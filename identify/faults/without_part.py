@@ -36,7 +36,7 @@ class Level:
     worth: float
 
 
-def parts_to_blame(problem: OutputError, state: State, levels: Sequence[Level], promising: float = 0.0) -> list[Part]:
+def suspect_parts(problem: OutputError, state: State, levels: Sequence[Level], promising: float = 0.0) -> list[Part]:
     """Parts without which the linearised model leaves no more than noise, the shortest first.
 
     Args:
@@ -81,7 +81,7 @@ def first_confirmed(
     """The first of some parts without which a search leaves no more than noise, and where that comes to.
 
     Args:
-        problem, state, levels: as in ``parts_to_blame``.
+        problem, state, levels: as in ``suspect_parts``.
         parts: the shortest first; of those that fail, the next one tried is longer by some.
     """
     longest = 0.0

@@ -23,8 +23,8 @@ Prior = np.ndarray
 
 
 @dataclass(frozen=True, eq=False)
-class Told:
-    """What recordings tell of the unknowns, initial states eliminated.
+class Marginal:
+    """Quadratic expansion of the log-likelihood in the shared unknowns, the initial states integrated out.
 
     Attributes:
         log_likelihood: at the point where everything was taken, initial states averaged over.
@@ -37,7 +37,9 @@ class Told:
     gradient: np.ndarray
 
 
-def told(log_likelihood: float, own: Sums, unknown: np.ndarray, values: np.ndarray, prior: Prior, k: int) -> Told:
+def marginalised(
+    log_likelihood: float, own: Sums, unknown: np.ndarray, values: np.ndarray, prior: Prior, k: int
+) -> Marginal:
     """Average a likelihood over the initial states of a segment, and over what else is its own.
 
     Args:
@@ -54,10 +56,10 @@ def told(log_likelihood: float, own: Sums, unknown: np.ndarray, values: np.ndarr
     inner = of_both.normal[k:, k:] + np.diag(precision)
     gained = 0.5 * (own.power - averaged.power)
     total = log_likelihood + log_prior(values, prior) + gained - _half_volume(inner)
-    return Told(total, averaged.normal, averaged.gradient)
+    return Marginal(total, averaged.normal, averaged.gradient)
 
 
-def evidence(training: Told, values: np.ndarray, prior: Prior) -> float:
+def evidence(training: Marginal, values: np.ndarray, prior: Prior) -> float:
     """Log-evidence of what was fitted.
 
     Args:
@@ -69,7 +71,7 @@ def evidence(training: Told, values: np.ndarray, prior: Prior) -> float:
     return training.log_likelihood + log_prior(values, prior) - _half_volume(matrix)
 
 
-def predictive(held_out: Told, training: Told, prior: Prior) -> float:
+def predictive(held_out: Marginal, training: Marginal, prior: Prior) -> float:
     """Log-probability of recordings that were held out, averaged over what the training recordings leave open.
 
     Where the held-out recordings would move the parameters, they may, as far as training leaves room.
@@ -79,13 +81,13 @@ def predictive(held_out: Told, training: Told, prior: Prior) -> float:
     return held_out.log_likelihood + after - _log_integral(before, np.zeros(len(before)))
 
 
-def cross_validated(stretches: Sequence[Told], prior: Prior) -> float:
+def cross_validated(stretches: Sequence[Marginal], prior: Prior) -> float:
     """Log-probability of each stretch given all others, summed: what a model says of what it was not fitted to.
 
     Leaving a stretch out moves the parameters by one step of the linearised response, and widens what they may be.
 
     Args:
-        stretches: all told at one point, the maximum for all together.
+        stretches: all expanded at one point, the maximum for all together.
         prior: of the parameters.
     """
     own = np.diag(prior[1] ** -2.0)

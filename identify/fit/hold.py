@@ -126,7 +126,7 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     log_odds, at_most = {"smooth": 0.0}, {}
     for hold in tuple(there):
         other = _under(problem, hold, recordings)
-        ahead, least = _led_to(other, linearised, state, there.pop(hold), noise, reached + HOPELESS)
+        ahead, least = _promised(other, linearised, state, there.pop(hold), noise, reached + HOPELESS)
         log_odds[hold], at_most[hold] = reached - ahead, reached - least
     del linearised
     # of a model that leaves more than noise the difference is not believed as it is
@@ -304,7 +304,7 @@ def _reached(
     return 0.5 * here.shared.left(here.shared.step()), state.stepped(problem.free, *here.step())
 
 
-def _led_to(
+def _promised(
     problem: OutputError,
     linearised: Linearised,
     state: State,

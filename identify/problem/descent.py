@@ -18,7 +18,7 @@ from .limits import KEPT_PROMISE
 from .normal_equations import Block, held_at, promise, shared_information, solve
 from .output_error import OutputError, blocks_of
 from .search_point import Outcome, State
-from .state_from_previous_segment import handed_over
+from .state_from_previous_segment import continued_from_previous
 
 _DAMPED = numerics(
     8.0, "times", why="by which a rejected step is damped more, and by as much more each further time (Nielsen 1999)"
@@ -161,7 +161,7 @@ class Descent:
         state = self.state.stepped(problem.free, shared, own, squared)
         if problem.bounds is not None:
             state = replace(state, values=np.clip(state.values, *problem.bounds))
-        state = handed_over(problem, state)
+        state = continued_from_previous(problem, state)
         if derived:
             residuals, rows = problem.residuals_with_derivatives(state, single=True)
         else:

@@ -75,7 +75,7 @@ def beginning(problem: OutputError, state: State, last: int, place: int) -> np.n
     return made
 
 
-def handed_over(problem: OutputError, state: State) -> State:
+def continued_from_previous(problem: OutputError, state: State) -> State:
     """A point with those beginnings that follow from it."""
     if problem.memory != FREE:  # a prediction forgets
         return state

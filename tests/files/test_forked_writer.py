@@ -1,4 +1,4 @@
-"""Work that is done aside: its faults arrive, signals wait for it, and an end by force does not reach it."""
+"""Work in a child process: its faults arrive, signals wait for it, and an end by force does not reach it."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import time
 
 import pytest
 from dashpot.errors import BadInput, DashpotError
-from dashpot.files.forked_writer import aside, signals_held
+from dashpot.files.forked_writer import run_in_child, signals_held
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="of Linux")
 
@@ -35,13 +35,13 @@ def test_what_it_raises_arrives(problem, arrives):
         raise problem
 
     with pytest.raises(arrives) as raised:
-        aside(work)
+        run_in_child(work)
     assert str(problem) in str(raised.value)
 
 
 def test_an_end_of_the_work_itself_is_said():
     with pytest.raises(DashpotError, match="ended by force"):
-        aside(lambda: os.kill(os.getpid(), signal.SIGKILL))
+        run_in_child(lambda: os.kill(os.getpid(), signal.SIGKILL))
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
@@ -57,7 +57,7 @@ def test_a_signal_waits_for_it(tmp_path, number):
     before = signal.signal(number, interrupt)
     try:
         with pytest.raises(KeyboardInterrupt):
-            aside(work)
+            run_in_child(work)
     finally:
         signal.signal(number, before)
     assert (tmp_path / "done").exists()
@@ -79,7 +79,7 @@ def test_a_signal_that_another_thread_takes_waits_for_it_too(tmp_path, number):
     def asked():
         with signals_held():
             os.kill(os.getpid(), number)
-            aside(work)
+            run_in_child(work)
 
     try:
         with pytest.raises(KeyboardInterrupt):
@@ -94,12 +94,12 @@ def test_a_signal_that_another_thread_takes_waits_for_it_too(tmp_path, number):
 
 KILLED = """
 import os, signal, sys, time
-from dashpot.files.forked_writer import aside
+from dashpot.files.forked_writer import run_in_child
 def work():
     os.kill(os.getppid(), signal.SIGKILL)
     time.sleep(0.2)
     open(sys.argv[1], "w").close()
-aside(work)
+run_in_child(work)
 """
 
 
@@ -118,5 +118,5 @@ def test_without_another_process_it_is_done_here(monkeypatch):
 
     done = []
     monkeypatch.setattr(os, "fork", full)
-    aside(lambda: done.append(os.getpid()))
+    run_in_child(lambda: done.append(os.getpid()))
     assert done == [os.getpid()]

@@ -82,7 +82,7 @@ def test_what_predicts_worse_than_what_stands_is_not_simulated(bursts, monkeypat
     fitted, data = bursts
     better = replace(fitted, likelihood=fitted.likelihood + 1.0)
     monkeypatch.setattr(by_prediction, "_step", lambda model, initial, part: better if model is STANDS else fitted)
-    monkeypatch.setattr(by_prediction, "led", None)  # is not called
+    monkeypatch.setattr(by_prediction, "continued", None)  # is not called
     assert by_probing(fitted, replace(fitted, model=STANDS), data, [PLAY]) == []
 
 

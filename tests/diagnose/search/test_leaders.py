@@ -27,7 +27,7 @@ def led(monkeypatch):
         monkeypatch.setattr(Search, "_simulated", lambda self, leader: leader)
         monkeypatch.setattr(Search, "_ways", ways)
         monkeypatch.setattr(Search, "weigh", weigh)
-        monkeypatch.setattr(Search, "_led_by_others", lambda self, best, way: table.get((best.laws, way[0]), best))
+        monkeypatch.setattr(Search, "_best_of_neighbours", lambda self, best, way: table.get((best.laws, way[0]), best))
         family: Any = None  # nothing is fitted here, nor weighed
         return Search(family, None).from_family(family), asked
 

@@ -176,8 +176,8 @@ def test_of_neighbours_that_arrive_the_one_that_does_without_a_law_leads(monkeyp
     search.candidates[leader.laws] = replace(leader, evidence=10.0, predictive=0.0)
     family = replace(leader, laws=(), evidence=9.0, predictive=0.0)
     monkeypatch.setattr(Search, "_arrived", lambda self, leader, starts: list(starts))
-    assert search._led_by_others(leader, [family]) is family
-    assert search._led_by_others(leader, []) is search.candidates[leader.laws]
+    assert search._best_of_neighbours(leader, [family]) is family
+    assert search._best_of_neighbours(leader, []) is search.candidates[leader.laws]
 
 
 def test_near_the_noise_the_measured_motion_is_not_asked():

@@ -81,7 +81,7 @@ def test_a_clock_changes_the_intervals_and_no_value():
 
 @pytest.mark.parametrize(("size", "way"), [(0.01, "faster"), (-0.01, "slower")])
 def test_intervals_that_are_longer_than_stated_make_the_motion_look_faster(size, way):
-    assert f"1 ± 0.1 % {way}" in Clock(0).told(np.array([size]), np.array([1e-3]), "m", "N")
+    assert f"1 ± 0.1 % {way}" in Clock(0).in_words(np.array([size]), np.array([1e-3]), "m", "N")
 
 
 def test_a_line_on_the_force_is_taken_off_with_all_its_derivatives():
@@ -98,7 +98,7 @@ def test_a_line_on_the_force_is_taken_off_with_all_its_derivatives():
 @pytest.mark.parametrize("kind", KINDS)
 def test_each_kind_is_told_with_its_size(kind):
     fault = kind(0, 12.3)
-    sentence = fault.told(np.full(fault.count, -0.05), np.full(fault.count, 0.001), "m", "N")
+    sentence = fault.in_words(np.full(fault.count, -0.05), np.full(fault.count, 0.001), "m", "N")
     assert "record" in sentence or "rate" in sentence
     assert any(figure in sentence for figure in ("0.95", "50", "5", "0.0707"))
     assert ("12.3" in sentence) == (fault.timed or fault.tonal)

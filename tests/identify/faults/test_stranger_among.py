@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS
-from dashpot.identify.faults.stranger_among import KEPT, of_one_rig, stranger_among, told_apart
+from dashpot.identify.faults.stranger_among import KEPT, difference_in_words, of_one_rig, stranger_among
 from dashpot.identify.fit.likelihood import maximum_likelihood
 from dashpot.model import Oscillator
 
@@ -84,12 +84,12 @@ def test_where_the_others_move_as_far_friction_alone_makes_another_rig():
     rough = STAND.clean(viscous=1.3 * STAND.values["viscous"])
     lying = STAND.noisy([clean(0.0)[0], rough[1], clean(0.0)[2]])
     own = of_one_rig([lying[1]], fitted)
-    assert told_apart(1, own, lying, fitted) is None  # what the family lacks might do that
-    words = told_apart(1, own, lying, fitted, alike=True)
+    assert difference_in_words(1, own, lying, fitted) is None  # what the family lacks might do that
+    words = difference_in_words(1, own, lying, fitted, alike=True)
     assert words.startswith("it agrees with one rig, viscous 6.5")
     assert "1/s, all others with another, viscous" in words
     honest = records(0.0)
-    assert told_apart(1, of_one_rig([honest[1]], fitted), honest, fitted, alike=True) is None
+    assert difference_in_words(1, of_one_rig([honest[1]], fitted), honest, fitted, alike=True) is None
 
 
 def test_where_nothing_fits_nothing_is_named():

@@ -11,7 +11,7 @@ from dashpot.examples.lies import STANDS, Lie, odd_lies, told
 from dashpot.examples.odd_chains import gain_walks, on_force, on_response, saturates
 from dashpot.identify.faults.bent_channel import Bent, FoundBent
 from dashpot.identify.faults.contradiction import covering
-from dashpot.identify.faults.inconsistent_recording import blame
+from dashpot.identify.faults.inconsistent_recording import explain_residual
 from dashpot.identify.faults.unlike_parts import (
     Unlike,
     _chance,
@@ -65,7 +65,7 @@ def test_what_noise_hides_is_found_and_covered(kind):
     words = unlike_in_words(found, fit, recordings)
     assert "strong.csv" in words
     assert "contradict" in words
-    said = blame(fit, recordings, asked=False, alone=None)
+    said = explain_residual(fit, recordings, asked=False, alone=None)
     assert said.notes == (words,)
     assert most_off(said.fit) < 3.0
 
@@ -106,7 +106,7 @@ def test_a_bent_channel_that_is_more_than_noise_is_named(name):
     model = Oscillator.from_values(slow.values)
     fit = maximum_likelihood(model, recordings, doubted=False, near=True)
     assert max(s.over_noise for s in fit.segments) > ABOVE_NOISE
-    (note,) = blame(fit, recordings, asked=False, alone=None).notes
+    (note,) = explain_residual(fit, recordings, asked=False, alone=None).notes
     assert note.startswith("strong.csv: its ")
     assert lie.is_named(note)
 
@@ -122,7 +122,7 @@ def test_of_honest_recordings_chance_is_spread_evenly(monkeypatch):
     monkeypatch.setattr("dashpot.identify.faults.unlike_parts._chance", kept)
     for seed in range(8):
         fit, recordings = fitted(QUICK, seed=seed)
-        assert blame(fit, recordings, asked=False, alone=None).notes == ()
+        assert explain_residual(fit, recordings, asked=False, alone=None).notes == ()
     assert min(chances) * 9 > BY_CHANCE
     whole = np.array(chances).reshape(8, 9)[:, 1]  # of the decay against the rest: independent from seed to seed
     assert kstest(whole, "uniform").pvalue > 0.01

@@ -53,7 +53,7 @@ def test_a_decay_has_no_force_to_waver():
 
 
 def test_kind_size_and_pace_are_told():
-    words = Wavering(0, WAVE).told(np.array([3e-3, 4e-3]), np.array([1e-5, 1e-5]), "m", "N")
+    words = Wavering(0, WAVE).in_words(np.array([3e-3, 4e-3]), np.array([1e-5, 1e-5]), "m", "N")
     assert f"{100 * 2 * np.pi * WAVE * 5e-3:.4g} ±" in words
     assert words.startswith("its clock wavers")
     assert words.count(f"{WAVE:.3g} times a second") == pytest.approx(1)

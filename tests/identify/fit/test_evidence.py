@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.fit.evidence import Told, cross_validated, evidence, log_prior, predictive, told
+from dashpot.identify.fit.evidence import Marginal, cross_validated, evidence, log_prior, marginalised, predictive
 from dashpot.identify.problem.linearised import Sums
 
 NOISE = 0.1
@@ -17,10 +17,10 @@ def line(count: int, seed: int, slope: float = 2.0, columns: int = 1) -> tuple[n
     return design, slope * design[:, 0] + NOISE * random.standard_normal(count)
 
 
-def told_by(design: np.ndarray, measured: np.ndarray, at: np.ndarray) -> Told:
+def marginal_of(design: np.ndarray, measured: np.ndarray, at: np.ndarray) -> Marginal:
     residual = measured - design @ at
     log_likelihood = -0.5 * float(residual @ residual) / NOISE**2
-    return Told(log_likelihood, design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
+    return Marginal(log_likelihood, design.T @ design / NOISE**2, design.T @ residual / NOISE**2)
 
 
 def best(design: np.ndarray, measured: np.ndarray) -> np.ndarray:
@@ -39,18 +39,18 @@ def test_evidence_is_the_likelihood_averaged_over_the_prior():
     logs = -0.5 * np.sum(errors**2, axis=0) / NOISE**2
     logs += np.array([log_prior(np.array([value]), prior) for value in grid[::100]])
     averaged = np.log(np.trapezoid(np.exp(logs - logs.max()), grid[::100])) + logs.max()
-    assert evidence(told_by(design, measured, at), at, prior) == pytest.approx(averaged, abs=1e-3)
+    assert evidence(marginal_of(design, measured, at), at, prior) == pytest.approx(averaged, abs=1e-3)
 
 
 def test_a_parameter_that_tells_nothing_pays_for_its_range():
     design, measured = line(200, seed=2, columns=2)
     single = best(design[:, :1], measured)
     double = best(design, measured)
-    plain = evidence(told_by(design[:, :1], measured, single), single, wide(1))
-    needless = evidence(told_by(design, measured, double), double, wide(2))
+    plain = evidence(marginal_of(design[:, :1], measured, single), single, wide(1))
+    needless = evidence(marginal_of(design, measured, double), double, wide(2))
     assert needless < plain - 3.0
     # ten times the range costs a factor of ten in odds
-    dearer = evidence(told_by(design, measured, double), double, np.array([[0.0, 0.0], [10.0, 100.0]]))
+    dearer = evidence(marginal_of(design, measured, double), double, np.array([[0.0, 0.0], [10.0, 100.0]]))
     assert needless - dearer == pytest.approx(np.log(10.0), abs=0.05)
 
 
@@ -59,8 +59,8 @@ def test_a_parameter_that_the_recordings_ask_for_gains():
     design = random.standard_normal((200, 2))
     measured = design @ [2.0, 0.1] + NOISE * random.standard_normal(200)
     single, double = best(design[:, :1], measured), best(design, measured)
-    assert evidence(told_by(design, measured, double), double, wide(2)) > (
-        evidence(told_by(design[:, :1], measured, single), single, wide(1)) + 50.0
+    assert evidence(marginal_of(design, measured, double), double, wide(2)) > (
+        evidence(marginal_of(design[:, :1], measured, single), single, wide(1)) + 50.0
     )
 
 
@@ -68,19 +68,19 @@ def test_what_was_held_out_is_told_by_the_chain_rule():
     design, measured = line(60, seed=4, columns=2)
     training, rest = slice(0, 30), slice(30, 60)
     prior, at = wide(2, 1e3), best(design[training], measured[training])
-    before = told_by(design[training], measured[training], at)
-    after = told_by(design[rest], measured[rest], at)
+    before = marginal_of(design[training], measured[training], at)
+    after = marginal_of(design[rest], measured[rest], at)
     every = best(design, measured)
-    whole = evidence(told_by(design, measured, every), every, prior)
+    whole = evidence(marginal_of(design, measured, every), every, prior)
     assert predictive(after, before, prior) == pytest.approx(whole - evidence(before, at, prior), abs=1e-3)
 
 
 def test_a_prediction_is_forgiven_what_training_left_open():
     """The same miss on held-out data costs less where training knew the parameter less."""
     design, measured = np.ones((50, 1)), np.full(50, 2.0)
-    held = told_by(design, measured + 0.1, np.array([2.0]))
+    held = marginal_of(design, measured + 0.1, np.array([2.0]))
     sure, unsure = (
-        Told(0.0, np.array([[information]]), np.zeros(1)) for information in (1e6 / NOISE**2, 1.0 / NOISE**2)
+        Marginal(0.0, np.array([[information]]), np.zeros(1)) for information in (1e6 / NOISE**2, 1.0 / NOISE**2)
     )
     assert predictive(held, unsure, wide(1)) > predictive(held, sure, wide(1)) + 10.0
 
@@ -89,9 +89,9 @@ def test_initial_states_are_averaged_over():
     """One segment with an unknown of its own beside the shared one, as one model with two unknowns has it."""
     design, measured = line(80, seed=5, columns=2)
     at, prior = best(design, measured), wide(2)
-    alone = told_by(design, measured, at)
+    alone = marginal_of(design, measured, at)
     sums = Sums.of(design.T / NOISE, (measured - design @ at) / NOISE)
-    split = told(alone.log_likelihood, sums, np.array([1]), at[1:], prior[:, 1:], 1)
+    split = marginalised(alone.log_likelihood, sums, np.array([1]), at[1:], prior[:, 1:], 1)
     assert evidence(split, at[:1], prior[:, :1]) == pytest.approx(evidence(alone, at, prior), rel=1e-9)
 
 
@@ -110,7 +110,7 @@ def test_initial_states_need_not_be_at_their_best():
     for shift in (0.0, 0.03):
         here = at + np.array([0.0, shift])
         sums = Sums.of(design.T / NOISE, (measured - design @ here) / NOISE)
-        points.append(told(-0.5 * sums.power, sums, np.array([1]), here[1:], wide(1, 1e4), 1))
+        points.append(marginalised(-0.5 * sums.power, sums, np.array([1]), here[1:], wide(1, 1e4), 1))
     assert points[0].log_likelihood == pytest.approx(points[1].log_likelihood, abs=1e-3)
     assert points[0].gradient == pytest.approx(points[1].gradient, rel=1e-6)
     # the best of the shared one is below the point that was taken
@@ -118,8 +118,8 @@ def test_initial_states_need_not_be_at_their_best():
 
 
 def test_what_training_did_not_see_the_prior_bounds():
-    unseen = Told(0.0, np.zeros((1, 1)), np.zeros(1))
-    held = Told(-3.0, np.array([[5.0]]), np.zeros(1))
+    unseen = Marginal(0.0, np.zeros((1, 1)), np.zeros(1))
+    held = Marginal(-3.0, np.array([[5.0]]), np.zeros(1))
     prior = np.array([[0.0], [0.5]])  # a precision of 4
     assert predictive(held, unseen, prior) == pytest.approx(-3.0 - 0.5 * np.log(9.0 / 4.0))
 
@@ -129,7 +129,7 @@ def test_cross_validation_is_what_each_part_is_worth_beside_the_others():
     design, measured = line(30, seed=7)
     at, prior = best(design, measured), wide(1)
     thirds = [slice(0, 10), slice(10, 20), slice(20, 30)]
-    score = cross_validated([told_by(design[part], measured[part], at) for part in thirds], prior)
+    score = cross_validated([marginal_of(design[part], measured[part], at) for part in thirds], prior)
     grid = np.linspace(at[0] - 0.6, at[0] + 0.6, 20_001)
     # the prior is flat here, but for the information that it adds
     logs = -0.5 * (measured[:, None] - design * grid[None, :]) ** 2 / NOISE**2
@@ -153,6 +153,6 @@ def test_cross_validation_sees_what_fits_but_does_not_foretell():
 
     def crossed(design: np.ndarray) -> float:
         at = best(design, measured)
-        return cross_validated([told_by(design[p], measured[p], at) for p in thirds], wide(design.shape[1]))
+        return cross_validated([marginal_of(design[p], measured[p], at) for p in thirds], wide(design.shape[1]))
 
     assert crossed(plain) > crossed(bent) + 3.0

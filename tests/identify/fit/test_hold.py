@@ -178,7 +178,7 @@ def test_a_hold_is_followed_as_long_as_each_step_leads_further(monkeypatch, prom
     monkeypatch.setattr(module, "_reached", lambda *_: (next(steps), "there"))
     monkeypatch.setattr(module, "cost_of", lambda *_: next(costs))
     problem = SimpleNamespace(residuals=lambda _: ())
-    assert module._led_to(problem, (), "here", (), (), 26.0) == (promised[-1], least)  # pyright: ignore[reportArgumentType]
+    assert module._promised(problem, (), "here", (), (), 26.0) == (promised[-1], least)  # pyright: ignore[reportArgumentType]
     assert list(steps) == list(costs) == []
 
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.settle import settled
-from dashpot.identify.problem.state_from_previous_segment import before, goes_on, handed_over
+from dashpot.identify.problem.state_from_previous_segment import before, continued_from_previous, goes_on
 from dashpot.identify.problem.structure import Structure
 from dashpot.model import Oscillator, Response
 from dashpot.model.terms import with_term
@@ -92,7 +92,7 @@ def test_a_beginning_follows_the_parameters():
     exact, _ = structure()
     less, _ = structure(dry=6.0)
     begun = settled(exact.problem, exact.state(None))
-    moved = handed_over(exact.problem, replace(begun, values=less.state(None).values))
+    moved = continued_from_previous(exact.problem, replace(begun, values=less.state(None).values))
     anew = settled(less.problem, less.state(None))
     for i in resting(exact.problem):
         assert moved.initial[i][0] != pytest.approx(begun.initial[i][0], rel=1e-3)
@@ -112,7 +112,7 @@ def test_a_prediction_forgets():
     exact, _ = structure()
     problem = exact.problem.predicting(1.0)
     start = exact.state(None)
-    assert handed_over(problem, start) is start
+    assert continued_from_previous(problem, start) is start
     assert not np.any(settled(problem, start).initial[resting(problem)])
 
 
@@ -141,5 +141,5 @@ def test_without_the_stretch_before_it_one_begins_as_it_did():
     less = exact.problem.over([exact.problem.segments[i] for i in kept])
     assert before(less.segments) == {1: 0}
     other = replace(begun, initial=begun.initial[kept])
-    assert np.array_equal(handed_over(less, other).initial, other.initial)
+    assert np.array_equal(continued_from_previous(less, other).initial, other.initial)
     assert np.array_equal(settled(less, other).initial, other.initial)
