@@ -139,24 +139,24 @@ def trusted(models: Sequence[Oscillator]) -> bool:
 
 def remarks(models: Sequence[Oscillator], known: Repeatability) -> list[str]:
     """What a user should know of the models that are compared, one sentence each."""
-    told = []
+    notes = []
     worst = max((r.get("over_noise") or 0.0 for m in models for r in m.identified.recordings), default=0.0)
     if not known.trusted:
-        told.append(
+        notes.append(
             f"the models leave up to {worst:.2g} times the noise, so their parameters are off by more than their "
             "errors; how far was judged by what did not move"
         )
     if known.source == "errors":
-        told.append("no repeats were given: what differs from one test to the next of an unchanged rig is not known")
+        notes.append("no repeats were given: what differs from one test to the next of an unchanged rig is not known")
     spans = [(m.name, m.amplitude) for m in models if m.amplitude is not None and m.amplitude.max > 0]
     if spans:
         least, most = min(spans, key=lambda s: s[1].max), max(spans, key=lambda s: s[1].max)
         if most[1].max > 2 * least[1].max:
-            told.append(
+            notes.append(
                 f"{most[0]} moved up to {most[1].max:.3g} {most[1].unit}, {least[0]} up to {least[1].max:.3g}: what "
                 "depends on the amplitude in a way that the model lacks may look like a change"
             )
-    return told
+    return notes
 
 
 def _shifts(

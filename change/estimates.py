@@ -109,14 +109,14 @@ def _block(own: list[str], matrix: np.ndarray, names: list[str]) -> np.ndarray:
 
 def _not_compared(models: Sequence[Oscillator], names: list[str]) -> tuple[str, ...]:
     """A sentence for each parameter that some model has and that is not compared, but for those of further laws."""
-    told = []
+    notes = []
     for name in dict.fromkeys(name for model in models for name in model.parameters() if "." not in name):
         if name in names:
             continue
         values = {model.parameters()[name].value for model in models if name in model.parameters()}
         if len(values) > 1 or any(name not in model.parameters() for model in models):
-            told.append(f"{name} was not estimated in every model and is not compared")
-    return tuple(told)
+            notes.append(f"{name} was not estimated in every model and is not compared")
+    return tuple(notes)
 
 
 def laws_of(model: Oscillator) -> tuple[str, ...]:

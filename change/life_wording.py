@@ -17,34 +17,34 @@ def sentences(life: Life) -> list[str]:
     """What moved, then when."""
     if life.moved is None:
         return ["One state: nothing to compare it with."]
-    told = [f"{verdict(life.moved, differs=life.differs)}."]
+    parts = [f"{verdict(life.moved, differs=life.differs)}."]
     for name in life.moved.best.moved:
         unit = life.estimates.units[life.estimates.names.index(name)]
         steps = [step for step in life.steps if step.parameter == name]
         if name in life.drifts:
             slope, error = life.drifts[name]
-            told.append(f"{name} drifts by {slope:.3g} ± {error:.2g} {unit} from state to state, in a straight line.")
+            parts.append(f"{name} drifts by {slope:.3g} ± {error:.2g} {unit} from state to state, in a straight line.")
             continue
         if not steps:
-            told.append(f"{name}: no single step stands out.")
+            parts.append(f"{name}: no single step stands out.")
         for step in steps[:_MOST]:
             share = percent_change(step.before, step.after)
             size = abs(step.after - step.before) / step.error if step.error > 0 else math.inf
             much = f"{share}{', ' if share else ''}{size:.3g} of its errors"
-            told.append(
+            parts.append(
                 f"{name} changes between {life.label(step.state - 1)} and {life.label(step.state)}: from "
                 f"{step.before:.5g} to {step.after:.5g} {unit} ({much})."
             )
         if len(steps) > _MOST:
-            told.append(f"{name}: and {len(steps) - _MOST} more steps.")
+            parts.append(f"{name}: and {len(steps) - _MOST} more steps.")
     for state, new, gone in life.laws:
         for words, laws in (("appears", new), ("vanishes", gone)):
             if laws:
-                told.append(f"{spoken(laws)} {words} at {life.label(state)}.")
-    return told
+                parts.append(f"{spoken(laws)} {words} at {life.label(state)}.")
+    return parts
 
 
-def repeatability_told(life: Life) -> str:
+def repeatability_words(life: Life) -> str:
     """What the changes were held against."""
     known = life.repeatability
     inflation = known.inflation * (1.0 if life.moved is None else life.moved.inflation)
@@ -85,7 +85,7 @@ def describe(life: Life) -> str:
     width = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     lines = ["  ".join(f"{cell:<{width[i]}}" for i, cell in enumerate(row)).rstrip() for row in rows]
     notes = [f"- {note}" for note in life.notes]
-    return "\n".join([f"{life.name}: {' '.join(sentences(life))}", "", *lines, "", repeatability_told(life), *notes])
+    return "\n".join([f"{life.name}: {' '.join(sentences(life))}", "", *lines, "", repeatability_words(life), *notes])
 
 
 def plus_minus(parameter: Parameter) -> str:

@@ -32,7 +32,7 @@ from .options import (
 from .setup_commands import COMMANDS as SETUP_COMMANDS
 from .several_values import CommandOfSeveral, SeveralValues
 from .terminal import facts_shown, outputs_checked, print_json, progress_shown, quiet, say, with_quiet
-from .waiting import waiting_told
+from .waiting import waiting_shown
 
 if TYPE_CHECKING:
     from ..model.fit_state import MostLeft
@@ -61,16 +61,16 @@ def demo(output: Path) -> None:
     """The whole story on the built-in rig, in under two minutes."""
     from ..face.demo import run
 
-    told = [""]
+    shown = [""]
 
     def tell(line: str) -> None:
-        told[0] = line
+        shown[0] = line
         if not quiet():
             click.echo(line)
 
     passed = run(output, tell)
     if quiet():  # the last line is the result
-        click.echo(told[0])
+        click.echo(shown[0])
     else:
         click.echo(
             f"Open {output / 'report.html'}. Next, with a recording of your own: dashpot look REC.csv, then\n"
@@ -371,7 +371,7 @@ def main(arguments: list[str] | None = None) -> None:
     os.environ["MPLBACKEND"] = "agg"  # a command draws into files alone, whatever is set for windows
 
     def command() -> None:
-        with waiting_told(), facts_shown():
+        with waiting_shown(), facts_shown():
             cli(arguments, prog_name="dashpot", standalone_mode=False)
 
     ended(command)

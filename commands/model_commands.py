@@ -55,8 +55,8 @@ def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None
     simulation.save(output)
     say(f"written: {output}")
     if simulation.lost is not None:
-        told = f"the simulation runs away; from {simulation.lost:.4g} s on {output} holds nan"
-        say(f"{model}: {told}: check units and parameters", always=True)
+        note = f"the simulation runs away; from {simulation.lost:.4g} s on {output} holds nan"
+        say(f"{model}: {note}: check units and parameters", always=True)
         sys.exit(1)
 
 

@@ -76,7 +76,7 @@ _now: Waiting | None = None
 
 
 @contextmanager
-def waiting_told() -> Iterator[None]:
+def waiting_shown() -> Iterator[None]:
     """While this lasts, a terminal shows what is worked at."""
     global _now
     if _now is not None or sys.stderr is None or not sys.stderr.isatty():

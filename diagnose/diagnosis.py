@@ -67,10 +67,10 @@ def diagnose(
             "allow more with --seconds"
         )
     found = simplify(case, found, progress)
-    told = tell(case, found, fmu, progress)
-    told = replace(told, work=meter.read(sum(recording.n for recording in case.given)))
-    _log.info("%s", told.work)
-    return told
+    diagnosis = tell(case, found, fmu, progress)
+    diagnosis = replace(diagnosis, work=meter.read(sum(recording.n for recording in case.given)))
+    _log.info("%s", diagnosis.work)
+    return diagnosis
 
 
 def find(case: Case, progress: Progress, until: float = math.inf) -> Found:

@@ -169,17 +169,17 @@ def _of_the_angle(found: Found) -> Found:
     selected, fitted, data = found.selected, found.selected.fit, found.weighing.data
     if fitted is None or fitted.model.response.displacement_unit != "rad":
         return found
-    told = {
+    exact = {
         name: p.in_radians
         for term in fitted.model.terms
         for p in term.law.parameters
         if p.in_radians is not None and (name := f"{term.effect}.{p.name}") in fitted.free
     }
-    if not told:
+    if not exact:
         return found
     parameters = fitted.model.parameters()
-    there = fitted.model.with_parameters({name: replace(parameters[name], value=value) for name, value in told.items()})
-    fixed = [name for name in parameters if name not in fitted.free or name in told]
+    there = fitted.model.with_parameters({name: replace(parameters[name], value=v) for name, v in exact.items()})
+    fixed = [name for name in parameters if name not in fitted.free or name in exact]
     # the others have made up for what was fitted, and simulated with it they lose the motion
     try:
         held = Structure(continued(there, data, fixed), data, fixed).fit(tolerance=_AT_REST)

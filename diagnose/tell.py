@@ -134,10 +134,10 @@ def _without_offsets(case: Case, found: Found) -> tuple[Case, _Left]:
         chain = [fact for fact in chain if fact.what != "drift"]
     chain += [] if case.in_pieces else zeros
     if held is not None:
-        told = judged(fitted.model, held)
-        holdout, zeros = less_offsets(holdout, best.shown_elsewhere, held, told.offsets)
+        held_fit = judged(fitted.model, held)
+        holdout, zeros = less_offsets(holdout, best.shown_elsewhere, held, held_fit.offsets)
         chain += [] if case.in_pieces else zeros
-        left += leftovers(told, held)
+        left += leftovers(held_fit, held)
         before += leftovers(judged(found.family.model, held), held)
     case = replace(case, recordings=tuple(recordings), holdout=tuple(holdout), chain=tuple(chain))
     return case, _Left(data, held, family, before, left)
@@ -158,8 +158,8 @@ def _delivered(case: Case, found: Found, left: _Left, before: Oscillator) -> tup
         chain = [fact for fact in case.chain if fact.what != "hold"] + [hold_of(after.hold, found=True)]
         case = replace(case, recordings=recordings, holdout=holdout, uncut=uncut, chain=tuple(chain))
     # the search may have ended where a stretch is lost that the delivered fit follows
-    told = [leftovers(judged(after, part), part) for part in (left.data, left.held) if part is not None]
-    return case, replace(left, after=nearer(left.after, sum(told, ()))), after
+    remaining = [leftovers(judged(after, part), part) for part in (left.data, left.held) if part is not None]
+    return case, replace(left, after=nearer(left.after, sum(remaining, ()))), after
 
 
 def _tried(

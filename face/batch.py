@@ -131,12 +131,12 @@ def _open(
 
 def _task(store: Store, entry: Entry, key: str, stage: str, *, limit: float, memory: float | None, again: bool) -> Task:
     place = str(store.folder.resolve())
-    told = asdict(entry)
+    document = asdict(entry)
     for name in ("recordings", "holdout", "laws"):  # a worker may run in another folder
-        told[name] = [os.path.abspath(file) for file in told[name]]  # noqa: PTH100  a name may hold # and a record
-    told["start"] = None if entry.start is None else str(Path(entry.start).resolve())
+        document[name] = [os.path.abspath(file) for file in document[name]]  # noqa: PTH100  a name may hold # and a record
+    document["start"] = None if entry.start is None else str(Path(entry.start).resolve())
     return {
-        **{"store": place, "entry": told, "key": key, "stage": stage},
+        **{"store": place, "entry": document, "key": key, "stage": stage},
         **{"limit": limit, "memory": memory, "again": again},
     }
 

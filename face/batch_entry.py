@@ -81,8 +81,8 @@ def done(task: Mapping[str, Any]) -> dict[str, Any]:
         ``{"outcome": ...}``; ``{"busy": true}`` where another run is at it; ``{"refused": sentence}`` where the store
         cannot be written.
     """
-    told: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in task["entry"].items()}
-    entry = Entry(**told)
+    values: dict[str, Any] = {name: tuple(v) if isinstance(v, list) else v for name, v in task["entry"].items()}
+    entry = Entry(**values)
     key, stage = task["key"], task["stage"]
     try:
         store = Store(Path(task["store"]))
@@ -165,7 +165,7 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
         key=key,
         name=entry.name,
         state="doubtful" if unfit or found.faults else "good",
-        sentence=_told(found, more),
+        sentence=_sentence(found, more),
         wanted=how["diagnose"] == "always" or (unfit and how["diagnose"] == "unfit"),
         parameters=_parameters(model),
         recordings=tuple(dict(r) for r in model.identified.recordings),
@@ -194,7 +194,7 @@ def _page(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]
         return None, [f"there is no page: {sentence(problem)}"]
 
 
-def _told(found: Identification, more: list[str]) -> str:
+def _sentence(found: Identification, more: list[str]) -> str:
     if found.useless:
         return found.useless
     if found.faults:

@@ -54,7 +54,7 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
         for response in responses or (None,):
             try:
                 recording = recording_of(table, response=response, sha256=sha256, **how)
-                entry["recordings"].append({"columns": _roles(table, response, how), **_told(recording)})
+                entry["recordings"].append({"columns": _roles(table, response, how), **_facts(recording)})
             except BadInput as problem:
                 entry["recordings"].append({"refused": str(problem)})
         seen.append(entry)
@@ -69,7 +69,7 @@ def _roles(table: Table, response: str | None, how: Mapping[str, Any]) -> dict[s
     return {role: None if i is None else table.label(i).strip("'") for role, i in indices.items()}
 
 
-def _told(recording: Recording) -> dict[str, Any]:
+def _facts(recording: Recording) -> dict[str, Any]:
     from ..identify.motion.decays import find_decays
     from ..identify.motion.excitation import kind_of
     from ..identify.motion.mode_lines import modes_of

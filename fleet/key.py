@@ -24,7 +24,7 @@ def key_of(entry: Entry) -> str:
     Raises:
         BadInput: where a file cannot be read.
     """
-    told = {
+    content = {
         "software": __version__,
         "name": entry.name,
         "recordings": [_file(name) for name in entry.recordings],
@@ -34,7 +34,7 @@ def key_of(entry: Entry) -> str:
         "start": None if entry.start is None else _digest(Path(entry.start)),
         "laws": [_digest(Path(law)) for law in entry.laws],
     }
-    return hashlib.sha256(json.dumps(told, sort_keys=True).encode()).hexdigest()[:32]
+    return hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:32]
 
 
 def _file(name: str) -> tuple[str, str]:

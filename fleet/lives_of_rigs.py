@@ -109,24 +109,24 @@ def _entries(folder: Path, say: Callable[[str], None] = lambda _: None) -> list[
         BadInput: there are none, or what is read here is not as it was written.
     """
     try:
-        told = unsealed(content_of(folder / FLEET, _MOST_BYTES))
+        value = unsealed(content_of(folder / FLEET, _MOST_BYTES))
     except (OSError, ValueError) as problem:
         why = getattr(problem, "strerror", None) or problem
         raise BadInput(
             f"{folder}: holds no {FLEET} that can be used ({why}); name the folder that dashpot batch wrote and run "
             "dashpot batch again, or name model files"
         ) from None
-    if told.get("format") != FORMAT or not isinstance(told.get("files"), dict) or not _are_rows(told.get("entries")):
+    if value.get("format") != FORMAT or not isinstance(value.get("files"), dict) or not _are_rows(value.get("entries")):
         raise BadInput(
             f"{folder}: its {FLEET} is no table of a fleet; name the folder that dashpot batch wrote, or model files"
         )
-    for name, known in told["files"].items():
+    for name, known in value["files"].items():
         if why := changed_file(folder, {name: known}):
             say(f"note: {folder}: {why} since dashpot batch wrote it; it is not used here")
     store = Store(folder)
-    for entry in told["entries"]:
+    for entry in value["entries"]:
         entry["model"] = _model_of(store, entry) if entry["key"] else None
-    return told["entries"]
+    return value["entries"]
 
 
 def _model_of(store: Store, entry: Mapping[str, Any]) -> Path | None:
@@ -142,24 +142,24 @@ def _model_of(store: Store, entry: Mapping[str, Any]) -> Path | None:
     return None if model is None else store.place(entry["name"], entry["key"]) / model
 
 
-def _are_rows(told: Any) -> bool:
+def _are_rows(value: Any) -> bool:
     """Whether it is a list of rows as ``table.as_json`` makes them, as far as they are used here."""
-    return isinstance(told, list) and all(
+    return isinstance(value, list) and all(
         isinstance(row, dict)
         and all(isinstance(row.get(name), str) for name in ("name", "rig", "result", "key"))
         and all(row.get(name) is None or isinstance(row[name], str) for name in ("state", "model"))
         and "model" in row
         and _is_when(row.get("when"))
-        for row in told
+        for row in value
     )
 
 
-def _is_when(told: Any) -> bool:
+def _is_when(value: Any) -> bool:
     """A number, a time, or nothing."""
-    if isinstance(told, str):
+    if isinstance(value, str):
         try:
-            instant(told)
+            instant(value)
         except ValueError:
             return False
         return True
-    return told is None or type(told) in (int, float)
+    return value is None or type(value) in (int, float)

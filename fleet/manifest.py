@@ -145,11 +145,11 @@ def _entry(
     holdout: tuple[str, ...],
     when: float | str | None,
     folder: Path,
-    told: tuple[tuple[str | int, ...], Document],
+    read: tuple[tuple[str | int, ...], Document],
 ) -> Entry:
     from ..recording.part import parse_part
 
-    place, document = told
+    place, document = read
     for part in [*(options.get("parts") or []), *([options["part"]] if options.get("part") else [])]:
         try:
             parse_part(part)

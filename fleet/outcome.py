@@ -71,12 +71,12 @@ class Outcome:
         return {"format": FORMAT, **asdict(self)}
 
 
-def from_json(told: Any) -> Outcome | None:
+def from_json(row: Any) -> Outcome | None:
     """The outcome in plain data; None where it is none, of another version, or not of its form."""
-    if not isinstance(told, dict) or told.get("format") != FORMAT or told.get("state") not in STATES:
+    if not isinstance(row, dict) or row.get("format") != FORMAT or row.get("state") not in STATES:
         return None
     try:
-        outcome = Outcome(**{name: _frozen(value) for name, value in told.items() if name != "format"})
+        outcome = Outcome(**{name: _frozen(value) for name, value in row.items() if name != "format"})
     except TypeError:
         return None
     return outcome if _of_form(outcome) else None
@@ -86,53 +86,53 @@ def _frozen(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value
 
 
-def _of_form(told: Outcome) -> bool:
+def _of_form(row: Outcome) -> bool:
     """Whether each attribute is of its kind, each number finite, and model and page are files of the entry."""
     return (
-        all(isinstance(text, str) for text in (told.key, told.name, told.sentence))
-        and told.stage in ("identify", "diagnose")
-        and isinstance(told.wanted, bool)
-        and type(told.attempts) is int
-        and told.attempts >= 0
-        and all(text is None or isinstance(text, str) for text in (told.model, told.page, told.verdict))
-        and all(_texts(texts) for texts in (told.effects, told.notes))
-        and all(isinstance(numbers, tuple) and _numbers(numbers) for numbers in (told.picture, told.left))
-        and _each(told.seconds, _is_number)
-        and _each(told.files, lambda value: isinstance(value, str))
-        and _each(told.parameters, _is_parameter)
-        and isinstance(told.recordings, tuple)
+        all(isinstance(text, str) for text in (row.key, row.name, row.sentence))
+        and row.stage in ("identify", "diagnose")
+        and isinstance(row.wanted, bool)
+        and type(row.attempts) is int
+        and row.attempts >= 0
+        and all(text is None or isinstance(text, str) for text in (row.model, row.page, row.verdict))
+        and all(_texts(texts) for texts in (row.effects, row.notes))
+        and all(isinstance(numbers, tuple) and _numbers(numbers) for numbers in (row.picture, row.left))
+        and _each(row.seconds, _is_number)
+        and _each(row.files, lambda value: isinstance(value, str))
+        and _each(row.parameters, _is_parameter)
+        and isinstance(row.recordings, tuple)
         and all(
-            _each(one, lambda _: True) and _numbers(map(one.get, ("nrmse", "over_noise"))) for one in told.recordings
+            _each(one, lambda _: True) and _numbers(map(one.get, ("nrmse", "over_noise"))) for one in row.recordings
         )
-        and all(name is None or name in told.files for name in (told.model, told.page))
+        and all(name is None or name in row.files for name in (row.model, row.page))
     )
 
 
-def _each(told: Any, holds: Callable[[Any], bool]) -> bool:
-    return isinstance(told, Mapping) and all(isinstance(name, str) and holds(value) for name, value in told.items())
+def _each(row: Any, holds: Callable[[Any], bool]) -> bool:
+    return isinstance(row, Mapping) and all(isinstance(name, str) and holds(value) for name, value in row.items())
 
 
-def _texts(told: Any) -> bool:
-    return isinstance(told, tuple) and all(isinstance(text, str) for text in told)
+def _texts(row: Any) -> bool:
+    return isinstance(row, tuple) and all(isinstance(text, str) for text in row)
 
 
-def _numbers(told: Iterable[Any]) -> bool:
+def _numbers(row: Iterable[Any]) -> bool:
     """Numbers, or None where one is not known."""
-    return all(value is None or _is_number(value) for value in told)
+    return all(value is None or _is_number(value) for value in row)
 
 
 def _is_number(value: Any) -> bool:
     return type(value) in (int, float) and math.isfinite(value)
 
 
-def _is_recording(told: Any) -> bool:
-    return _each(told, lambda _: True) and _numbers(map(told.get, ("nrmse", "over_noise")))
+def _is_recording(row: Any) -> bool:
+    return _each(row, lambda _: True) and _numbers(map(row.get, ("nrmse", "over_noise")))
 
 
-def _is_parameter(told: Any) -> bool:
+def _is_parameter(row: Any) -> bool:
     return (
-        isinstance(told, Mapping)
-        and set(told) == {"value", "std", "unit"}
-        and _numbers((told["value"], told["std"]))
-        and isinstance(told["unit"], str)
+        isinstance(row, Mapping)
+        and set(row) == {"value", "std", "unit"}
+        and _numbers((row["value"], row["std"]))
+        and isinstance(row["unit"], str)
     )

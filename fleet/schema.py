@@ -74,11 +74,11 @@ def checked(document: Document) -> ManifestForm:
     otherwise = f"write 'format: {FORMAT}' in its first line"
     raw = of_format(document, FORMAT, "holds no manifest; one starts with", otherwise)
 
-    def told(error: ErrorDetails) -> tuple[Path, str]:
+    def problem_of(error: ErrorDetails) -> tuple[Path, str]:
         path = _place(error["loc"], raw)
         return path, _sentence(error, path)
 
-    return filled(ManifestForm, document, told)
+    return filled(ManifestForm, document, problem_of)
 
 
 def _place(loc: tuple[int | str, ...], raw: Any) -> Path:

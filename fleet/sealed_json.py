@@ -41,18 +41,18 @@ def plain(content: bytes) -> Any:
     return found
 
 
-def sealed(told: Mapping[str, Any]) -> str:
+def sealed(document: Mapping[str, Any]) -> str:
     """The text that is written: one line of JSON, its last member the hash of the others."""
-    text = _text(told)
-    return _text({**told, _HASH: hashlib.sha256(text.encode()).hexdigest()}) + "\n"
+    text = _text(document)
+    return _text({**document, _HASH: hashlib.sha256(text.encode()).hexdigest()}) + "\n"
 
 
 def unsealed(content: bytes) -> dict[str, Any]:
     """What was sealed; raises ValueError where it is not as ``sealed`` wrote it, to the byte."""
-    told = plain(content)
-    if not isinstance(told, dict) or told.pop(_HASH, None) is None or sealed(told).encode() != content:
+    document = plain(content)
+    if not isinstance(document, dict) or document.pop(_HASH, None) is None or sealed(document).encode() != content:
         raise ValueError("it is not as it was written")
-    return told
+    return document
 
 
 def digest(content: bytes) -> str:
@@ -60,8 +60,8 @@ def digest(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
 
 
-def _text(told: Mapping[str, Any]) -> str:
-    return json.dumps(told, ensure_ascii=False, allow_nan=False)
+def _text(document: Mapping[str, Any]) -> str:
+    return json.dumps(document, ensure_ascii=False, allow_nan=False)
 
 
 def _not_finite(word: str) -> Any:

@@ -110,5 +110,5 @@ def left_of_recording(fit: Fit, index: int) -> dict[str, float]:
     motion = np.average([np.var(s.segment.response) for s in parts], weights=samples)
     left = np.average([np.mean((s.segment.response - s.simulated) ** 2) for s in parts], weights=samples)
     noise = np.average([s.over_noise**2 for s in parts], weights=samples)
-    told = {"nrmse": float(np.sqrt(left / motion)) if motion else np.inf, "over_noise": float(np.sqrt(noise))}
-    return {name: float(f"{value:.4g}") for name, value in told.items() if np.isfinite(value)}
+    measures = {"nrmse": float(np.sqrt(left / motion)) if motion else np.inf, "over_noise": float(np.sqrt(noise))}
+    return {name: float(f"{value:.4g}") for name, value in measures.items() if np.isfinite(value)}

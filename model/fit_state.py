@@ -132,20 +132,20 @@ def state_of_fit(oscillator: Oscillator) -> str | None:
     It has at most 250 characters of ASCII, so that it can stand anywhere.
     """
     count, beyond_noise, faulty = len(oscillator.identified.recordings), lacking(oscillator), _faulty(oscillator)
-    told = []
+    sentences = []
     if beyond_noise:
         most = Left("", max(left.part for left in beyond_noise), max(left.times for left in beyond_noise))
-        told.append(
+        sentences.append(
             f"the model leaves more than noise of {_of(len(beyond_noise), count)}, up to {most.of_noise} and "
             f"{most.of_motion}"
         )
     if faulty:
-        told.append(
+        sentences.append(
             f"{_of(len(faulty), count)} {'bears' if len(faulty) == 1 else 'bear'} a fault of the measuring chain"
         )
-    if not told:
+    if not sentences:
         return None
-    return f"{', and '.join(told)}, so the parameters may be off by more than their errors"
+    return f"{', and '.join(sentences)}, so the parameters may be off by more than their errors"
 
 
 def _of(some: int, count: int) -> str:

@@ -52,7 +52,7 @@ def of_format(document: Document, version: str, nothing: str, otherwise: str) ->
 def filled(
     form: type[_Filled],
     document: Document,
-    told: Callable[[ErrorDetails], tuple[Path, str]],
+    problem_of: Callable[[ErrorDetails], tuple[Path, str]],
     check: Callable[[], None] = lambda: None,
 ) -> _Filled:
     """The form as the document fills it.
@@ -71,7 +71,7 @@ def filled(
         made = form.model_validate(document.data)
     except ValidationError as errors:
         for error in errors.errors(include_url=False):
-            document.report(*told(error))
+            document.report(*problem_of(error))
     check()
     if made is None or document.problems:
         raise document.error()

@@ -73,8 +73,8 @@ def machine(oscillator: Oscillator) -> dict[str, Parameter]:
 
     def of(p: Mapping[str, Any]) -> dict[str, Any]:
         names = [name for name, _, _ in QUANTITIES]
-        told = [p["mass"], *[p["mass"] * quantity for quantity in _per_mass(p)], p["omega0"] / (2 * math.pi)]
-        return dict(zip(names, told, strict=True)) | {_RATIO: p["viscous"] / (2 * p["omega0"])}
+        found = [p["mass"], *[p["mass"] * quantity for quantity in _per_mass(p)], p["omega0"] / (2 * math.pi)]
+        return dict(zip(names, found, strict=True)) | {_RATIO: p["viscous"] / (2 * p["omega0"])}
 
     slopes = {  # by a complex step, which is exact
         name: {key: q.imag / _STEP for key, q in of(given | {name: complex(given[name], _STEP)}).items()}
@@ -91,8 +91,8 @@ def machine(oscillator: Oscillator) -> dict[str, Parameter]:
         if value == 0 and not known:
             continue
         error = _carried({key: slopes[key][name] for key in needs}, oscillator) if known else None
-        told = templates[name] if templates[name] in ("Hz", "1") else units.compose(templates[name], unit, force)
-        made[name] = Parameter(value, error, told)
+        found = templates[name] if templates[name] in ("Hz", "1") else units.compose(templates[name], unit, force)
+        made[name] = Parameter(value, error, found)
     return made | _amid(oscillator)
 
 

@@ -38,8 +38,8 @@ class ParameterForm(Form):
 def _not_vanishing(value: float) -> float:
     """What a model divides by; raises where its reciprocal would leave double precision."""
     if value < LEAST:
-        told = {"least": f"{LEAST:g}", "given": f"{value:g}"}
-        raise PydanticCustomError("vanishing", "must not be below {least}, but is {given}; check its unit", told)
+        numbers = {"least": f"{LEAST:g}", "given": f"{value:g}"}
+        raise PydanticCustomError("vanishing", "must not be below {least}, but is {given}; check its unit", numbers)
     return value
 
 
@@ -147,11 +147,11 @@ def checked(document: Document) -> ModelForm:
     raw = of_format(document, FORMAT, "holds no model; a model file starts with", otherwise)
     meaning = Meaning(raw, document)
 
-    def told(error: ErrorDetails) -> tuple[Path, str]:
+    def numbers(error: ErrorDetails) -> tuple[Path, str]:
         path = tuple(step for step in error["loc"] if step != "[key]")
         return path, _sentence(error, path, meaning)
 
-    return filled(ModelForm, document, told, meaning.check)
+    return filled(ModelForm, document, numbers, meaning.check)
 
 
 def _sentence(error: ErrorDetails, path: Path, meaning: Meaning) -> str:

@@ -122,8 +122,8 @@ def _one_rate(where: str, values: Mapping[str, Any]) -> float | None:
     """The rate that numbers of one group state, Hz; raises BadInput where two state rates that differ."""
     stated = {name: rate for name, value in values.items() if (rate := _rate(where, name, value)) is not None}
     if stated and max(stated.values()) > min(stated.values()) * (1.0 + _ALIKE):
-        told = ", ".join(f"'{name}' {rate:.6g} Hz" for name, rate in stated.items())
-        raise BadInput(f"{where}: states several sampling rates: {told}; take out those that are wrong")
+        rates = ", ".join(f"'{name}' {rate:.6g} Hz" for name, rate in stated.items())
+        raise BadInput(f"{where}: states several sampling rates: {rates}; take out those that are wrong")
     return next(iter(stated.values()), None)
 
 

@@ -86,8 +86,8 @@ def next_step(diagnosis: Diagnosis, files: Sequence[str] = ()) -> str:
 
 def _doubt(effects: Sequence[Effect]) -> str:
     """What the recordings cannot tell; by their names alone, which the verdict above has put into words."""
-    told = [f"{e.effect} from {spoken(e.indistinguishable_from, 'or')}" for e in effects if e.indistinguishable_from]
-    return f"These recordings cannot tell {', nor '.join(told)}" if told else ""
+    rivals = [f"{e.effect} from {spoken(e.indistinguishable_from, 'or')}" for e in effects if e.indistinguishable_from]
+    return f"These recordings cannot tell {', nor '.join(rivals)}" if rivals else ""
 
 
 def _planned(diagnosis: Diagnosis) -> bool:

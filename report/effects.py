@@ -59,8 +59,8 @@ def lead_table(diagnosis: Diagnosis) -> list[Table]:
             unit = pretty_unit((of_machine or p).unit)
             sizes.append(f"{name} {value}{f' ± {error}' if error else ''}{'' if unit == '1' else f' {unit}'}")
         rivals = effect.indistinguishable_from
-        told = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
-        rows.append((effect_in_words(effect.law), ", ".join(sizes), probability_text(effect.odds), told))
+        rival_words = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
+        rows.append((effect_in_words(effect.law), ", ".join(sizes), probability_text(effect.odds), rival_words))
     head = ("What is missing", "Its size", "Probability", "Not told from")
     return [Table(head, tuple(rows), cards=True)] if rows else []
 

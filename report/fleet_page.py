@@ -45,9 +45,9 @@ def fleet_page(name: str, rows: Sequence[Row]) -> Page:
 
     believed = [row for row in rows if row.outcome.state in BELIEVED]
     others = [row for row in rows if row.outcome.state not in BELIEVED]
-    told = ", ".join(f"{count} {state}" for state, count in counts(rows).items())
+    summary = ", ".join(f"{count} {state}" for state, count in counts(rows).items())
     lead = Text(
-        f"{len(believed)} of {len(rows)} rows are done and believed ({told}).",
+        f"{len(believed)} of {len(rows)} rows are done and believed ({summary}).",
         "good" if not others else "bad",
         "✓ All believed." if not others else "▲ Look at these first.",
     )

@@ -104,7 +104,7 @@ def _tell_tale(law: Law) -> str:
     alone = "The rig alone is a slightly hardening spring, which leaves a third harmonic of its own. "
     if not found:
         return f"{alone}Under a sine the law adds no harmonic above a thousandth of the fundamental."
-    told = ", ".join(f"{order} ({number(100 * 10 ** (level / 20), 2)} %)" for order, level in found)
+    spoken = ", ".join(f"{order} ({number(100 * 10 ** (level / 20), 2)} %)" for order, level in found)
     even = all(order % 2 == 0 for order, _ in found)
     odd = all(order % 2 == 1 for order, _ in found)
     kind = (
@@ -112,7 +112,7 @@ def _tell_tale(law: Law) -> str:
         if even
         else ("odd ones only, as of what is alike on both sides" if odd else "even and odd ones: the two sides differ")
     )
-    return f"{alone}Under a sine the law adds or lifts harmonics, {kind}: {told} of the acceleration's fundamental."
+    return f"{alone}Under a sine the law adds or lifts harmonics, {kind}: {spoken} of the acceleration's fundamental."
 
 
 def library_table() -> str:

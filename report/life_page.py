@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from ..change.life_wording import plus_minus, repeatability_told, sentences
+from ..change.life_wording import plus_minus, repeatability_words, sentences
 from ..model.display import full_stop, pretty_unit
 from .blocks import Block, Cell, Items, Page, Section, Table, Text, picture
 from .life_figure import life_figure
@@ -36,8 +36,8 @@ def life_page(lives: Sequence[Life]) -> Page:
 
 
 def _first(life: Life) -> Block:
-    told = sentences(life)
-    return Text(" ".join(told), "bad" if life.changed else "good", f"{'▲' if life.changed else '✓'} {life.name}:")
+    found = sentences(life)
+    return Text(" ".join(found), "bad" if life.changed else "good", f"{'▲' if life.changed else '✓'} {life.name}:")
 
 
 def _blocks(life: Life, key: str, *, drawn: bool) -> list[Block]:
@@ -50,7 +50,7 @@ def _blocks(life: Life, key: str, *, drawn: bool) -> list[Block]:
         )
         blocks.append(picture(lambda: life_figure(life, key), caption))
     blocks.append(_table(life))
-    notes = [repeatability_told(life), *(full_stop(note) for note in life.notes)]
+    notes = [repeatability_words(life), *(full_stop(note) for note in life.notes)]
     blocks.append(Items(tuple(notes)))
     return blocks
 

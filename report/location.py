@@ -53,11 +53,11 @@ def location_section(diagnosis: Diagnosis) -> Section:
     ranges = _ranges(diagnosis, place)
     shares = {order: share for order, share in sorted(place.harmonics.items()) if math.isfinite(share)}
     if ranges or shares:
-        told = [
+        parts = [
             *(["Bars: where the mismatch lies (coloured) within what was recorded (grey)"] if ranges else []),
             *(["Below: its power by harmonics of the motion (0: its mean)"] if shares else []),
         ]
-        caption = ". ".join(told if len(told) > 1 else [told[0].partition(": ")[2].capitalize()]) + "."
+        caption = ". ".join(parts if len(parts) > 1 else [parts[0].partition(": ")[2].capitalize()]) + "."
         blocks.append(picture(lambda: location_figure(ranges, shares), caption))
     rows = [
         (r.name, *_ends(r.fails, r.scale), *(_ends(r.whole, r.scale) if r.whole else ("", "")), r.scale.unit)

@@ -37,8 +37,8 @@ def verification_page(verification: Verification) -> Page:
 
 
 def _failed(verification: Verification) -> list[Block]:
-    told = [f"{c.file}: {full_stop(reason)}" for c in verification.recordings for reason in c.failed]
-    return [Items(tuple(told))] if told else []
+    failures = [f"{c.file}: {full_stop(reason)}" for c in verification.recordings for reason in c.failed]
+    return [Items(tuple(failures))] if failures else []
 
 
 def _backbones(verification: Verification) -> list[Block]:

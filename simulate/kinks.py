@@ -85,8 +85,8 @@ def sided(vector: Expression, arguments: Sequence[Expression], moving: Expressio
                 first = side(parts[0] >= parts[1] if operation == ca.OP_FMAX else parts[0] <= parts[1])
                 value = size(value, first * slope(parts[0]) + (1 - first) * slope(parts[1]))
             work[put[0]] = value
-    told = ca.vertcat(ca.SX(0, 1), *values)
+    stacked = ca.vertcat(ca.SX(0, 1), *values)
     jacobian = slope(result)
     for symbol, value in zip(reversed(sizes), reversed(made), strict=True):
-        told, jacobian = ca.substitute([told, jacobian], [symbol], [value])
-    return Sided(ca.vertcat(ca.SX(0, 1), *sides), told, ca.sparsify(jacobian))
+        stacked, jacobian = ca.substitute([stacked, jacobian], [symbol], [value])
+    return Sided(ca.vertcat(ca.SX(0, 1), *sides), stacked, ca.sparsify(jacobian))

@@ -39,13 +39,13 @@ def covariance_of(model: Oscillator, names: Sequence[str]) -> np.ndarray:
 
     Standard errors stand for what no covariance names; what has neither is taken for exact.
     """
-    parameters, told = model.parameters(), model.identified
+    parameters, provenance = model.parameters(), model.identified
     covariance = np.diag(np.array([(parameters[name].std or 0.0) ** 2 for name in names], float))
-    if told.covariance is not None:
-        places = {name: place for place, name in enumerate(told.parameters)}
+    if provenance.covariance is not None:
+        places = {name: place for place, name in enumerate(provenance.parameters)}
         both = [i for i, name in enumerate(names) if name in places]
         there = [places[names[i]] for i in both]
-        covariance[np.ix_(both, both)] = np.array(told.covariance, float)[np.ix_(there, there)]
+        covariance[np.ix_(both, both)] = np.array(provenance.covariance, float)[np.ix_(there, there)]
     return covariance
 
 

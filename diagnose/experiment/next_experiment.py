@@ -122,11 +122,11 @@ def _separating(
     names = [name, *rivals]
     pairs = [(a, b) for j, a in enumerate(names) for b in names[j + 1 :]]
     separates = tuple((a, b, fitted[best][b] if a == name else apart(played[a], played[b], best)) for a, b in pairs)
-    told = [(b, z) for a, b, z in separates if a == name]
-    clear = [b for b, z in told if z >= CLEAR_OF_NOISE]
-    not_told = [b for b, z in told if z < CLEAR_OF_NOISE]
+    separated = [(b, z) for a, b, z in separates if a == name]
+    clear = [b for b, z in separated if z >= CLEAR_OF_NOISE]
+    not_separated = [b for b, z in separated if z < CLEAR_OF_NOISE]
     if not clear:
-        largest = max(z for _, z in told)
+        largest = max(z for _, z in separated)
         sentence = (
             f"No recording within {BEYOND:g} times the present levels tells {effect_in_words(name)} from "
             f"{effects_in_words(rivals, 'or')} (at most {figure(largest, 2)} times the noise, either re-tuned): "
@@ -142,13 +142,13 @@ def _separating(
             signal=None,
             fs=fs,
         )
-    least = min(z for b, z in told if b in clear)
+    least = min(z for b, z in separated if b in clear)
     why = (
         f"{effect_in_words(name)} then differs from {effects_in_words(clear)} by {figure(least, 2)} times the noise "
         "or more, however it is re-tuned"
     )
-    if not_told:
-        why += f"; it does not tell {name} from {effects_in_words(not_told, 'or')}"
+    if not_separated:
+        why += f"; it does not tell {name} from {effects_in_words(not_separated, 'or')}"
     return _experiment(plans[best], model, why, separates, fs)
 
 

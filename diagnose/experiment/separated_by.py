@@ -25,11 +25,11 @@ def separated_by(effect: str, rivals: Sequence[str], experiment: Experiment | No
     if not rivals:
         return ""
     known = {} if experiment is None else _times_the_noise(effect, experiment)
-    told = [rival for rival in rivals if known.get(rival, 0.0) >= CLEAR_OF_NOISE]
-    near = [rival for rival in rivals if rival in known and rival not in told]
+    separated = [rival for rival in rivals if known.get(rival, 0.0) >= CLEAR_OF_NOISE]
+    near = [rival for rival in rivals if rival in known and rival not in separated]
     unknown = [rival for rival in rivals if rival not in known]
     said = []
-    if experiment is not None and told:
+    if experiment is not None and separated:
         said.append(experiment.sentence)
         if near and not _is_about(effect, experiment):
             said.append(f"It does not tell {effect} from {spoken(near, 'or')}.")

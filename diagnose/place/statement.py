@@ -193,8 +193,8 @@ def in_which_recordings(signature: Symptoms, names: list[str]) -> str:
     if signature.kind in ("force", "delay"):
         rest = with_kind(signature)
         still = [s.name for s, beyond in zip(rows.stretches, where_it_is(rest), strict=True) if beyond and not s.driven]
-        told = f"free decay ({spoken(free)}) agrees without it" if free and not still else "free decay cannot tell"
-        return f"in the forced recordings ({spoken([name for name in here if name in driven])}); {told}"
+        decays = f"free decay ({spoken(free)}) agrees without it" if free and not still else "free decay cannot tell"
+        return f"in the forced recordings ({spoken([name for name in here if name in driven])}); {decays}"
     if len(here) == len(used):
         return "in every recording" if len(used) > 1 else f"in {here[0]}"
     absent = [name for name in used if name not in here]

@@ -45,14 +45,14 @@ class Weighing:
 
     def weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
         """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
-        evidence, told = weighed(fitted, self.data, self.measures[0])
+        evidence, training = weighed(fitted, self.data, self.measures[0])
         # before anything was measured each law with a cause was as likely as any other, and one of them in all
         value = evidence - len(laws) * math.log(sum(not law.learnt for law in self.laws))
         if self.holdout is None:
             foreseen = foretold_by_the_others(fitted, self.apart, self.measures[1])
             return Candidate(laws, fitted, None, value, 0.0, foreseen, "judged")
         held_out = held_out or judged(fitted.model, self.holdout)
-        foreseen = foretold(fitted, told, self.data, held_out, self.holdout, self.measures[1])
+        foreseen = foretold(fitted, training, self.data, held_out, self.holdout, self.measures[1])
         return Candidate(laws, fitted, held_out, value, foreseen, foreseen, "judged")
 
 

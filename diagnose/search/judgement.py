@@ -35,15 +35,15 @@ def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> f
         return total
     before, after = ([r for pair in both if (fit := pair[i]) for r in fit.residuals] for i in (0, 1))
     segments = [segment for data in parts[: len(both)] for segment in data.segments]
-    told, worth = gain_of_mismatch(before, after, segments)
+    gain, worth = gain_of_mismatch(before, after, segments)
     # a law that is not there takes its part too; before anything was measured each was as likely as any other
     further, fewer = len(candidate.laws) - len(other.laws), min(candidate, other, key=lambda one: len(one.laws))
     if further and fewer.fit is not None:
-        told += 0.5 * worth * further * math.log1p(-share * by_chance(fewer.fit, parts[0]))
+        gain += 0.5 * worth * further * math.log1p(-share * by_chance(fewer.fit, parts[0]))
     prior = further * math.log(sum(not law.learnt for law in KNOWN.values()))
     samples = sum(segment.n for segment in segments)
-    told *= 1.0 / (worth / samples + share)
-    return float(np.clip(told - share * prior, -abs(total), abs(total)))
+    gain *= 1.0 / (worth / samples + share)
+    return float(np.clip(gain - share * prior, -abs(total), abs(total)))
 
 
 def mismatch_share(candidate: Candidate, parts: Sequence[Data]) -> float:
@@ -107,19 +107,19 @@ def first_of_several(given: Candidate, candidates: Iterable[Candidate], parts: S
         parts: training recordings, and those held out where there are any.
     """
     judged = [candidate for candidate in candidates if candidate.stage == "judged" and candidate.laws]
-    told = [c for c in judged if matters(c, given) and log_odds(c, given, parts) > DECISIVE]
-    return max(told, key=lambda c: log_odds(c, given, parts), default=None)
+    named = [c for c in judged if matters(c, given) and log_odds(c, given, parts) > DECISIVE]
+    return max(named, key=lambda c: log_odds(c, given, parts), default=None)
 
 
 def why_not(candidate: Candidate, without: Candidate, best: Candidate, parts: Sequence[Data]) -> str:
     """Why a weighed structure was not taken, beside the one without its law and the best."""
-    gained, told = candidate.evidence - without.evidence, candidate.foretold - without.foretold
+    gain, held_out = candidate.evidence - without.evidence, candidate.foretold - without.foretold
     if candidate.value > without.value + DECISIVE and without.laws != best.laws:
         behind = best.value - candidate.value
         return f"{' + '.join(best.laws) or 'the given family'} is more probable: by {behind:.4g} in log-evidence"
-    if told <= 0:
+    if held_out <= 0:
         where = "the held-out ones" if len(parts) > 1 else "stretches of them that are foretold from the others"
-        return f"it gains {gained:.4g} in log-evidence on the training recordings and {told:.4g} on {where}"
+        return f"it gains {gain:.4g} in log-evidence on the training recordings and {held_out:.4g} on {where}"
     if not matters(candidate, without):
         return "it gains something, but less than a tenth of the noise in every recording"
     return f"its odds are not decisive: {log_odds(candidate, without, parts):.3g} in log-evidence"

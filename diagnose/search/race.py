@@ -185,8 +185,9 @@ class Start:
     def fitted(self) -> Fitted:
         """Where it is."""
         state = self.descent.state
-        told = likelihood(self.descent.residuals, self.model, self.data)
-        return Fitted(self.model, state.initial, self.descent.residuals, told, self.structure.free, state.offsets)
+        residuals = self.descent.residuals
+        value = likelihood(residuals, self.model, self.data)
+        return Fitted(self.model, state.initial, residuals, value, self.structure.free, state.offsets)
 
     @property
     def locked(self) -> tuple[str, ...]:

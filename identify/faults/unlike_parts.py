@@ -317,5 +317,5 @@ def _chance(reduced: np.ndarray, asks: np.ndarray, spread: np.ndarray) -> float:
     if not (np.isfinite(known) and np.all(np.isfinite(spread))):  # nothing can be said of them
         return 1.0
     directions = round(known)
-    told = inverse @ asks
-    return float(chdtrc(directions, float(told @ np.linalg.solve(spread, told)))) if directions else 1.0
+    direction = inverse @ asks
+    return float(chdtrc(directions, float(direction @ np.linalg.solve(spread, direction)))) if directions else 1.0

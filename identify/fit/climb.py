@@ -73,27 +73,27 @@ def from_near(problem: OutputError, state: State) -> Climb | None:
 
 def _climbed(problem: OutputError, state: State, maxima: Maxima) -> Climb:
     first, *later = growing(problem.segments)
-    told, whole = problem.over(first), True
-    state, rungs, iterations = from_prediction(told, state, maxima)
+    stage_problem, whole = problem.over(first), True
+    state, rungs, iterations = from_prediction(stage_problem, state, maxima)
     for stage in later:
         try:
             state, rungs, steps = from_prediction(problem.over(stage), state)
         except BadInput:  # what remains is at rest, say, where these values push the mass away
             whole = False
             break
-        told, iterations = problem.over(stage), iterations + steps
+        stage_problem, iterations = problem.over(stage), iterations + steps
     ratios = np.array(
         [
             nrmse_of(residual, segment.response)
-            for residual, segment in zip(told.residuals(state), told.segments, strict=True)
+            for residual, segment in zip(stage_problem.residuals(state), stage_problem.segments, strict=True)
         ]
     )
-    loud = [float(np.std(segment.response)) for segment in told.segments]
-    size = [segment.n for segment in told.segments]
+    loud = [float(np.std(segment.response)) for segment in stage_problem.segments]
+    size = [segment.n for segment in stage_problem.segments]
     left = np.log(np.clip(ratios, np.finfo(float).tiny, _NOTHING_TOLD))
     log_nrmse = float(np.sum(left * size)) / sum(segment.n for segment in problem.segments)
     lost = bool(np.any((ratios > POOR_NRMSE) & (np.array(loud) >= QUIET * max(loud))))
-    return Climb(told, state, rungs, iterations, whole, log_nrmse, lost)
+    return Climb(stage_problem, state, rungs, iterations, whole, log_nrmse, lost)
 
 
 def nrmse_of(residual: np.ndarray, response: np.ndarray) -> float:

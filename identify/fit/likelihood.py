@@ -72,9 +72,9 @@ def maximum_likelihood(
     climb = from_near(problem, structure.state(None)) if near else None
     near = climb is not None and keeps_step(problem.segments, problem.residuals(climb.state))
     climb = climb or best_climb(problem, structure.state(None), others)
-    told, free, rungs, iterations = climb.problem, climb.state, climb.rungs, climb.iterations
-    notes = [] if climb.whole else [_beyond(told.segments, problem.segments, recordings)]
-    problem, free = kept_offsets(told, free, start)
+    reached, free, rungs, iterations = climb.problem, climb.state, climb.rungs, climb.iterations
+    notes = [] if climb.whole else [_beyond(reached.segments, problem.segments, recordings)]
+    problem, free = kept_offsets(reached, free, start)
     if any(offset.channel == "drift" for offset in problem.offsets):
         try:
             free, rungs, steps = from_prediction(problem, free)  # what drifted may have led the search astray
@@ -128,11 +128,11 @@ def _beside_linear(
     return outcome.state, cost, outcome.iterations
 
 
-def _beyond(told: Sequence[Segment], whole: Sequence[Segment], recordings: Sequence[Recording]) -> str:
+def _beyond(reached: Sequence[Segment], whole: Sequence[Segment], recordings: Sequence[Recording]) -> str:
     """Which ends of decays no model of the structure was found to simulate."""
     ends = [
         f"{recordings[part.recording].name} from {part.time + part.n * part.dt:.4g} s"
-        for part, all_of_it in zip(told, whole, strict=True)
+        for part, all_of_it in zip(reached, whole, strict=True)
         if part.n < all_of_it.n
     ]
     return f"no model of this structure that fits the beginning simulates the end of {', '.join(ends)}; it was left out"

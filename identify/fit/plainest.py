@@ -54,13 +54,13 @@ def likely_absent(names: Sequence[str], values: np.ndarray, covariance: np.ndarr
         for some in combinations(members, count):
             gone = list(some)
             scale = sizes[gone]
-            told = covariance[np.ix_(gone, gone)] / np.outer(scale, scale)
-            wide = told + np.eye(count)
+            spread = covariance[np.ix_(gone, gone)] / np.outer(scale, scale)
+            wide = spread + np.eye(count)
             found = values[gone] / scale
-            inverse = np.linalg.pinv(told, hermitian=True)
+            inverse = np.linalg.pinv(spread, hermitian=True)
             odds = 0.5 * (
                 np.linalg.slogdet(wide)[1]
-                - np.linalg.slogdet(told)[1]
+                - np.linalg.slogdet(spread)[1]
                 - found @ (inverse - np.linalg.inv(wide)) @ found
             )
             if not odds > (DECISIVE if best is None else best.log_odds):
@@ -140,9 +140,9 @@ def _given(fit: Fit, names: Sequence[str]) -> np.ndarray:
     gone = [fit.names.index(name) for name in names]
     kept = [i for i in range(len(fit.names)) if i not in gone]
     scale = np.sqrt(np.diag(fit.covariance))[gone]
-    told = np.linalg.pinv(fit.covariance[np.ix_(gone, gone)] / np.outer(scale, scale), hermitian=True)
+    precision = np.linalg.pinv(fit.covariance[np.ix_(gone, gone)] / np.outer(scale, scale), hermitian=True)
     across = fit.covariance[np.ix_(kept, gone)] / scale
-    return fit.covariance[np.ix_(kept, kept)] - across @ told @ across.T
+    return fit.covariance[np.ix_(kept, kept)] - across @ precision @ across.T
 
 
 def _sentence(names: Sequence[str]) -> str:

@@ -56,10 +56,10 @@ class HilbertAnalysis:
         """The curves of ``freevib`` or ``forcevib``."""
         return tuple(curve for curve in self.curves if curve.method == method)
 
-    def of_one_mode(self, told: Sequence[str], isolated: bool) -> HilbertAnalysis:
+    def of_one_mode(self, of_modes: Sequence[str], isolated: bool) -> HilbertAnalysis:
         """The same with what was said of the recordings' modes; a band that isolated one left no harmonics of it."""
         curves = tuple(replace(curve, within=None) for curve in self.curves) if isolated else self.curves
-        return replace(self, curves=curves, notes=(*told, *self.notes))
+        return replace(self, curves=curves, notes=(*of_modes, *self.notes))
 
     def spread(self, method: str) -> dict[str, float]:
         """Standard deviation of each parameter from stretch to stretch; empty below three of them.

@@ -39,8 +39,8 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
     sizes = np.maximum(np.abs(state.values[free]), problem.scale[free])
     rows = problem.derivatives(state, problem.residuals(state))
     found = problem.map(lambda i: _of_segment(problem, i, state, rows[i], sizes), range(len(problem.segments)))
-    jumps, false, told = zip(*found, strict=True)
-    say_little = np.all(np.array(false) <= FALSE_INFORMATION * np.sum(told, axis=0), axis=1)
+    jumps, false, information = zip(*found, strict=True)
+    say_little = np.all(np.array(false) <= FALSE_INFORMATION * np.sum(information, axis=0), axis=1)
     kept: list[Segment] = []
     initial: list[np.ndarray] = []
     for i, segment in enumerate(problem.segments):

@@ -142,7 +142,7 @@ def _cut(
         motion = find_free_motion(recording)
         decays = motion.decays
         ends = [(decay.start, decay.stop, False) for decay in decays]
-        told = {decay.start for decay in decays if decay.omega is not None}  # what their cycles tell was asked before
+        known = {decay.start for decay in decays if decay.omega is not None}  # what their cycles tell was asked before
         period = round(2 * np.pi / pace * recording.fs)
         if motion.blows and force is not None:
             ends = through(motion.blows, decays, period)
@@ -158,7 +158,7 @@ def _cut(
             # what a force drives all through a recording says more than it costs once it has gone through a cycle; so
             # does a free recording that was let in for its fall, and a blow upon a mass at rest costs nothing
             costs = (start, stop) != (0, recording.n) and not (forced and motion.blows)
-            if stop - start < (shortest if costs else least) and start not in told:
+            if stop - start < (shortest if costs else least) and start not in known:
                 continue
             driven = None
             if forced and force is not None and np.any(force[start:stop]):

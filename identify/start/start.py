@@ -143,8 +143,8 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
     if estimate.backbone is not None:
         omegas.insert(0, float(estimate.backbone.omega0))
     starts = [{"omega0": omega, "viscous": _PLAIN_DAMPING * omega} for omega in omegas]
-    if (told := _of_decays(estimate.decays)) is not None:
-        starts.insert(0, told)
+    if (decaying := _of_decays(estimate.decays)) is not None:
+        starts.insert(0, decaying)
     linear = estimate.linear
     if linear is not None:
         known = {"omega0": linear.omega0, "viscous": max(linear.viscous, _LEAST_DAMPING * linear.omega0)}

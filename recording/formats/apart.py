@@ -69,13 +69,13 @@ def read_apart(module: str, kind: str, where: str, content: bytes, most: float) 
         if "refused" in answer:
             raise BadInput(answer["refused"])
         tables = []
-        for i, told in enumerate(answer["tables"]):
+        for i, item in enumerate(answer["tables"]):
             values = arrays[f"table{i}"]
             channels = [
                 Channel(name, values[:, j], unit)
-                for j, (name, unit) in enumerate(zip(told["names"], told["units"], strict=True))
+                for j, (name, unit) in enumerate(zip(item["names"], item["units"], strict=True))
             ]
-            tables.append(table_of(told["where"], channels, told["fs"], told["record"], told["notes"]))
+            tables.append(table_of(item["where"], channels, item["fs"], item["record"], item["notes"]))
     return tables
 
 
@@ -90,7 +90,7 @@ def main() -> None:
         try:
             reader = import_module(f".{module}", __package__)
             tables = reader.read_tables(where, sys.stdin.buffer.read(), most)
-            answer: dict[str, object] = {"tables": [_told(table) for table in tables]}
+            answer: dict[str, object] = {"tables": [_as_json(table) for table in tables]}
             arrays = {f"table{i}": table.numbers(range(len(table.names))) for i, table in enumerate(tables)}
         except ModuleNotFoundError as error:
             answer = {"missing": str(error), "package": error.name}
@@ -110,7 +110,7 @@ def broken(where: str, kind: str, error: Exception) -> str:
     )
 
 
-def _told(table: Table) -> dict[str, object]:
+def _as_json(table: Table) -> dict[str, object]:
     return {
         "where": table.where,
         "names": table.names,

@@ -42,7 +42,7 @@ def terminal_of(patch):
 def test_a_long_wait_is_told_and_goes_before_other_words(monkeypatch):
     terminal = terminal_of(monkeypatch)
 
-    with waiting.waiting_told():
+    with waiting.waiting_shown():
         shown = terminal.waits_for("… maximum likelihood (")
         waiting.doing("maximum likelihood")
         assert shown.wait(20)
@@ -60,7 +60,7 @@ def test_a_long_wait_is_told_and_goes_before_other_words(monkeypatch):
 def test_a_result_on_stdout_takes_the_line_away(monkeypatch):
     terminal = terminal_of(monkeypatch)
 
-    with waiting.waiting_told():
+    with waiting.waiting_shown():
         assert terminal.waits_for("… reading (").wait(20)
         waiting.silence()
         print("result")
@@ -71,7 +71,7 @@ def test_a_result_on_stdout_takes_the_line_away(monkeypatch):
 def test_nothing_is_told_where_there_is_no_terminal(monkeypatch):
     stream = io.StringIO()
     monkeypatch.setattr("sys.stderr", stream)
-    with waiting.waiting_told():
+    with waiting.waiting_shown():
         waiting.doing("something")
         assert waiting._now is None
     assert stream.getvalue() == ""
