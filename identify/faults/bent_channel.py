@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..problem.chain import Fault
 from ..problem.linearised import Linearised
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
-from .fault import Fault, times_over, with_error
+from .fault import times_over, with_error
 from .fault_score import OWN, beside_fault
 from .part import Span, spans_of
 

@@ -1,59 +1,18 @@
-"""What a measuring chain can do to a recording: each fault in a few sizes, each size zero where there is none.
-
-A fault is a nuisance, as a sensor's zero is one: it changes what is recorded in a known way and knows nothing of the
-rig. So a model is run along what the signals were meant to be, and its response is shown as the faulty chain would.
-"""
+"""The kinds of faults of a measuring chain: each in a few sizes, each size zero where there is none."""
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from dataclasses import dataclass, replace
+from abc import abstractmethod
+from dataclasses import replace
 
 import numpy as np
 
 from ...simulate.force import SAMPLES_A_CYCLE, Force, smooth_force
+from ..problem.chain import Fault
 from ..problem.segments import Segment
 from ..signals.registry import numerics
 
 _LEAST = numerics(1e-3, "of itself", why="a gain or a clock stays above zero while its size is searched")
-
-
-@dataclass(frozen=True)
-class Fault(ABC):
-    """One fault of one recording.
-
-    Attributes:
-        recording: index of the recording.
-        place: from when it is there, s, or its frequency, Hz; nan where it has neither.
-    """
-
-    recording: int
-    place: float = np.nan
-
-    #: How many sizes it has, and whether the motion itself depends on them or only what is shown of it.
-    count = 1
-    moves = False
-    #: Whether ``place`` is a time, or a frequency, or one of a few cycles a record; whether the force's channel has it.
-    timed = False
-    tonal = False
-    slow = False
-    forced = False
-
-    @abstractmethod
-    def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
-        """The segment as a sound chain would have recorded it."""
-
-    def shown(self, made: np.ndarray, segment: Segment, sizes: np.ndarray) -> np.ndarray:
-        """(n,) what the chain shows of a response (n,)."""
-        return made
-
-    def scale(self, segment: Segment) -> float:
-        """Size of a hundredth of the motion, for finite differences."""
-        return 1e-2
-
-    @abstractmethod
-    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
-        """Kind, place and size in words."""
 
 
 class ResponseGain(Fault):

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
+from ..problem.chain import Fault, sizes_of
 from ..problem.linearised import Linearised, Sums
 from ..problem.output_error import OutputError, State
+from ..problem.prediction import FREE
 from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.registry import budget, numerics
-from .fault import Clock, Fault, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
-from .faulty_fit import FaultyFit
+from .fault import Clock, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
 from .wavering import Wavering
 from .waves_of_time import waves_of_time
 
@@ -126,8 +128,8 @@ def beside_fault(
     fault: Fault,
 ) -> Sums:
     """The sums over all segments with the sizes of one fault as further columns, behind what segments share."""
-    faulty = FaultyFit(problem, [fault])
-    point = faulty.with_sizes(state)
+    faulty = problem.with_faults([fault])
+    point = with_sizes(faulty, state)
     columns = {
         i: noise[i].lines(_columns(faulty, point, i, segment.response - residuals[i]))
         for i, segment in enumerate(problem.segments)
@@ -136,13 +138,29 @@ def beside_fault(
     return linearised.beside(columns)
 
 
-def _columns(faulty: FaultyFit, point: State, index: int, base: np.ndarray) -> np.ndarray:
+def _columns(faulty: OutputError, point: State, index: int, base: np.ndarray) -> np.ndarray:
     """(sizes, n) derivatives of what is shown along one segment with respect to the sizes of the last fault."""
     columns = []
     for place in range(len(faulty.offsets) - faulty.faults[-1].count, len(faulty.offsets)):
         by = 1e-2 * faulty.offsets[place].scale
         offsets = point.offsets.copy()
         offsets[place] += by
-        columns.append((faulty.shown_beside(index, State(point.values, point.initial, offsets), base) - base) / by)
+        columns.append((shown_beside(faulty, index, State(point.values, point.initial, offsets), base) - base) / by)
     made = np.array(columns)
     return made if np.all(np.isfinite(made)) else np.zeros_like(made)
+
+
+def with_sizes(faulty: OutputError, state: State) -> State:
+    """A point of the search without its last faults, with all their sizes zero."""
+    return replace(state, offsets=np.pad(state.offsets, (0, len(faulty.offsets) - len(state.offsets))))
+
+
+def shown_beside(faulty: OutputError, index: int, state: State, made: np.ndarray) -> np.ndarray:
+    """As ``OutputError.simulate``, where ``made`` (n,) is that with all sizes of the last fault zero.
+
+    A fault that moves no mass needs no simulation, unless something is predicted.
+    """
+    fault, sizes, segment = faulty.faults[-1], sizes_of(faulty.faults, state.offsets)[-1], faulty.segments[index]
+    if faulty.memory != FREE or (fault.moves and fault.meant(segment, sizes) is not segment):
+        return faulty.simulate(index, state)
+    return fault.shown(made, segment, sizes)

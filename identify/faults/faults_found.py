@@ -11,6 +11,7 @@ import logging
 import math
 from collections.abc import Sequence
 from contextlib import suppress
+from copy import copy
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,6 +22,7 @@ from ...recording.recording import Recording
 from ..fit.from_prediction import from_prediction, keeps_step, simulates
 from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import concentrated, over_noise
+from ..problem.chain import Fault, sizes_of
 from ..problem.data import noise_of
 from ..problem.descent import search
 from ..problem.linearised import Linearised
@@ -29,9 +31,8 @@ from ..problem.prediction import FREE
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR
 from ..signals.registry import budget, numerics
 from .contradiction import Contradiction
-from .fault import Fault, ForceHum, Hum, Late, times_of
-from .fault_score import KINDS, expected_gains, possible
-from .faulty_fit import FaultyFit
+from .fault import ForceHum, Hum, Late, times_of
+from .fault_score import KINDS, expected_gains, possible, shown_beside, with_sizes
 from .fitted_problem import fitted_problem
 
 _ROUNDS = budget(
@@ -119,8 +120,8 @@ def faults_found(
         finest = best.coarsely(False)
         where = search(finest, point, tolerance=0.1, most=_STEPS, informed=False).state
         if _noise_alone(finest, where, fit, recordings):
-            found = _with_sizes(finest, where, gains, fit, recordings)
-            return found if _is_one_cause(found) and all(fault.stands for fault in found) else ()
+            sized = _with_sizes(finest, where, gains, fit, recordings)
+            return sized if _is_one_cause(sized) and all(fault.stands for fault in sized) else ()
     return ()
 
 
@@ -141,7 +142,7 @@ def with_fault(
     if not _noise_alone(faulty, point, fit, recordings):
         return None
     likelihood = concentrated(faulty, point, fit.oscillator)
-    return likelihood, faulty.sizes(point.offsets)[-1], point.values[list(problem.free)]
+    return likelihood, sizes_of(faulty.faults, point.offsets)[-1], point.values[list(problem.free)]
 
 
 def _asked(
@@ -164,7 +165,7 @@ def _asked(
         edges = (part.span.begin, part.begin, part.end)
         faults = [f for f in faults if f.recording == part.recording and not f.timed]
         faults += [kind(part.recording, edge) for kind in kinds if kind.timed for edge in edges]
-    known = getattr(problem, "faults", ())
+    known = problem.faults
     faults = [f for f in faults if not any(type(f) is type(k) and f.recording == k.recording for k in known)]
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
     noise = noise_of(problem.segments, residuals, values, problem.memory)
@@ -184,10 +185,10 @@ def _asked(
     return [fault for _, fault in asked], len(faults)
 
 
-def _begun(problem: OutputError, state: State, faults: Sequence[Fault]) -> tuple[FaultyFit, State]:
+def _begun(problem: OutputError, state: State, faults: Sequence[Fault]) -> tuple[OutputError, State]:
     """The fit with faults, and a point from which a simulation keeps step with the motion, as far as there is one."""
-    faulty = FaultyFit(problem, faults)
-    point = faulty.with_sizes(state)
+    faulty = problem.with_faults(faults)
+    point = with_sizes(faulty, state)
     if not keeps_step(faulty.segments, faulty.residuals(point)):
         with suppress(BadInput):
             return faulty, from_prediction(faulty, point)[0]
@@ -196,20 +197,20 @@ def _begun(problem: OutputError, state: State, faults: Sequence[Fault]) -> tuple
 
 def _likeliest(
     problem: OutputError, state: State, found: Sequence[Fault], waves: Sequence[Fault], start: Oscillator
-) -> tuple[FaultyFit, State]:
+) -> tuple[OutputError, State]:
     """Of waves that may lead to the same one that which one round makes the likeliest: where it began says little."""
     begun = [_round(*_begun(problem, state, [*found, wave])) for wave in waves]
     return max(begun, key=lambda pair: concentrated(*pair, start))
 
 
-def _round(faulty: FaultyFit, point: State) -> tuple[FaultyFit, State]:
+def _round(faulty: OutputError, point: State) -> tuple[OutputError, State]:
     """Sizes of the faults where they are, with the parameters, then the last one's place; nothing where none runs."""
     if not simulates(faulty, point):
         return faulty, point
     return _placed(faulty, search(faulty, point, tolerance=0.5, most=_STEPS, informed=False).state)
 
 
-def _fitted(begun: tuple[FaultyFit, State], start: Oscillator) -> tuple[FaultyFit, State]:
+def _fitted(begun: tuple[OutputError, State], start: Oscillator) -> tuple[OutputError, State]:
     """Sizes and places of the faults with the parameters, each in turn, until that says no more: the likeliest."""
     faulty, point = begun
     known = -math.inf
@@ -223,7 +224,7 @@ def _fitted(begun: tuple[FaultyFit, State], start: Oscillator) -> tuple[FaultyFi
     return faulty, search(faulty, point, tolerance=0.1, most=_STEPS, informed=False).state
 
 
-def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
+def _placed(faulty: OutputError, state: State) -> tuple[OutputError, State]:
     """The last fault where what is left is least, all else as it is: by halving, to a sample.
 
     A wave of another frequency stays as it is where the motion is largest: from the beginning of the record it would
@@ -235,7 +236,6 @@ def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
     span = segments[-1].time + segments[-1].n * segments[-1].dt - segments[0].time
     if not (fault.timed or fault.tonal):
         return faulty, state
-    places = [other.place for other in faulty.faults[:-1]]
     weights = [s.response - np.mean(s.response) for s in segments]
     middle = float(
         np.average(np.concatenate([times_of(s) for s in segments]), weights=np.concatenate(weights) ** 2)
@@ -255,10 +255,10 @@ def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
     made = [faulty.simulate(i, sound) for i in own]
 
     def left(place: float) -> float:
-        moved, state = faulty.moved_to([*places, place]), at(place)
+        moved, state = _at_place(faulty, place), at(place)
         with np.errstate(over="ignore"):  # a motion that runs away
             total = sum(
-                float(np.sum((segment.response - moved.shown_beside(i, state, base)) ** 2))
+                float(np.sum((segment.response - shown_beside(moved, i, state, base)) ** 2))
                 for i, segment, base in zip(own, segments, made, strict=True)
             )
         return total if math.isfinite(total) else math.inf
@@ -273,17 +273,24 @@ def _placed(faulty: FaultyFit, state: State) -> tuple[FaultyFit, State]:
             place, least = there, value
         else:
             by /= 2.0
-    return faulty.moved_to([*places, place]), at(place)
+    return _at_place(faulty, place), at(place)
 
 
-def _noise_alone(faulty: FaultyFit, state: State, fit: Fit, recordings: Sequence[Recording]) -> bool:
+def _at_place(faulty: OutputError, place: float) -> OutputError:
+    """The same with the last fault at another place."""
+    other = copy(faulty)
+    other.faults = (*faulty.faults[:-1], replace(faulty.faults[-1], place=float(place)))
+    return other
+
+
+def _noise_alone(faulty: OutputError, state: State, fit: Fit, recordings: Sequence[Recording]) -> bool:
     """Whether no more than noise is left anywhere."""
     residuals = faulty.residuals(state)
     return max(over_noise(faulty, residuals, state, fit.oscillator, recordings)) <= ABOVE_NOISE
 
 
 def _with_sizes(
-    faulty: FaultyFit, state: State, gains: Sequence[float], fit: Fit, recordings: Sequence[Recording]
+    faulty: OutputError, state: State, gains: Sequence[float], fit: Fit, recordings: Sequence[Recording]
 ) -> tuple[FoundFault, ...]:
     residuals = faulty.residuals(state)
     values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
@@ -292,7 +299,7 @@ def _with_sizes(
     found = []
     drive = _lag_of_the_drive(faulty, state, errors)
     for fault, sizes, error, gain in zip(
-        faulty.faults, faulty.sizes(state.offsets), faulty.sizes(errors), gains, strict=True
+        faulty.faults, sizes_of(faulty.faults, state.offsets), sizes_of(faulty.faults, errors), gains, strict=True
     ):
         recording = recordings[fault.recording]
         words = drive or fault.in_words(sizes, error, recording.unit, recording.force_unit)
@@ -302,13 +309,13 @@ def _with_sizes(
     return tuple(found)
 
 
-def _lag_of_the_drive(faulty: FaultyFit, state: State, errors: np.ndarray) -> str | None:
+def _lag_of_the_drive(faulty: OutputError, state: State, errors: np.ndarray) -> str | None:
     """Other words where all driven recordings are late, and by the same: what drives or shows the rig may do that."""
     driven = {segment.recording for segment in faulty.segments if segment.force is not None}
     if {fault.recording for fault in faulty.faults} != driven or not all(isinstance(f, Late) for f in faulty.faults):
         return None
-    sizes = np.concatenate(faulty.sizes(state.offsets))
-    weights = np.concatenate(faulty.sizes(errors)) ** -2.0
+    sizes = np.concatenate(sizes_of(faulty.faults, state.offsets))
+    weights = np.concatenate(sizes_of(faulty.faults, errors)) ** -2.0
     mean = float(np.average(sizes, weights=weights))
     if np.any(np.abs(sizes - mean) > BEYOND_ERRORS * weights**-0.5) or not mean > 0:
         return None

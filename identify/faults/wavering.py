@@ -6,8 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..problem.chain import Fault
 from ..problem.segments import Segment
-from .fault import Fault, moved_in_time, times_of, tone, with_error
+from .fault import moved_in_time, times_of, tone, with_error
 
 
 class Wavering(Fault):

@@ -110,8 +110,9 @@ def zeros_along(offsets: Sequence[Offset], values: np.ndarray, segment: Segment)
     """What the sensors show at zero along a segment: the response's, () or where it drifts (n,), and the force's."""
     shown = np.zeros(())
     pushes = 0.0
-    own = [pair for pair in zip(offsets, values, strict=True) if pair[0].recording == segment.recording]
-    for offset, value in own:
+    for offset, value in zip(offsets, values, strict=True):
+        if offset.recording != segment.recording or offset.channel not in ROWS:
+            continue
         if ROWS[offset.channel].forced:
             pushes = float(value)
         else:

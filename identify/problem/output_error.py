@@ -21,8 +21,10 @@ from ..motion.blows import ContactForce
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
 from ..signals.registry import numerics
+from . import chain
 from .adjoint import felt
-from .jump_sides import nearer_sides
+from .chain import Fault
+from .jump_sides import nearer_sides, put_on_same_sides
 from .normal_equations import Block, products, shared_information
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
@@ -37,6 +39,7 @@ T = TypeVar("T")
 _MOST_TURN = numerics(
     2.0, "times what a phase can turn", why="harmonics and a motion beside its pace may add this much"
 )
+_STEP = numerics(1e-5, "of a fault's size", why="of its difference quotient: the event-exact core is smooth to 1e-12")
 
 
 class OutputError:
@@ -80,6 +83,8 @@ class OutputError:
         self.bounds = bounds
         self.offsets = tuple(offsets)
         self.memory = memory
+        #: Of the recordings; their sizes stand behind the offsets.
+        self.faults: tuple[Fault, ...] = ()
         #: Free parameters and offsets: what segments share.
         self.shared = len(self.free) + len(self.offsets)
 
@@ -108,6 +113,20 @@ class OutputError:
         other.shared = len(other.free) + len(other.offsets)
         return other
 
+    def with_faults(self, faults: Sequence[Fault]) -> OutputError:
+        """The same with further faults, their sizes behind the offsets."""
+        first = {segment.recording: segment for segment in reversed(self.segments)}
+        sizes = [Offset(f.recording, "fault", f.scale(first[f.recording])) for f in faults for _ in range(f.count)]
+        other = self.with_offsets((*self.offsets, *sizes))
+        other.faults = (*self.faults, *faults)
+        return other
+
+    def sized(self, index: int, state: State) -> chain.Sized:
+        """The faults of a segment's recording, and their sizes."""
+        sizes = chain.sizes_of(self.faults, state.offsets) if self.faults else ()
+        of = self.segments[index].recording
+        return [pair for pair in zip(self.faults, sizes, strict=True) if pair[0].recording == of]
+
     def map(self, function: Callable[[Item], T], items: Sequence[Item]) -> list[T]:
         """Results of a function that is mostly simulation or linear algebra, item by item."""
         return list(pool().map(function, items))
@@ -134,17 +153,21 @@ class OutputError:
         out: np.ndarray | None = None,
         sides: Sides | None = None,
     ) -> np.ndarray:
-        """(n,) response of one segment, its sensor's offset in it, to its own force or another, and what is added."""
+        """(n,) response of one segment as its chain shows it, to its own force or another, and what is added."""
         asked, how, shown = self._run(index, state, n, force)
-        made = self.core.record(*asked, **how, added=added, out=out, sides=sides)
-        _show(shown, made, sides)
+        raw = self.core.record(*asked, **how, added=added, out=out, sides=sides)
+        _show(shown, raw, sides)
+        made = chain.shown(raw, self.segments[index], self.sized(index, state), sides)
+        if out is not None and made is not out:
+            out[:] = made
+            return out
         return made
 
     def _run(
         self, index: int, state: State, n: int | None = None, force: Force | None = None
     ) -> tuple[tuple[Any, ...], dict[str, Any], np.ndarray]:
         """What the core is asked for along a segment, and what its sensor shows beside the motion."""
-        segment = self.segments[index]
+        segment = chain.meant(self.segments[index], self.sized(index, state))
         force = force or self.force(segment)
         shown, pushes = zeros_along(self.offsets, state.offsets, segment)
         how: dict[str, Any] = {"start": segment.time, "quantity": segment.quantity}
@@ -159,8 +182,10 @@ class OutputError:
     def felt(self, i: int, state: State, weights: np.ndarray) -> np.ndarray | None:
         """(k, n) derivatives of sums of a segment's response, weighed by (k, n), by each sample of its force.
 
-        None where the linearised motion does not give them, as where it does not simulate.
+        None where the linearised motion does not give them, as where it does not simulate, or through faults.
         """
+        if self.faults:
+            return None
         transitions = self.transitions(i, state)
         if not all(np.all(np.isfinite(part)) for part in transitions):
             return None
@@ -294,7 +319,7 @@ class OutputError:
         core = self.core
         load = core.unknowns.index("load")
         by: dict[int, int] = {}  # an unknown of the core, and the row in which it goes
-        zeros = []
+        zeros, sizes = [], []
         for k in unknowns:
             if k < len(self.free):
                 by[self.free[k]] = k
@@ -302,6 +327,8 @@ class OutputError:
                 by[len(core.parameter_names) + k - self.shared] = k
             elif self.offsets[k - len(self.free)].channel == "force":
                 by[load] = k
+            elif self.offsets[k - len(self.free)].channel == "fault":
+                sizes.append(k)
             else:
                 zeros.append(k)
         asked, how, shown = self._run(index, state, rows.shape[1])
@@ -312,15 +339,42 @@ class OutputError:
             rows[by[load]] *= -1.0
             if sides is not None and sides.at.size:
                 sides.derivatives[places.index(by[load])] *= -1.0
+        segment, faults = self.segments[index], self.sized(index, state)
         for k in zeros:
-            line = self._shown_by(index, k)
+            line = zeros_along([self.offsets[k - len(self.free)]], np.ones(1), chain.meant(segment, faults))[0]
             rows[k] = line[: response.size] if line.ndim else line
         if zeros and self.memory != FREE:  # which corrects by what the sensor shows
             _, (by_zero, by_drift) = core.record_with_derivatives(*asked, **how, by=[load + 1, load + 2])
             for k in zeros:
-                offset, time = self.offsets[k - len(self.free)], self.segments[index].time
+                offset, time = self.offsets[k - len(self.free)], segment.time
                 rows[k] -= by_zero if offset.channel == "response" else (time - offset.middle) * by_zero + by_drift
-        return response, places
+        if not faults:
+            return response, places
+        made = chain.shown(response, segment, faults, sides)
+        nothing = chain.shown(np.zeros(response.size), segment, faults)
+        for k in set(unknowns) - set(sizes):  # what the chain makes of a response is straight in it
+            rows[k] = chain.shown(rows[k], segment, faults) - nothing
+        for k in sizes:
+            rows[k] = self._by_size(index, state, k - len(self.free), response, made, sides)
+        return made, places
+
+    def _by_size(
+        self, index: int, state: State, place: int, raw: np.ndarray, made: np.ndarray, own: Sides | None
+    ) -> np.ndarray:
+        """(n,) quotient of a segment's response, ``made`` of ``raw``, by a fault's size among the offsets."""
+        step = _STEP * max(abs(float(state.offsets[place])), self.offsets[place].scale)
+        offsets = state.offsets.copy()
+        offsets[place] += step
+        ahead = replace(state, offsets=offsets)
+        ends = np.cumsum([fault.count for fault in self.faults])
+        fault = self.faults[int(np.searchsorted(ends, place - (len(offsets) - ends[-1]), "right"))]
+        if self.memory == FREE and not fault.moves:
+            return (chain.shown(raw, self.segments[index], self.sized(index, ahead)) - made) / step
+        sides = self.sides(index)
+        moved = self.simulate(index, ahead, made.size, sides=sides)
+        if own is not None and sides is not None:
+            put_on_same_sides(made, own, moved, sides)
+        return (moved - made) / step
 
     def _moving(self, segment: Segment) -> list[int]:
         """Unknowns by which a segment's response changes at all."""
@@ -329,10 +383,6 @@ class OutputError:
             if offset.recording != segment.recording or (offset.channel == "force" and segment.force is None):
                 idle.add(k)
         return [k for k in range(self.shared + self.core.states) if k not in idle]
-
-    def _shown_by(self, i: int, k: int) -> np.ndarray:
-        """() or (n,) what a sensor shows along a segment for each unit of its offset."""
-        return zeros_along([self.offsets[k - len(self.free)]], np.ones(1), self.segments[i])[0]
 
     def _bound(self, i: int, rows: np.ndarray, state: State, residual: np.ndarray) -> None:
         """Leave out of a segment's derivatives, in their place, the samples at which they cannot be any, or are asked.

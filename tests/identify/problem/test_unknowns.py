@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.faults.fault import ZeroStep
-from dashpot.identify.faults.faulty_fit import FaultyFit
+from dashpot.identify.faults.fault_score import with_sizes
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.search_point import State
@@ -80,8 +80,8 @@ def test_each_unknown_has_the_row_of_its_own_derivative(found):
 
 def test_unknowns_are_told_apart_by_name(found):
     problem, state, unknowns = found
-    faulty = FaultyFit(problem, [ZeroStep(0, 1.0), ZeroStep(0, 2.0)])
-    more = Unknowns.of(faulty, faulty.with_sizes(state))
+    faulty = problem.with_faults([ZeroStep(0, 1.0), ZeroStep(0, 2.0)])
+    more = Unknowns.of(faulty, with_sizes(faulty, state))
     assert len(set(more.shared)) == faulty.shared
     assert [more.index(unknown) for unknown in more.shared] == list(range(faulty.shared))
     with pytest.raises(ValueError, match="not in tuple"):
