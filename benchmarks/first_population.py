@@ -149,7 +149,8 @@ def _mode_moved(
     x, v = (y[:n] for y in integrate_pieces(mode, force, 1 / fs, *begin))
     spring = mode["omega0"] ** 2 * x + mode["cubic"] * x**3 + mode["preload"] * np.sign(x)
     a = force[:, 0] / mode["mass"] - spring - mode["viscous"] * v - mode["dry"] * np.sign(v)
-    return np.column_stack([x, v, np.where((v == 0) & (np.arange(n) > 0), 0.0, a)])
+    held = (v == 0) & (np.abs(a) <= mode["dry"] + mode["preload"] * (x == 0)) & (np.arange(n) > 0)
+    return np.column_stack([x, v, np.where(held, 0.0, a)])
 
 
 def _later(clean: np.ndarray, level: int, late: np.ndarray) -> np.ndarray:

@@ -23,13 +23,15 @@ from ..model.fit_state import FOLLOWS, LACKING, left_over
 from ..model.limits import checked_value
 from ..model.oscillator import Band
 from ..recording.checks import overlapping, reversed_force
+from ..recording.continuity import is_switched
+from ..recording.fact import changed
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import explain_residual
 from .fit.given_start import leads, with_shared
-from .fit.hold import held_as, with_hold
+from .fit.hold import held_as, hold_note, with_hold
 from .fit.likeliest_modes import likeliest_modes, modes_of_fit, odds
 from .fit.likelihood import maximum_likelihood
 from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
@@ -153,6 +155,8 @@ def identify(
     base = estimate if start is None else replace(start, name=name)
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
         recordings = held_as(recordings, start.hold)
+    switched = [i for i, r in enumerate(recordings) if r.hold is None and r.force is not None and is_switched(r.force)]
+    recordings = [changed(r, hold="zero") if i in switched else r for i, r in enumerate(recordings)]
     own = with_shared(base, estimate)
     leading = start is None or leads(base, own, recordings)
     base = base if leading else own
@@ -235,6 +239,7 @@ def identify(
         notes=(
             *([] if leading else [LEADS_NOWHERE]),
             *hilbert.notes,
+            *([hold_note("zero")] if switched else []),
             *chain,
             *fit.notes,
             *_remarks(fit, recordings),

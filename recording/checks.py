@@ -9,11 +9,12 @@ from typing import Literal
 
 import numpy as np
 
-from .channel_range import lasting, reach
 from .clipping import Clipping, clipping, measured, noise_of
 from .continuity import folded, in_both, leaps, noise_beside, repeated, wrapped
 from .oscillation import Oscillation, is_one_decay, is_white, oscillation_of
-from .recording import QUANTITIES, Recording
+from .passivity import driven
+from .recording import Recording
+from .relation import lasting, reach
 from .resolution import converter_step
 from .units import STANDARD_GRAVITY, parse_unit
 
@@ -260,10 +261,6 @@ def too_few_cycles(recording: Recording, motion: Oscillation) -> list[Problem]:
     if any(problem.severity == "error" for problem in undersampled(recording, motion)):
         return []  # the cycles are not in the samples: said already
     what = f"only {motion.cycles:g} oscillation cycles stand out of the noise in {recording.duration:.4g} s"
-    if motion.cycles < FORCED_CYCLES and not _free(recording):
-        return [
-            _error(recording, f"{what}, at least {FORCED_CYCLES} are needed; record for longer or at a higher level")
-        ]
     if motion.cycles < SCANT_CYCLES:
         return [_note(recording, f"{what}; {SCANT_CYCLES} or more would give better estimates")]
     return []
@@ -293,6 +290,9 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
         return []
     if is_white(recording.force) and is_one_decay(recording.response, recording.fs, motion.frequency):
         return [_note(recording, FORCE_IS_NOISE)]
+    found = driven(recording.force, recording.response, recording.fs, motion.frequency, recording.quantity)
+    if found is not None and found.is_related():
+        return []
     return [
         _error(
             recording,
@@ -325,7 +325,8 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
     force = recording.force
     if force is None or _free(recording) or not lasting(force):
         return []
-    if power_cosine(force, recording.response, recording.fs, recording.quantity) > REVERSED:
+    found = driven(force, recording.response, recording.fs, motion.frequency, recording.quantity)
+    if found is None or found.cosine > REVERSED:
         return []
     if wrapping(recording, motion):
         return []
@@ -405,27 +406,9 @@ def impossible(signal: np.ndarray) -> tuple[int, str] | None:
     return None
 
 
-# Whether force and response have signs that belong together: a passive thing takes up work, it does not give any.
-
-IN_BAND = 1e-3  # of the strongest line: the force's own band reaches down to -30 dB
 #: Energy can only be dissipated or stored, so the mean cosine cannot stay negative. The margin is for what was
 #: stored before the record began, for noise, and for a late sensor.
 REVERSED = -0.2
-
-
-def power_cosine(force: np.ndarray, response: np.ndarray, fs: float, quantity: str) -> float:
-    """Mean cosine of the phase between force and velocity, both (n,), weighted by |F| |V| over the force's own band.
-
-    Its sign is that of the work that the force does on the thing: the integral of F v dt, by Parseval's theorem, with
-    a Hann window so that the ends of the record do not count. A velocity comes from the response by powers of i omega.
-    """
-    window = np.hanning(len(force))
-    f, x = (np.fft.rfft((signal - signal.mean()) * window)[1:] for signal in (force, response))
-    omega = 2 * np.pi * np.fft.rfftfreq(len(force), 1 / fs)[1:]
-    v = x * (1j * omega) ** (1 - QUANTITIES.index(quantity))
-    band = np.abs(f) ** 2 > IN_BAND * np.max(np.abs(f) ** 2)
-    work = np.conj(f[band]) * v[band]
-    return float(np.sum(work.real) / max(np.sum(np.abs(work)), np.finfo(float).tiny))
 
 
 # Whether a response is of a size that a vibrating thing can have, or its unit is wrong by orders of magnitude.

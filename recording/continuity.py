@@ -19,6 +19,8 @@ _LEAP = 3.0
 _NOISE = 6.0
 #: Samples on either side of a leap over which a signal that was resampled by splines rings, and what it rings by then.
 _RINGS, _RINGING = 2, 5e-3
+#: Part of an edge that the steps on either side of it may have, and of all squared steps that edges then are.
+_BESIDE, _NEARLY_ALL = 0.1, 0.9
 #: Leaps that are told; more of them are the way in which the thing moves, or its sensor works.
 _MOST = 5
 #: Samples in a block that is compared; of so many values with noise on them none are the same by chance ...
@@ -113,6 +115,18 @@ def folded(signal: np.ndarray) -> np.ndarray:
     middle = float(np.median([np.ptp(piece) for piece in within])) if within else 0.0
     moves = away > _NOISE * noise_beside(signal) and middle > _RINGING * np.ptp(signal)
     return places if moves else np.zeros(0, int)
+
+
+def is_switched(signal: np.ndarray) -> bool:
+    """Whether a signal (n,) goes from level to level at once, as a command in steps does.
+
+    Nearly all that it goes, in squares, it then goes in single steps, with next to none before and behind them.
+    """
+    steps = np.abs(np.diff(signal))
+    if steps.size < 3 or not np.any(steps):
+        return False
+    single = np.maximum(steps[:-2], steps[2:]) < _BESIDE * steps[1:-1]
+    return bool(np.sum(steps[1:-1][single] ** 2) > _NEARLY_ALL * np.sum(steps**2))
 
 
 def noise_beside(signal: np.ndarray) -> float:

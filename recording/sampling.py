@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
+from .continuity import is_switched
 
 SAME_RATE = 1e-3  # relative: two statements of one rate; rates are often quoted to four digits
 NEGLIGIBLE = 0.01  # intervals: time stamps this close to a uniform grid are that grid
@@ -64,7 +65,7 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
     rounding = _rounding(time)
     if _off_grid(time) > NEGLIGIBLE and not _only_rounded(time, rounding):
         time, columns = _once(where, time, columns, notes)
-    rate = (len(time) - 1) / (time[-1] - time[0])
+    rate, start = (len(time) - 1) / (time[-1] - time[0]), float(time[0])
     off = _off_grid(time)
     if off > NEGLIGIBLE and not _only_rounded(time, rounding):
         _reject_disorder(where, time)
@@ -75,9 +76,10 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
                 f"{where}: most of it is missing, {size - len(time)} of {size} samples, most after "
                 f"{time[longest] - time[0]:g} s; choose what lies on one side of it (--part FROM:TO)"
             )
-        grid = np.linspace(time[0], time[-1], size)
+        grid = _grid(time, size)
         columns = _on_grid(where, time, grid, columns, notes)
-        rate = (len(grid) - 1) / (time[-1] - time[0])
+        rate = (len(grid) - 1) / (grid[-1] - grid[0])
+        start = float(grid[0])
     else:
         rate = _plain_rate(rate, rounding / (time[-1] - time[0]))
         if off > NEGLIGIBLE:
@@ -87,7 +89,7 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
             f"{where}: --fs says {fs:g} Hz but the time column says {rate:.6g} Hz; leave --fs out, "
             "or check the unit of the time column"
         )
-    return Sampling(_rate(where, rate, "the unit of the time column"), float(time[0]), columns, tuple(notes))
+    return Sampling(_rate(where, rate, "the unit of the time column"), start, columns, tuple(notes))
 
 
 def _rate(where: str, rate: float, source: str) -> float:
@@ -157,6 +159,18 @@ def _grid_size(time: np.ndarray) -> int:
     return max(2, round((time[-1] - time[0]) / usual) + 1)
 
 
+def _grid(time: np.ndarray, size: int) -> np.ndarray:
+    """Uniform times of least squares: the jitter of the first and of the last stamp does not move all others."""
+    step = np.diff(time)
+    gaps, taken = _gaps(step), np.ones(step.size)
+    taken[gaps] = np.rint(step[gaps] / np.mean(np.delete(step, gaps)))
+    index = np.append(0.0, np.cumsum(taken))
+    if index[-1] != size - 1:
+        return np.linspace(time[0], time[-1], size)
+    interval, start = np.polyfit(index, time - time[0], 1)
+    return time[0] + start + interval * np.arange(size)
+
+
 def _gaps(step: np.ndarray) -> np.ndarray:
     """Which steps lack samples: lost ones only lengthen steps, where jitter shortens about as many."""
     median = float(np.median(step))
@@ -203,7 +217,10 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
     made = np.empty((len(grid), columns.shape[1]))
     for k, column in enumerate(columns.T):
         there = np.isfinite(column)
-        made[:, k] = CubicSpline(time[there], column[there])(grid) if np.count_nonzero(there) > 1 else np.nan
+        if is_switched(column[there]):  # a spline would ring at its edges
+            made[:, k] = column[there][np.rint(np.interp(grid, time[there], np.arange(there.sum()))).astype(int)]
+        else:
+            made[:, k] = CubicSpline(time[there], column[there])(grid) if np.count_nonzero(there) > 1 else np.nan
         at = np.searchsorted(time[there], grid)
         before, after = time[there][np.maximum(at - 1, 0)], time[there][np.minimum(at, np.count_nonzero(there) - 1)]
         lost = after - before > np.median(step) + max(HALF * np.median(step), _STEADY * jitter)

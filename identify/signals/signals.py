@@ -20,14 +20,10 @@ from .registry import numerics
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once.
-
-    ``leaps`` says that they may, as a force does whose edges are signal; a response moves on.
-    """
+    """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once."""
 
     samples: np.ndarray
     fs: float
-    leaps: bool = False
     _parts: dict[tuple[int, int], Signal] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -37,9 +33,11 @@ class Signal:
 
     @computed_once
     def noise(self) -> float:
-        """Standard deviation of its white noise: see ``noise_level``, and ``noise_beside_edges`` where it leaps."""
-        shown = noise_level(self.samples, self.fs)
-        least = noise_beside_edges(self.samples) if self.leaps else np.inf
+        """Standard deviation of its white noise: see ``noise_level``, and ``noise_beside_edges``.
+
+        A force in steps leaps, and with it an acceleration; so do both at a release, and a velocity at a blow.
+        """
+        shown, least = noise_level(self.samples, self.fs), noise_beside_edges(self.samples)
         return shown if shown <= ABOVE_NOISE * least else max(least, converter_step(self.samples) / STEP_NOISE)
 
     @computed_once
@@ -64,7 +62,7 @@ class Signal:
 
     def thinned(self, factor: int) -> Signal:
         """Every so manieth sample: see ``thinned``."""
-        thin = Signal(thinned(self.samples, factor), self.fs / factor, self.leaps)
+        thin = Signal(thinned(self.samples, factor), self.fs / factor)
         # as measured where all samples are: near its highest frequency the thinned one has lost some of its noise
         known = {name: self.__dict__[name] for name in ("band", "frequency", "is_silent") if name in self.__dict__}
         thin.__dict__.update(known, noise=self.noise / np.sqrt(factor))
@@ -75,7 +73,7 @@ class Signal:
         if (start, stop) == (0, self.n):
             return self
         if (start, stop) not in self._parts:
-            self._parts[start, stop] = Signal(self.samples[start:stop], self.fs, self.leaps)
+            self._parts[start, stop] = Signal(self.samples[start:stop], self.fs)
         return self._parts[start, stop]
 
 
@@ -96,7 +94,7 @@ def response_of(recording: Recording) -> Signal:
 @fact("force", "fs")
 def drive_of(recording: Recording) -> Signal | None:
     """The recorded force, None without one."""
-    return None if recording.force is None else Signal(np.asarray(recording.force, float), recording.fs, leaps=True)
+    return None if recording.force is None else Signal(np.asarray(recording.force, float), recording.fs)
 
 
 def noise_levels(recording: Recording) -> tuple[float, float]:

@@ -114,15 +114,15 @@ def test_square_force_is_not_clipped():
 # --- cycles and samples
 
 
-def test_too_few_cycles():
-    assert any("at least 4 are needed" in sentence for sentence in errors(FORCED.slice(0, 300)))
-    assert errors(DECAY.slice(0, 90)) == []  # of free motion what its cycles tell is asked, not how many they are
+def test_few_cycles_are_no_reason():
+    # what the cycles tell is asked, not how many they are
+    assert errors(FORCED.slice(0, 300)) == errors(DECAY.slice(0, 90)) == []
 
 
-def test_cycles_hidden_in_noise_do_not_count():
+def test_a_force_whose_answer_is_hidden_in_noise_does_not_reach_it():
     noise = DECAY.response.max() * 0.2 * RNG.standard_normal(N)
     hidden = replace(FORCED, response=rig(0 * TIME) + noise)
-    assert any("stand out of the noise" in sentence for sentence in errors(hidden))
+    assert "does not reach the response" in the_error(hidden)
 
 
 def test_few_cycles_are_noted():

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS, told
 from dashpot.recording import check
-from dashpot.recording.continuity import folded, leaps, repeated, wrapped
+from dashpot.recording.continuity import folded, is_switched, leaps, repeated, wrapped
 from scipy.interpolate import CubicSpline
 
 N, CYCLE = 4000, 80
@@ -168,3 +168,15 @@ def test_a_force_that_wraps_is_refused_for_that_alone():
     assert "the force wraps" in problems[0].sentence
     response = replace(record, response=_wrap(record.response, 0.8 * np.max(record.response)))
     assert "the response wraps" in check(response)[0].sentence
+
+
+@pytest.mark.parametrize("dwell", [2, 7, 90])
+def test_a_command_in_steps_is_switched_and_smooth_motion_is_not(dwell):
+    random = np.random.default_rng(dwell)
+    levels = np.repeat(random.uniform(-1, 1, 2 + 900 // dwell), dwell)[:900]
+    assert is_switched(levels + 1e-3 * random.standard_normal(900))
+    place = np.arange(900)
+    tone = np.where(place < 501, np.cos(2 * np.pi * place / (20 + dwell)), 0.0)  # switched off amid a swing
+    blow = np.exp(-0.5 * ((place - 300) / 1.2) ** 2)
+    for smooth in (tone, blow, random.standard_normal(900), np.zeros(900)):
+        assert not is_switched(smooth)

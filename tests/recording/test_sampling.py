@@ -108,7 +108,8 @@ def test_jitter_that_is_little_of_a_cycle_is_no_guess(part, taken):
     frequency = part / np.std(np.diff(time))
     if taken:
         sampling = sample(time, frequency=frequency)
-        assert np.abs(sampling.columns - signal(GRID, frequency)).max() < 1e-3
+        grid = sampling.start + np.arange(N) / sampling.fs
+        assert np.abs(sampling.columns - signal(grid, frequency)).max() < 1e-3
     else:
         with pytest.raises(BadInput, match=r"jitter by 3. %"):
             sample(time, frequency=frequency)
@@ -140,3 +141,14 @@ def test_jitter_that_is_little_of_a_cycle_is_no_guess(part, taken):
 def test_bad_time(time, fs, words):
     with pytest.raises(BadInput, match=words):
         sample(time, fs)
+
+
+def test_jitter_does_not_make_a_switched_channel_ring():
+    jitter = np.clip(0.15 * np.random.default_rng(5).standard_normal(N), -0.4, 0.4) / 250
+    force = np.repeat(np.random.default_rng(6).choice([-2.0, 2.0], N // 10), 10)[:N]
+    made = uniform_sampling("rig.csv", GRID + jitter, None, np.column_stack([signal(GRID + jitter), force]))
+    np.testing.assert_array_equal(made.columns[:, 1], force)
+    # the grid is that of all stamps, not of the first and the last
+    assert made.start == pytest.approx(GRID[0], abs=0.03 / 250)
+    raw = np.abs(signal(GRID + jitter) - signal(GRID)).max()
+    assert np.abs(made.columns[:, :1] - signal(GRID)).max() < 0.1 * raw
