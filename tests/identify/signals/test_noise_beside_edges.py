@@ -45,7 +45,7 @@ def test_an_exact_command_has_no_noise(name):
 @pytest.mark.parametrize("level", [1e-4, 1e-2])
 @pytest.mark.parametrize("name", FORCES)
 def test_noise_on_a_force_is_found_beside_its_edges(name, level):
-    noisy = Signal(FORCES[name] + level * np.random.default_rng(1).standard_normal(N), 500.0, leaps=True)
+    noisy = Signal(FORCES[name] + level * np.random.default_rng(1).standard_normal(N), 500.0)
     assert noisy.noise == pytest.approx(level, rel=0.12)
 
 
@@ -58,8 +58,8 @@ def test_white_noise_alone_is_all_noise():
     assert noise_beside_edges(np.random.default_rng(4).standard_normal(N)) == pytest.approx(1.0, rel=0.1)
 
 
-def test_parts_and_thinned_signals_keep_whether_they_leap():
-    whole = Signal(FORCES["two levels"], 500.0, leaps=True)
+def test_parts_and_thinned_signals_are_measured_beside_their_edges_too():
+    whole = Signal(FORCES["two levels"], 500.0)
     assert whole.noise == whole.part(100, 900).noise == whole.thinned(2).noise == 0.0
 
 
