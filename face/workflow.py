@@ -82,6 +82,7 @@ def identified(
     effects = [find(law).name for law in laws]
     begin = load(start) if isinstance(start, Path) else start
     recordings = read()
+    _each_once(recordings)  # the modes of thirty copies take a quarter of a minute
     alone, band, wanted = mode_beside(recordings, mode, begin, notes)
     return identify(
         alone,
@@ -95,6 +96,14 @@ def identified(
         every=every,
         progress=progress,
     )
+
+
+def _each_once(recordings: Sequence[Recording]) -> None:
+    """Raises BadInput where a recording is there twice, whole or in part, before anything is computed of it."""
+    from ..recording.checks import overlapping
+
+    for problem in overlapping(recordings):
+        raise BadInput(problem.sentence)
 
 
 def _stem(recordings: Sequence[Recording]) -> str:
@@ -166,6 +175,7 @@ def diagnosed(
     from ..diagnose.files import FMU
     from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
 
+    _each_once([*training, *held])
     alone, band = mode_alone(training, mode, oscillator, notes)
     with TemporaryDirectory() as scratch:
         artefact = Path(scratch) / FMU

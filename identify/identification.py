@@ -355,18 +355,12 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
     first = recordings[0]
-    for i, recording in enumerate(recordings):
-        if any(_same_signals(recording, other) for other in recordings[:i]):
-            raise BadInput(
-                f"{recording.name} is given twice, which would make the standard errors too small; "
-                "name each recording once"
-            )
+    for problem in overlapping(recordings):
+        raise BadInput(problem.sentence)
     for recording in recordings:
         if np.ptp(recording.response) > 0 and recording.n > 1:
             for problem in reversed_force(recording, oscillation_of(recording)):
                 raise BadInput(problem.sentence)
-    for problem in overlapping(recordings):
-        raise BadInput(problem.sentence)
     for other in recordings[1:]:
         if not of_one_motion(other, Response(first.quantity, first.unit)):
             raise BadInput(
@@ -395,14 +389,6 @@ def belong_together(recordings: Sequence[Recording]) -> None:
 def of_one_motion(recording: Recording, response: Response) -> bool:
     """Whether a recording shows the displacement of a model, or a derivative of it, in the units of its response."""
     return Response(recording.quantity, recording.unit).displacement_unit == response.displacement_unit
-
-
-def _same_signals(recording: Recording, other: Recording) -> bool:
-    if recording.start != other.start or not np.array_equal(recording.response, other.response):
-        return False
-    if recording.force is None or other.force is None:
-        return recording.force is other.force
-    return np.array_equal(recording.force, other.force)
 
 
 def _remarks(fit: Fit, recordings: Sequence[Recording]) -> list[str]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from typing import Literal
 
 import numpy as np
@@ -163,10 +164,18 @@ def written_twice(recording: Recording, _: Oscillation) -> list[Problem]:
 
 
 def overlapping(recordings: Sequence[Recording]) -> list[Problem]:
-    """Find a block of samples that two of several recordings hold: one run exported twice, whole or in part.
+    """Find what is there twice among several recordings: one of them again, or a block that two of them hold.
 
-    What is computed, or rounded so that its noise does not show, may well repeat.
+    What is computed, or rounded so that its noise does not show, may well repeat in part.
     """
+    seen: set[tuple[float, bytes]] = set()
+    for recording in recordings:  # one look at each, before anything is computed of any
+        signals = b"".join(signal.tobytes() for signal, _, _ in _signals(recording))
+        key = (recording.start, sha256(signals).digest())
+        if key in seen:
+            why = "which would make the standard errors too small; name each recording once"
+            return [Problem("error", f"{recording.name} is given twice, {why}")]
+        seen.add(key)
     asked = [r for r in recordings if r.n >= LEAST_SAMPLES and _is_noisy(r.response, SAME)]
     for channels in (1, 2):
         alike = [r for r in asked if len(_signals(r)) == channels]

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import dashpot
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
+from dashpot.examples.truth import TRUTH
 from dashpot.identify.identification import belong_together
 from dashpot.recording import Recording
 from dashpot.recording.checks import overlapping
 from dashpot.recording.continuity import in_both
 
 FS, N = 500.0, 3000
+MODEL = dashpot.Model.from_values(TRUTH)
 T = np.arange(N) / FS
 
 
@@ -53,6 +56,14 @@ def test_honest_repeats_and_neighbouring_parts_are_not():
 @pytest.mark.parametrize("noise", [0.0, 1e-12], ids=["computed", "below six digits"])
 def test_what_has_no_noise_may_repeat(noise):
     assert overlapping([run(1, noise=noise), run(2, "again.csv", noise=noise)]) == []
+
+
+def test_copies_are_found_before_anything_is_computed_of_them(monkeypatch):
+    monkeypatch.setattr("dashpot.identify.motion.modes.modes_of", lambda *_, **__: pytest.fail("computed first"))
+    copies = [replace(run(1, noise=0.0), name=f"{i}.csv") for i in range(30)]
+    for call in (dashpot.identify, lambda given: dashpot.diagnose(MODEL, given)):
+        with pytest.raises(BadInput, match=r"^1\.csv is given twice"):
+            call(copies)
 
 
 def test_a_force_that_is_commanded_alike_is_no_repeat():
