@@ -177,7 +177,7 @@ def _kept(case: Case, stretch: Stretch) -> Stretch | None:
 def _sensitivity(
     case: Case, stretch: Stretch, places: Sequence[tuple[int, str]], level: int, index: int, count: int
 ) -> tuple[np.ndarray, np.ndarray]:
-    """(n, parameters + states of all stretches + offset and drift) derivatives of what the sensor shows, and (n,) where.
+    """(n, parameters + states of all stretches + offset and drift) derivatives of what the sensor shows; (n,) where.
 
     Samples at which preload or friction point the other way after the step are no derivatives.
     """

@@ -24,7 +24,6 @@ from ..model.limits import checked_value
 from ..model.oscillator import Band
 from ..recording.checks import overlapping, reversed_force
 from ..recording.continuity import is_switched
-from ..recording.fact import changed
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
@@ -155,8 +154,8 @@ def identify(
     base = estimate if start is None else replace(start, name=name)
     if start is not None and start.hold != "smooth":  # which is also what a model file says that says nothing
         recordings = held_as(recordings, start.hold)
-    switched = [i for i, r in enumerate(recordings) if r.hold is None and r.force is not None and is_switched(r.force)]
-    recordings = [changed(r, hold="zero") if i in switched else r for i, r in enumerate(recordings)]
+    switched = {i for i, r in enumerate(recordings) if r.hold is None and r.force is not None and is_switched(r.force)}
+    recordings = [held_as([r], "zero" if i in switched else None)[0] for i, r in enumerate(recordings)]
     own = with_shared(base, estimate)
     leading = start is None or leads(base, own, recordings)
     base = base if leading else own

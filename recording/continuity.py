@@ -21,6 +21,10 @@ _NOISE = 6.0
 _RINGS, _RINGING = 2, 5e-3
 #: Part of an edge that the steps on either side of it may have, and of all squared steps that edges then are.
 _BESIDE, _NEARLY_ALL = 0.1, 0.9
+#: Standard deviations below which a quarter of the absolute values of a normal variable lie.
+_QUARTER = 0.3186
+#: What is left about levels is noise where it is no larger than this many times the noise beside them.
+_LIKE_NOISE = 1.3
 #: Leaps that are told; more of them are the way in which the thing moves, or its sensor works.
 _MOST = 5
 #: Samples in a block that is compared; of so many values with noise on them none are the same by chance ...
@@ -122,11 +126,35 @@ def is_switched(signal: np.ndarray) -> bool:
 
     Nearly all that it goes, in squares, it then goes in single steps, with next to none before and behind them.
     """
+    return _edges(signal)[0].size > 0
+
+
+def without_noise(signal: np.ndarray) -> np.ndarray:
+    """A switched signal (n,) as the levels that were commanded: white noise of its sensor is none of the command.
+
+    As it is where it is not switched, or goes on between its edges by more than noise.
+    """
+    edges, noise = _edges(signal)
+    if not (edges.size and noise > 0.0):
+        return signal
+    pieces = np.split(signal, edges)
+    levels = np.repeat([float(np.mean(piece)) for piece in pieces], [piece.size for piece in pieces])
+    return levels if np.std(signal - levels) < _LIKE_NOISE * noise else signal
+
+
+def _edges(signal: np.ndarray) -> tuple[np.ndarray, float]:
+    """The samples that single steps of a switched signal (n,) lead to, none where it is not, and its noise."""
     steps = np.abs(np.diff(signal))
-    if steps.size < 3 or not np.any(steps):
-        return False
-    single = np.maximum(steps[:-2], steps[2:]) < _BESIDE * steps[1:-1]
-    return bool(np.sum(steps[1:-1][single] ** 2) > _NEARLY_ALL * np.sum(steps**2))
+    if steps.size < 3:
+        return np.zeros(0, int), 0.0
+    # levels of a few samples leave no fourth difference without an edge, but one first difference in four
+    noise = min(noise_beside(signal), float(np.quantile(steps, 0.25)) / (_QUARTER * np.sqrt(2.0)))
+    least = _NOISE * np.sqrt(2.0) * noise
+    beside, step = np.maximum(steps[:-2], steps[2:]), steps[1:-1]
+    single = (step > least) & (beside < np.maximum(_BESIDE * step, least))
+    gone = float(np.sum(steps**2)) - 2.0 * steps.size * noise**2
+    switched = np.sum(step[single] ** 2) > _NEARLY_ALL * gone > 0.0
+    return np.flatnonzero(single) + 2 if switched else np.zeros(0, int), noise
 
 
 def noise_beside(signal: np.ndarray) -> float:

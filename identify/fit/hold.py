@@ -19,6 +19,7 @@ import numpy as np
 from ...model import Oscillator
 from ...model.fit_state import LACKING
 from ...model.oscillator import HOLDS as HOLDS_IN_WORDS
+from ...recording.continuity import without_noise
 from ...recording.fact import changed
 from ...recording.recording import HOLDS, Recording
 from ...simulate.force import force_between, smooth_force
@@ -89,8 +90,9 @@ class HoldFound:
 
 
 def held_as(recordings: Sequence[Recording], hold: str | None) -> list[Recording]:
-    """The recordings, with that hold where nobody said theirs."""
-    return [changed(r, hold=hold) if r.hold is None else r for r in recordings]
+    """The recordings, with that hold where nobody said theirs; a switched force that is held is that of its levels."""
+    held = [changed(r, hold=hold) if r.hold is None else r for r in recordings]
+    return [changed(r, force=without_noise(r.force)) if r.hold == "zero" and r.force is not None else r for r in held]
 
 
 def hold_note(hold: str) -> str:

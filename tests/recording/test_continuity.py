@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS, told
 from dashpot.recording import check
-from dashpot.recording.continuity import folded, is_switched, leaps, repeated, wrapped
+from dashpot.recording.continuity import folded, is_switched, leaps, repeated, without_noise, wrapped
 from scipy.interpolate import CubicSpline
 
 N, CYCLE = 4000, 80
@@ -180,3 +180,14 @@ def test_a_command_in_steps_is_switched_and_smooth_motion_is_not(dwell):
     blow = np.exp(-0.5 * ((place - 300) / 1.2) ** 2)
     for smooth in (tone, blow, random.standard_normal(900), np.zeros(900)):
         assert not is_switched(smooth)
+
+
+@pytest.mark.parametrize("noise", [1e-4, 1e-2])
+def test_noise_of_a_sensor_is_taken_off_a_command_in_steps(noise):
+    random = np.random.default_rng(3)
+    levels = np.repeat(random.choice([-1.0, -0.3, 0.4, 1.0], 40), random.integers(20, 80, 40))
+    shown = levels + noise * random.standard_normal(levels.size)
+    assert np.std(without_noise(shown) - levels) < 0.5 * noise
+    # what goes on between the edges, or carries no noise, stays as it is
+    for kept in (shown + 0.02 * np.sin(np.arange(levels.size) / 7), levels, np.cos(np.arange(900) / 5)):
+        np.testing.assert_array_equal(without_noise(kept), kept)
