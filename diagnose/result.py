@@ -176,7 +176,7 @@ class Diagnosis:
     """The whole outcome.
 
     Attributes:
-        verdict: ``missing-physics`` where an effect is named, whatever remains; ``consistent`` where none is and
+        verdict: ``missing-physics`` where the model is mended, whatever remains; ``consistent`` where it is not and
             what is left is noise, or a hundredth of the power of every recording; else ``unexplained``.
         sentence: the verdict for a person.
         effects: what is missing, the most important first.
@@ -210,6 +210,11 @@ class Diagnosis:
 
     def __repr__(self) -> str:
         return f"<Diagnosis: {self.verdict}. {self.sentence}>"
+
+    @property
+    def mended(self) -> bool:
+        """Whether ``model`` has laws that the given family lacks, named or not."""
+        return self.verdict == "missing-physics"
 
     def parameter_shift(self) -> dict[str, dict[str, float | None]]:
         """How far each parameter had been bent by what was missing; ``std`` is the mended model's."""

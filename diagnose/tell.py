@@ -87,12 +87,14 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
         if not other_rig and not follows_any([record for record in records if record.holdout]):
             remarks += filter(None, [changed_rig(case.recordings, case.holdout)])
     remainder = remainder_sentence(left.after)
-    effects = () if after is None else _effects(found, after, of_unknown_size(after, _added(case, after)))
+    effects, unnamed = (
+        ((), {}) if after is None else _effects(found, after, of_unknown_size(after, _added(case, after)))
+    )
     kept = before
     if after is None and case.in_pieces:
         # a fit to a part of what there is is held against the rest, and no reason to leave that of all
         kept = case.model if identified_from(case.model, case.given) else case.family.model
-    verdict = verdict_of(effects, remainder, records)
+    verdict = verdict_of(after, remainder, records)
     progress("where, and what to record next", 0.95)
     nothing = verdict == "consistent" and remainder is None
     location = None if nothing else locate(left.family, left.data)
@@ -104,7 +106,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
     progress("done", 1.0)
     return Diagnosis(
         verdict=verdict,
-        sentence=sentence_of(verdict, effects, remainder, records, left.before, left.after),
+        sentence=sentence_of(verdict, effects, remainder, records, left.before, left.after, unnamed),
         effects=effects,
         location=location,
         before=before,
@@ -178,11 +180,7 @@ def _tried(
         records += record_fits(before, after, case.holdout, holdout=True, fmu=artefact)
         if after is None:
             return case, None, records
-        unknown = of_unknown_size(after, _added(case, after))
-        weak = (
-            "has no strength that its own error tells from none" if len(unknown) == len(found.selected.laws) else None
-        )
-        if why := no_finding(records, explained_share(left.before, left.after)) or weak:
+        if why := no_finding(records, explained_share(left.before, left.after)):
             # however much more probable than the others
             _log.info("%s is not named: it %s", found.selected.name, why)
             note = f"the most probable structure ({found.selected.name}) {why}: no effect is named"
@@ -233,17 +231,20 @@ def _survivors(found: Found, best: Oscillator) -> dict[str, Oscillator]:
     return models
 
 
-def _effects(found: Found, model: Oscillator, unknown: Collection[str] = ()) -> tuple[Effect, ...]:
+def _effects(
+    found: Found, model: Oscillator, unknown: Collection[str] = ()
+) -> tuple[tuple[Effect, ...], dict[str, float | None]]:
     """What is named, the most probable first; of those that are sure the one that takes most away.
 
-    Laws of ``unknown`` size are in the model and not named.
+    Laws of ``unknown`` size are in the model and not named: they are given with their shares.
     """
     selected, fit = found.selected, found.fitted
-    effects = []
+    effects, unnamed = [], {}
     for name in selected.laws:
         (fitted,) = [term for term in fit.model.terms if term.effect == name]
         names = names_of(fitted, fit.model)
         if names[0] in unknown:
+            unnamed[names[0]] = found.share_of(name)
             continue
         (term,) = [term for term in model.terms if term.effect == names[0]]
         stands = standing(name, selected, list(found.candidates.values()), found.weighing.parts)
@@ -252,7 +253,8 @@ def _effects(found: Found, model: Oscillator, unknown: Collection[str] = ()) -> 
         rivals.pop(law.effect, None)
         odds, share = min(stands.odds, SURE), found.share_of(name)
         effects.append(Effect(law.effect, law.name, law.path, dict(term.parameters), tuple(rivals), "", odds, share))
-    return tuple(sorted(effects, key=lambda effect: (-effect.odds, -(1.0 if effect.share is None else effect.share))))
+    effects.sort(key=lambda effect: (-effect.odds, -(1.0 if effect.share is None else effect.share)))
+    return tuple(effects), unnamed
 
 
 def _considered(found: Found) -> list[Considered]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ..identify.signals.odds import ABOVE_NOISE
 from ..identify.signals.registry import shown
@@ -16,13 +16,13 @@ from .wording import effects_in_words, figure, spoken
 _IN_WORDS = shown(5, "effects and rivals", why="more cannot be put into words in one sentence")
 
 
-def verdict_of(effects: Sequence[Effect], remainder: str | None, records: Sequence[RecordFit]) -> Verdict:
-    """``unexplained`` only where something large is left that no effect explains.
+def verdict_of(mended: object, remainder: str | None, records: Sequence[RecordFit]) -> Verdict:
+    """``missing-physics`` where the model was ``mended``; ``unexplained`` only where something large is left.
 
     Every recording's free simulation is judged: to its noise, whatever the colour of that, where nothing is left that
     moves with the rig, else to a hundredth of its power, which is enough for many uses.
     """
-    if effects:
+    if mended:
         return "missing-physics"
     noise = remainder is None and all(r.nrmse_before <= FAR_ABOVE_NOISE * r.noise_floor for r in records)
     small = bool(records) and all(r.nrmse_before**2 <= MATTERS for r in records)
@@ -36,6 +36,7 @@ def sentence_of(
     records: Sequence[RecordFit],
     before: Sequence[Leftover],
     after: Sequence[Leftover],
+    unnamed: Mapping[str, float | None] | None = None,
 ) -> str:
     """The verdict for a person: what is missing, how much of what was missing it takes away, what remains.
 
@@ -45,21 +46,23 @@ def sentence_of(
         remainder: what is left beyond the noise, in words.
         records: every recording, simulated freely.
         before, after: what the family and the mended model leave in each stretch.
+        unnamed: laws of the mended model that are not named, with the share of what is left without it that each takes.
     """
     if verdict == "consistent":
         return _consistent(records, remainder)
-    if not effects:
+    if verdict == "unexplained":
         return f"Something is missing that no effect of the library explains: {remainder or _worst(records)}."
     parts = []
     share = explained_share(before, after)
     if share is not None and remainder is not None:
-        takes = "it takes" if len(effects) == 1 else "they take"
+        takes = "it takes" if len(effects or unnamed or ()) == 1 else "they take"
         parts.append(f"{takes} {figure(100 * share, 2)} % of what the model lacked")
     parts += _held_out(records)
     if remainder is not None:
         parts.append(remainder)
     figures = "; ".join(parts)
-    return f"Missing: {_named(effects)}." + (f" {figures[0].upper()}{figures[1:]}." if figures else "")
+    missing = f"Missing: {_named(effects)}." if effects else _untold(unnamed or {})
+    return missing + (f" {figures[0].upper()}{figures[1:]}." if figures else "")
 
 
 def _consistent(records: Sequence[RecordFit], remainder: str | None) -> str:
@@ -79,6 +82,19 @@ def _consistent(records: Sequence[RecordFit], remainder: str | None) -> str:
         f"Nothing that moves with the rig is missing: what is left in {worst.file}, {figure(ratio, 2)} times the noise "
         f"of its highest frequencies and {figure(100 * worst.nrmse_before, 2)} % of the motion, is not seen to follow "
         "it."
+    )
+
+
+def _untold(laws: Mapping[str, float | None]) -> str:
+    """That laws explain what is missing, none of which has a strength that is told from none."""
+    if len(laws) == 1:
+        return f"Something is missing that acts like {effect_in_words(*laws)}, whose strength is not told from none."
+    shares = [
+        effect_in_words(law) + ("" if share is None else f" with {figure(100 * share, 2)} % of what is left without it")
+        for law, share in laws.items()
+    ]
+    return (
+        f"Something is missing that these explain together, and which of them is there is not told: {spoken(shares)}."
     )
 
 

@@ -218,7 +218,7 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
     found, fmu = diagnosed(model, training, held, mode=entry.how["mode"], notes=said.append)
     page, without = _page(True, lambda: page_of_diagnosis(found, fmu).html)
     whole = found.remainder is None
-    state = "good" if found.verdict == "consistent" else "mended" if found.effects and whole else "doubtful"
+    state = "good" if found.verdict == "consistent" else "mended" if found.mended and whole else "doubtful"
     outcome = replace(
         before,
         state=state,
@@ -228,8 +228,8 @@ def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Cal
         attempts=0,
         verdict=found.verdict,
         effects=tuple(effect.effect for effect in found.effects),
-        parameters=_parameters(found.model) if found.effects else before.parameters,
-        model=f"{DIAGNOSIS}/{MENDED}" if found.effects else before.model,
+        parameters=_parameters(found.model) if found.mended else before.parameters,
+        model=f"{DIAGNOSIS}/{MENDED}" if found.mended else before.model,
         page=before.page if page is None else f"{DIAGNOSIS}/{PAGE}",
         notes=tuple(dict.fromkeys([*before.notes, *found.notes, *without])),
     )

@@ -41,7 +41,7 @@ _PICTURES, _FIRST = 8, 2
 def response_section(diagnosis: Diagnosis) -> Section:
     """Tables for held-out and for training recordings, and a picture for each, the held-out ones first."""
     records = diagnosis.records
-    mended = bool(diagnosis.effects)
+    mended = diagnosis.mended
     title = "Measured, before and after" if mended else "Measured and simulated"
     if not records:
         return Section(title, (Text("No recording was compared.", "note"),))
@@ -71,7 +71,7 @@ def _ordered(diagnosis: Diagnosis) -> list[RecordFit]:
 
 
 def _pictures(diagnosis: Diagnosis) -> list[Block]:
-    mended = bool(diagnosis.effects)
+    mended = diagnosis.mended
     return [
         picture(lambda r=r, i=i: response_figure(r, diagnosis.before, mended, f"response-{i + 1}"), _caption(r, mended))
         for i, r in enumerate(_ordered(diagnosis)[:_PICTURES])

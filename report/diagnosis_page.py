@@ -58,7 +58,7 @@ def diagnosis_page(diagnosis: Diagnosis, *, files: Sequence[str] = ()) -> Page:
     mark, tone = VERDICTS.get(diagnosis.verdict, ("", "note"))
     lead: list[Block] = [Text(full_stop(diagnosis.sentence), tone, mark), *lead_table(diagnosis)]
     if diagnosis.records:
-        lead.append(Text(fit_sentence(diagnosis.records, bool(diagnosis.effects)), lead="What is left:"))
+        lead.append(Text(fit_sentence(diagnosis.records, diagnosis.mended), lead="What is left:"))
     lead.append(Text(next_step(diagnosis, files), lead="What to do next:"))
     if diagnosis.experiment is not None and _planned(diagnosis):
         lead.append(Text(full_stop(diagnosis.experiment.sentence), lead="The next experiment:"))
@@ -112,7 +112,7 @@ def _remainder(diagnosis: Diagnosis) -> list[Block]:
     elif diagnosis.verdict == "unexplained":
         rest = Text("What the model leaves over stays unexplained; it is shown above.", "bad")
     else:
-        model = "mended" if diagnosis.effects else "given"
+        model = "mended" if diagnosis.mended else "given"
         rest = Text(f"Nothing stays beyond the noise: the {model} model reproduces these recordings.", "good")
     notes = remarks(diagnosis)
     return [rest, *([Text("Take note:"), Items(notes)] if notes else [])]

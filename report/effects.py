@@ -34,7 +34,7 @@ _FAR = 999.0
 
 def effects_section(diagnosis: Diagnosis) -> Section:
     """Each effect as a card with its parameters, and the mended equation of motion."""
-    if not diagnosis.effects:
+    if not diagnosis.effects and not diagnosis.mended:
         why = {
             "consistent": "Nothing: the recordings support no effect beyond the given model.",
             "unexplained": "None of the library brings the held-out recordings down to their noise, so none is named.",
@@ -43,6 +43,8 @@ def effects_section(diagnosis: Diagnosis) -> Section:
     blocks: list[Block] = []
     for effect in diagnosis.effects:
         blocks += effect_blocks(effect)
+    if not diagnosis.effects:
+        blocks.append(Text("No effect is named: the strength of each law that was put in is zero within its error."))
     blocks.append(Text("The mended equation of motion, in letters and with its numbers:"))
     return Section("What is missing", (*blocks, *equation_blocks(diagnosis.model)))
 

@@ -40,7 +40,7 @@ def curves_section(diagnosis: Diagnosis) -> Section:
         if outside
         else ""
     )
-    after = diagnosis.model if diagnosis.effects else None
+    after = diagnosis.model if diagnosis.mended else None
     caption = (
         "Natural frequency and damping over amplitude, as a free decay or a slow sweep shows them (describing "
         f"functions): {'before (dashed) and after (full line)' if after else 'the model'}.{note}"

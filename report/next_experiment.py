@@ -26,7 +26,8 @@ def experiment_section(diagnosis: Diagnosis) -> Section:
     title = "The next experiment"
     plan = diagnosis.experiment
     if plan is None or plan.kind == "none":
-        settled = diagnosis.verdict != "unexplained" and not any(e.indistinguishable_from for e in diagnosis.effects)
+        told = bool(diagnosis.effects) and not any(e.indistinguishable_from for e in diagnosis.effects)
+        settled = told or diagnosis.verdict == "consistent"
         words = "None is needed to settle the question." if settled else "None was worked out."
         return Section(title, (Text(full_stop(plan.sentence) if plan and plan.sentence.strip() else words),))
     model = diagnosis.model

@@ -109,7 +109,9 @@ def score_rig(rig: str, truth: dict[str, Any], answer: Answer) -> RigScore:
         if truth["kind"] in {"single", "two"}
         else 0,
         false_alarm=truth["kind"] == "none" and bool(answer.named),
-        unexplained=answer.verdict == "unexplained" or answer.remainder or any(map(learnt, answer.named)),
+        unexplained=(bool(answer.verdict) and answer.verdict != "consistent" and not answer.named)
+        or answer.remainder
+        or any(map(learnt, answer.named)),
         before=max((before for before, _ in ratios), default=None),
         after=max((after for _, after in ratios), default=None),
     )

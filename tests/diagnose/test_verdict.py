@@ -122,6 +122,15 @@ SENTENCES = {
         *NOISE,
     ),
     "nothing to name": ("unexplained", (), None, [], *NO_DATA),
+    "two laws, neither of them named": (
+        "missing-physics",
+        (),
+        "1 % remains",
+        [row(0.2, 0.02, holdout=True)],
+        *HALF,
+        {"attached-resonator": 0.93, "softening-stiffness": None},
+    ),
+    "one law, not named": ("missing-physics", (), "1 % remains", [row()], *HALF, {"clearance": 0.5}),
     "one that breaks off, first": ("unexplained", (), None, [row(math.nan, file="lost"), row(0.3)], *NOISE),
     "one that breaks off, last": ("unexplained", (), None, [row(0.3), row(math.nan, file="lost")], *NOISE),
     "its share, and what remains": (

@@ -397,8 +397,8 @@ def test_of_laws_that_are_sure_the_one_that_takes_most_away_comes_first():
     assert found.share_of("stribeck") == pytest.approx(1.0 - 1.0 / 1.5**2)
     search.candidates[("stribeck",)] = Candidate(("stribeck",))
     assert found.share_of("quadratic-drag") is None
-    effects = _effects(found, model)
+    effects, _ = _effects(found, model)
     assert [effect.effect for effect in effects] == ["quadratic-drag", "stribeck"]
     search.candidates[("stribeck",)] = replace(leading("stribeck", times=1.2)[1], stage="left")
-    effects = _effects(found, model)
+    effects, _ = _effects(found, model)
     assert [effect.effect for effect in effects] == ["stribeck", "quadratic-drag"]
