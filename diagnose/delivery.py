@@ -5,10 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ..errors import BadInput
 from ..identify.fit.hold import hold_of_recordings, with_hold
 from ..identify.fit.reported_result import Fit, delivered
-from ..identify.problem.data import data_of
+from ..identify.problem.data import Data, data_of
 from ..identify.problem.structure import Fitted, renamed
 from ..identify.provenance import with_provenance
 from ..model import Oscillator
@@ -25,7 +27,12 @@ def finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) 
     """
     shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
     data = data_of(recordings, cut_by, coarse=False)
-    return delivered(fitted.model, data, shapes, initial=fitted.initial, doubted=False).oscillator
+    return delivered(fitted.model, data, shapes, initial=_begun(fitted, data), doubted=False).oscillator
+
+
+def _begun(fitted: Fitted, data: Data) -> np.ndarray | None:
+    """The initial states of a search; None where its recordings, their zeros taken off since, are cut elsewhere."""
+    return fitted.initial if len(fitted.initial) == len(data.segments) else None
 
 
 def with_errors(
@@ -51,7 +58,8 @@ def with_errors(
 
     def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
         data = data_of(recordings, cut_by, coarse=False)
-        return delivered(known or fitted.model, data, shapes, initial=fitted.initial, memory=memory, doubted=doubted)
+        begun = _begun(fitted, data)
+        return delivered(known or fitted.model, data, shapes, initial=begun, memory=memory, doubted=doubted)
 
     try:
         if hold_is_free:
