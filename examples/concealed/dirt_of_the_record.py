@@ -169,6 +169,7 @@ OF_THE_RECORD = (
         0.001,
         0.02,
         "a seismic block has 50 to 1000 times the mass of the rig",
+        own=("attached-resonator",),
         needs="displacement",
         record=_soft_base,
     ),
