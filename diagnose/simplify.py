@@ -1,7 +1,9 @@
-"""The third step of a diagnosis: laws that the best structure does without, and laws that are plainer ones here.
+"""The third step of a diagnosis: rivals to their end, laws that the best structure does without, and plainer laws.
 
-Three questions follow one another, each asked of the answer to the one before.
+Four questions follow one another, each asked of the answer to the one before.
 
+0. *Has what cannot be told from its laws been fitted to its end?* A race counts samples, and leaves behind what the
+   witnesses of a mismatch may not tell from the best. Such a rival is fitted to its end and weighed, and may lead.
 1. *Is its strength zero within its own error?* Where the path depends on small differences, or on a search's longer
    steps and coarser force, a further law may be odds on and yet come out with a strength that is as likely none. Where
    the others leave nothing but noise without it, it is not named: what is named must be seen in the fit as delivered.
@@ -40,7 +42,7 @@ from .family import cut_for
 from .limits import ALIKE, TOLD
 from .search.candidate import Candidate, key
 from .search.found import Found
-from .search.judgement import MATTERS, leaves_mismatch
+from .search.judgement import MATTERS, leading, leaves_mismatch, standing
 from .search.measure import Measure
 from .search.race import PATIENCE, Entry, continued, race, started
 from .search.starts import handed_down
@@ -59,6 +61,8 @@ def simplify(case: Case, found: Found, progress: Progress) -> Found:
         found: of the search.
         progress: called with what is being done and how much of all is done.
     """
+    progress("rivals of what was found", 0.85)
+    found = with_rivals_fitted(found)
     weighing, several = found.weighing, len(found.selected.laws) > 1
     if weighing.data.memory == FREE and several and not leaves_mismatch(found.selected, weighing.parts):
         progress("whether all laws are needed", 0.85)
@@ -69,6 +73,37 @@ def simplify(case: Case, found: Found, progress: Progress) -> Found:
         found = best_in_one_run(found, replace(whole, memory=FREE))
     forget()
     return found
+
+
+# Rivals that left the race.
+
+
+def with_rivals_fitted(found: Found) -> Found:
+    """The best structure once each law that cannot be told from one of its own was fitted to its end and weighed."""
+    tried: set[tuple[str, ...]] = set()
+    while True:
+        selected, parts, candidates = found.selected, found.weighing.parts, list(found.candidates.values())
+        rivals = {
+            key((*(other for other in selected.laws if other != law), rival))
+            for law in selected.laws
+            for rival in standing(law, selected, candidates, parts).rivals
+        }
+        rivals = {laws for laws in rivals if found.candidates[laws].stage != "judged"} - tried
+        if not rivals:
+            return found
+        tried |= rivals
+        weighed = []
+        for laws in sorted(rivals):
+            fitted = found.candidates[laws].fit
+            assert fitted is not None
+            fixed = [name for name in fitted.model.parameters() if name not in fitted.free]
+            begun = fitted.initial, fitted.offsets
+            if fit := _at_rest(Entry(laws, fitted.model, *begun, fixed, patience=PATIENCE), found):
+                weighed.append(found.weighing.weigh(laws, fit))
+        found = replace(found, candidates=dict(found.candidates) | {one.laws: one for one in weighed})
+        best = leading(selected, weighed, parts)
+        if best.laws != selected.laws:
+            found = _exchanged(found, best, f"fitted to its end, {best.name} is as near")
 
 
 # Laws whose strength is zero within its error.

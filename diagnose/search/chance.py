@@ -2,8 +2,9 @@
 
 Far from the noise a law is never exact, and one that is not there at all takes its part of the mismatch. How much that
 may be depends on the motion alone: of a narrow range of amplitudes nearly all functions look alike. So functions of
-displacement and velocity are drawn at random and held against what a model leaves as a law would be; "none of these"
-may take as much away as all but the best twentieth of them. A name has to beat that.
+displacement and velocity are drawn at random and held against what a model leaves as a law would be, as many together
+as the law has parameters; "none of these" may take as much away as all but the best twentieth of them. A name has to
+beat that, and so has one of two laws that has more parameters than the other.
 """
 
 from __future__ import annotations
@@ -13,7 +14,8 @@ from functools import lru_cache
 import numpy as np
 
 from ...identify.problem.data import Data, equivalent_of
-from ...identify.problem.linearised import Linearised
+from ...identify.problem.linearised import Linearised, Sums
+from ...identify.problem.normal_equations import pseudo_inverse
 from ...identify.problem.structure import Fitted
 from ...identify.signals.noise_spectrum import NoiseSpectrum
 from ...identify.signals.registry import budget, numerics
@@ -26,14 +28,29 @@ _ROUGH = numerics(0.7, "of the largest amplitude", why="the length over which it
 _MOST = numerics(0.99, "of the power", why="what is left is never nothing")
 
 
-@lru_cache(maxsize=8)
-def by_chance(fitted: Fitted, data: Data) -> float:
-    """Part of the power that a model leaves which a random smooth force of the motion takes away, 0 to 1.
+def by_chance(fitted: Fitted, data: Data, parameters: int) -> float:
+    """Part of the power that a model leaves which random smooth forces of the motion take away, 0 to 1.
 
     Args:
         fitted: a model that leaves a mismatch.
         data: what it was fitted to.
+        parameters: how many forces together.
     """
+    asked, rng = _drawn(fitted, data), np.random.default_rng(1)
+    some = min(parameters, _DRAWN)
+    shares = []
+    for first in range(_DRAWN):
+        others = rng.permutation(np.delete(np.arange(_DRAWN), first))[: some - 1]
+        taken = np.array([first, *others], int)
+        gradient = asked.gradient[taken]
+        gained = gradient @ pseudo_inverse(asked.normal[np.ix_(taken, taken)]) @ gradient
+        shares.append(gained / max(asked.power, np.finfo(float).tiny))
+    return float(np.clip(np.quantile(shares, GROUP), 0.0, _MOST))
+
+
+@lru_cache(maxsize=8)
+def _drawn(fitted: Fitted, data: Data) -> Sums:
+    """What a model leaves, along each of the forces that are drawn, less what its own parameters can imitate."""
     structure, state, slopes = linearised_at(fitted, data, fitted.free)
     problem, values = structure.problem, fitted.model.values()
     level = float(np.mean(np.concatenate(fitted.residuals) ** 2))
@@ -53,7 +70,4 @@ def by_chance(fitted: Fitted, data: Data) -> float:
         forces = np.array([s @ np.cos(w @ motion + p[:, None]) for w, p, s in zip(along, phase, size, strict=True)])
         made = np.fft.irfft(np.fft.rfft(forces, 2 * segment.n, axis=1) * passed, axis=1)[:, : segment.n]
         columns[i] = made / np.sqrt(level)
-    asked = here.beside(columns).without(here.shared_rows)
-    norm = np.diag(asked.normal)
-    shares = asked.gradient**2 / np.maximum(norm, np.finfo(float).tiny) / max(asked.power, np.finfo(float).tiny)
-    return float(np.clip(np.quantile(shares, GROUP), 0.0, _MOST))
+    return here.beside(columns).without(here.shared_rows)

@@ -11,6 +11,7 @@ import numpy as np
 from ...identify.fit.mismatch import gain_of_mismatch
 from ...identify.problem.data import Data
 from ...identify.signals.odds import ABOVE_NOISE, DECISIVE
+from ...identify.signals.registry import budget
 from ...model.law import Law
 from ...model.library import KNOWN, find
 from ...model.oscillator import Oscillator, Term
@@ -19,9 +20,16 @@ from .candidate import Candidate
 from .chance import by_chance
 from .residual_test import times_the_noise
 
+_BAGS = budget(100, "draws of the blocks", why="a probability of a half is then known to a twentieth")
+
 
 def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> float:
-    """Logarithm of how many times more probable one structure is than another, given all recordings.
+    """Logarithm of how many times more probable one structure is than another, given all recordings."""
+    return float(odds_in_bags(candidate, other, parts, 0)[0])
+
+
+def odds_in_bags(candidate: Candidate, other: Candidate, parts: Sequence[Data], bags: int = _BAGS) -> np.ndarray:
+    """(1 + bags,) the same, and what it would be in bags of the blocks of a mismatch; see ``gain_of_mismatch``.
 
     That counts every sample as a witness of its own, which is right where what is left is noise. Where the better one
     leaves a mismatch, its samples repeat each other, and its witnesses count instead, the more of them the nearer it is
@@ -32,18 +40,20 @@ def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> f
     pairs = [(other.fit, candidate.fit), (other.held_out, candidate.held_out)]
     both = [pair for pair in pairs if pair[0] is not None and pair[1] is not None]
     if share <= 0.0 or not all(fit.finite for pair in both for fit in pair if fit is not None):
-        return total
+        return np.full(1 + bags, total)
     before, after = ([r for pair in both if (fit := pair[i]) for r in fit.residuals] for i in (0, 1))
     segments = [segment for data in parts[: len(both)] for segment in data.segments]
-    gain, worth = gain_of_mismatch(before, after, segments)
-    # a law that is not there takes its part too; before anything was measured each was as likely as any other
-    further, fewer = len(candidate.laws) - len(other.laws), min(candidate, other, key=lambda one: len(one.laws))
-    if further and fewer.fit is not None:
-        gain += 0.5 * worth * further * math.log1p(-share * by_chance(fewer.fit, parts[0]))
-    prior = further * math.log(sum(not law.learnt for law in KNOWN.values()))
+    gain, worth = gain_of_mismatch(before, after, segments, bags)
+    # what is not there takes its part too, the more the more parameters it has
+    before_it, with_it = sorted((fit for fit in (other.fit, candidate.fit) if fit), key=lambda fit: len(fit.free))
+    if more := len(with_it.free) - len(before_it.free):
+        luck = 0.5 * worth * math.log1p(-share * by_chance(before_it, parts[0], more))
+        gain += luck if with_it is candidate.fit else -luck
+    # before anything was measured each law was as likely as any other
+    prior = (len(candidate.laws) - len(other.laws)) * math.log(sum(not law.learnt for law in KNOWN.values()))
     samples = sum(segment.n for segment in segments)
     gain *= 1.0 / (worth / samples + share)
-    return float(np.clip(gain - share * prior, -abs(total), abs(total)))
+    return np.clip(gain - share * prior, -abs(total), abs(total))
 
 
 def mismatch_share(candidate: Candidate, parts: Sequence[Data]) -> float:
@@ -170,25 +180,31 @@ class Standing:
 def standing(law: str, best: Candidate, candidates: Sequence[Candidate], parts: Sequence[Data]) -> Standing:
     """Odds of one law of the best structure, and its group: the smallest set that holds the share ``GROUP``.
 
+    Far from the noise that is the mean over bags, and a rival is also what left the race: there each sample counted,
+    and what stays a thousand samples behind may be as probable by the witnesses.
+
     Args:
         law: of the best structure.
         best: the best structure.
-        candidates: all that were weighed.
+        candidates: all that were entered.
         parts: training recordings and those held out.
     """
     rest = set(best.laws) - {law}
-    odds: dict[str, float] = {law: 0.0}
+    odds = {law: np.zeros(1 + _BAGS)}
     for candidate in candidates:
-        if candidate.stage != "judged" or candidate.laws == best.laws or not rest <= set(candidate.laws):
+        if candidate.fit is None or candidate.laws == best.laws or not rest <= set(candidate.laws):
             continue
         instead = [name for name in candidate.laws if name not in rest]
         if len(instead) > 1:
             continue
         name = instead[0] if instead else ""
-        odds[name] = max(odds.get(name, -np.inf), -log_odds(best, candidate, parts))
-    names = sorted(odds, key=lambda name: -odds[name])
-    weights = np.exp(np.array([odds[name] for name in names]) - odds[names[0]])
-    shares = weights / np.sum(weights)
+        instead_of_it = -odds_in_bags(best, candidate, parts)
+        if name not in odds or instead_of_it[0] > odds[name][0]:
+            odds[name] = instead_of_it
+    weights = np.exp(np.array(list(odds.values())) - np.max(list(odds.values()), axis=0))
+    known = dict(zip(odds, np.mean(weights / np.sum(weights, axis=0), axis=1), strict=True))
+    names = sorted(known, key=lambda name: -known[name])
+    shares = np.array([known[name] for name in names])
     count = int(np.searchsorted(np.cumsum(shares), GROUP)) + 1
     group = [name for name in names[:count] if name]
     if law not in group:

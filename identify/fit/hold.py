@@ -253,7 +253,7 @@ def _log_odds(trial: _Trial, other: _Trial, oscillator: Oscillator, recordings: 
     left, state = trial.outcome.residuals, trial.outcome.state
     if not max(over_noise(trial.problem, left, state, oscillator, recordings)) > ABOVE_NOISE:
         return gain
-    gained, _ = gain_of_mismatch(other.outcome.residuals, left, trial.problem.segments)
+    gained = float(gain_of_mismatch(other.outcome.residuals, left, trial.problem.segments)[0][0])
     return math.copysign(min(abs(gain), max(math.copysign(1.0, gain) * gained, 0.0)), gain)
 
 

@@ -23,27 +23,34 @@ WITNESS = 2 * HARMONICS
 
 
 def gain_of_mismatch(
-    before: Sequence[np.ndarray], after: Sequence[np.ndarray], segments: Sequence[Segment]
-) -> tuple[float, float]:
+    before: Sequence[np.ndarray], after: Sequence[np.ndarray], segments: Sequence[Segment], bags: int = 0
+) -> tuple[np.ndarray, float]:
     """Gain of log-likelihood from one model to another, both of which leave a mismatch.
+
+    Had other stretches of the motion been recorded the gain would be another: as many blocks drawn from those that
+    there are, with repetition, show how much so (bags: Breiman 1996; of a wrong model's evidence: Huggins and Miller
+    2023).
 
     Args:
         before, after: of each segment, what the two leave.
         segments: of the recordings; free and driven stretches of one sensor share one level each.
+        bags: how many draws of the blocks, the same for the same segments.
 
     Returns:
-        The gain, and as how many independent samples the mismatch counts.
+        (1 + bags,) the gain of all blocks, then that of each bag; and as how many independent samples the mismatch
+        counts.
     """
     kinds = [(segment.quantity, segment.force is None) for segment in segments]
-    total, worth = 0.0, 0.0
+    total, worth, rng = np.zeros(1 + bags), 0.0, np.random.default_rng(0)
     for kind in dict.fromkeys(kinds):
         places = [i for i, other in enumerate(kinds) if other == kind]
-        old, new = (sum(float(np.sum(left[i] ** 2)) for i in places) for left in (before, after))
-        least = after if new <= old else before
-        tiny = np.finfo(float).tiny
+        old, new = (np.concatenate([_powers(left[i], segments[i]) for i in places]) for left in (before, after))
+        drawn = np.vstack([np.ones(old.size), rng.multinomial(old.size, np.full(old.size, 1.0 / old.size), bags)])
+        old, new = (np.maximum(drawn @ power, np.finfo(float).tiny) for power in (old, new))
+        least = after if new[0] <= old[0] else before
         count = WITNESS * witnesses([least[i] for i in places], [segments[i] for i in places])
         worth += 2.0 * count
-        total += count * float(np.log(max(old, tiny) / max(new, tiny)))
+        total += count * np.log(old / new)
     return total, worth
 
 
@@ -63,6 +70,17 @@ def witnesses(residuals: Sequence[np.ndarray], segments: Sequence[Segment]) -> f
     return count / (1.0 + max(alike - count * (count - 1) / _COMPONENTS, 0.0) / max(count, 1))
 
 
+def _blocks(segment: Segment) -> list[slice]:
+    """Some cycles each."""
+    count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * CYCLES)))
+    return [slice(a, b) for a, b in pairwise(np.linspace(0, segment.n, count + 1).astype(int).tolist())]
+
+
+def _powers(residual: np.ndarray, segment: Segment) -> np.ndarray:
+    """(blocks,) of what is left."""
+    return np.array([float(np.sum(residual[block] ** 2)) for block in _blocks(segment)])
+
+
 def _vectors(residual: np.ndarray, segment: Segment) -> np.ndarray:
     """(blocks, components) of what is left along the harmonics of the motion, of unit length."""
     from scipy.signal import hilbert  # half a second, which no command needs that finds no mismatch
@@ -72,8 +90,6 @@ def _vectors(residual: np.ndarray, segment: Segment) -> np.ndarray:
     turn = analytic / np.maximum(np.abs(analytic), np.finfo(float).tiny)
     orders = [turn**k for k in range(1, HARMONICS + 1)]
     rows = np.vstack([np.full(turn.size, np.sqrt(0.5)), *(part for z in orders for part in (z.real, z.imag))])
-    count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * CYCLES)))
-    edges = np.linspace(0, segment.n, count + 1).astype(int)
-    made = np.array([rows[:, a:b] @ residual[a:b] for a, b in pairwise(edges)])
+    made = np.array([rows[:, block] @ residual[block] for block in _blocks(segment)])
     size = np.linalg.norm(made, axis=1, keepdims=True)
     return made / np.maximum(size, np.finfo(float).tiny)

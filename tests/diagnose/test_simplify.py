@@ -18,6 +18,7 @@ from dashpot.diagnose.simplify import (
     left_of,
     of_unknown_size,
     with_plainer_laws,
+    with_rivals_fitted,
     without_needless,
 )
 from dashpot.errors import BadInput
@@ -35,6 +36,37 @@ from dashpot.recording import Recording
 def found_of(selected: Candidate, weighing=None, known=()) -> Found:
     """What a search ended with, beside other structures."""
     return Found(selected, {c.laws: c for c in (*known, selected)}, weighing)
+
+
+# --- rivals that left the race
+
+
+@pytest.mark.parametrize(("value", "first"), [(5.0, "quadratic-drag"), (15.0, "cubic-damping")])
+def test_a_rival_that_left_the_race_is_fitted_to_its_end_and_may_lead(monkeypatch, value, first):
+    """Once each: one that does not simulate to its end is asked no second time."""
+
+    def fit(name):
+        return SimpleNamespace(model=SimpleNamespace(parameters=dict, name=name), free=(), initial=None, offsets=None)
+
+    asked = []
+    monkeypatch.setattr(simplify, "standing", lambda *_: SimpleNamespace(rivals=("cubic-damping", "stribeck")))
+    monkeypatch.setattr(simplify, "leading", lambda leader, weighed, _: max([leader, *weighed], key=lambda c: c.value))
+
+    def at_rest(entry, _found):
+        asked.append(entry.laws)
+        return None if entry.laws == ("stribeck",) else entry.model
+
+    monkeypatch.setattr(simplify, "_at_rest", at_rest)
+    weighing = SimpleNamespace(
+        parts=(), weigh=lambda laws, fitted: Candidate(laws, fitted, None, value, 0.0, 0.0, "judged")
+    )
+    best = Candidate(("quadratic-drag",), fit("drag"), None, 10.0, 0.0, 0.0, "judged")
+    left = [Candidate((law,), fit(law), stage="left") for law in ("cubic-damping", "stribeck")]
+    found = with_rivals_fitted(found_of(best, weighing, left))
+    assert asked == [("cubic-damping",), ("stribeck",)]
+    assert found.selected.laws == (first,)
+    assert found.candidates[("cubic-damping",)].stage == "judged"
+    assert found.candidates[("stribeck",)].stage == "left"
 
 
 # --- strengths that are zero within their error

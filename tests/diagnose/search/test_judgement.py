@@ -59,7 +59,7 @@ def data(noise: float) -> Data:
 
 
 def candidate(*laws: str, evidence: float = 0.0, predictive: float = 0.0, left: float = 1.0) -> Candidate:
-    fit = Fitted(MODEL, np.zeros((1, 2)), (np.full(CYCLES * 100, left),), 0.0, ())
+    fit = Fitted(MODEL, np.zeros((1, 2)), (np.full(CYCLES * 100, left),), 0.0, laws)
     return Candidate(key(laws), fit, fit, evidence, predictive, predictive, "judged")
 
 
@@ -221,10 +221,13 @@ def test_why_a_law_was_not_taken_is_said():
     assert "less than a tenth of the noise" in why_not(needless, family, family, parts(1.0))
 
 
-def test_what_was_not_judged_is_no_rival():
-    best = candidate("quadratic-drag", evidence=100.0, left=0.9)
-    left = replace(candidate("cubic-damping", evidence=99.9, left=0.9), stage="left")
-    assert standing("quadratic-drag", best, [best, left, candidate()], parts(1.0)).rivals == ()
+@pytest.mark.parametrize(("noise", "rivals"), [(1.0, ()), (0.1, ("cubic-damping",))])
+def test_what_left_the_race_is_a_rival_far_from_the_noise_alone(noise, rivals, luck):
+    """It left by the count of samples, of which each is a witness at the noise alone."""
+    best = candidate("quadratic-drag", evidence=2000.0, left=0.9)
+    left = replace(candidate("cubic-damping", evidence=-np.inf, left=0.92), stage="left", held_out=None)
+    never = Candidate(("stribeck",))
+    assert standing("quadratic-drag", best, [best, left, never, candidate(left=9.0)], parts(noise)).rivals == rivals
 
 
 def test_a_mismatch_anywhere_is_one():

@@ -253,7 +253,7 @@ def compared(
     monkeypatch.setattr(module, "_reached", lambda *_: (next(linearised), point))
     monkeypatch.setattr(module, "cost_of", lambda *_: astray - ahead)
     monkeypatch.setattr(module, "over_noise", lambda *_: [1.0, times_the_noise])
-    monkeypatch.setattr(module, "gain_of_mismatch", lambda *_: (told, 1.0))
+    monkeypatch.setattr(module, "gain_of_mismatch", lambda *_: (np.array([told]), 1.0))
     monkeypatch.setattr(module, "_Trial", Trial)
     monkeypatch.setattr(module, "_noise", lambda *_: [])
     monkeypatch.setattr(module, "_under", lambda *_: problem)

@@ -56,7 +56,7 @@ def test_a_gain_is_the_pooled_power_by_the_witnesses():
 
 def test_it_does_not_grow_with_the_sampling_rate():
     often, rarer = (
-        gain_of_mismatch([alike(60, 2.0, n)], [alike(60, 1.0, n)], [segment(60, alike(60, 1.0, n), n)])
+        gain_of_mismatch([alike(60, 2.0, n)], [alike(60, 1.0, n)], [segment(60, alike(60, 1.0, n), n)])[0]
         for n in (PER_CYCLE, PER_CYCLE // 2)
     )
     assert rarer == pytest.approx(often, rel=1e-6)
@@ -70,6 +70,19 @@ def test_a_quiet_block_does_not_outvote_a_loud_one():
     back, _ = gain_of_mismatch([after], [before], [segment(12, after)])
     assert gain > WITNESS
     assert back == pytest.approx(-gain)
+
+
+def test_bags_of_like_blocks_say_the_same():
+    gains, _ = gain_of_mismatch([alike(60, 2.0)], [alike(60, 1.0)], [segment(60, alike(60))], bags=20)
+    assert gains == pytest.approx(np.full(21, gains[0]), rel=1e-6)
+
+
+def test_what_one_block_of_ten_says_many_bags_say_otherwise():
+    """Drawn ten times of ten, a block is missing from a bag with the chance of 0.9 to the tenth power."""
+    after = np.concatenate([alike(54, 1.1), alike(6, 0.1)])
+    gains, _ = gain_of_mismatch([np.concatenate([alike(54), alike(6, 10.0)])], [after], [segment(60, after)], bags=4000)
+    assert gains[0] > 0.0
+    assert np.mean(gains < 0.0) == pytest.approx(0.9**10, abs=0.025)
 
 
 def test_free_and_driven_stretches_have_a_level_each():
