@@ -3,8 +3,8 @@
 Far from the noise a law is never exact, and one that is not there at all takes its part of the mismatch. How much that
 may be depends on the motion alone: of a narrow range of amplitudes nearly all functions look alike. So functions of
 displacement and velocity are drawn at random and held against what a model leaves as a law would be, as many together
-as the law has parameters; "none of these" may take as much away as all but the best twentieth of them. A name has to
-beat that, and so has one of two laws that has more parameters than the other.
+as the law has unknowns, parameters and initial states of its own; "none of these" may take as much away as all but the
+best twentieth of them. A name has to beat that, and so has one of two laws that has more unknowns than the other.
 """
 
 from __future__ import annotations
@@ -28,16 +28,16 @@ _ROUGH = numerics(0.7, "of the largest amplitude", why="the length over which it
 _MOST = numerics(0.99, "of the power", why="what is left is never nothing")
 
 
-def by_chance(fitted: Fitted, data: Data, parameters: int) -> float:
+def by_chance(fitted: Fitted, data: Data, count: int) -> float:
     """Part of the power that a model leaves which random smooth forces of the motion take away, 0 to 1.
 
     Args:
         fitted: a model that leaves a mismatch.
         data: what it was fitted to.
-        parameters: how many forces together.
+        count: of forces together.
     """
     asked, rng = _drawn(fitted, data), np.random.default_rng(1)
-    some = min(parameters, _DRAWN)
+    some = min(count, _DRAWN)
     shares = []
     for first in range(_DRAWN):
         others = rng.permutation(np.delete(np.arange(_DRAWN), first))[: some - 1]

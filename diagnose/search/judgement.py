@@ -10,6 +10,7 @@ import numpy as np
 
 from ...identify.fit.mismatch import gain_of_mismatch
 from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted
 from ...identify.signals.odds import ABOVE_NOISE, DECISIVE
 from ...identify.signals.registry import budget
 from ...model.law import Law
@@ -39,14 +40,14 @@ def odds_in_bags(candidate: Candidate, other: Candidate, parts: Sequence[Data], 
     share = mismatch_share(candidate if total >= 0 else other, parts)
     pairs = [(other.fit, candidate.fit), (other.held_out, candidate.held_out)]
     both = [pair for pair in pairs if pair[0] is not None and pair[1] is not None]
-    if share <= 0.0 or not all(fit.finite for pair in both for fit in pair if fit is not None):
+    if share <= 0.0 or not both or not all(fit.finite for pair in both for fit in pair if fit is not None):
         return np.full(1 + bags, total)
     before, after = ([r for pair in both if (fit := pair[i]) for r in fit.residuals] for i in (0, 1))
     segments = [segment for data in parts[: len(both)] for segment in data.segments]
     gain, worth = gain_of_mismatch(before, after, segments, bags)
-    # what is not there takes its part too, the more the more parameters it has
-    before_it, with_it = sorted((fit for fit in (other.fit, candidate.fit) if fit), key=lambda fit: len(fit.free))
-    if more := len(with_it.free) - len(before_it.free):
+    # what is not there takes its part too, the more the more unknowns it has
+    before_it, with_it = sorted((fit for fit in (other.fit, candidate.fit) if fit), key=_unknowns)
+    if more := _unknowns(with_it) - _unknowns(before_it):
         luck = 0.5 * worth * math.log1p(-share * by_chance(before_it, parts[0], more))
         gain += luck if with_it is candidate.fit else -luck
     # before anything was measured each law was as likely as any other
@@ -54,6 +55,11 @@ def odds_in_bags(candidate: Candidate, other: Candidate, parts: Sequence[Data], 
     samples = sum(segment.n for segment in segments)
     gain *= 1.0 / (worth / samples + share)
     return np.clip(gain - share * prior, -abs(total), abs(total))
+
+
+def _unknowns(fit: Fitted) -> int:
+    """Parameters, and initial states: those of a segment that begins at rest are known to be zero."""
+    return len(fit.free) + int(np.count_nonzero(fit.initial))
 
 
 def mismatch_share(candidate: Candidate, parts: Sequence[Data]) -> float:

@@ -95,6 +95,17 @@ def test_what_chance_takes_away_too_speaks_for_no_law(luck):
     assert told > 10.0
 
 
+def test_a_state_of_its_own_is_an_unknown_of_each_segment_that_begins_in_motion(monkeypatch):
+    asked = []
+    monkeypatch.setattr(module, "by_chance", lambda _fit, _data, count: asked.append(count) or 0.0)
+    better, worse = candidate("viscoelastic", evidence=3000.0, left=0.5), candidate(left=1.0)
+    assert better.fit is not None
+    for begun in (0.0, 0.3):  # at rest, and not
+        states = np.array([[0.0, 0.0, begun]])
+        log_odds(replace(better, fit=replace(better.fit, initial=states)), worse, parts(0.01))
+    assert asked == [1, 2]
+
+
 @pytest.mark.parametrize("noise", [1.0, 1.0 / 1.1])
 def test_the_odds_of_witnesses_go_over_into_those_of_samples(noise):
     """The noise is known to a tenth."""
