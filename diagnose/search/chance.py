@@ -2,9 +2,9 @@
 
 Far from the noise a law is never exact, and one that is not there at all takes its part of the mismatch. How much that
 may be depends on the motion alone: of a narrow range of amplitudes nearly all functions look alike. So functions of
-displacement and velocity are drawn at random and held against what a model leaves as a law would be, as many together
-as the law has unknowns, parameters and initial states of its own; "none of these" may take as much away as all but the
-best twentieth of them. A name has to beat that, and so has one of two laws that has more unknowns than the other.
+displacement and velocity are drawn at random and held against what a model leaves as a law would be; "none of these"
+may take as much away as all but the best twentieth of them. A law that leads a search has to beat one of them; a name
+has to beat as many together as it has unknowns, parameters and initial states, more than what is held against it.
 """
 
 from __future__ import annotations

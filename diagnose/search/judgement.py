@@ -10,7 +10,6 @@ import numpy as np
 
 from ...identify.fit.mismatch import gain_of_mismatch
 from ...identify.problem.data import Data
-from ...identify.problem.structure import Fitted
 from ...identify.signals.odds import ABOVE_NOISE, DECISIVE
 from ...identify.signals.registry import budget
 from ...model.law import Law
@@ -25,17 +24,28 @@ _BAGS = budget(100, "draws of the blocks", why="a probability of a half is then 
 
 
 def log_odds(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> float:
-    """Logarithm of how many times more probable one structure is than another, given all recordings."""
-    return float(odds_in_bags(candidate, other, parts, 0)[0])
-
-
-def odds_in_bags(candidate: Candidate, other: Candidate, parts: Sequence[Data], bags: int = _BAGS) -> np.ndarray:
-    """(1 + bags,) the same, and what it would be in bags of the blocks of a mismatch; see ``gain_of_mismatch``.
+    """Logarithm of how many times more probable one structure is than another, given all recordings.
 
     That counts every sample as a witness of its own, which is right where what is left is noise. Where the better one
     leaves a mismatch, its samples repeat each other, and its witnesses count instead, the more of them the nearer it is
     to the noise, and never beyond what all samples say.
     """
+    return float(_odds(candidate, other, parts, len(candidate.laws) - len(other.laws))[0])
+
+
+def odds_in_bags(candidate: Candidate, other: Candidate, parts: Sequence[Data]) -> np.ndarray:
+    """(1 + bags,) the same for a name, and what it would be in bags of the blocks; see ``gain_of_mismatch``.
+
+    A search lets a law lead that takes more than one random force; a name must take more than as many as it has
+    unknowns.
+    """
+    fits = candidate.fit, other.fit
+    count, instead = (0 if fit is None else len(fit.free) + int(np.count_nonzero(fit.initial)) for fit in fits)
+    return _odds(candidate, other, parts, count - instead, _BAGS)
+
+
+def _odds(candidate: Candidate, other: Candidate, parts: Sequence[Data], more: int, bags: int = 0) -> np.ndarray:
+    """The same, where as many random forces ``more`` (or less) as the other take their part by chance."""
     total = candidate.value - other.value
     share = mismatch_share(candidate if total >= 0 else other, parts)
     pairs = [(other.fit, candidate.fit), (other.held_out, candidate.held_out)]
@@ -45,21 +55,14 @@ def odds_in_bags(candidate: Candidate, other: Candidate, parts: Sequence[Data], 
     before, after = ([r for pair in both if (fit := pair[i]) for r in fit.residuals] for i in (0, 1))
     segments = [segment for data in parts[: len(both)] for segment in data.segments]
     gain, worth = gain_of_mismatch(before, after, segments, bags)
-    # what is not there takes its part too, the more the more unknowns it has
-    before_it, with_it = sorted((fit for fit in (other.fit, candidate.fit) if fit), key=_unknowns)
-    if more := _unknowns(with_it) - _unknowns(before_it):
-        luck = 0.5 * worth * math.log1p(-share * by_chance(before_it, parts[0], more))
-        gain += luck if with_it is candidate.fit else -luck
-    # before anything was measured each law was as likely as any other
+    # what is not there takes its part too; before anything was measured each law was as likely as any other
+    fewer = (other if more > 0 else candidate).fit
+    if more and fewer is not None:
+        gain += math.copysign(0.5 * worth, more) * math.log1p(-share * by_chance(fewer, parts[0], abs(more)))
     prior = (len(candidate.laws) - len(other.laws)) * math.log(sum(not law.learnt for law in KNOWN.values()))
     samples = sum(segment.n for segment in segments)
     gain *= 1.0 / (worth / samples + share)
     return np.clip(gain - share * prior, -abs(total), abs(total))
-
-
-def _unknowns(fit: Fitted) -> int:
-    """Parameters, and initial states: those of a segment that begins at rest are known to be zero."""
-    return len(fit.free) + int(np.count_nonzero(fit.initial))
 
 
 def mismatch_share(candidate: Candidate, parts: Sequence[Data]) -> float:

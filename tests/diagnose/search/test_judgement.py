@@ -17,6 +17,7 @@ from dashpot.diagnose.search.judgement import (
     matters,
     mismatch_share,
     names_of,
+    odds_in_bags,
     standing,
     why_not,
 )
@@ -102,8 +103,9 @@ def test_a_state_of_its_own_is_an_unknown_of_each_segment_that_begins_in_motion(
     assert better.fit is not None
     for begun in (0.0, 0.3):  # at rest, and not
         states = np.array([[0.0, 0.0, begun]])
+        odds_in_bags(replace(better, fit=replace(better.fit, initial=states)), worse, parts(0.01))
         log_odds(replace(better, fit=replace(better.fit, initial=states)), worse, parts(0.01))
-    assert asked == [1, 2]
+    assert asked == [1, 1, 2, 1]
 
 
 @pytest.mark.parametrize("noise", [1.0, 1.0 / 1.1])
