@@ -19,7 +19,7 @@ from ..signals.hilbert import KERNEL_CYCLES, blackman
 from ..signals.signals import Signal
 from .instantaneous import free_modal_parameters
 from .limits import CURVE_LEAST, KERNELS_A_VALUE, LEAST_NOISE
-from .modal_stretch import free_stretch
+from .modal_stretch import LOW_PASS_CYCLES, free_stretch
 
 
 @dataclass(frozen=True)
@@ -36,14 +36,13 @@ class FreeVib:
     per_point: float  # independent values per point of the curves: they are smoother than they are dense
 
 
-def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: float = 2.0) -> FreeVib:
+def freevib(decay: Signal) -> FreeVib:
     """FREEVIB on the displacement of a free decay.
 
-    `undecay`: 1/s, see `analytic_signal`. `low_pass_cycles`: length of the kernel that low-passes both results.
     Raises BadInput when the decay is shorter than eight cycles or has fewer than five samples a cycle.
     """
     fs = decay.fs
-    stretch = free_stretch(decay, undecay=undecay, low_pass_cycles=low_pass_cycles)
+    stretch = free_stretch(decay)
     signal, kernel, low_pass, keep = stretch.signal, stretch.low_pass_kernel, stretch.low_pass, stretch.keep
     period = 2 * np.pi / float(np.median(signal.omega)) * fs
     omega0_squared, h0 = free_modal_parameters(signal)
@@ -57,9 +56,9 @@ def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: flo
     slope_kernel = np.convolve(blackman(round(KERNEL_CYCLES * period))[1], kernel)
     gain = float(np.sqrt(2 * np.sum(slope_kernel**2))) * fs
     slope = max(decay.noise, LEAST_NOISE * float(np.max(amplitude))) * gain / amplitude
-    bias = 0.5 * _second_moment(period, low_pass_cycles) / fs**2
+    bias = 0.5 * _second_moment(period) / fs**2
     omega0 = np.sqrt(np.where(squared > 0, squared, np.nan))
-    span = (KERNEL_CYCLES + low_pass_cycles) * period
+    span = (KERNEL_CYCLES + LOW_PASS_CYCLES) * period
     return FreeVib(
         time=signal.time[keep][good],
         amplitude=amplitude[good],
@@ -72,10 +71,10 @@ def freevib(decay: Signal, *, undecay: float | None = None, low_pass_cycles: flo
     )
 
 
-def _second_moment(period: float, low_pass_cycles: float) -> float:
+def _second_moment(period: float) -> float:
     """Mean square width in samples of the two kernels in series."""
     moment = 0.0
-    for cycles in (KERNEL_CYCLES, low_pass_cycles):
+    for cycles in (KERNEL_CYCLES, LOW_PASS_CYCLES):
         w = blackman(round(cycles * period))[0]
         moment += float(np.sum(w * (np.arange(w.size) - w.size // 2) ** 2))
     return moment

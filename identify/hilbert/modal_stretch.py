@@ -25,6 +25,7 @@ from ..signals.signals import Signal
 from .limits import CLEAR, CUT_CYCLES, LEAST_FREQUENCY, LEAST_NOISE
 
 _ADVICE = "let it ring longer or release it from a larger amplitude"
+LOW_PASS_CYCLES = numerics(2.0, "cycles", why="of the last low-pass, which has no transmission at twice the frequency")
 _SMOOTH = numerics(
     6, "degree", why="of the polynomial in time that follows the logarithm of an amplitude closely enough to weigh with"
 )
@@ -219,22 +220,17 @@ class Stretch:
         return 2 * np.real(moved * back), drive
 
 
-def free_stretch(decay: Signal, *, undecay: float | None = None, low_pass_cycles: float = 2.0) -> Stretch:
+def free_stretch(decay: Signal) -> Stretch:
     """The displacement of a free decay.
-
-    Args:
-        decay: displacement.
-        undecay: 1/s, see ``analytic_signal``.
-        low_pass_cycles: length of the kernel of the last low-pass.
 
     Raises:
         BadInput: fewer than eight cycles, or fewer than five samples a cycle.
     """
-    signal = analytic_signal(decay.samples, decay.fs, undecay=undecay, frequency=decay.frequency)
-    return _stretch(signal, decay, low_pass_cycles, "FREEVIB", _ADVICE)
+    signal = analytic_signal(decay.samples, decay.fs, frequency=decay.frequency)
+    return _stretch(signal, decay, LOW_PASS_CYCLES, "FREEVIB", _ADVICE)
 
 
-def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: float = 2.0) -> Stretch:
+def forced_stretch(displacement: Signal, drive: Signal) -> Stretch:
     """The displacement of a driven stretch and the force on it, sampled alike; arguments and errors as above.
 
     Where the motion is never much slower than the line that the kernels are made for, they keep the negative
@@ -250,12 +246,12 @@ def forced_stretch(displacement: Signal, drive: Signal, *, low_pass_cycles: floa
     if by_kernel:
         signal = analytic_signal(x, fs, undecay=0.0, frequency=displacement.frequency, by_kernel=True)
         cut = KERNEL_CYCLES / 2
-    stretch = _stretch(signal, displacement, low_pass_cycles, "FORCEVIB", "drive it longer", cut)
+    stretch = _stretch(signal, displacement, LOW_PASS_CYCLES, "FORCEVIB", "drive it longer", cut)
     force_noise = max(drive.noise, LEAST_NOISE * float(np.max(np.abs(drive.samples))))
     return replace(stretch, ratio=turned_alike(drive.samples, fs, signal, by_kernel), force_noise=force_noise)
 
 
-def decay_stretch(decay: Signal, cut: float = KERNEL_CYCLES / 2) -> Stretch:
+def decay_stretch(decay: Signal) -> Stretch:
     """A free decay from as near its beginning as the kernel allows to where it sinks into its noise: FREEVIB's results.
 
     Nothing but the recording is in its values: half a kernel is cut from each end and no more, the Hilbert transform's
@@ -264,10 +260,6 @@ def decay_stretch(decay: Signal, cut: float = KERNEL_CYCLES / 2) -> Stretch:
     larger part of the recording, and its wandering phase pulls at the whole carrier. The last low-pass is the shortest
     smooth one without transmission at twice the frequency, where the signal itself, in the place of its analytic one,
     leaves a ripple: Hann's window over a cycle.
-
-    Args:
-        decay: displacement.
-        cut: cycles left out at each end.
 
     Raises:
         BadInput: as ``free_stretch``.
@@ -278,7 +270,7 @@ def decay_stretch(decay: Signal, cut: float = KERNEL_CYCLES / 2) -> Stretch:
         last = whole.keep.start + int(np.max(np.flatnonzero(whole.clear)))
         part = decay.part(0, min(decay.n, last + int(np.ceil((CUT_CYCLES + 1) * whole.signal.period))))
     signal = analytic_signal(part.samples, decay.fs, frequency=part.frequency, by_kernel=True)
-    stretch = _stretch(signal, part, 1.0, "FREEVIB", _ADVICE, cut)
+    stretch = _stretch(signal, part, 1.0, "FREEVIB", _ADVICE, KERNEL_CYCLES / 2)
     kernel = np.hanning(stretch.low_pass_kernel.size + 2)[1:-1]
     kernel = kernel / np.sum(kernel)
     return replace(stretch, signal=with_ends(signal, decay.fs), noise=whole.noise, low_pass_kernel=kernel)

@@ -106,8 +106,7 @@ class StaticCharacteristic:
 
     Attributes:
         at, force, force_std: displacement or velocity (n,), the force there and its standard error.
-        amplitude, literal, literal_std: the same by Eq. 15 as printed, (m,).
-        in_newton: whether the forces are in N; else they are per unit mass.
+        amplitude, literal: the same by Eq. 15 as printed, (m,).
     """
 
     at: np.ndarray
@@ -115,8 +114,6 @@ class StaticCharacteristic:
     force_std: np.ndarray
     amplitude: np.ndarray
     literal: np.ndarray
-    literal_std: np.ndarray
-    in_newton: bool
 
 
 def spring_characteristic(curves: Sequence[ModalCurve], mass: float | None = None) -> StaticCharacteristic:
@@ -159,11 +156,9 @@ def _characteristic(
     inverted = static_force(at, fundamental, std, independent)
     if not inverted.at.size:
         raise BadInput("the curves cover too few amplitudes for a characteristic; record a longer decay or sweep")
-    amplitude, literal, error = medians(at, printed, std * (printed / fundamental), independent)
+    amplitude, literal, _ = medians(at, printed, std * (printed / fundamental), independent)
     m = 1.0 if mass is None else mass
-    return StaticCharacteristic(
-        inverted.at, m * inverted.force, m * inverted.std, amplitude, m * literal, m * error, mass is not None
-    )
+    return StaticCharacteristic(inverted.at, m * inverted.force, m * inverted.std, amplitude, m * literal)
 
 
 # Eqs. 13 and 14 with the measured curves in them: the response to a sine without any model.

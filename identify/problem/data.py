@@ -58,7 +58,6 @@ def data_of(
     lines: Sequence[float] = (),
     *,
     coarse: bool = True,
-    pace: float | None = None,
 ) -> Data:
     """Cut recordings and measure their noise and the sizes of the motion.
 

@@ -258,24 +258,6 @@ class Linearised:
             for rows, left, ends in zip(self.columns, self.residuals, edges, strict=True)
         ]
 
-    def scatter(self, edges: Sequence[Sequence[int] | np.ndarray]) -> np.ndarray:
-        """(k, k) scatter of the shared unknowns' score, each block of samples one draw of it.
-
-        The middle of the sandwich (Huber 1967; White 1982), at the maximum of the likelihood: it needs no spectrum, and
-        holds where what is left is correlated within blocks.
-
-        Args:
-            edges: of the blocks; see ``block``.
-        """
-        k = len(self.unknowns.shared)
-        total = np.zeros((k, k))
-        for own, blocks in zip(self.sums, self.block(edges), strict=True):
-            reduction = own.reduction(self.own)
-            for block in blocks:
-                score = reduction @ block.gradient
-                total += np.outer(score, score)
-        return total
-
     def projected(self, i: int, of_shared: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Columns (k, n) less what the initial states imitate, and the diagonal (n,) of the hat matrix, of a segment.
 

@@ -107,16 +107,6 @@ def test_without_some_samples_it_is_the_fit_of_the_others():
     assert np.all(rest.step()[1][1] == 0.0)  # of a segment of which nothing is kept nothing moves
 
 
-def test_the_scatter_of_single_samples_is_that_of_their_scores():
-    """Each sample a block: White's estimate, whose mean is the information where the noise is white."""
-    made, dense, left = linearised(8)
-    covariance = np.linalg.inv(dense.T @ dense)
-    whole = covariance @ (dense.T * left**2) @ dense @ covariance
-    scatter = made.scatter([np.arange(SAMPLES + 1)] * SEGMENTS)
-    inverse = np.linalg.inv(made.shared.normal)
-    assert inverse @ scatter @ inverse == pytest.approx(whole[:SHARED, :SHARED], rel=1e-9, abs=1e-12)
-
-
 @pytest.mark.parametrize("precision", [float, np.float32])
 def test_projected_columns_are_orthogonal_to_the_initial_states(precision):
     made, dense, _ = linearised(9)
