@@ -10,7 +10,7 @@ from ..model.show import value_and_error
 from .life import Life
 from .wording import percent_change, spoken, verdict
 
-_MOST = 8  # steps that are told one by one
+_MOST = 8  # steps that are listed one by one
 
 
 def sentences(life: Life) -> list[str]:

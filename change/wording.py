@@ -24,7 +24,7 @@ def percent_change(first: float, second: float) -> str:
 
 
 def verdict(moved: Moved, *, differs: bool) -> str:
-    """Which parameters moved, and what cannot be told from that."""
+    """Which parameters moved, and what cannot be distinguished from that."""
     best = moved.best.moved
     if not best and not differs:
         return "Nothing moved: the models differ by no more than chance makes"

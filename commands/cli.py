@@ -365,7 +365,7 @@ for _name, _command in cli.commands.items():
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Entry point: whatever happens has one of the ends that ``endings`` knows."""
+    """Entry point: whatever happens ends with one of the codes of ``exit_codes``."""
     # the simulations have threads of their own; those of the linear algebra would only stand in their way
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ["MPLBACKEND"] = "agg"  # a command draws into files alone, whatever is set for windows

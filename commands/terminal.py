@@ -40,7 +40,7 @@ def say(line: str, *, always: bool = False) -> None:
     With ``--quiet`` only what must ``always`` be said is: bad news, which the exit code tells too.
     """
     if always or not quiet():
-        with contextlib.suppress(OSError):  # what is done is done, also where nobody can be told
+        with contextlib.suppress(OSError):  # what is done is done, also where nobody reads the message
             click.echo(printable(line), err=True)
     doing(printable(line).partition("\n")[0])
 
@@ -82,7 +82,7 @@ class _Facts(logging.Handler):
 
     def emit(self, record: logging.LogRecord) -> None:
         """Print one fact."""
-        with contextlib.suppress(OSError):  # what is done is done, also where nobody can be told
+        with contextlib.suppress(OSError):  # what is done is done, also where nobody reads the message
             click.echo(" ".join(printable(record.getMessage()).split()), err=True)
 
 

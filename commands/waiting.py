@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from typing import Any
 
-#: A wait that is told, and how often it is told anew, s.
+#: After how long a wait is shown, and how often it is shown anew, s.
 _LONG, _EVERY = 2.0, 1.0
 _WIDEST = 76  # characters: a longer line would wrap, and what wraps cannot be taken back
 _CLEAR = "\r\x1b[K"

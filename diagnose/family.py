@@ -309,7 +309,7 @@ def _is_known(model: Oscillator, name: str) -> bool:
 
 
 def stranger(final: Fitted, data: Data, holdout: Data | None, left: Sequence[Leftover]) -> str | None:
-    """A sentence where the held-out recordings are told well by a model of their own, but not by this one.
+    """A sentence where a model of their own explains the held-out recordings well, but this one does not.
 
     Args:
         final: the best structure on the training recordings.

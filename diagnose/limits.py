@@ -75,7 +75,7 @@ OTHER_MASS = decides(
 STRANGE = decides(
     1.5,
     "times the noise",
-    "that training recordings are told, and held-out ones not to its square, which are then of another rig",
+    "to which the model fits training recordings; held-out ones that it does not fit to the square are of another rig",
     why="physical limit: the noise is known to a tenth; half as much again is no error of its estimate",
 )
 
@@ -223,9 +223,7 @@ PROBE_MEMORY = decides(
     1.0 / 8.0,
     "cycles",
     "over which probes of a law with side valleys are predicted",
-    why=(
-        "a step below the memory from which any other start is led: each bounce is forgotten before it is carried far"
-    ),
+    why=("a step below the memory at which other starts begin: each bounce is forgotten before it is carried far"),
 )
 
 # search/judgement.py
@@ -242,7 +240,7 @@ MATTERS = decides(
 GROUP = decides(
     0.95,
     "of the odds",
-    "which set of laws cannot be told apart, and what is beyond chance far from the noise",
+    "which set of laws cannot be distinguished, and what is beyond chance far from the noise",
     why="odds: the smallest set that holds this share, the usual credible set",
 )
 
@@ -323,7 +321,7 @@ MOST_EFFECTS = decides(
     3,
     "laws",
     "how many are named at most",
-    why="physical limit: more missing at once are not told apart by any recording that we know of",
+    why="physical limit: more missing at once are not distinguished by any recording that we know of",
 )
 
 # search/weigh.py
@@ -350,7 +348,7 @@ ALIKE = decides(
 # place/mismatch_ranges.py and place/statement.py: what a sentence needs
 
 SAMPLES_A_RANGE = decides(
-    3, "samples a range", "of how many on average ranges are told", why="fewer leave most of the ranges empty"
+    3, "samples a range", "of how many on average a range is formed", why="fewer leave most of the ranges empty"
 )
 FEWEST_IN_RANGE = decides(
     10, "samples", "of how many a range has an excess", why="a mean of fewer has no error to hold it against"

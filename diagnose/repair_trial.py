@@ -31,7 +31,7 @@ from .limits import COMPUTED
 from .result import RecordFit
 from .search.judgement import MATTERS
 
-#: What the user is told of it.
+#: The sentence about it.
 FITTED_TO_ALL = "the model is fitted to what was held out too; the table is of the same structure fitted without"
 
 
@@ -93,7 +93,7 @@ def tells_better(records: Sequence[RecordFit]) -> bool:
 def tells_worse(records: Sequence[RecordFit]) -> bool:
     """Whether the mended model leaves more, by enough to matter: by its factor on average, as a search measures.
 
-    A quiet end that is told badly by both would else outweigh all the motion before it.
+    A quiet end that both explain badly would else outweigh all the motion before it.
     """
     return _change(records) > np.log1p(MATTERS)
 

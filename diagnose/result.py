@@ -54,11 +54,11 @@ class Effect:
     Attributes:
         effect: name of the effect, without its variant.
         law: name of the law that models it, with its variant.
-        path: where in the rig it lives.
+        path: where in the rig it acts.
         parameters: identified values.
         indistinguishable_from: other effects that these recordings cannot tell from it.
         separated_by: the experiment that would.
-        odds: of the effect, or of one that cannot be told from it, against all that was tried instead.
+        odds: of the effect, or of one that cannot be distinguished from it, against all that was tried instead.
         share: part of the power that is left without it which it takes away; None where nothing ran without it.
     """
 

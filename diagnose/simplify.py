@@ -14,7 +14,7 @@ Four questions follow one another, each asked of the answer to the one before.
    in which no search comes to rest, and neither is what it is called.
 3. *Do whole recordings in one run speak against it?* Where stretches of one recording are held out, each piece has an
    initial state of its own, and what a law does to the phase from one piece to the next is not seen. A model is used in
-   one run, so of the best structure and of those that were weighed and have one law less that one is taken which leaves
+   one run, so of the best structure and of those evaluated with one law less that one is taken which leaves
    least of the whole recordings.
 """
 
@@ -233,7 +233,7 @@ def _alike(case: Oscillator, fitted: Fitted, data: Data) -> bool:
 
 
 def _weighed(laws: tuple[str, ...], case: Oscillator, fitted: Fitted, found: Found) -> Candidate | None:
-    """The plainer structure, fitted from where it is and weighed; None where it does not simulate."""
+    """The plainer structure, fitted from where it is and evaluated; None where it does not simulate."""
     fixed = [name for name in case.parameters() if name in fitted.model.parameters() and name not in fitted.free]
     fit = _at_rest(Entry(laws, case, fitted.initial, fitted.offsets, fixed, patience=PATIENCE), found)
     return None if fit is None else found.weighing.weigh(laws, fit)
@@ -243,10 +243,10 @@ def _weighed(laws: tuple[str, ...], case: Oscillator, fitted: Fitted, found: Fou
 
 
 def best_in_one_run(found: Found, whole: Data) -> Found:
-    """The best structure, less one law after another as long as the whole recordings are told better without it.
+    """The best structure, less one law after another as long as the whole recordings are explained better without it.
 
     Args:
-        found: of a search, with all that was weighed.
+        found: of a search, with all that was evaluated.
         whole: the recordings uncut.
     """
     left = left_of(found.selected, whole)

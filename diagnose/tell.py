@@ -64,7 +64,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
 
     Args:
         case: what the diagnosis is about.
-        found: the best structure, with all others that were weighed.
+        found: the best structure, with all others that were evaluated.
         fmu: where to write the mended model as an FMU; a temporary place where None.
         progress: called with what is being done and how much of all is done.
     """

@@ -99,7 +99,7 @@ def _untold(laws: Mapping[str, float | None]) -> str:
 
 
 def _named(effects: Sequence[Effect]) -> str:
-    """The effects in the words of the field, each with those that it cannot be told from.
+    """The effects in the words of the field, each with those that it cannot be distinguished from.
 
     Where many are named the rivals bear their names alone, so that the sentence can still be read.
     """
@@ -128,7 +128,7 @@ def _times_the_noise(record: RecordFit) -> float:
 
 
 def _held_out(records: Sequence[RecordFit]) -> list[str]:
-    """The held-out recording that the family told worst, before and after; where it rises, how many others fall."""
+    """The held-out recording that the family explained worst, before and after; where it rises, how many fall."""
     held = [r for r in records if r.holdout and math.isfinite(r.nrmse_after)]
     if not held:
         return []

@@ -1,4 +1,4 @@
-"""What an export needs to know of a model, measured once and handed on from file to file."""
+"""What an export needs to know of a model, measured once and passed from file to file."""
 
 from __future__ import annotations
 

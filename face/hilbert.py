@@ -53,7 +53,7 @@ class Hilbert:
 
     @property
     def notes(self) -> tuple[str, ...]:
-        """What was left aside and why, one sentence each."""
+        """What was left out and why, one sentence each."""
         return self.analysis.notes
 
     def __repr__(self) -> str:
@@ -133,7 +133,7 @@ def run(
 def _each_mode(
     recordings: Sequence[Recording], folder: Path, say: Say, figures: str | None
 ) -> tuple[dict[str, Any], str]:
-    """As ``run``, mode by mode; what no mode that was evaluated holds of the motion is said as the share left aside."""
+    """As ``run``, mode by mode; what no mode that was evaluated holds of the motion is said as the share left out."""
     from ..identify.motion.mode_lines import modes_of
 
     entries: list[dict[str, Any]] = []

@@ -1,4 +1,4 @@
-"""What a call was handed, checked at the door: one sentence for what is of the wrong kind, whatever it is."""
+"""The arguments of a call, checked at the border: one sentence for what is of the wrong kind, whatever it is."""
 
 from __future__ import annotations
 

@@ -84,7 +84,7 @@ def _end(problem: BaseException) -> NoReturn:
 
 
 def sentence(problem: BaseException) -> str:
-    """What a user is told of a problem."""
+    """The sentence that a user reads about a problem."""
     if isinstance(problem, DashpotError):
         return str(problem)
     if out_of_memory(problem):

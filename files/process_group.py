@@ -12,8 +12,8 @@ from typing import Any
 def end(process: subprocess.Popen[Any]) -> None:
     """Kill a process that leads a session of its own (``start_new_session``) and what it started; wait for its end.
 
-    What it started is ended where it is over itself, too: a group lives as long as one of it does. Where there are
-    no groups of processes (Windows), the process alone is killed.
+    What it started is ended where it is over itself, too: a group exists as long as one of its processes. Where there
+    are no groups of processes (Windows), the process alone is killed.
     """
     with contextlib.suppress(OSError):
         if hasattr(os, "killpg"):

@@ -1,4 +1,4 @@
-"""The lives of rigs: from model files in order, or from the folder of a fleet's results."""
+"""The lives of rigs, model after model: from model files in order, or from the folder of a fleet's results."""
 
 from __future__ import annotations
 

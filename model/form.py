@@ -1,4 +1,4 @@
-"""What the forms of our files share: strict and closed, their texts printable, their problems told at once."""
+"""What the forms of our files share: strict and closed, their texts printable, their problems reported at once."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def filled(
     Args:
         form: of the whole file.
         document: its mapping.
-        told: place and sentence of a finding of pydantic's.
+        problem_of: place and sentence of a finding of pydantic's.
         check: looks for what pydantic cannot see, and reports it to the document.
 
     Raises:

@@ -216,7 +216,7 @@ class Law:
     Attributes:
         name: as in the model file: the effect's name, with ``/variant`` behind it where the effect has several forms.
         path: restoring, dissipation, memory, inertia, excitation, measurement, either, environment: where in
-            the rig it lives.
+            the rig it acts.
         parameters: what is to be identified.
         force: force per unit mass, as it stands inside the bracket of Eq. 17 (positive opposes the motion), in units of
             the displacement per s².

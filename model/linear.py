@@ -200,7 +200,7 @@ class _Point:
         return z, float(rates[1]) if resting else math.nan
 
     def trim(self, x: float) -> tuple[np.ndarray, float]:
-        """State (n,) at rest at the displacement ``x`` and the force that holds it there, friction left aside."""
+        """State (n,) at rest at the displacement ``x`` and the force that holds it there, friction left out."""
         rest = self._settled(x, 0.0)[1]
         push = -math.copysign(1.0, rest)
         mass = 1.0 if self.oscillator.mass is None else self.oscillator.mass.value

@@ -64,7 +64,7 @@ def machine(oscillator: Oscillator) -> dict[str, Parameter]:
     """Mass, springs, damping and friction as the machine has them, natural frequency and damping ratio, with errors.
 
     The standard errors are those of the parameters carried over to first order, with their covariance where the model
-    has one. Without a mass (free decays alone) only natural frequency and damping ratio can be told. What is zero and
+    has one. Without a mass (free decays alone) only natural frequency and damping ratio can be stated. What is zero and
     was not identified (a cubic spring that is not there) is left out.
     """
     values = oscillator.values()

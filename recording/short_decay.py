@@ -2,8 +2,8 @@
 
 Not the number of cycles tells whether a decay can be identified but what is known of its frequency and of its fall; of
 a damped sine of N cycles in white noise both errors fall with noise / amplitude and with the root of the samples (Kay
-1993, example 3.14). Three turning points are the least: from two of them an offset of the sensor cannot be told from a
-loss.
+1993, example 3.14). Three turning points are the least: from two of them an offset of the sensor cannot be
+distinguished from a loss.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ def lead_table(diagnosis: Diagnosis) -> list[Table]:
         rivals = effect.indistinguishable_from
         rival_words = effects_in_words(rivals, "or") if rivals else "nothing: no other law does as well"
         rows.append((effect_in_words(effect.law), ", ".join(sizes), probability_text(effect.odds), rival_words))
-    head = ("What is missing", "Its size", "Probability", "Not told from")
+    head = ("What is missing", "Its size", "Probability", "Not distinguished from")
     return [Table(head, tuple(rows), cards=True)] if rows else []
 
 

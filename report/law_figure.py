@@ -1,7 +1,7 @@
 """What a law of the library does to a rig, drawn: the tell-tales by which it is known in a recording.
 
 The rig is a slightly hardening spring with viscous damping, once alone and once with the law at a size that shows. What
-is drawn follows from where the law lives: backbone and damping curve of what acts on the motion, the frequency response
+is drawn follows from where the law acts: backbone and damping curve of what acts on the motion, the frequency response
 at two levels of what lies between force and record, a decay over time of what changes by itself; and always the
 spectrum that a sine leaves. All of it is computed by the package's own describing functions and simulation.
 """
@@ -32,7 +32,7 @@ _MORE = {"omega0": 1.05 * OMEGA, "cubic": 2.8e7, "preload": 0.3, "viscous": 6.4,
 #: The force that drives it, N, to some 6 mm in resonance.
 FORCE = 0.27 * 3.2 * OMEGA * 6e-3
 SCALES = Scales(LENGTH, OMEGA, FORCE, LENGTH, duration=4.0, mass=0.27, lines=(2.4 * OMEGA,))
-#: Size of a strength as a part of what is natural for its unit, by where the law lives: springs show less than dampers.
+#: Size of a strength as a part of what is natural for its unit, by where the law acts: springs show less than dampers.
 _STRENGTHS = {"dissipation": 0.03, "environment": 0.1, "measurement": 0.04}
 _STRENGTH = 0.2
 #: A friction, as a part of the force that drives the rig.

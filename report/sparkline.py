@@ -22,7 +22,7 @@ def motion_sparkline(sizes: Sequence[float], left: Sequence[float], title: str) 
 def _band(sizes: Sequence[float], color: str) -> str:
     """The area between plus and minus the sizes."""
     step, middle = _WIDTH / len(sizes), _HEIGHT / 2
-    # what is smaller than a hair is drawn as one
+    # what is too thin to see is drawn as one
     heights = [max(0.3, min(size, 1.0) * (middle - 1)) for size in sizes]
     upper = [f"{(i + 0.5) * step:.1f},{middle - h:.1f}" for i, h in enumerate(heights)]
     lower = [f"{(i + 0.5) * step:.1f},{middle + h:.1f}" for i, h in reversed(list(enumerate(heights)))]

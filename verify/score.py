@@ -1,7 +1,7 @@
 """Whether a recording asks for other parameters than the model's, by more than noise and the model's own errors make.
 
 A parameter that is off by five standard errors moves the response by far less than the noise of a sample, and no rms
-tells it. The score does (Rao 1948): what is left of the recording, weighed as a fit weighs it, along the directions
+tells it. The score does (Rao 1948): what is left of the recording, weighted as a fit weighs it, along the directions
 in which the parameters move the response. What noise makes of it is drawn and simulated
 (``identify/fit/scatter.py``), what the covariance of the model makes of it follows from the information, and
 the rest is the model's.

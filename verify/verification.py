@@ -58,7 +58,7 @@ class RecordingCheck:
         time, measured, simulated: (n,) signals, for pictures.
         backbones: pairs (recording's, FMU's).
         response: what was measured, and in which unit.
-        besides: what the sensors show at zero, in words: no part of the motion, and left aside.
+        besides: what the sensors show at zero, in words: no part of the motion, and left out.
         nrmse_limit: NRMSE that noise and the model's own errors exceed once in a thousand.
         backbone_over_limit: distance of the backbones over what they exceed once in a thousand, at the amplitude where
             that is largest; None where there is no backbone.

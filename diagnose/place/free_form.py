@@ -43,13 +43,13 @@ _PACES = numerics(
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """All stretches in one regression, each weighed by its noise.
+    """All stretches in one regression, each weighted by its noise.
 
     Attributes:
         stretches: what the rows come from.
         weight: (n,).
-        target, noise: (n,) weighed missing force and its noise.
-        base: (n, k) weighed columns of the family itself.
+        target, noise: (n,) weighted missing force and its noise.
+        base: (n, k) weighted columns of the family itself.
         block: (n,) number of the block.
         left: (n,) target less what the family's own terms tell of it.
         silent: (n,) the same of the noise.
@@ -260,7 +260,7 @@ def shares(rows: Rows) -> dict[str, float]:
 
 
 def explained(rows: Rows, columns: np.ndarray) -> float:
-    """Power that weighed columns explain beyond the family's own terms."""
+    """Power that weighted columns explain beyond the family's own terms."""
     whole = np.hstack([rows.base, columns])
     left = rows.target - whole @ solve(whole, rows.target)
     return float(rows.left @ rows.left - left @ left)

@@ -1,4 +1,4 @@
-"""Laws told apart by prediction, where a simulation is lost: and those with side valleys, from all their probes.
+"""Laws distinguished by prediction, where a simulation is lost: and those with side valleys, from all their probes.
 
 Far from the truth a structure has lost the motion, and what a law would make of the path it took says nothing of the
 law. Predicted over a cycle every structure follows, the right ones better. Those that do best go the way that
@@ -7,7 +7,7 @@ identification goes, which knows of no other structure: from prediction to simul
 A contact of an actuator with play rings faster than the rig moves, and what one bounce does differently is carried into
 all that follow: simulated, its likelihood has a summit for every count of bounces, and a start some per cent off ends
 on a wrong one. A prediction over an eighth of a cycle forgets each bounce before it is carried far, and has hardly any
-side valleys: on it the probes are told apart. From there the best are led over longer and longer memories towards
+side valleys: on it the probes are distinguished. From there the best are continued over growing memories towards
 simulation, which the race goes on with (``by_probing``).
 """
 
@@ -34,7 +34,7 @@ from ..limits import PROBE_MEMORY
 from .race import continued
 from .starts import Proposal
 
-_KEPT = budget(2, "places", why="one on each core is led to a simulation")
+_KEPT = budget(2, "places", why="one on each core is continued to a simulation")
 _SAMPLES = budget(30_000, "samples", why="of the loudest segments; more tell the same probes apart")
 
 

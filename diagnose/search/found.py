@@ -1,4 +1,4 @@
-"""What a search ended with: the best structure, all others that were entered, and how a further one is weighed."""
+"""What a search ended with: the best structure, all others that were entered, and how a further one is evaluated."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weigh
 
 @dataclass(frozen=True, eq=False)
 class Weighing:
-    """By what structures are weighed against each other.
+    """By what structures are evaluated against each other.
 
     Attributes:
         data: training recordings.
@@ -63,7 +63,7 @@ class Found:
     Attributes:
         selected: the best structure.
         candidates: every structure that was entered, by the laws it adds; those never put in say why.
-        weighing: by what they were weighed.
+        weighing: by what they were evaluated.
         asked_rugged: whether laws with side valleys were asked for.
         family_memory: how far the family predicted when the search began, in cycles.
         untried: what was not asked for want of time, in words.
@@ -78,7 +78,7 @@ class Found:
 
     @property
     def family(self) -> Fitted:
-        """The given family, weighed as all others are."""
+        """The given family, evaluated as all others are."""
         fit = self.candidates[()].fit
         assert fit is not None
         return fit

@@ -1,7 +1,7 @@
 """The log-likelihood in which structures are compared: one spectrum for all of them, and levels of each one's own.
 
 A spectrum of its own would let a structure that leaves a mismatch buy some quiet frequencies with the motion itself:
-what it explains least would count least. So the frequencies are weighed by the noise, as the structure that comes
+what it explains least would count least. So the frequencies are weighted by the noise, as the structure that comes
 nearest to it shows it; as long as none does, what is left is no noise, and every frequency counts alike. The level of
 each stretch is concentrated out: far from the noise, gains are shares of what is left, and never shares of the noise.
 """
@@ -57,7 +57,7 @@ class Measure:
         return max(self._levels(residuals)) <= NEAR**2
 
     def _levels(self, residuals: Sequence[np.ndarray]) -> list[float]:
-        """Mean square of each segment, weighed."""
+        """Mean square of each segment, weighted."""
         if self.noise is not None:
             residuals = [s.whiten(residual) for s, residual in zip(self.noise, residuals, strict=True)]
         return [max(float(np.mean(residual**2)), np.finfo(float).tiny) for residual in residuals]

@@ -2,7 +2,7 @@
 
 A start is a structure with values. Each of its steps is one of Levenberg and Marquardt, and the linearised response
 says beforehand what the next one could come to, in the measure in which all are compared. Far from the truth the steps
-are those of white noise, near it every frequency is weighed by the noise that the nearest of them leaves.
+are those of white noise, near it every frequency is weighted by the noise that the nearest of them leaves.
 """
 
 from __future__ import annotations
@@ -131,8 +131,8 @@ class Start:
     def _settled_anew(self) -> bool:
         """Whether initial states found anew at these parameters lead on, where the old ones had lost a stretch.
 
-        Beyond a hair, as where friction holds once more or once less, no step of a search leads; what the stretch
-        before it ends with does.
+        Where a small change decides, as where friction holds once more or once less, no step of a search leads on; what
+        the stretch before it ends with does.
         """
         problem = self.descent.problem
         if self.near or self.data.memory != FREE:
@@ -292,8 +292,8 @@ def _nearer(
 def started(entry: Entry, data: Data, measure: Measure, *, beside_noise: bool = False) -> Start | None:
     """A start; None where the model cannot be simulated from there.
 
-    One that has lost the motion of a segment, as a rig that friction holds where the recorded one moves, is led to it
-    over predictions; no step of a simulation would. Beside one that leaves nothing but noise it is not
+    One that has lost the motion of a segment, as a rig that friction holds where the recorded one moves, is brought
+    back to it over predictions; no step of a simulation would. Beside one that leaves nothing but noise it is not
     (``beside_noise``): what loses the motion where that begins does not act like it.
     """
     start = _put(entry, data, measure)
@@ -318,7 +318,7 @@ def continued(model: Oscillator, data: Data, fixed: Sequence[str]) -> Oscillator
 
 
 def any_lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bool:
-    """Whether a simulation has lost the motion of one of the segments, noise aside.
+    """Whether a simulation has lost the motion of one of the segments, apart from noise.
 
     A rig that friction holds where the recorded one moves shows so: what it leaves depends on nothing, and no step
     leads from there.

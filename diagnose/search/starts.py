@@ -81,9 +81,9 @@ def without(
 ) -> list[tuple[Oscillator, np.ndarray | None]]:
     """A fitted model with one law less: the family doing what it can of it, and what the measured motion then asks for.
 
-    Where the path hangs by a hair the likelihood has many summits, and a law may seem to be needed because the model
-    without it rests on a lower one. ``afresh``: also as a fit finds it that knows nothing, from prediction to
-    simulation; without initial states.
+    Where the path depends on the smallest change the likelihood has many summits, and a law may seem to be needed
+    because the model without it rests on a lower one. ``afresh``: also as a fit finds it that knows nothing, from
+    prediction to simulation; without initial states.
     """
     smaller, initial = without_term(fitted.model, law), without_states(fitted, law)
     guess = Regression(data, smaller).family()

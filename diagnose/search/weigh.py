@@ -33,7 +33,7 @@ _REMEMBERED = budget(
 def judged(model: Oscillator, data: Data) -> Fitted:
     """Recordings under a model as it is; only initial states and offsets are found anew.
 
-    A recording through which the model does not simulate is not told at all.
+    A recording through which the model does not simulate is left whole as its residual.
     """
     structure = Structure(model, data, tuple(model.parameters()))
     state = settled(structure.problem, structure.state(None))

@@ -135,13 +135,13 @@ def bent_channels(
     noise: Sequence[NoiseSpectrum],
     linearised: Linearised,
 ) -> list[FoundBent]:
-    """Every channel and shape that can be told from what the parameters do.
+    """Every channel and shape that can be distinguished from what the parameters do.
 
     Args:
         problem: the model over the segments.
         state: its best point.
         residuals: there.
-        noise: by which they are weighed.
+        noise: by which they are weighted.
         linearised: the same, linearised there.
     """
     k, free = problem.shared, len(problem.free)

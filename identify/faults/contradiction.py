@@ -4,7 +4,7 @@ A lie of a measuring chain begins and ends somewhere, or is in one recording. So
 left out in turn, from the normal equations alone (one step of the search without it; Cook 1977), and of those without
 which no more than noise is left anywhere the shortest is confirmed by a search. By how much the parameters move then is
 what that part may have done to them. What the family lacks leaves more than noise in the rest as well, unless nothing
-else goes as far or is driven as hard: that is told apart where recordings overlap, and said where they do not.
+else goes as far or is driven as hard: that is distinguished where recordings overlap, and said where they do not.
 """
 
 from __future__ import annotations

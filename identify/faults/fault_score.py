@@ -105,7 +105,7 @@ def expected_gains(
         problem: the model over the segments.
         state: its best point.
         residuals: there.
-        noise: by which they are weighed.
+        noise: by which they are weighted.
         faults: that are asked for.
     """
     linearised = Linearised.of(problem, state, residuals, noise, single=False)

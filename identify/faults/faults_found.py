@@ -1,4 +1,4 @@
-"""Which faults of recordings explain what a model leaves, decisively and to the noise: told by kind and place.
+"""Which faults of recordings explain what a model leaves, decisively and to the noise: by kind and place.
 
 What a wrong model leaves looks like many things. So a fault is named only where no more than noise is left with it in
 every recording, and the recordings are beyond doubt more likely with it, its search over kinds and places paid for:

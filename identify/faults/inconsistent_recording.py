@@ -96,7 +96,7 @@ def _from_the_others(
 ) -> Contradiction | None:
     """What is contradicted where all recordings but one agree to their noise, seen from their model.
 
-    One that lies may have led the search so far astray that the normal equations tell nothing there. Two that disagree
+    A faulty one may have misled the search so far that the normal equations say nothing there. Two that disagree
     do not say which of them is right.
     """
     known = fit.oscillator.parameters()

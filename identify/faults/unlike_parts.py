@@ -87,7 +87,7 @@ def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> tuple[Unlike | Fo
 
     Very long recordings are not asked: the derivatives of all their samples are held in memory at once.
 
-    Where more than noise is left only a bent channel that explains all of it is told.
+    Where more than noise is left only a bent channel that explains all of it is named.
 
     Args:
         fit: of these recordings.

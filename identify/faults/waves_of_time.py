@@ -16,7 +16,7 @@ from ..signals.registry import budget, numerics
 _SAMPLES = numerics(12, "samples a cycle", why="of the motion; three harmonics")
 _CYCLES = budget(400, "cycles in a record", why="faster waves are lines, as hum is")
 _FINE = numerics(4, "frequencies a line width", why="so that no peak falls between two")
-_PEAKS = budget(2, "peaks", why="the highest are handed on")
+_PEAKS = budget(2, "peaks", why="the highest are tried")
 _SLOWEST = numerics(3, "cycles in a record", why="a slower wave is asked for by itself: it is no peak")
 
 

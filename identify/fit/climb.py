@@ -24,7 +24,7 @@ class Climb:
     """Where a search came to from prediction and the beginnings of decays.
 
     ``problem`` is over what it tells, ``whole`` whether that is all, ``lost`` whether some stretch is hardly explained;
-    ``log_nrmse`` is the mean logarithm of what it leaves of each segment's motion, weighed by length: of what it does
+    ``log_nrmse`` is the mean logarithm of what it leaves of each segment's motion, weighted by length: of what it does
     not tell, all of it.
     """
 

@@ -47,7 +47,7 @@ class Maxima:
             return
         known = self._costs.setdefault(memory, [])
         if any(abs(outcome.cost - cost) <= _RESTS for cost in known):
-            raise BadInput("another start has led here")
+            raise BadInput("another start has converged here")
         known.append(outcome.cost)
 
 
@@ -118,7 +118,7 @@ def _searched(
 def growing(segments: Sequence[Segment]) -> list[tuple[Segment, ...]]:
     """Ever longer beginnings of the free segments, then the whole; forced ones are whole, their memory is short.
 
-    The quiet end of a decay, where friction and preload rule, has a pace of its own: it is told once the rest is.
+    The quiet end of a decay, where friction and preload rule, has a pace of its own: it is fitted once the rest is.
     """
     longest = max((s.n * s.dt * s.pace / (2 * np.pi) for s in segments if s.force is None), default=0.0)
     stages, cycles = [], _FIRST_CYCLES

@@ -77,7 +77,7 @@ def maximum_likelihood(
     problem, free = kept_offsets(reached, free, start)
     if any(offset.channel == "drift" for offset in problem.offsets):
         try:
-            free, rungs, steps = from_prediction(problem, free)  # what drifted may have led the search astray
+            free, rungs, steps = from_prediction(problem, free)  # what drifted may have misled the search
             iterations += steps
         except BadInput:  # with that taken off nothing simulates: it was the model's lack and no drift
             problem, free = _without_drift(problem, free)

@@ -58,7 +58,7 @@ HOPELESS = decides(
 CYCLES = decides(
     6.0,
     "cycles",
-    "in what stretches of a mismatch are told apart",
+    "in what stretches of a mismatch are distinguished",
     why=(
         "physical limit: noise of a lightly damped rig under force noise keeps its phase for a few cycles (White 1982)"
     ),

@@ -72,7 +72,7 @@ def kept_offsets(problem: OutputError, state: State, start: Oscillator) -> tuple
 
     Drifts come first, for beside one that is left in the residual nothing stands out. The force's are judged next:
     what a load cell shows at zero moves the mass of a linear rig just as far as its own sensor's offset seems to, and
-    of two that cannot be told apart the response's stays.
+    of two that cannot be distinguished the response's stays.
     """
     problem, state = _with_drifts(problem, state, start)
     problem, state = _without_those_of_chance(problem, state, start, "force")
@@ -94,7 +94,7 @@ def _without_those_of_chance(
     stays = ~asked | beside | (np.abs(state.offsets) > BEYOND_ERRORS * errors)
     if np.all(stays):
         return problem, state
-    # the others take over what those that go have told: the maximum of the likelihood under that they are zero
+    # the others take over what those that go have shown: the maximum of the likelihood under that they are zero
     kept, gone = np.flatnonzero(stays), np.flatnonzero(~stays)
     within = np.concatenate([np.arange(free), free + kept]).astype(int)
     follows = -sums.reduction(within)[:, within]
@@ -157,7 +157,7 @@ def _goes_on(index: int, segments: Sequence[Segment], residuals: Sequence[np.nda
 
 
 def _line(residual: np.ndarray) -> np.ndarray:
-    """The straight line through (n,) samples, which a drift is not to be weighed by."""
+    """The straight line through (n,) samples, which a drift is not to be weighted by."""
     place = np.linspace(-1.0, 1.0, residual.size)
     return np.mean(residual) + place * (place @ residual) / (place @ place)
 

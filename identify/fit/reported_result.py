@@ -1,4 +1,4 @@
-"""The end of a fit: weighed by the noise, held against what predictions say, its standard errors.
+"""The end of a fit: weighted by the noise, held against what predictions say, its standard errors.
 
 Whatever searched before, a fit ends here, simulated as finely as a model is delivered. Where the model leaves more than
 noise, its errors say so: they are those of what is left (Huber 1967), and what the most likely prediction finds
@@ -148,7 +148,7 @@ def ended(
     doubted: bool = True,
     most: int = MOST_STEPS,
 ) -> Fit:
-    """The fit from a place near it: weighed by the noise, and held against what predictions say.
+    """The fit from a place near it: weighted by the noise, and held against what predictions say.
 
     Args:
         problem: the model over the segments.

@@ -1,4 +1,4 @@
-"""The maximum of the likelihood with every frequency weighed by what is left there, as long as that is noise."""
+"""The maximum of the likelihood with every frequency weighted by what is left there, as long as that is noise."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ from .choose_noise_model import by_chance, plain_cost
 
 @dataclass(frozen=True, eq=False)
 class Answer:
-    """A maximum with the noise that it was weighed by, and its log-likelihood but for a constant.
+    """A maximum with the noise that it was weighted by, and its log-likelihood but for a constant.
 
-    ``remainders`` are the spectra of what it leaves, where it was weighed by others.
+    ``remainders`` are the spectra of what it leaves, where it was weighted by others.
     """
 
     outcome: Outcome
@@ -41,7 +41,7 @@ def weighed(
     linear: float = np.inf,
     most: int = MOST_STEPS,
 ) -> tuple[Answer, int]:
-    """The maximum with every frequency weighed, or unweighed least squares where that has led away from the motion.
+    """The maximum with every frequency weighted, or unweighted least squares where that has lost the motion.
 
     What a wrong model leaves is no noise. Weighed by it, what is explained least counts least, the more so the fewer
     frequencies the motion has: a search may buy some noise elsewhere with the motion itself.
@@ -84,7 +84,7 @@ def whitened(
     most: int = MOST_STEPS,
     informed: bool = True,
 ) -> tuple[Answer, int]:
-    """The maximum with every frequency weighed by the noise that is left there, and the steps to it.
+    """The maximum with every frequency weighted by the noise that is left there, and the steps to it.
 
     ``tolerance``, ``most`` and ``informed`` are as in ``descent.search``.
     """

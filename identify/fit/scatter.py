@@ -34,17 +34,17 @@ def scatter(
     """(k, k) scatter of the free parameters' score, force noise passed through the model as it is.
 
     The spectrum takes that noise for stationary, which it is not: a rig answers differently at each amplitude of a
-    sweep. So the noise is drawn, simulated, and weighed as the fit weighs the residual. The sensor's is taken from
+    sweep. So the noise is drawn, simulated, and weighted as the fit weighs the residual. The sensor's is taken from
     what is left, which is less by what the fit took of it (``NoiseSpectrum.widened``).
 
     Args:
         problem: what was fitted.
         state: the maximum of the likelihood.
-        noise: spectra that the fit weighed by.
+        noise: spectra that the fit weighted by.
         force_noise: standard deviation of the force noise of each segment (0: none).
         draws: how many times.
         seed: of the random numbers.
-        remainders: spectra of what is left, where the fit weighed by others and the model leaves more than noise.
+        remainders: spectra of what is left, where the fit weighted by others and the model leaves more than noise.
         recordings: of the segments, where what a converter of few levels did to them is to be counted in.
     """
     if not problem.free:
@@ -66,17 +66,17 @@ def scatter(
                 total[k] += products(projected, of_sensor * wider)
         if remainders is None and force is None and not recordings:
             continue
-        weighed = projected
+        weighted = projected
         for k, row in enumerate(projected):
-            weighed[k] = noise[i].whitened_twice(row)
+            weighted[k] = noise[i].whitened_twice(row)
         base = segment.response - residuals[i]
         if recordings:
-            total += scatter_of_rounding(problem, state, i, weighed, base, recordings, draws, seed)
+            total += scatter_of_rounding(problem, state, i, weighted, base, recordings, draws, seed)
         if remainders is not None:
-            coloured = remainders[i].colour(weighed)
+            coloured = remainders[i].colour(weighted)
             total += products(coloured, coloured)
         elif force is not None:
-            drawn = _of_force(problem, state, i, force, force_noise[i], weighed, base, draws, seed)
+            drawn = _of_force(problem, state, i, force, force_noise[i], weighted, base, draws, seed)
             total += informed if drawn is None else drawn
     # the parameters' score once the offsets have taken their part
     kept = linearised.shared.reduction(slice(len(problem.free), None))
@@ -89,7 +89,7 @@ def _of_force(
     i: int,
     force: Force,
     level: float,
-    weighed: np.ndarray,
+    weighted: np.ndarray,
     base: np.ndarray,
     draws: int,
     seed: int,
@@ -110,9 +110,9 @@ def _of_force(
         else:
             moved = problem.simulate(i, state, force=force, added=added)
         moved -= base
-        return added[: segment.n], products(weighed, moved)
+        return added[: segment.n], products(weighted, moved)
 
-    felt = problem.felt(i, state, weighed)
+    felt = problem.felt(i, state, weighted)
     if felt is not None:
         added, score = drawn(0)
         expected, errors = products(felt, added), level * np.linalg.norm(felt, axis=1)

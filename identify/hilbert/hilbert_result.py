@@ -40,7 +40,7 @@ class HilbertAnalysis:
         curves: one of each decay (FREEVIB) and of each driven stretch (FORCEVIB), in order of the recordings.
         freevib: Eqs. 1, 6, 7 fitted to all decays together; None without one.
         forcevib: the same of all driven stretches, with the mass; None without one.
-        notes: one sentence each on what was left aside and why.
+        notes: one sentence each on what was left out and why.
     """
 
     curves: tuple[ModalCurve, ...]

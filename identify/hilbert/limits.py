@@ -37,7 +37,7 @@ LEAST_POINTS = decides(8, "points", "of how many a curve has laws fitted", why="
 
 # modal_mass.py
 
-LEAST_PAIRS = decides(30, "values", "of how many a mass is told", why="fewer have no spread to take an error from")
+LEAST_PAIRS = decides(30, "values", "of how many a mass is estimated", why="fewer have no spread to take an error from")
 
 # modal_stretch.py
 

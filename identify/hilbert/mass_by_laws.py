@@ -169,7 +169,7 @@ def rung_in(stretch: Stretch, mass_of: Callable[[Stretch], MassFit]) -> Stretch:
             bad = window * int(np.argmin(np.append(sums, 0.0) > 2 * gammaincinv(count, 1 - CHANCE)))
         if bad == 0:
             return left
-        # where more than half is off, the ringing may have led the fit itself astray: as far again
+        # where more than half is off, the ringing may have misled the fit itself: as far again
         until = left.rung_in + (bad if left.rung_in + bad <= half else max(window, left.rung_in))
         if until > half:
             return stretch

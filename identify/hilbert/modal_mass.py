@@ -57,9 +57,9 @@ class Slopes:
 
 
 def agreed(singles: Sequence[MassFit]) -> MassFit:
-    """The mass of several stretches from that of each, weighed by what it says.
+    """The mass of several stretches from that of each, weighted by what it says.
 
-    A stretch whose 1/m is too large states too large an error: they are weighed by the errors at their common one.
+    A stretch whose 1/m is too large states too large an error: they are weighted by the errors at their common one.
     """
     each, std, of_force = np.array([(single.inverse, single.std, single.of_force) for single in singles]).T
     inverse = float(np.median(each))
@@ -124,7 +124,7 @@ def regressed(
         further: what else of the force over the mass is known, over X, (n,), complex, 1/s².
         smoothed: part of the stretch over which the columns are smoothed in the normal equations (instrumental
             variables): F/X and the amplitude share the noise of what they are compared with, and where the mass can
-            hardly be told from the functions that bends it by more than its error.
+            hardly be distinguished from the functions that bends it by more than its error.
         slopes: of the functions, where the columns are not smoothed: what noise they share is taken off.
 
     Raises:

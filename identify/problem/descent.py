@@ -101,7 +101,7 @@ class Descent:
         self._blocks = self._expected = None
 
     def step(self, tolerance: float, *, last: bool = False) -> bool:
-        """Take one step; gives whether it led anywhere.
+        """Take one step; gives whether it gained anything.
 
         A step that leads nowhere is tried once more, with the natural frequency's part taken in its square
         (``State.stepped``), before it is shortened.

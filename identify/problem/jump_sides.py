@@ -1,9 +1,9 @@
 """Which side of a jump a sample shows: an acceleration's where friction turns, where a preload or a contact changes.
 
 On which side the sample before a jump and the one after it were taken is known no better than the instant of the jump,
-and that a hair of any parameter moves. Taken as simulated, the likelihood would have steps of many units, and a law
-could buy such samples, one by one, with changes of the motion that nobody sees. So one that is decisively off is taken
-on the other side where it is nearer to that. What is left are steps below decisive odds.
+which the smallest change of any parameter moves. Taken as simulated, the likelihood would have steps of many units, and
+a law could buy such samples, one by one, with changes of the motion that nobody sees. So a sample that is decisively
+off is taken on the other side where it is nearer to that. What is left are steps below decisive odds.
 """
 
 from __future__ import annotations

@@ -63,7 +63,7 @@ FALSE_INFORMATION = decides(
 STANDS_OUT = decides(
     0.5,
     "times the noise",
-    "beyond which the last swings of a decay are told from it",
+    "beyond which the last swings of a decay stand out of it",
     why="by the tens of samples that a cycle has",
 )
 

@@ -180,7 +180,7 @@ class OutputError:
         return (state.values, state.initial[index], force, n or segment.n, segment.dt, step), how, shown
 
     def felt(self, i: int, state: State, weights: np.ndarray) -> np.ndarray | None:
-        """(k, n) derivatives of sums of a segment's response, weighed by (k, n), by each sample of its force.
+        """(k, n) derivatives of sums of a segment's response, weighted by (k, n), by each sample of its force.
 
         None where the linearised motion does not give them, as where it does not simulate, or through faults.
         """

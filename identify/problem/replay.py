@@ -88,7 +88,7 @@ def run_along(
 
     At rest where the recording starts so, but for states that are free even there (phases, which are searched from
     several starts); else Gauss-Newton over growing stretches. The zero of a record is no part of its motion: what the
-    sensor shows at zero is left aside, its drift where the means over cycles show one, and what the load cell shows at
+    sensor shows at zero is left out, its drift where the means over cycles show one, and what the load cell shows at
     zero where its own signal is not centred about zero.
 
     Args:

@@ -103,7 +103,7 @@ def scatter_of_rounding(
     problem: OutputError,
     state: State,
     i: int,
-    weighed: np.ndarray,
+    weighted: np.ndarray,
     base: np.ndarray,
     recordings: Sequence[Recording],
     draws: int,
@@ -115,7 +115,7 @@ def scatter_of_rounding(
         problem: what was fitted.
         state: the maximum of the likelihood.
         i: place of the segment.
-        weighed: (k, n) derivatives as the score weighs a residual by them.
+        weighted: (k, n) derivatives as the score weighs a residual by them.
         base: (n,) the simulated response.
         recordings: of the segments.
         draws: how many times.
@@ -136,7 +136,7 @@ def scatter_of_rounding(
             error += shown.error(random, within)
         if driven is not None and force is not None:
             error += problem.simulate(i, state, added=driven.error(random, within)) - base
-        return products(weighed, error)
+        return products(weighted, error)
 
     scores = np.array(problem.map(score, range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]

@@ -28,7 +28,7 @@ _STEPS = budget(8, "steps", why="of Gauss and Newton, each of two runs of a few 
 
 
 def follows(left: float, measured: np.ndarray, noise: float) -> bool:
-    """Whether what a simulation leaves, rms, of a motion (n,) is one of phase and size, noise of that size aside."""
+    """Whether what a simulation leaves, rms, of a motion (n,) is an error of phase and size, beside that noise."""
     return bool(left <= IN_STEP * float(np.std(measured)) + SIGNIFICANT * noise)
 
 
@@ -86,7 +86,7 @@ class _Beginning:
         self.measured = problem.segments[place].response
 
     def in_step(self, candidate: np.ndarray, n: int) -> bool:
-        """Whether what (states,) leaves of the first n samples is one of phase and size, noise and zero aside."""
+        """Whether what (states,) leaves of the first n samples is one of phase and size, apart from noise and zero."""
         measured, noise = self.measured[:n], self.problem.segments[self.place].noise
         with np.errstate(over="ignore", invalid="ignore"):  # a motion that ran away
             left = float(np.std(measured - self._response(candidate, n)))

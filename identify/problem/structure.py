@@ -1,7 +1,7 @@
 """Fits of one model structure after another to the same recordings.
 
 All of them simulate the same segments and are judged alike, so that what one law explains and another does not can
-be told in units of log-likelihood.
+be stated in units of log-likelihood.
 """
 
 from __future__ import annotations

@@ -296,7 +296,7 @@ def numerals_of(where: str, text: str) -> Numerals:
     """How the numbers in ``text`` are written, in which no comma and no dot stands for anything else.
 
     Raises:
-        BadInput: where two ways are mixed, or it cannot be told which one it is.
+        BadInput: where two ways are mixed, or it is unclear which one it is.
     """
     comma, groups = bool(_COMMA_DECIMAL.search(text)), bool(_COMMA_GROUPS.search(text))
     dots = "." in text

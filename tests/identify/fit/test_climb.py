@@ -197,7 +197,7 @@ def test_a_start_that_leads_where_another_led_is_followed_no_further():
     problem, state, _ = problem_of(decay(), omega0=58.0)
     maxima = Maxima()
     first = _climbed(problem, state, maxima)
-    with pytest.raises(BadInput, match="another start has led here"):
+    with pytest.raises(BadInput, match="another start has converged here"):
         _climbed(problem, replace(state, values=state.values * np.array([1.0, 1.01, 1.0, 1.0, 1.1, 1.0])), maxima)
     assert first.state.values[1] == pytest.approx(OMEGA, rel=1e-4)
 
