@@ -131,7 +131,8 @@ def coloured(text: str, colour: str) -> str:
 
 def print_json(value: Any) -> None:
     """A result for another program, on stdout."""
-    encoding = (sys.stdout.encoding or "ascii").lower().replace("-", "")
+    # a stream that the caller closed is None
+    encoding = (getattr(sys.stdout, "encoding", None) or "ascii").lower().replace("-", "")
     click.echo(json.dumps(value, indent=2, ensure_ascii=encoding != "utf8"))
 
 

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from dashpot.commands.cli import cli, main
 from dashpot.commands.command_examples import EXAMPLES
-from dashpot.commands.terminal import coloured
+from dashpot.commands.terminal import coloured, print_json
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.face import doctor
@@ -196,3 +196,8 @@ def test_every_command_is_quiet_or_verbose_and_not_both(capsys, name):
         code, _, err = run(capsys, name, *words)
         assert code == 2
         assert "--quiet and --verbose exclude each other" in err
+
+
+def test_a_result_for_a_stream_that_the_caller_closed_is_no_fault(monkeypatch):
+    monkeypatch.setattr("sys.stdout", None)  # as of `dashpot ... --json >&-`
+    print_json({"mass": 1.0})
