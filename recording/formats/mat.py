@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import zlib
 
+from ...errors import BadInput
 from ..channels import tables_of_tree
 from ..content import too_large
 from ..table import Table
@@ -32,6 +33,8 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
     if content[:6] == b"MATLAB":
         _limited(where, content, most)
     loaded = loadmat(io.BytesIO(content), simplify_cells=True)
+    if sparse := [name for name, value in loaded.items() if hasattr(value, "tocsc")]:
+        raise BadInput(f"{where}: '{sparse[0][:80]}' is a sparse matrix, which no record is; save it with full()")
     return tables_of_tree(where, {name: value for name, value in loaded.items() if not name.startswith("__")})
 
 

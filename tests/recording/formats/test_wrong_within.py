@@ -11,6 +11,7 @@ from dashpot.errors import BadInput
 from dashpot.recording import read
 from dashpot.recording.formats import read_tables
 from scipy.io import savemat
+from scipy.sparse import csc_array
 
 FS, N = 1000.0, 1500
 T = np.arange(N) / FS
@@ -79,6 +80,12 @@ def test_data_sets_that_are_no_time_histories_are_said(universal):
     (table,) = universal(data_set(X) + data_set(F, 0, function=4))
     assert len(table.names) == 1
     assert "passed over, as no real numbers: 'channel 3+X' (function type 4)" in table.notes[0]
+
+
+def test_a_sparse_matrix_of_a_mat_file_is_no_record(tmp_path):
+    savemat(tmp_path / "rec.mat", {"fs": FS, "x_m": csc_array(np.atleast_2d(X))})
+    with pytest.raises(BadInput, match="'x_m' is a sparse matrix, which no record is"):
+        read(tmp_path / "rec.mat")
 
 
 def test_a_mat_file_with_two_rates_is_refused(tmp_path):
