@@ -69,7 +69,7 @@ def identified(
     """
     from ..identify.identification import identify
     from ..identify.motion.modes import mode_beside
-    from ..model.file import load
+    from ..model.file import check_name, load
     from ..model.library import find
     from ..model.limits import checked_value
 
@@ -79,7 +79,11 @@ def identified(
         checked_value(text_of(key, "the name of a parameter"), value)
     if mass is not None and fixed.get("mass", mass) != mass:
         raise BadInput(f"the mass is fixed at {fixed['mass']:g} and given as {mass:g} kg; give it one value")
+    if name is not None:
+        check_name(name)
     effects = [find(law).name for law in laws]
+    if twice := sorted({law for law in effects if effects.count(law) > 1}):
+        raise BadInput(f"the law {twice[0]!r} is named twice; name each law once")
     begin = load(start) if isinstance(start, Path) else start
     recordings = read()
     _each_once(recordings)  # the modes of thirty copies take a quarter of a minute

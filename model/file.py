@@ -18,6 +18,7 @@ from ..files.reading import content_of
 from ..files.writing import write
 from .laws import BASE
 from .library import find
+from .limits import LONGEST_NAME
 from .oscillator import Band, Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter
 
@@ -81,12 +82,19 @@ def dumps(oscillator: Oscillator) -> str:
     return "\n".join([*lines, *_identified(o.identified)]) + "\n"
 
 
+def check_name(name: Any) -> None:
+    """See that a model file may hold a name; raises BadInput. Before a fit, so that its result can be written."""
+    if not isinstance(name, str):
+        raise BadInput(f"the name of a model must be text, not {type(name).__name__}")
+    if not name.isprintable():  # which the file would write as another
+        raise BadInput(f"the name {name[:60]!r} holds a line break or a control character; take it out")
+    if len(name) > LONGEST_NAME:
+        raise BadInput(f"the name {name[:20]}... is longer than {LONGEST_NAME} characters; shorten it")
+
+
 def check(oscillator: Oscillator) -> None:
     """See that a model is one that a model file may hold; raises BadInput with every problem and its path."""
-    if not isinstance(oscillator.name, str):
-        raise BadInput(f"the name of a model must be text, not {type(oscillator.name).__name__}")
-    if not all(c.isprintable() for c in oscillator.name):  # which the file would write as another
-        raise BadInput(f"the name {oscillator.name[:60]!r} holds a line break or a control character; take it out")
+    check_name(oscillator.name)
     try:
         loads(dumps(oscillator), "model")
     except BadInput as problem:  # of a text that nobody has seen, no lines

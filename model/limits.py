@@ -13,6 +13,8 @@ from ..files.arguments import shown
 MOST = 1e100
 #: ... and smallest of what a model divides by, its mass and frequency.
 LEAST = 1.0 / MOST
+#: Characters of a name that a model file may hold: those of the name of a file.
+LONGEST_NAME = 255
 #: What a model divides by.
 POSITIVE = ("mass", "omega0")
 

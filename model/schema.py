@@ -13,14 +13,14 @@ from pydantic_core import ErrorDetails, PydanticCustomError
 
 from .consistency import Meaning, shown, suggestion
 from .form import Form, filled, of_format, printable
-from .limits import LEAST, MOST
+from .limits import LEAST, LONGEST_NAME, MOST
 from .yaml_loader import Document, Path
 
 FORMAT = "dashpot-model/1"
 
 
 _Words = Annotated[str, Field(max_length=200), AfterValidator(printable)]
-_Name = Annotated[str, Field(min_length=1, max_length=255), AfterValidator(printable)]
+_Name = Annotated[str, Field(min_length=1, max_length=LONGEST_NAME), AfterValidator(printable)]
 _Sentence = Annotated[str, Field(min_length=1, max_length=1000), AfterValidator(printable)]
 _FilePath = Annotated[str, Field(min_length=1, max_length=4096), AfterValidator(printable)]
 _Unit = Annotated[str, Field(min_length=1, max_length=200), AfterValidator(printable)]

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..errors import BadInput
 from ..files.arguments import known_options, number_of, path_of, shown, text_of
-from .checks import not_a_number
+from .checks import not_a_number, out_of_range
 from .objects import is_sep5, tables_of_object
 from .part import part_of
 from .plain_numbers import vector_of
@@ -68,7 +68,7 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     number, made = count(1), []
     for one in _each(given):
         if isinstance(one, Recording):
-            for problem in not_a_number(one):
+            for problem in not_a_number(one) or out_of_range(one):
                 raise BadInput(problem.sentence)
             made.append(one)
             continue

@@ -161,3 +161,23 @@ def test_a_recording_made_by_hand_is_all_numbers(call, channel, value):
     spoilt = np.where(np.arange(X.size) == 7, value, signals[channel])
     with pytest.raises(BadInput, match=f"the {channel} has 1 value.s. that are not a number, the first at 0.014 s"):
         call(dashpot.Recording("r", 500.0, **(signals | {channel: spoilt})))
+
+
+@pytest.mark.parametrize("call", [dashpot.identify, dashpot.hilbert], ids=["identify", "hilbert"])
+def test_a_recording_made_by_hand_is_of_sizes_that_a_sensor_gives(call):
+    with pytest.raises(BadInput, match=r"the response is .* which no sensor gives"):
+        call(dashpot.Recording("r", 500.0, 1e200 * X))
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"laws": ["stribeck", "quadratic-drag", "stribeck"]}, "the law 'stribeck' is named twice"),
+        ({"name": "n" * 300}, "is longer than 255 characters"),
+        ({"name": "a\nb: 1"}, "holds a line break"),
+    ],
+    ids=["laws", "long", "two lines"],
+)
+def test_what_could_not_be_written_is_refused_before_the_recordings_are_read(options, says):
+    with pytest.raises(BadInput, match=says):
+        dashpot.identify("nowhere.csv", **options)
