@@ -16,6 +16,7 @@ import numpy as np
 from ...errors import BadInput
 from ...model import Oscillator
 from ...model.laws import MODES
+from ...model.oscillator import Term
 from ..signals.odds import DECISIVE, SIGNIFICANT, is_noise
 from ..signals.registry import numerics
 from ..start.further_modes import Mode, with_modes
@@ -135,12 +136,18 @@ def _stand(fit: Fit, before: Fit) -> bool:
     if not (_leaves_noise(fit) and odds(fit, before) > DECISIVE):
         return False
     modes, errors = modes_of_fit(fit.oscillator), _errors(fit.oscillator)
-    if any(not zeta < _RINGS for _, zeta, _ in modes):
+    if any(not zeta < _RINGS for _, zeta, _ in modes) or any(map(_is_a_tone, fit.oscillator.terms)):
         return False
     return all(
         any(abs(a[k] - b[k]) > SIGNIFICANT * np.hypot(d[k], e[k]) for k in (0, 1))
         for (a, d), (b, e) in combinations(list(zip(modes, errors, strict=True)), 2)
     )
+
+
+def _is_a_tone(term: Term) -> bool:
+    """Whether a further mode is neither driven by the force nor damped, as far as is known: hum is that, and no mode."""
+    told = [p for p in map(term.parameters.get, ("participation", "viscous")) if p is not None and p.std is not None]
+    return term.effect in MODES and not any(abs(p.value) > SIGNIFICANT * p.std for p in told if p.std is not None)
 
 
 def _errors(model: Oscillator) -> list[tuple[float, float]]:

@@ -79,3 +79,16 @@ def test_two_driven_modes():
     found = answers(Recording("driven", fs, x, force, hold="linear"), *modes).parameters()
     for name, truth in (("mass", masses[0]), ("further-mode.participation", 1 / masses[1])):
         assert abs(found[name].value - truth) < 3.5 * found[name].std < 0.1 * truth
+
+
+def test_hum_is_no_mode():
+    """A line that no force drives and no damping ends, in the band of the sweep."""
+    fs, random = 200.0, np.random.default_rng(5)
+    times = np.arange(3000) / fs
+    force = np.sin(2 * np.pi * (3.0 * times + 0.15 * times**2))
+    x = lsim(([0.5], [1.0, 2 * 0.02 * FIRST, FIRST**2]), force, times)[1]
+    hum = 0.02 * np.std(x) * np.sin(1.17 * FIRST * times + 0.3)
+    x = x + hum + 1e-3 * np.std(x) * random.standard_normal(times.size)
+    found = identify([Recording("driven", fs, x, force, hold="linear")], faults=True)
+    assert len(modes_of_fit(found.oscillator)) == 1
+    assert ["a line of 5.85 Hz" in sentence for sentence in found.faults] == [True]
