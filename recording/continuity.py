@@ -40,7 +40,7 @@ _ROUNDED = 1e-6
 class Leap:
     """Between which samples a displacement leaps, by how much, and how many times as far as any step that is none.
 
-    ``back`` says that the next step leads back: one sample is wrong.
+    ``back`` says that the next step leads back, or that there is none: one sample is wrong.
     """
 
     first: int
@@ -52,7 +52,8 @@ class Leap:
 def leaps(displacement: np.ndarray, cycle: float) -> list[Leap]:
     """Steps that no motion makes, between motion, in the order of time; none where there are more than a few.
 
-    The speed of a mass is continuous but for impacts, and after these as large as elsewhere in the cycle.
+    The speed of a mass is continuous but for impacts, and after these as large as elsewhere in the cycle. The first and
+    the last sample have motion on one side alone; a last number that was cut short as it was written is such a leap.
 
     Args:
         displacement: (n,) samples.
@@ -70,12 +71,15 @@ def leaps(displacement: np.ndarray, cycle: float) -> list[Leap]:
     before[near:], after[:-near] = widest[:-near], widest[near:]
     ordinary, noise = np.maximum(before, after), _NOISE * noise_beside(displacement)
     moving = np.minimum(before, after) > noise  # a file may well begin or end with a rest somewhere else
+    ends = [0, size.size - 1]
+    moving[ends] = size[ends] > _LEAP * noise  # though no rest of one sample
     found: list[Leap] = []
     for place in np.flatnonzero(moving & (size > _LEAP * ordinary)):
         if found and place == found[-1].first + 1 and steps[place] * steps[place - 1] < 0:
             found[-1] = replace(found[-1], back=True)
             continue
-        found.append(Leap(int(place), float(steps[place]), float(size[place] / ordinary[place]), False))
+        times = float(size[place] / max(ordinary[place], noise))
+        found.append(Leap(int(place), float(steps[place]), times, place in ends))
     return found if len(found) <= _MOST else []
 
 

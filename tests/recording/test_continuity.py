@@ -54,6 +54,14 @@ def test_a_sample_that_is_wrong_leads_back_at_once():
     assert places(spike) == [(FAST - 1, True), (SLOW + 10 * CYCLE - 1, True)]
 
 
+@pytest.mark.parametrize(("rest", "at"), [(0, -1), (400, -1), (0, 0)], ids=["last", "after a rest", "first"])
+def test_a_sample_at_an_end_leads_nowhere(rest, at):
+    ended = np.concatenate([MOTION, NOISE[:rest]])
+    assert places(ended) == []
+    ended[at] = 4.27  # m, of 4.27e-04 in a file that was cut short
+    assert places(ended) == [(0 if at == 0 else N + rest - 2, True)]
+
+
 def test_of_many_leaps_none_is_told():
     """A sensor that works so, or a thing that does."""
     spikes = MOTION.copy()
