@@ -106,9 +106,10 @@ def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
     if not found or wrapping(recording, motion):
         return []
     first, at = found[0], recording.start + found[0].first / recording.fs
+    there_and_back = first.back and 0 < first.first < recording.n - 2
     what = (
         f"the response leaps by {first.size:.3g} {recording.unit} within one sample at {at:.6g} s"
-        f"{', and back' if first.back and 0 < first.first < recording.n - 2 else ''}, {first.times:.2g} times as far as in any other of that cycle"
+        f"{', and back' if there_and_back else ''}, {first.times:.2g} times as far as in any other of that cycle"
     )
     if len(found) > 1:
         what += f", and {len(found) - 1} more time(s)"

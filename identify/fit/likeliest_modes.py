@@ -145,9 +145,11 @@ def _stand(fit: Fit, before: Fit) -> bool:
 
 
 def _is_a_tone(term: Term) -> bool:
-    """Whether a further mode is neither driven by the force nor damped, as far as is known: hum is that, and no mode."""
-    told = [p for p in map(term.parameters.get, ("participation", "viscous")) if p is not None and p.std is not None]
-    return term.effect in MODES and not any(abs(p.value) > SIGNIFICANT * p.std for p in told if p.std is not None)
+    """Whether a further mode is neither driven nor damped, as far as is known: hum is that, and no mode."""
+    if term.effect not in MODES:
+        return False
+    both = (term.parameters[name] for name in ("participation", "viscous"))
+    return not any(p.std is not None and abs(p.value) > SIGNIFICANT * p.std for p in both)
 
 
 def _errors(model: Oscillator) -> list[tuple[float, float]]:
