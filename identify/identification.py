@@ -30,8 +30,8 @@ from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import explain_residual
 from .fit.given_start import leads, with_shared
-from .fit.hold import held_as, hold_note, with_hold
-from .fit.likeliest_modes import likeliest_modes, modes_of_fit, odds
+from .fit.hold import held_as, hold_note, hold_of_recordings, with_hold
+from .fit.likeliest_modes import Modes, likeliest_modes, modes_of_fit, odds, stand, with_more_modes
 from .fit.likelihood import maximum_likelihood
 from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
 from .fit.plainest import plainest
@@ -201,13 +201,23 @@ def identify(
         drifts = [] if fit is None else [o.begun(recordings) for o in fit.offsets if o.channel == "drift"]
         return answer(recordings, begin, kept, drifts, doubted=doubted)
 
-    kept: Sequence[str] = ()
     if start is None and not effects:
-        fit, kept = likeliest_modes(ringing_modes(recordings, wanted), of_modes, doubted=doubted)
+        found_modes = likeliest_modes(ringing_modes(recordings, wanted), of_modes, doubted=doubted)
     else:
-        fit = answer(recordings, None, doubted=doubted)
-    several = len(modes_of_fit(fit.oscillator)) > 1
+        found_modes = Modes(answer(recordings, None, doubted=doubted))
+    fit, kept = found_modes.fit, found_modes.kept
     fit, recordings, chain = with_hold(fit, recordings, partial(answer, kept=kept), doubted=doubted)
+    if not chain and (more := found_modes.more) is not None:  # neither tells without the other where both are missing
+        again, held, chain = with_hold(more.fit, recordings, partial(answer, kept=more.kept), doubted=doubted)
+        if chain and stand(again, fit):
+            fit, kept, recordings = again, more.kept, held
+        else:
+            chain = []
+    if chain and start is None and not effects:  # under a wrong hold no number of modes leaves noise
+        found_modes = with_more_modes(Modes(fit, tuple(kept)), of_modes, doubted=doubted)
+        fit, kept = found_modes.fit, found_modes.kept
+        fit = replace(fit, oscillator=replace(fit.oscillator, hold=hold_of_recordings(recordings)))
+    several = len(modes_of_fit(fit.oscillator)) > 1
     if start is None and not effects:
         how = {"recordings": recordings, "fixed": (*fixed, *kept), "doubted": doubted}
         fit = _out_of_a_well(fit, partial(maximum_likelihood, **how))

@@ -8,6 +8,7 @@ them rings, and where each is another one than the others.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import Protocol
 
@@ -36,8 +37,23 @@ class Answer(Protocol):
         ...
 
 
-def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> tuple[Fit, tuple[str, ...]]:
-    """The fit of one mode or of several, whichever is the likeliest, and what was kept at none in it.
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """A fit of one mode or of several.
+
+    Attributes:
+        fit: which.
+        kept: parameters that were kept at none in it.
+        more: with one mode more, where that is decisively likelier and yet leaves more than noise.
+    """
+
+    fit: Fit
+    kept: tuple[str, ...] = ()
+    more: Modes | None = None
+
+
+def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> Modes:
+    """The fit of one mode or of several, whichever is the likeliest.
 
     Args:
         modes: that the free motion shows; none where it shows one.
@@ -46,20 +62,26 @@ def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> 
     """
     fit = answer(None, None, doubted=doubted and not modes)
     several = _beside(fit, modes, answer, doubted) if modes else None
-    if modes and (several is None or not _stand(several[0], fit)):
-        return answer(None, None, doubted=doubted), ()
-    best = several or (fit, ())
-    first = best[0]
-    while len(known := modes_of_fit(best[0].oscillator)) <= len(MODES):
-        if _leaves_noise(best[0]):
+    if modes and (several is None or not stand(several[0], fit)):
+        return Modes(answer(None, None, doubted=doubted))
+    return with_more_modes(Modes(*several) if several else Modes(fit), answer, doubted=doubted)
+
+
+def with_more_modes(first: Modes, answer: Answer, *, doubted: bool) -> Modes:
+    """The fit with one mode more at the line that is left, as long as that stands."""
+    best, more = first, None
+    while len(known := modes_of_fit(best.fit.oscillator)) <= len(MODES):
+        if _leaves_noise(best.fit):
             break
-        more = one_mode_more([s.segment for s in best[0].segments], known)
-        other = _beside(best[0], more, answer, doubted=False)
-        if other is None or not _stand(other[0], best[0]):
+        lines = one_mode_more([s.segment for s in best.fit.segments], known)
+        other = _beside(best.fit, lines, answer, doubted=False)
+        if other is None or not stand(other[0], best.fit):
+            more = None if other is None or not odds(other[0], best.fit) > DECISIVE else Modes(*other)
             break
-        best = other
-    fit, kept = best
-    return (answer(fit, fit.oscillator, kept, doubted=True), kept) if doubted and fit is not first else best
+        best = Modes(*other)
+    if doubted and best is not first:
+        best = replace(best, fit=answer(best.fit, best.fit.oscillator, best.kept, doubted=True))
+    return replace(best, more=more)
 
 
 def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer, doubted: bool) -> tuple[Fit, tuple[str, ...]] | None:
@@ -131,7 +153,7 @@ def _leaves_noise(fit: Fit) -> bool:
     return is_noise(squares, np.array([float(s.segment.n) for s in fit.segments]))
 
 
-def _stand(fit: Fit, before: Fit) -> bool:
+def stand(fit: Fit, before: Fit) -> bool:
     """Whether the modes of a fit are there, held against a fit of fewer."""
     if not (_leaves_noise(fit) and odds(fit, before) > DECISIVE):
         return False

@@ -8,7 +8,7 @@ from dashpot.identify import identify
 from dashpot.identify.fit.likeliest_modes import modes_of_fit
 from dashpot.recording.recording import Recording
 from scipy.integrate import solve_ivp
-from scipy.signal import lsim
+from scipy.signal import cont2discrete, lfilter, lsim
 
 FIRST, ZETA = 2 * np.pi * 5.0, 0.006
 
@@ -92,3 +92,17 @@ def test_hum_is_no_mode():
     found = identify([Recording("driven", fs, x, force, hold="linear")], faults=True)
     assert len(modes_of_fit(found.oscillator)) == 1
     assert ["a line of 5.85 Hz" in sentence for sentence in found.faults] == [True]
+
+
+@pytest.mark.parametrize("seed", [0, 2])
+def test_two_modes_under_a_held_force(seed):
+    """Under a smooth force two modes leave more than noise, and one mode under any: each tells beside the other."""
+    fs, n, random = 125.0, 1500, np.random.default_rng(seed)
+    modes = ((2 * np.pi * 5.0, 0.08, 1.0), (2 * np.pi * 9.0, 0.05, 4.0))
+    force = np.repeat(random.choice([-1.0, 1.0], n // 6 + 1), 6)[:n]
+    x = np.zeros(n)
+    for omega, zeta, mass in modes:
+        b, a, _ = cont2discrete(([1 / mass], [1, 2 * zeta * omega, omega**2]), 1 / fs, method="zoh")
+        x += lfilter(np.ravel(b), a, force)
+    x += 1e-3 * np.std(x) * random.standard_normal(n)
+    assert answers(Recording("two-level", fs, x, force), *modes).hold == "zero"
