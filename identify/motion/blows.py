@@ -24,8 +24,6 @@ _FLANK = 8
 _NOISE = 4.0
 #: A blow much weaker than the strongest says nothing beside the ringing.
 _WEAK = 0.05
-#: Cycles after a blow that show how far it moved the mass; three are the shortest stretch that is fitted.
-_SHOWN = 4.0
 #: Samples whose median is the sensor's zero.
 _FEWEST_QUIET = 8
 #: So many equal samples at the range's end: two astride a smooth peak are common (`recording.clipping`).
@@ -130,26 +128,19 @@ def contact_force(force: np.ndarray, blows: Sequence[Blow], period: int) -> np.n
 
 
 def through(blows: Sequence[Blow], decays: Sequence[Decay], period: int) -> list[tuple[int, int, bool]]:
-    """Stretches (start, stop, forced) of a struck recording: each blow with cycles that it set going.
+    """Stretches (start, stop, forced) of a struck recording: blows with the ringing that they set going.
 
-    The mass is in how far a blow moves it; a contact alone is over before it has moved, so some cycles go with it. The
-    rest of the ringing is a free decay, to which the force's noise does nothing. All of it is where a blow was clipped
-    or its response goes against it.
+    The mass is in how far a blow moves it, which all of the ringing tells, and what rang before it as well; outside
+    contacts there is no force, and so no noise of it. A blow into a ringing goes on with it. A ringing without its blow
+    is where that was clipped or its response goes against it.
     Each begins a quarter of a cycle before its blow, still at rest where it was.
     """
     parts: list[tuple[int, int, bool]] = []
     for decay in decays:
         blow = next((blow for blow in blows if blow.stop == decay.start and blow.is_known), None)
         start = decay.start if blow is None else max(0, blow.start - period // 4)
-        if parts and parts[-1][1] > start:
-            parts[-1] = (parts[-1][0], start, parts[-1][2])
-        if blow is None:
-            parts.append((start, decay.stop, False))
-            continue
-        shown = blow.stop + round(_SHOWN * period)
-        if decay.stop - shown < SHORTEST_CYCLES * period:
-            shown = decay.stop
-        parts.append((start, shown, True))
-        if shown < decay.stop:
-            parts.append((shown, decay.stop, False))
+        if blow is not None and parts and parts[-1][1] >= start:
+            parts[-1] = (parts[-1][0], decay.stop, True)
+        else:
+            parts.append((start, decay.stop, blow is not None))
     return parts

@@ -16,6 +16,7 @@ from ..motion.blows import ContactForce, contact_force, through
 from ..motion.decays import find_free_motion, force_is_silent
 from ..motion.excitation import band_of
 from ..motion.first_motion import starts_at_rest
+from ..motion.force_off import zero_of
 from ..motion.quiet import quiet_noise
 from ..signals.hilbert import noise_level
 from ..signals.registry import numerics
@@ -149,7 +150,7 @@ def _cut(
             force = contact_force(np.asarray(force, float), motion.blows, period)
         elif force is not None and np.any(force) and not (decays and force_is_silent(recording)):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
-            ends += [(a, b, True) for a, b in zip(edges[::2], edges[1::2], strict=True)]
+            ends, force = _pushed(ends, edges, shortest, np.asarray(force, float), period)
         ends = [(a, b, forced) for start, stop, forced in ends for a, b in _known(recording, start, stop)]
         blank = blank_of(recording)
         highest = force_band * pace / (2 * np.pi)
@@ -186,6 +187,31 @@ def _cut(
             )
             segments += _pieces(whole) if slide else [whole]
     return tuple(segments)
+
+
+def _pushed(
+    decays: Sequence[tuple[int, int, bool]], edges: Sequence[int], shortest: float, force: np.ndarray, period: int
+) -> tuple[list[tuple[int, int, bool]], np.ndarray]:
+    """Decays and what is driven between them, (start, stop, forced), with the force along these.
+
+    A push that is shorter than what is fitted by itself goes on with the decay that it set going, along which the force
+    is zero.
+    """
+    made, alone = list(decays), force
+    for a, b in zip(edges[::2], edges[1::2], strict=True):
+        after = next((decay for decay in decays if decay[0] == b), None)
+        if after is None or b - a >= shortest or not b > a:
+            made.append((a, b, True))
+            continue
+        if alone is force:
+            alone = force - zero_of(force, period)[0]
+        alone[b : after[1]] = 0.0
+        made.remove(after)
+        before = next((part for part in made if part[1] == a and part[2]), None)
+        if before is not None:
+            made.remove(before)
+        made.append((a if before is None else before[0], after[1], True))
+    return made, alone
 
 
 def _known(recording: Recording, start: int, stop: int) -> list[tuple[int, int]]:

@@ -202,17 +202,10 @@ def test_noise_counts_during_contacts_alone():
 # What is simulated ---------------------------------------------------------------------------------------------------
 
 
-def test_four_cycles_go_with_a_blow_and_the_rest_is_free():
+def test_a_blow_goes_with_all_of_the_ringing():
     blow = Blow(1000, 1020)
-    assert through((blow,), (Decay(1020, 3000),), PERIOD) == [(975, 1420, True), (1420, 3000, False)]
-    assert through((Blow(10, 20),), (Decay(20, 3000),), PERIOD)[0] == (0, 420, True)
-
-
-@pytest.mark.parametrize(("stop", "parts"), [(1919, 1), (1920, 2)])
-def test_less_than_five_further_cycles_stay_with_it(stop, parts):
-    made = through((Blow(1000, 1020),), (Decay(1020, stop),), PERIOD)
-    assert len(made) == parts
-    assert made[0] == (975, stop if parts == 1 else 1420, True)
+    assert through((blow,), (Decay(1020, 3000),), PERIOD) == [(975, 3000, True)]
+    assert through((Blow(10, 20),), (Decay(20, 3000),), PERIOD) == [(0, 3000, True)]
 
 
 def test_a_clipped_blow_is_not_simulated():
@@ -223,6 +216,9 @@ def test_a_clipped_blow_is_not_simulated():
     ]
 
 
-def test_what_rang_before_ends_where_the_next_begins():
-    made = through((Blow(1000, 1020),), (Decay(0, 1000), Decay(1020, 3000)), PERIOD)
-    assert made == [(0, 975, False), (975, 1420, True), (1420, 3000, False)]
+def test_a_blow_goes_on_with_what_rang_before():
+    blows = (Blow(1000, 1020), Blow(3000, 3020))
+    whole = (Decay(0, 1000), Decay(1020, 3000), Decay(3020, 5000))
+    assert through(blows, whole, PERIOD) == [(0, 5000, True)]
+    rested = (Decay(0, 900), Decay(1020, 2000), Decay(3020, 5000))
+    assert through(blows, rested, PERIOD) == [(0, 900, False), (975, 2000, True), (2975, 5000, True)]

@@ -128,16 +128,23 @@ def off_and_on(before, ringing=12.0):
     return Recording("switched", FS, x, force, start=5.0)
 
 
-@pytest.mark.parametrize(("before", "count"), [(2.7, 1), (3.4, 2)])
-def test_a_stretch_among_others_needs_three_cycles(before, count):
-    found = cut([off_and_on(before)], PACE)
-    assert len(found) == count
-    ring = found[-1]
-    assert ring.force is None
+def test_a_stretch_of_three_cycles_stands_alone():
+    before = 3.4
+    push, ring = cut([off_and_on(before)], PACE)
+    assert (push.start, push.force is None, ring.force) == (0, False, None)
     assert ring.start == pytest.approx(before * CYCLE, abs=3)
     assert ring.time == pytest.approx(5.0 + ring.start / FS)
-    assert all(s.force is not None for s in found[:-1])
-    assert found[0].start == (0 if count == 2 else ring.start)
+
+
+def test_a_shorter_one_goes_on_with_the_decay_that_it_set_going():
+    recording = off_and_on(2.7)
+    (both,) = cut([recording], PACE)
+    assert both.start == 0
+    assert both.stop > 6 * CYCLE
+    pushed = both.force.pieces[:: both.force.fine, 0]
+    off = round(2.7 * CYCLE) + 3
+    assert np.any(pushed[: off - 6])
+    assert not np.any(np.abs(pushed[off + CYCLE :]) > 1e-6 * np.max(np.abs(pushed)))
 
 
 def test_a_silent_force_drives_nothing():
@@ -188,14 +195,12 @@ def hammered(damping):
 
 def test_a_hammers_blow_goes_with_what_it_set_going():
     recording, at = hammered(1.0)
-    struck, ring = cut([recording], PACE)
+    (struck,) = cut([recording], PACE)
     assert isinstance(struck.force, ContactForce)
     assert struck.rests
     assert at - CYCLE // 4 - 2 <= struck.start < at
-    assert struck.stop - at == pytest.approx(4 * CYCLE, abs=7)
-    assert (ring.start, ring.force) == (struck.stop, None)
-    assert not ring.rests
-    assert (struck.after, ring.after) == (None, struck.stop)
+    assert struck.stop > at + 6 * CYCLE  # to the noise, and not four cycles
+    assert struck.after is None
 
 
 @pytest.mark.parametrize(("damping", "used"), [(18.0, True), (20.0, False)])
