@@ -21,7 +21,8 @@ from ...model.oscillator import Term
 from ..signals.odds import DECISIVE, SIGNIFICANT, is_noise
 from ..signals.registry import numerics
 from ..start.further_modes import Mode, with_modes
-from ..start.linear_modes import one_mode_more
+from ..start.limits import HALF
+from ..start.linear_modes import fitted_modes, left_by, one_mode_more
 from .reported_result import Fit, SegmentFit
 
 _RINGS = numerics(0.5**0.5, "damping ratio", why="what is damped more has no resonance (the peak is at zero)")
@@ -60,21 +61,16 @@ def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> 
         answer: fits a model.
         doubted: see ``maximum_likelihood``.
     """
-    fit = answer(None, None, doubted=doubted and not modes)
-    several = _beside(fit, modes, answer, doubted) if modes else None
-    if modes and (several is None or not stand(several[0], fit)):
-        return Modes(answer(None, None, doubted=doubted))
-    return with_more_modes(Modes(*several) if several else Modes(fit), answer, doubted=doubted)
+    return with_more_modes(Modes(answer(None, None, doubted=doubted)), answer, modes, doubted=doubted)
 
 
-def with_more_modes(first: Modes, answer: Answer, *, doubted: bool) -> Modes:
-    """The fit with one mode more at the line that is left, as long as that stands."""
+def with_more_modes(first: Modes, answer: Answer, modes: Sequence[Mode] = (), *, doubted: bool) -> Modes:
+    """The fit with the modes that the free motion shows, and with one more at each line that is left, while they stand."""
     best, more = first, None
-    while len(known := modes_of_fit(best.fit.oscillator)) <= len(MODES):
-        if _leaves_noise(best.fit):
-            break
-        lines = one_mode_more([s.segment for s in best.fit.segments], known)
-        other = _beside(best.fit, lines, answer, doubted=False)
+    while not _leaves_noise(best.fit) and len(known := modes_of_fit(best.fit.oscillator)) <= len(MODES):
+        segments = [s.segment for s in best.fit.segments]
+        lines = fitted_modes(segments, modes) if len(modes) > len(known) else one_mode_more(segments, known)
+        other = _beside(best.fit, lines, answer) if _promises(best.fit, known, lines) else None
         if other is None or not stand(other[0], best.fit):
             more = None if other is None or not odds(other[0], best.fit) > DECISIVE else Modes(*other)
             break
@@ -84,14 +80,27 @@ def with_more_modes(first: Modes, answer: Answer, *, doubted: bool) -> Modes:
     return replace(best, more=more)
 
 
-def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer, doubted: bool) -> tuple[Fit, tuple[str, ...]] | None:
+def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer) -> tuple[Fit, tuple[str, ...]] | None:
     """Linear modes, the first of them nonlinear where that is decisively likelier; None where they do not simulate."""
     try:
-        plain = answer(fit, with_modes(fit.oscillator, modes), MEMBERS, doubted=doubted)
-        freed = answer(plain, plain.oscillator, doubted=doubted)
+        plain = answer(fit, with_modes(fit.oscillator, modes), MEMBERS, doubted=False)
+        freed = answer(plain, plain.oscillator, doubted=False)
     except BadInput:
         return None
     return (freed, ()) if odds(freed, plain) > DECISIVE else (plain, MEMBERS)
+
+
+def _promises(fit: Fit, known: Sequence[Mode], more: Sequence[Mode]) -> bool:
+    """Whether linear modes take half of the way from what a fit leaves down to the noise, before anything is simulated.
+
+    In each segment of the motion itself, or of what the fit leaves, whose own mode may be none of a linear rig.
+    """
+    whole = [s.segment for s in fit.segments]
+    left = [replace(s.segment, response=s.segment.response - s.simulated) for s in fit.segments]
+    size = np.array([float(s.segment.n) for s in fit.segments])
+    gain = 0.5 * (np.log(left_by(left, ())) - np.log([left_by(whole, more), left_by(left, (*known, *more))]))
+    needed = np.log([max(s.over_noise, 1.0) for s in fit.segments])
+    return bool(np.max(gain, axis=0) @ size > HALF * needed @ size)
 
 
 def modes_of_fit(model: Oscillator) -> tuple[Mode, ...]:

@@ -22,12 +22,12 @@ MOST_DAMPING = decides(
     why="physical limit: what is fitted swings",
 )
 
-# measured_motion.py
+# measured_motion.py and fit/likeliest_modes.py
 
 HALF = decides(
     0.5,
-    "part of what the best law gains",
-    "that others must gain on the measured motion to be searched on",
+    "part of what can be gained",
+    "that a law on the measured motion, or linear modes, must promise to be searched on",
     why="far from the truth a promise is of first order: a trade of time for safety",
 )
 

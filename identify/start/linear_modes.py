@@ -30,35 +30,72 @@ _STEPS = budget(20, "steps", why="the search of the simulation begins where this
 
 def one_mode_more(segments: Sequence[Segment], modes: Sequence[Mode]) -> tuple[Mode, ...]:
     """The modes with one more, all fitted anew; that is the first which is nearest to the one before."""
-    from scipy.optimize import least_squares
+    fewer, (low, high) = [Signal(segment, _SAMPLES_A_CYCLE, by_means=True) for segment in segments], _bounds(segments)
+    known = _followed(fewer, _logarithms(modes), low, high)[1]
+    first, fall = np.exp(known[:2])
+    fall = max(fall, 1.0 / max(segment.n * segment.dt for segment in segments))
+    costs, starts = [], []
+    for factor in _FREQUENCIES:
+        places = [np.append(known, np.log([first * factor, fall * factor * z])) for z in _DAMPING]
+        tried = [(_cost(fewer, start), start) for start in np.clip(places, low, high)]
+        cost, start = min(tried, key=lambda pair: pair[0])
+        costs.append(cost)
+        starts.append(start)
+    around = np.pad(costs, 1, constant_values=np.inf)
+    lowest = [i for i in np.argsort(costs) if costs[i] <= min(around[i], around[i + 2])][:_KEPT]
+    best = min((_followed(fewer, starts[i], low, high) for i in lowest), key=lambda pair: pair[0])[1]
+    return _fitted(segments, best, modes)
 
+
+def fitted_modes(segments: Sequence[Segment], modes: Sequence[Mode]) -> tuple[Mode, ...]:
+    """The modes, all fitted anew from where they are; that is the first which is nearest to the one before."""
+    return _fitted(segments, _logarithms(modes), modes)
+
+
+def _fitted(segments: Sequence[Segment], theta: np.ndarray, modes: Sequence[Mode]) -> tuple[Mode, ...]:
     signals = [Signal(segment, by_means=True) for segment in segments]
-    fewer = [Signal(segment, _SAMPLES_A_CYCLE, by_means=True) for segment in segments]
-    longest = max(segment.n * segment.dt for segment in segments)
-    low, high = np.log(1e-4 / longest), np.log(np.pi / max(segment.dt for segment in segments))
-
-    def remainder(theta: np.ndarray, signals: Sequence[Signal]) -> np.ndarray:
-        return np.concatenate(_solve(signals, theta)[1])
-
-    known = np.log([part for mode in modes for part in _pole(mode)])
-    omega, zeta, _ = modes[0]
-    zeta = max(zeta, 1.0 / (omega * longest))
-    places = [_pole((omega * f, min(zeta * z, MOST_DAMPING), 0.0)) for f in _FREQUENCIES for z in _DAMPING]
-    starts = [np.clip(np.append(known, np.log(place)), low, high) for place in places]
-    costs = [float(np.sum(remainder(theta, fewer) ** 2)) for theta in starts]
-    outcomes = [
-        least_squares(remainder, starts[i], bounds=(low - 1e-9, high + 1e-9), max_nfev=_STEPS, args=(fewer,))
-        for i in np.argsort(costs)[:_KEPT]
-    ]
-    best = min(outcomes, key=lambda outcome: outcome.cost).x
-    best = least_squares(remainder, best, bounds=(low - 1e-9, high + 1e-9), max_nfev=_STEPS, args=(signals,)).x
-    gains = _solve(signals, best)[0]
+    best = _followed(signals, theta, *_bounds(segments))[1]
     found = [
         (float(np.hypot(w, r)), float(r / np.hypot(w, r)), float(gain))
-        for (w, r), gain in zip(np.exp(best).reshape(-1, 2), gains, strict=True)
+        for (w, r), gain in zip(np.exp(best).reshape(-1, 2), _solve(signals, best)[0], strict=True)
     ]
-    first = min(found, key=lambda mode: abs(np.log(mode[0] / omega)))
+    first = min(found, key=lambda mode: abs(np.log(mode[0] / modes[0][0])))
     return (first, *(mode for mode in found if mode is not first))
+
+
+def _followed(signals: Sequence[Signal], theta: np.ndarray, low: float, high: float) -> tuple[float, np.ndarray]:
+    """The sum of squares, and where it is least near logarithms of frequencies and rates (2 K,)."""
+    from scipy.optimize import least_squares
+
+    def remainder(theta: np.ndarray) -> np.ndarray:
+        return np.concatenate(_solve(signals, theta)[1])
+
+    inside = np.clip(theta, low, high)
+    outcome = least_squares(remainder, inside, bounds=(low - 1e-9, high + 1e-9), max_nfev=_STEPS)
+    return float(outcome.cost), outcome.x
+
+
+def _cost(signals: Sequence[Signal], theta: np.ndarray) -> float:
+    return sum(float(rest @ rest) for rest in _solve(signals, theta)[1])
+
+
+def _bounds(segments: Sequence[Segment]) -> tuple[float, float]:
+    """Of the logarithms of frequencies and rates."""
+    longest = max(segment.n * segment.dt for segment in segments)
+    return float(np.log(1e-4 / longest)), float(np.log(np.pi / max(segment.dt for segment in segments)))
+
+
+def _logarithms(modes: Sequence[Mode]) -> np.ndarray:
+    return np.log([part for mode in modes for part in _pole(mode)])
+
+
+def left_by(segments: Sequence[Segment], modes: Sequence[Mode]) -> np.ndarray:
+    """(segments,) mean squares that modes of such frequencies and dampings leave of a response, in its unit squared."""
+    signals = [Signal(segment, by_means=True) for segment in segments]
+    rests = _solve(signals, _logarithms(modes))[1] if modes else None
+    each = rests or [signal.measured for signal in signals]
+    least = np.finfo(float).tiny
+    return np.array([max(float(r @ r) * s.scale**2, least) for r, s in zip(each, signals, strict=True)])
 
 
 def _pole(mode: Mode) -> tuple[float, float]:
