@@ -8,6 +8,7 @@ import numpy as np
 
 from .fact import fact
 from .recording import Recording
+from .smoothing import convolved
 
 NOISE_BAND = 0.8  # of Nyquist: above it a vibration record holds little but noise
 SMALLEST = 1e-3  # of the peak: -60 dB, below it no cycle is counted even without noise
@@ -85,12 +86,10 @@ def _without_line(signal: np.ndarray) -> np.ndarray:
 
 def _window_mean(signal: np.ndarray, half: int) -> np.ndarray:
     """Mean of the signal (n,) under a Hann window of 2 half + 1 samples, the ends continued by point reflection."""
-    from scipy.signal import fftconvolve
-
     window = np.hanning(2 * half + 3)[1:-1]
     before, after = 2 * signal[0] - signal[half:0:-1], 2 * signal[-1] - signal[-2 : -half - 2 : -1]
     wide = np.concatenate([before, signal, after])
-    return np.asarray(fftconvolve(wide, window / window.sum(), mode="valid"))
+    return convolved(wide, window / window.sum(), "valid")
 
 
 def is_white(signal: np.ndarray) -> bool:

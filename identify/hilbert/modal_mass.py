@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
+from ...recording.smoothing import convolved
 from ..signals.registry import budget, numerics
 from .forced_regression import backbone_basis, damping_basis
 from .limits import LEAST_PAIRS
@@ -195,9 +196,7 @@ def _shared(
 
 def _smooth(columns: np.ndarray, clear: np.ndarray, part: float) -> np.ndarray:
     """Columns (p, q) under Hann's window, half as wide as this part of the points, of those that are clear."""
-    from scipy.signal import oaconvolve
-
     kernel = np.hanning(2 * max(1, round(part * np.count_nonzero(clear))) + 1)
     rows = np.concatenate([np.where(clear, columns, 0.0), clear[None].astype(complex)])
-    smooth = np.asarray(oaconvolve(rows, kernel[None], mode="same", axes=-1))
+    smooth = convolved(rows, kernel)
     return smooth[:-1] / np.maximum(np.real(smooth[-1]), 1.0)

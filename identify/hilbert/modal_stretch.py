@@ -18,6 +18,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...files.computed_once import computed_once
+from ...recording.smoothing import convolved
 from ..signals.hilbert import KERNEL_CYCLES, AnalyticSignal, analytic_signal, blackman, turned_alike
 from ..signals.limits import DECAY_CYCLES
 from ..signals.registry import numerics
@@ -52,18 +53,12 @@ class Stretch:
 
     def low_pass(self, values: np.ndarray) -> np.ndarray:
         """(..., n) by sample to (..., k) at `keep`."""
-        from scipy.signal import oaconvolve
-
-        kernel = self.low_pass_kernel.reshape((1,) * (values.ndim - 1) + (-1,))
-        return np.asarray(oaconvolve(values[..., self.inside], kernel, mode="valid", axes=-1))
+        return convolved(values[..., self.inside], self.low_pass_kernel, "valid")
 
     def before_low_pass(self, weights: np.ndarray) -> np.ndarray:
         """Weights (..., k) of low-passed values as weights (..., n) of the values by sample."""
-        from scipy.signal import oaconvolve
-
-        kernel = self.low_pass_kernel.reshape((1,) * (weights.ndim - 1) + (-1,))
         out = np.zeros((*weights.shape[:-1], self.signal.time.size), weights.dtype)
-        out[..., self.inside] = oaconvolve(weights, kernel, mode="full", axes=-1)
+        out[..., self.inside] = convolved(weights, self.low_pass_kernel, "full")
         return out
 
     @computed_once
@@ -133,12 +128,10 @@ class Stretch:
 
         Of `motion` itself what passes is known: 1, or `equation_first`. Only the factor's variation is asked here.
         """
-        from scipy.signal import oaconvolve
-
         s = self.signal
         moving = np.broadcast_to(motion * s.slow * self._unbent, s.slow.shape)
         rows = np.concatenate([factor * moving, moving[None]])
-        whole = np.asarray(oaconvolve(rows, blackman(s.kernel)[0][None], mode="same", axes=-1))
+        whole = convolved(rows, blackman(s.kernel)[0])
         return whole[:-1] / whole[-1] * motion
 
     def point_variance(
@@ -207,9 +200,7 @@ class Stretch:
         back = np.exp(s.undecay * s.time - 1j * s.carrier)
 
         def to_samples(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-            from scipy.signal import oaconvolve
-
-            return np.asarray(oaconvolve(weights / s.slow, kernel[None, ::-1], mode="same", axes=-1))
+            return convolved(weights / s.slow, kernel[::-1])
 
         moved = to_samples(equation * zeroth + amplitude, kernels[0])
         moved = moved + to_samples(equation * first, kernels[1]) * self.fs
@@ -436,8 +427,6 @@ def _rows(
     inverse_mass: float,
 ) -> tuple[np.ndarray, np.ndarray | None]:
     """How the noise of the samples about each point enters it: (q, samples) of displacement and of force."""
-    from scipy.signal import fftconvolve
-
     s, low = stretch.signal, stretch.low_pass_kernel
     at = stretch.inside.start + points[:, None] + np.arange(low.size)
     first, zeroth = stretch.of_displacement(squared, damping)
@@ -447,7 +436,7 @@ def _rows(
     back = np.exp(s.undecay * s.time - 1j * s.carrier)[inside] * (samples == inside)
 
     def spread(weights: np.ndarray, kernel: np.ndarray) -> np.ndarray:
-        return np.asarray(fftconvolve(low * (weights / s.slow)[at], kernel[None, ::-1], mode="full", axes=-1))
+        return convolved(low * (weights / s.slow)[at], kernel[::-1], "full")
 
     fs = stretch.fs
     moved = spread(equation * zeroth + amplitude, kernels[0]) + spread(equation * first, kernels[1]) * fs

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...recording.smoothing import convolved
 from ..signals.hilbert import blackman
 from ..signals.registry import budget, numerics
 from .instantaneous import free_modal_parameters
@@ -116,7 +117,6 @@ def _harmonics(
     stretch: Stretch, samples: np.ndarray, orders: np.ndarray, good: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """u_n (orders, n) where asked, zero where noise may be all, and the standard error of a part of them (n,)."""
-    from scipy.signal import fftconvolve
     from scipy.special import gammaincinv
 
     s, keep = stretch.signal, stretch.keep
@@ -126,8 +126,8 @@ def _harmonics(
     # without the fundamental, of which some would pass where the frequency is not the one that the kernel was made for;
     # over the envelope: what is left changes so slowly that the kernels bend it little
     rest = (samples - amplitude * np.cos(phase)) / envelope
-    passed = fftconvolve(rest * np.exp(-1j * np.outer(orders, s.carrier)), kernel[None], mode="same", axes=-1)
-    u = stretch.low_pass(np.asarray(passed))[:, good] * envelope[keep][good]
+    passed = convolved(rest * np.exp(-1j * np.outer(orders, s.carrier)), kernel)
+    u = stretch.low_pass(passed)[:, good] * envelope[keep][good]
     u *= np.exp(-1j * np.outer(orders, (phase - s.carrier)[keep][good])) * np.where(orders == 0, 1.0, 2.0)[:, None]
     a = amplitude[keep][good]
     both = np.convolve(kernel, stretch.low_pass_kernel)

@@ -9,6 +9,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...recording.oscillation import strongest_line, without_slow
+from ...recording.smoothing import convolved
 from ..signals.hilbert import blackman, dominant_frequency
 from ..signals.signals import response_of
 
@@ -71,11 +72,9 @@ def motion_frequency(x: np.ndarray, fs: float) -> float | None:
 
 def smooth(signal: np.ndarray, length: int) -> np.ndarray:
     """(n,) signal under a Blackman kernel of `length` samples, its ends mirrored."""
-    from scipy.signal import fftconvolve
-
     kernel = np.maximum(blackman(length)[0], 0)
     half = kernel.size // 2
-    return np.asarray(fftconvolve(np.pad(signal, half, mode="symmetric"), kernel, mode="valid"))
+    return convolved(np.pad(signal, half, mode="symmetric"), kernel, "valid")
 
 
 def _size(x: np.ndarray, period: int) -> np.ndarray:

@@ -16,6 +16,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...recording.recording import Recording
+from ...recording.smoothing import harris
 from ..signals.hilbert import dominant_frequency, noise_level
 from ..signals.odds import DECISIVE
 from .decays import find_decays, find_free_motion
@@ -92,12 +93,10 @@ class _Track:
 
 def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: float, *, falling: bool) -> list[_Track]:
     """The strongest line of a stretch (n,), and every other that is no harmonic of it, by windows that overlap."""
-    from scipy.signal.windows import blackmanharris
-
     size = round(cycles * fs / strongest)
     if x.size < size * (1 + (_SEEN - 1) / _STEP) or size < 16:
         return []
-    window = blackmanharris(size)
+    window = harris(size)
     starts = range(0, x.size - size + 1, size // _STEP)
     spectra = np.array(
         [np.abs(np.fft.rfft((x[a : a + size] - np.mean(x[a : a + size])) * window)) ** 2 for a in starts]

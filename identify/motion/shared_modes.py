@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -282,9 +283,14 @@ def _way(way: np.ndarray, rest: np.ndarray) -> float:
 
 
 def _smooth(way: np.ndarray, parameters: int) -> float:
-    count = min(parameters, way.size)
-    smooth = np.linalg.qr(np.vander(np.linspace(-1, 1, way.size), count))[0]
-    return float(np.sum((way - smooth @ (smooth.T @ way)) ** 2)) + count * np.log(way.size)
+    smooth = _polynomials(way.size, min(parameters, way.size))
+    return float(np.sum((way - smooth @ (smooth.T @ way)) ** 2)) + smooth.shape[1] * np.log(way.size)
+
+
+@lru_cache(maxsize=256)
+def _polynomials(size: int, count: int) -> np.ndarray:
+    """(size, count) orthonormal ones."""
+    return np.linalg.qr(np.vander(np.linspace(-1, 1, size), count))[0]
 
 
 def _known(modes: Modes) -> bool:

@@ -20,6 +20,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...recording.resolution import converter_step
+from ...recording.smoothing import convolved, harris
 from .limits import DECAY_CYCLES, DECAY_FLOOR, DECAY_PART, FEWEST_CYCLES
 from .registry import budget, numerics
 
@@ -93,17 +94,13 @@ def noise_level(x: np.ndarray, fs: float) -> float:
 
     The signal must be sampled at 10 samples a cycle or more, so that it has nothing but noise up there.
     """
-    from scipy.signal import get_window, welch
-
     x = np.asarray(x, float)
     size = min(x.size, max(_SEGMENT[0], min(_SEGMENT[1], x.size // _SEGMENTS)))
-    if x.size < LONG:
-        density = welch(x, fs, window="blackmanharris", nperseg=size, detrend="linear")[1]
-    else:
-        density = _welch(x, fs, np.asarray(get_window("blackmanharris", size)))
-    top = density[int(0.75 * density.size) : -1]
-    if top.size < _FEWEST_LINES:
+    lines = size // 2 + 1
+    first = int(0.75 * lines)
+    if lines - 1 - first < _FEWEST_LINES:
         return 0.0
+    top = _welch(x, fs, harris(size, periodic=True))[first:-1]
     # periodograms averaged over few segments: the median lies below the mean (chi-square with about 2 K degrees)
     segments = max(1.0, _INDEPENDENT * x.size / size)
     median_to_mean = (1 - 1 / (9 * segments)) ** 3
@@ -111,7 +108,7 @@ def noise_level(x: np.ndarray, fs: float) -> float:
 
 
 def _welch(x: np.ndarray, fs: float, window: np.ndarray) -> np.ndarray:
-    """What scipy's ``welch`` gives with straight lines taken off, many of its segments at a time."""
+    """(size // 2 + 1,) spectral density from segments that overlap by half, straight lines taken off (Welch 1967)."""
     size = window.size
     segments = np.lib.stride_tricks.sliding_window_view(x, size)[:: size - size // 2]
     place = np.linspace(-1.0, 1.0, size)
@@ -287,11 +284,9 @@ def _smooth_phase(phase: np.ndarray, fs: float, length: int) -> tuple[np.ndarray
 
 
 def _low_pass(Z: np.ndarray, fs: float, length: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    from scipy.signal import fftconvolve
-
     w, dw, ddw = blackman(length)
-    z, dz, ddz = (fftconvolve(Z, k, mode="same") for k in (w, dw, ddw))
-    return np.asarray(z), np.asarray(dz) * fs, np.asarray(ddz) * fs**2
+    z, dz, ddz = (convolved(Z, k) for k in (w, dw, ddw))
+    return z, dz * fs, ddz * fs**2
 
 
 def _rest(x: np.ndarray) -> float:

@@ -14,6 +14,7 @@ from math import comb
 
 import numpy as np
 
+from ...recording.smoothing import harris
 from .odds import BEYOND_ERRORS
 from .registry import numerics
 
@@ -43,13 +44,11 @@ def noise_beside_edges(x: np.ndarray) -> float:
 @lru_cache(maxsize=1)
 def _filters() -> tuple[np.ndarray, ...]:
     """Taps of unit energy, short ones first: differences, and these through windows about a high frequency."""
-    from scipy.signal import get_window
-
     differences = [np.array([(-1.0) ** k * comb(order, k) for k in range(order + 1)]) for order in _DIFFERENCES]
     made = list(differences)
     for length in _LENGTHS:
         turned = np.cos(2 * np.pi * _PASSED * (np.arange(length) - 0.5 * (length - 1)))
-        made.append(np.convolve(differences[-1], np.asarray(get_window("blackmanharris", length)) * turned))
+        made.append(np.convolve(differences[-1], harris(length, periodic=True) * turned))
     return tuple(taps / np.linalg.norm(taps) for taps in made)
 
 

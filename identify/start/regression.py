@@ -15,6 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import BadInput
+from ...recording.smoothing import with_polynomials
 from ..signals.limits import BELOW_NYQUIST, CLEAR_OF_NOISE, RESTING, ROUNDING, WEIGHING_ROUNDS, WINDOW_CYCLES
 from ..signals.registry import budget, numerics
 from ..signals.signals import Signal, resting
@@ -185,14 +186,13 @@ def segment_rows(segment: Segment) -> Rows:
 def smooth_motion(x: np.ndarray, fs: float, high: float, factor: int) -> tuple[np.ndarray, np.ndarray]:
     """`x` (n,) and its velocity on a grid `factor` times as dense, noise above a few times `high` Hz smoothed away."""
     from scipy.interpolate import make_interp_spline
-    from scipy.signal import savgol_filter
 
     order = 4
     span = int(fs / (6 * high)) | 1  # a sixth of a cycle: a quartic follows three harmonics of it
     velocity = None
     if span > order + 1:
-        velocity = np.asarray(savgol_filter(x, span, order, deriv=1, delta=1 / fs))
-        x = np.asarray(savgol_filter(x, span, order))
+        velocity = with_polynomials(x, span, order, 1) * fs
+        x = with_polynomials(x, span, order)
     if factor == 1 and velocity is not None:
         return x, velocity
     spline = make_interp_spline(np.arange(x.size), x, k=5)
