@@ -65,7 +65,7 @@ def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> 
 
 
 def with_more_modes(first: Modes, answer: Answer, modes: Sequence[Mode] = (), *, doubted: bool) -> Modes:
-    """The fit with the modes that the free motion shows, and with one more at each line that is left, while they stand."""
+    """The fit with the modes that the free motion shows, and one more at each line that is left, while they stand."""
     best, more = first, None
     while not _leaves_noise(best.fit) and len(known := modes_of_fit(best.fit.oscillator)) <= len(MODES):
         segments = [s.segment for s in best.fit.segments]
