@@ -52,8 +52,8 @@ def drifts_and_loads(recordings: Sequence[Recording], offsets: Sequence[FoundOff
 
 
 def drifts(recordings: Sequence[Recording], rates: Mapping[int, float]) -> list[ChainFact]:
-    """Each recording along which the zero of the sensor moves by more than its noise; ``rates`` by its place."""
-    moved = {place: rate * recordings[place].duration / 2 for place, rate in rates.items()}
+    """Each recording along which the zero of the sensor moves by more than its noise; ``rates`` by its index."""
+    moved = {index: rate * recordings[index].duration / 2 for index, rate in rates.items()}
     return [_drift(recordings[i], rates[i]) for i, by in moved.items() if abs(by) > response_of(recordings[i]).noise]
 
 
@@ -68,11 +68,11 @@ def zeros(recordings: Sequence[Recording], shown: Mapping[int, float]) -> list[C
 
     Args:
         recordings: whose sensors they are.
-        shown: what each shows at zero, by its place among them.
+        shown: what each shows at zero, by its index among them.
     """
     facts = []
-    for place, value in shown.items():
-        recording = recordings[place]
+    for index, value in shown.items():
+        recording = recordings[index]
         if abs(value) > response_of(recording).noise:
             sentence = f"{recording.name}: its sensor shows {quantity(value, recording.unit)} at zero; taken off"
             facts.append(ChainFact("offset", recording.name, value, recording.unit, sentence))

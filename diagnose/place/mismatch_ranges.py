@@ -54,13 +54,13 @@ def excess_range(rows: Rows, values: np.ndarray) -> tuple[float, float] | None:
     values = values[fine]
     low, high = np.quantile(values, [0.002, 0.998])
     edges = np.linspace(low, high, _BINS + 1)
-    place = np.clip(np.searchsorted(edges, values) - 1, 0, _BINS - 1)
+    cell = np.clip(np.searchsorted(edges, values) - 1, 0, _BINS - 1)
     left, silent = rows.left[fine] ** 2, rows.silent[fine] ** 2
     blocks = rows.block[fine]
     clear = np.zeros(_BINS, bool)
     mean = np.zeros(_BINS)
     for i in range(_BINS):
-        here = place == i
+        here = cell == i
         if np.count_nonzero(here) >= FEWEST_IN_RANGE:
             clear[i], mean[i] = _beyond(left[here], silent[here], blocks[here])
     clear &= mean > NOTABLE * np.max(mean, initial=0.0, where=clear)
@@ -154,11 +154,11 @@ def _spectrum(rows: Rows, index: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
 
     s = rows.stretches[index]
     step = float(np.min(np.diff(s.time)))
-    place = np.round((s.time - s.time[0]) / step).astype(int)
-    signal = np.zeros(place[-1] + 1)
-    window = np.zeros(place[-1] + 1)
-    window[place] = np.hanning(place[-1] + 3)[1:-1][place]
-    signal[place] = rows.part(rows.left, index) / rows.part(rows.weight, index)
+    cell = np.round((s.time - s.time[0]) / step).astype(int)
+    signal = np.zeros(cell[-1] + 1)
+    window = np.zeros(cell[-1] + 1)
+    window[cell] = np.hanning(cell[-1] + 3)[1:-1][cell]
+    signal[cell] = rows.part(rows.left, index) / rows.part(rows.weight, index)
     transform = np.abs(np.fft.rfft(signal * window, 2 * signal.size))
     frequency = np.fft.rfftfreq(2 * signal.size, step)
     around = median_filter(transform**2, 2 * _AROUND + 1, mode="nearest")

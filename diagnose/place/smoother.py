@@ -235,13 +235,13 @@ class Smoother:
         q[:, :2, :2] += kick * np.array([[1 / 3, 1 / 2], [1 / 2, 1.0]])
         inverse = np.linalg.inv(q)
         begin = self._begin(strength)
-        places = slice(first * _PARTS, (last - 1) * _PARTS + 1, _PARTS)
+        indices = slice(first * _PARTS, (last - 1) * _PARTS + 1, _PARTS)
         h = np.zeros((n, 3))
-        along = (self.x, self.v, self.known)[self.order][places]
+        along = (self.x, self.v, self.known)[self.order][indices]
         if self.order < 2:
             h[:, self.order] = 1.0
         else:
-            h[:] = np.column_stack([-self.stiffness[places] * dt**2, -self.damping[places] * dt, -np.ones(n)])
+            h[:] = np.column_stack([-self.stiffness[indices] * dt**2, -self.damping[indices] * dt, -np.ones(n)])
         carried = np.einsum("kba,kbc->kac", phi, inverse)  # phi' Q^-1
         diagonal = h[:, :, None] * h[:, None, :]
         diagonal[1:] += inverse
@@ -313,12 +313,12 @@ class Smoother:
         states = solved[:, 0].reshape(-1, 3)
         unit = self.sensor * self.dt**self.order
         n = last - first
-        places = np.unique(np.linspace(0, n - 1, min(_PLACES, n)).astype(int))
-        probes = np.zeros((3 * n, places.size))
-        probes[3 * places + 2, np.arange(places.size)] = 1.0
+        indices = np.unique(np.linspace(0, n - 1, min(_PLACES, n)).astype(int))
+        probes = np.zeros((3 * n, indices.size))
+        probes[3 * indices + 2, np.arange(indices.size)] = 1.0
         inverse = cho_solve_banded((factor, True), probes, check_finite=False)
-        variance = np.maximum(inverse[3 * places + 2, np.arange(places.size)], 0.0)
-        std = np.interp(np.arange(n), places, np.sqrt(variance)) * unit / self.dt**2
+        variance = np.maximum(inverse[3 * indices + 2, np.arange(indices.size)], 0.0)
+        std = np.interp(np.arange(n), indices, np.sqrt(variance)) * unit / self.dt**2
         here = slice(first * _PARTS, (last - 1) * _PARTS + 1, _PARTS)
         return Smoothed(
             time=self.time[first:last],

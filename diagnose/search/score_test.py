@@ -243,7 +243,7 @@ class Screen:
 
     def _begun(self, left: Sequence[np.ndarray]) -> np.ndarray:
         """(segments, states) by which initial states take up what they can of whitened residuals (n,)."""
-        own = self.white.own
+        own = self.white.initial_rows
         each = zip(self.white.columns, self.white.sums, left, strict=True)
         return np.array([pseudo_inverse(sums.normal[own, own]) @ (rows[own] @ r) for rows, sums, r in each])
 

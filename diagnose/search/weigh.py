@@ -124,7 +124,7 @@ def _marginal_by_segment(fitted: Fitted, data: Data, free: tuple[str, ...], meas
     for segment, begin, sums, value in zip(
         problem.segments, state.initial, linearised.sums, measure.values(fitted.residuals), strict=True
     ):
-        places = np.array(problem.own(segment), int)
+        places = np.array(problem.free_states(segment), int)
         # an offset belongs to its recording; it is averaged over with the states, in each of its segments
         own = [i for i, offset in enumerate(problem.offsets) if offset.recording == segment.recording]
         where = np.concatenate([own, len(problem.offsets) + places]).astype(int)

@@ -30,7 +30,7 @@ class Braked:
     """Driven recordings that are braked more than free ones.
 
     Attributes:
-        words: by the places of the driven recordings.
+        words: by the indices of the driven recordings.
         size: by how much more viscous they are.
     """
 
@@ -49,12 +49,12 @@ def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> Braked | None:
         recordings: driven ones and free ones, which contradict each other.
         fitted: the fit of the driven ones alone, from starts of their own.
     """
-    driven = [place for place, recording in enumerate(recordings) if recording.force is not None]
-    free = [place for place in range(len(recordings)) if place not in driven]
+    driven = [index for index, recording in enumerate(recordings) if recording.force is not None]
+    free = [index for index in range(len(recordings)) if index not in driven]
     if not driven or not free:
         return None
-    forced = of_one_rig([recordings[place] for place in driven], fitted)
-    let_go = None if forced is None else of_one_rig([recordings[place] for place in free], _beside(forced.oscillator))
+    forced = of_one_rig([recordings[index] for index in driven], fitted)
+    let_go = None if forced is None else of_one_rig([recordings[index] for index in free], _beside(forced.oscillator))
     if forced is None or let_go is None or not (excess := braked(forced, let_go)):
         return None
     size, error, unit = excess

@@ -82,12 +82,12 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     if not _stands_out(problem.segments, left, part, levels):
         return None
     second = first_confirmed(problem, state, levels, part.other_side) or first_confirmed(problem, state, levels, apart)
-    places = list(problem.free)
+    indices = list(problem.free)
     points = [without] if second is None else [without, second[1]]
     return Contradiction(
         part,
         None if second is None else second[0],
-        tuple(point.values[places] - state.values[places] for point in points),
+        tuple(point.values[indices] - state.values[indices] for point in points),
         _reached(problem, left, part, recordings),
         without,
         left,
@@ -145,9 +145,9 @@ def _reached(
     for segment, residual in zip(problem.segments, residuals, strict=True):
         inside = part.holds(segment)
         moved = np.abs(segment.response - residual - np.mean(segment.response - residual))
-        for place, mask in enumerate((~inside, inside)):
+        for index, mask in enumerate((~inside, inside)):
             if np.any(mask):
-                farthest[place] = max(farthest[place], float(np.max(moved[mask])) / segment.pace**segment.order)
+                farthest[index] = max(farthest[index], float(np.max(moved[mask])) / segment.pace**segment.order)
     if farthest[1] > ALIKE * farthest[0]:
         return False
     if not any(s.force is not None and np.any(part.holds(s)) for s in problem.segments):

@@ -28,7 +28,7 @@ class Explanation:
 
     Attributes:
         fit: with errors that cover what the inconsistent part may have done to the parameters.
-        faults: by the recordings' places, what the measuring chain did.
+        faults: by the recordings' indices, what the measuring chain did.
         notes: one sentence each on what may be a fault or the rig's own.
     """
 
@@ -101,7 +101,7 @@ def _from_the_others(
     """
     known = fit.oscillator.parameters()
     for odd in _may_be_odd(fit, recordings, alone) if len(recordings) >= SEVERAL else ():
-        theirs = of_one_rig([recording for place, recording in enumerate(recordings) if place != odd], alone)
+        theirs = of_one_rig([recording for index, recording in enumerate(recordings) if index != odd], alone)
         if theirs is None or theirs.oscillator.mass is None:
             continue
         values = {key: replace(p, value=theirs.oscillator.parameters()[key].value) for key, p in known.items()}
@@ -121,16 +121,16 @@ def _may_be_odd(
     """
     worst = dict.fromkeys(range(len(recordings)), 0.0)
     for stretch in fit.segments:
-        place = stretch.segment.recording
-        worst[place] = max(worst[place], stretch.over_noise)
+        index = stretch.segment.recording
+        worst[index] = max(worst[index], stretch.over_noise)
     failing: list[int] = []
-    for place in sorted(worst, key=lambda place: -worst[place]):
+    for index in sorted(worst, key=lambda index: -worst[index]):
         try:
-            own = alone([recordings[place]])
+            own = alone([recordings[index]])
         except BadInput:
             continue  # too little to say anything by itself
         if max(stretch.over_noise for stretch in own.segments) > ABOVE_NOISE:
-            failing.append(place)
+            failing.append(index)
         if len(failing) == 2:
             return ()
     return failing or range(len(recordings))
@@ -142,7 +142,7 @@ def _faults_in_words(
     found: Contradiction | None,
     alone: Callable[[Sequence[Recording]], Fit] | None,
 ) -> dict[int, str]:
-    """By the recordings' places, what the measuring chain did to one, or that it is of another rig."""
+    """By the recordings' indices, what the measuring chain did to one, or that it is of another rig."""
     suspect = None if found is None or found.other is not None or not found.part.whole else found.part.recording
     own = None if suspect is None or alone is None else of_one_rig([recordings[suspect]], alone)
     # what agrees with a rig of its own has no fault that begins somewhere, and no line or wave on it

@@ -146,7 +146,7 @@ def _explaining(
 
     What is far more than noise is no small step: which of two is the likelier its linear response does not say.
     """
-    places = list(problem.free)
+    indices = list(problem.free)
     fits = [(one, with_fault(problem, state, one.fault, fit, recordings)) for one in bent]
     known = [(one, *made) for one, made in fits if made is not None]
     best = max((likelihood for _, likelihood, _, _ in known), default=0.0)
@@ -155,7 +155,7 @@ def _explaining(
         replace(
             one,
             size=float(sizes[0]),
-            shifts=(values - state.values[places],),
+            shifts=(values - state.values[indices],),
             chance=float(least * np.exp(min(best - likelihood, -np.log(least)))),
         )
         for one, likelihood, sizes, values in known
@@ -197,7 +197,7 @@ def unlike_in_words(found: Sequence[Unlike | FoundBent], fit: Fit, recordings: S
     """Which sides contradict each other or which channel is bent, by how much, and what does that: a sentence."""
     unlike = found[0]
     others = sorted({one.recording for one in found[1:] if one.recording is not None} - {unlike.recording})
-    rivals = [recordings[place].name for place in others if _rivals(found, place)]
+    rivals = [recordings[index].name for index in others if _rivals(found, index)]
     also = f"; as likely it is {' or '.join(rivals[:_NAMED])} that is not as it should be" if rivals else ""
     if isinstance(unlike, FoundBent):
         return f"{recordings[unlike.recording].name}: {unlike.words}{also}"
@@ -231,13 +231,13 @@ def unlike_in_words(found: Sequence[Unlike | FoundBent], fit: Fit, recordings: S
     )
 
 
-def _rivals(found: Sequence[Unlike | FoundBent], place: int) -> bool:
+def _rivals(found: Sequence[Unlike | FoundBent], index: int) -> bool:
     """Whether something of a recording explains it within the level of doubt as well as what explains it best."""
-    return any(one.recording == place and found[0].chance > BY_CHANCE * one.chance for one in found)
+    return any(one.recording == index and found[0].chance > BY_CHANCE * one.chance for one in found)
 
 
-def _others(place: int, fit: Fit, recordings: Sequence[Recording]) -> str:
-    used = sorted({s.segment.recording for s in fit.segments} - {place})
+def _others(index: int, fit: Fit, recordings: Sequence[Recording]) -> str:
+    used = sorted({s.segment.recording for s in fit.segments} - {index})
     more = f" and {len(used) - _NAMED} more" if len(used) > _NAMED else ""
     return ", ".join(recordings[other].name for other in used[:_NAMED]) + more
 

@@ -46,7 +46,7 @@ def suspect_parts(problem: OutputError, state: State, levels: Sequence[Level], p
         promising: also those that leave no more than this part of what is more than noise now.
     """
     linearised = _linearised(problem, state, levels)
-    initial, squares = linearised.own, np.array([sums.power for sums in linearised.sums])
+    initial, squares = linearised.initial_rows, np.array([sums.power for sums in linearised.sums])
     count = np.array([sums.samples for sums in linearised.sums])
     enough = promising * _excess(squares, count)
     whole = [sums.without(initial) for sums in linearised.sums]

@@ -66,7 +66,7 @@ def linear_state(problem: OutputError, state: State, start: Oscillator) -> State
         values = np.clip(values, *problem.bounds)
     initial = np.zeros_like(state.initial)
     for i, segment in enumerate(problem.segments):
-        own = problem.own(segment)
+        own = problem.free_states(segment)
         initial[i, 2:] = state.initial[i, 2:]
         initial[i, [k for k in (0, 1) if k in own]] = fit.initial[i, [k for k in (0, 1) if k in own]]
     shown = state.offsets.copy()

@@ -102,8 +102,8 @@ def maximum_likelihood(
 
 def _without_drift(problem: OutputError, state: State) -> tuple[OutputError, State]:
     """The problem and the point of its search without the drift of any sensor."""
-    kept = [place for place, offset in enumerate(problem.offsets) if offset.channel != "drift"]
-    return problem.with_offsets([problem.offsets[place] for place in kept]), replace(state, offsets=state.offsets[kept])
+    kept = [index for index, offset in enumerate(problem.offsets) if offset.channel != "drift"]
+    return problem.with_offsets([problem.offsets[index] for index in kept]), replace(state, offsets=state.offsets[kept])
 
 
 def _beside_linear(

@@ -333,9 +333,9 @@ def _at_bounds(problem: OutputError, values: np.ndarray, names: Sequence[str]) -
         return []
     low, high = problem.bounds
     return [
-        f"{name} came to rest at its bound ({values[place]:.4g}): the recordings ask for more than the law allows"
-        for name, place in zip(names, problem.free, strict=True)
-        if values[place] in (low[place], high[place])
+        f"{name} came to rest at its bound ({values[parameter]:.4g}): the recordings ask for more than the law allows"
+        for name, parameter in zip(names, problem.free, strict=True)
+        if values[parameter] in (low[parameter], high[parameter])
     ]
 
 

@@ -71,7 +71,7 @@ class Sums:
         """Those of the other columns, when the columns ``gone`` take the values that leave the least power.
 
         Args:
-            gone: places of columns.
+            gone: indices of columns.
             precision: (gone,) of a Gaussian prior of their values, about those at the point.
         """
         stay, out, inverse = self._split(gone, precision)
@@ -92,15 +92,15 @@ class Sums:
         return made
 
     def _split(self, gone: Places, precision: np.ndarray | float = 0.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Places of the columns that stay and of those that go, and the inverse of the information on the latter."""
-        places = np.arange(len(self.gradient))
-        out = places[gone]
+        """Indices of the columns that stay and of those that go, and the inverse of the information on the latter."""
+        indices = np.arange(len(self.gradient))
+        out = indices[gone]
         corner = self.normal[np.ix_(out, out)] + np.diag(np.broadcast_to(precision, out.size))
-        return np.delete(places, out), out, pseudo_inverse(corner)
+        return np.delete(indices, out), out, pseudo_inverse(corner)
 
-    def only(self, places: np.ndarray) -> Sums:
+    def only(self, indices: np.ndarray) -> Sums:
         """Those of some columns, when the others stay as they are."""
-        return replace(self, normal=self.normal[np.ix_(places, places)], gradient=self.gradient[places])
+        return replace(self, normal=self.normal[np.ix_(indices, indices)], gradient=self.gradient[indices])
 
     def step(self) -> np.ndarray:
         """(m,) values of the columns that leave the least power."""
@@ -184,7 +184,7 @@ class Linearised:
         return slice(len(self.unknowns.shared))
 
     @property
-    def own(self) -> slice:
+    def initial_rows(self) -> slice:
         """Rows of initial states."""
         return slice(len(self.unknowns.shared), None)
 
@@ -196,12 +196,12 @@ class Linearised:
     @computed_once
     def shared(self) -> Sums:
         """Those over the shared unknowns, initial states eliminated, of all segments together."""
-        return reduce(add, (own.without(self.own) for own in self.sums))
+        return reduce(add, (own.without(self.initial_rows) for own in self.sums))
 
     def over(self, kept: Sequence[Unknown]) -> Sums:
         """Those over some of the shared unknowns, in their order among these, all else eliminated."""
-        places = [self.unknowns.index(unknown) for unknown in kept]
-        return self.shared.without(np.setdiff1d(np.arange(len(self.unknowns.shared)), places))
+        indices = [self.unknowns.index(unknown) for unknown in kept]
+        return self.shared.without(np.setdiff1d(np.arange(len(self.unknowns.shared)), indices))
 
     def information(self, kept: Sequence[Unknown]) -> np.ndarray:
         """(k, k) information on some of the shared unknowns, all else eliminated."""
@@ -226,7 +226,7 @@ class Linearised:
                 gradient = np.concatenate([own.gradient, products(columns[i], self.residuals[i])])
                 total += replace(own, normal=normal, gradient=gradient).without(np.arange(k, m))
             else:
-                total += own.without(self.own).widened(len(total.gradient))
+                total += own.without(self.initial_rows).widened(len(total.gradient))
         return total
 
     def gain(self, columns: Mapping[int, np.ndarray]) -> tuple[float, np.ndarray, np.ndarray]:
@@ -268,13 +268,13 @@ class Linearised:
             of_shared: (k, k) covariance of the shared unknowns.
         """
         k, rows, sums = len(of_shared), self.columns[i], self.sums[i]
-        of_own, border = pseudo_inverse(sums.normal[k:, k:]), -sums.reduction(self.own)[:, k:]
+        of_initial, border = pseudo_inverse(sums.normal[k:, k:]), -sums.reduction(self.initial_rows)[:, k:]
         taken = np.zeros(rows.shape[1])
         for begin in range(0, rows.shape[1], LONG):
             shared, own = rows[:k, begin : begin + LONG], rows[k:, begin : begin + LONG]
             shared -= border @ own
             taken[begin : begin + LONG] = np.sum(shared * (of_shared @ shared), axis=0) + np.sum(
-                own * (of_own @ own), axis=0
+                own * (of_initial @ own), axis=0
             )
         return rows[:k], taken
 

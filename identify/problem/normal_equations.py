@@ -59,10 +59,10 @@ def solve(blocks: Sequence[Block], damping: float, k: int) -> tuple[np.ndarray, 
     return shared, own_steps
 
 
-def held_at(block: Block, places: np.ndarray) -> Block:
+def held_at(block: Block, fixed: np.ndarray) -> Block:
     """The same of a segment with some of the shared unknowns kept as they are."""
     normal, gradient = block[0].copy(), block[1].copy()
-    normal[places] = normal[:, places] = gradient[places] = 0.0
+    normal[fixed] = normal[:, fixed] = gradient[fixed] = 0.0
     return normal, gradient
 
 

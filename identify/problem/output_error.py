@@ -210,7 +210,7 @@ class OutputError:
         """What drives a segment, in pieces of the length that suits the step."""
         return segment.coarse_force if self.coarse else segment.force
 
-    def own(self, segment: Segment) -> tuple[int, ...]:
+    def free_states(self, segment: Segment) -> tuple[int, ...]:
         """Which of its initial states a segment has to itself: none but phases where it starts at rest."""
         free = self.core.equations.free
         return tuple(i for i in range(self.core.states) if free[i] or not segment.rests)
@@ -378,7 +378,7 @@ class OutputError:
 
     def _moving(self, segment: Segment) -> list[int]:
         """Unknowns by which a segment's response changes at all."""
-        idle = {self.shared + own for own in set(range(self.core.states)) - set(self.own(segment))}
+        idle = {self.shared + own for own in set(range(self.core.states)) - set(self.free_states(segment))}
         for k, offset in enumerate(self.offsets, start=len(self.free)):
             if offset.recording != segment.recording or (offset.channel == "force" and segment.force is None):
                 idle.add(k)

@@ -44,12 +44,12 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
     initial = state.initial.copy()
     last = before(problem.segments) if problem.memory == FREE else {}
     for i, segment in enumerate(problem.segments):
-        own = problem.own(segment)
+        free = problem.free_states(segment)
         if i in last and goes_on(segment):
             initial[i] = beginning(problem, replace(state, initial=initial), last[i], i)
-        if not own:
+        if not free:
             continue
-        begun = _Beginning(problem, replace(state, initial=initial.copy()), i, own)
+        begun = _Beginning(problem, replace(state, initial=initial.copy()), i, free)
         whole = _samples(segment, cycles * cycle)
         start = initial[i]
         if i in last and not segment.rests and problem.core.states > SHOWN:
@@ -77,17 +77,17 @@ class _Beginning:
     Args:
         problem: all segments.
         state: parameters and initial states of all.
-        place: of the segment.
-        own: which of its states may be moved.
+        index: of the segment.
+        free: which of its states may be moved.
     """
 
-    def __init__(self, problem: OutputError, state: State, place: int, own: Sequence[int]) -> None:
-        self.problem, self.state, self.place, self.own = problem, state, place, list(own)
-        self.measured = problem.segments[place].response
+    def __init__(self, problem: OutputError, state: State, index: int, free: Sequence[int]) -> None:
+        self.problem, self.state, self.index, self.free = problem, state, index, list(free)
+        self.measured = problem.segments[index].response
 
     def in_step(self, candidate: np.ndarray, n: int) -> bool:
         """Whether what (states,) leaves of the first n samples is one of phase and size, apart from noise and zero."""
-        measured, noise = self.measured[:n], self.problem.segments[self.place].noise
+        measured, noise = self.measured[:n], self.problem.segments[self.index].noise
         with np.errstate(over="ignore", invalid="ignore"):  # a motion that ran away
             left = float(np.std(measured - self._response(candidate, n)))
         return follows(left, measured, noise)
@@ -100,9 +100,9 @@ class _Beginning:
 
     def settled(self, start: np.ndarray, n: int) -> np.ndarray:
         """(states,) as the first n samples ask for them next to a start."""
-        own, scale = self.own, self.problem.state_scale[self.own]
+        free, scale = self.free, self.problem.state_scale[self.free]
         reaches = self.problem.core.reaches(self.state.values)
-        initial = nearest_reach(start, reaches, own, lambda candidate: self.misfit(candidate, n))
+        initial = nearest_reach(start, reaches, free, lambda candidate: self.misfit(candidate, n))
         for _ in range(_STEPS):
             base, rows = self._derived(initial, n)
             jacobian = rows.T
@@ -112,10 +112,10 @@ class _Beginning:
             # a step by the size of the motion costs as much as what is left, or the far side of a curved valley would
             # be reached at once; the nearer the motion is, the less it costs
             size = _SIZES * scale
-            ridge = float(np.linalg.norm(residual)) * np.eye(len(own))
-            stacked = np.vstack([jacobian * size, ridge]), np.append(residual, np.zeros(len(own)))
+            ridge = float(np.linalg.norm(residual)) * np.eye(len(free))
+            stacked = np.vstack([jacobian * size, ridge]), np.append(residual, np.zeros(len(free)))
             trial = initial.copy()
-            trial[own] += np.linalg.lstsq(*stacked)[0] * size
+            trial[free] += np.linalg.lstsq(*stacked)[0] * size
             if not self.misfit(trial, n) < np.sum(residual**2):
                 break
             initial = trial
@@ -123,15 +123,15 @@ class _Beginning:
 
     def _begun(self, candidate: np.ndarray) -> State:
         moved = self.state.initial.copy()
-        moved[self.place] = candidate
+        moved[self.index] = candidate
         return replace(self.state, initial=moved)
 
     def _response(self, candidate: np.ndarray, n: int) -> np.ndarray:
-        return self.problem.simulate(self.place, self._begun(candidate), n)
+        return self.problem.simulate(self.index, self._begun(candidate), n)
 
     def _derived(self, candidate: np.ndarray, n: int) -> tuple[np.ndarray, np.ndarray]:
         """(n,) response, and (own, n) its derivatives by the initial states that may be moved."""
         shared = self.problem.shared
         rows = np.zeros((shared + self.problem.core.states, n))
-        places = [shared + k for k in self.own]
-        return self.problem.carry(self.place, self._begun(candidate), places, rows), rows[places]
+        unknowns = [shared + k for k in self.free]
+        return self.problem.carry(self.index, self._begun(candidate), unknowns, rows), rows[unknowns]

@@ -35,7 +35,7 @@ def shows_where(segment: Segment) -> bool:
 
 
 def before(segments: Sequence[Segment]) -> dict[int, int]:
-    """The segment before each, by their places: one that ends where it begins or, where that rests, before it rested.
+    """The segment before each, by their indices: one that ends where it begins or, where that rests, before it rested.
 
     None where that was left out, as where a part is asked for that the rest contradicts: the beginning is then as it
     was. A slide is cut into cycles so that what its model lacks does not add up: nothing is carried on there.
@@ -45,33 +45,33 @@ def before(segments: Sequence[Segment]) -> dict[int, int]:
     for i, segment in enumerate(segments):
         if segment.after is not None and (goes_on(segment) or segment.after == segment.start):
             found[i] = ends.get((segment.recording, segment.after))
-    return {i: place for i, place in found.items() if place is not None}
+    return {i: index for i, index in found.items() if index is not None}
 
 
-def run_on(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
+def run_on(problem: OutputError, state: State, last: int, index: int) -> np.ndarray:
     """(states,) with which one segment begins where another had gone on to it, with nothing that drives it between."""
-    core, segment = problem.core, problem.segments[place]
+    core, segment = problem.core, problem.segments[index]
     between = segment.start - problem.segments[last].stop + 1
     begun = core.initial(problem.states(last, state)[-1])
     made = core.record(state.values, begun, None, between + 1, segment.dt, problem.max_step, states=True)
     return core.initial(made[-1])
 
 
-def beginning(problem: OutputError, state: State, last: int, place: int) -> np.ndarray:
+def beginning(problem: OutputError, state: State, last: int, index: int) -> np.ndarray:
     """(states,) with which a segment that goes on begins, but for what it has to itself.
 
     The mass is known to rest: a model that moves there still by more than a hundredth of the motion, or ran away, says
     nothing of where, and begins in the middle.
     """
-    segment = problem.segments[place]
-    own = list(problem.own(segment))
+    segment = problem.segments[index]
+    own = list(problem.free_states(segment))
     made = np.zeros(problem.core.states)
     if problem.core.states > SHOWN or not shows_where(segment):
-        begun = run_on(problem, state, last, place)
+        begun = run_on(problem, state, last, index)
         made = begun if abs(begun[SPEED]) <= problem.state_scale[SPEED] else made
     if shows_where(segment):
         made[:SHOWN] = 0.0
-    made[own] = state.initial[place][own]
+    made[own] = state.initial[index][own]
     return made
 
 
@@ -80,16 +80,16 @@ def continued_from_previous(problem: OutputError, state: State) -> State:
     if problem.memory != FREE:  # a prediction forgets
         return state
     chains: dict[int, list[tuple[int, int]]] = {}
-    for place, last in before(problem.segments).items():
-        if goes_on(problem.segments[place]):
-            chains.setdefault(problem.segments[place].recording, []).append((last, place))
+    for index, last in before(problem.segments).items():
+        if goes_on(problem.segments[index]):
+            chains.setdefault(problem.segments[index].recording, []).append((last, index))
     if not chains:
         return state
     initial = state.initial.copy()
 
     def follow(chain: list[tuple[int, int]]) -> None:
-        for last, place in chain:
-            initial[place] = beginning(problem, replace(state, initial=initial), last, place)
+        for last, index in chain:
+            initial[index] = beginning(problem, replace(state, initial=initial), last, index)
 
     problem.map(follow, list(chains.values()))
     return replace(state, initial=initial)

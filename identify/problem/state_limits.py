@@ -28,9 +28,9 @@ def nearest_reach(
         if not reaches[k] > 0:
             continue
         candidates = [initial]
-        for place in (-_NEAR_REACH * reaches[k], 0.0, _NEAR_REACH * reaches[k]):
+        for position in (-_NEAR_REACH * reaches[k], 0.0, _NEAR_REACH * reaches[k]):
             moved = initial.copy()
-            moved[k] = place
+            moved[k] = position
             candidates.append(moved)
         values = [misfit(candidate) for candidate in candidates]
         initial = candidates[int(np.nanargmin(values))] if np.any(np.isfinite(values)) else initial

@@ -209,7 +209,7 @@ class Structure:
         own[:, : initial.shape[1]] = initial[:, :states]
         for segment, begin in zip(self.segments, own, strict=True):
             if segment.rests and not goes_on(segment):
-                begin[[i for i in range(states) if i not in self.problem.own(segment)]] = 0.0
+                begin[[i for i in range(states) if i not in self.problem.free_states(segment)]] = 0.0
         if offsets is None or offsets.size != len(self.problem.offsets):
             offsets = np.array([offset.guess for offset in self.problem.offsets])
         return State(self.values, own, offsets)

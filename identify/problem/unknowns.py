@@ -17,15 +17,15 @@ class Unknown:
     """A number that the search finds.
 
     Attributes:
-        kind: ``parameter`` of the model, ``chain`` (what a sensor of one recording does), or ``own`` (an initial state
-            of one segment).
+        kind: ``parameter`` of the model, ``chain`` (what a sensor of one recording does), or ``initial`` (an initial
+            state of one segment).
         name: of the parameter, of the channel with the recording's index, or of the initial state.
         segment: index of the segment whose initial state it is; None for what segments share.
         size: typical size, in the unit of the unknown.
         low, high: bounds.
     """
 
-    kind: Literal["parameter", "chain", "own"]
+    kind: Literal["parameter", "chain", "initial"]
     name: str
     segment: int | None = None
     size: float = 1.0
@@ -54,8 +54,8 @@ class Unknowns:
         bounds = np.array([[-np.inf], [np.inf]]) if problem.bounds is None else problem.bounds
         low, high = np.broadcast_to(bounds, (2, len(names))).tolist()
         shared = [
-            Unknown("parameter", names[place], None, problem.size(0, k, state), low[place], high[place])
-            for k, place in enumerate(problem.free)
+            Unknown("parameter", names[parameter], None, problem.size(0, k, state), low[parameter], high[parameter])
+            for k, parameter in enumerate(problem.free)
         ]
         for k, offset in enumerate(problem.offsets, start=len(shared)):
             name = f"{offset.channel} of recording {offset.recording + 1}"
@@ -64,7 +64,10 @@ class Unknowns:
         first = len(shared)
         states = tuple(f"initial state {j + 1}" for j in range(problem.core.states))
         own = tuple(
-            tuple(Unknown("own", states[j], i, problem.size(i, first + j, state)) for j in problem.own(segment))
+            tuple(
+                Unknown("initial", states[j], i, problem.size(i, first + j, state))
+                for j in problem.free_states(segment)
+            )
             for i, segment in enumerate(problem.segments)
         )
         return Unknowns(tuple(shared), states, own)
@@ -80,7 +83,7 @@ class Unknowns:
         """The model's own."""
         return tuple(unknown for unknown in self.shared if unknown.kind == "parameter")
 
-    def own(self, i: int) -> tuple[Unknown, ...]:
+    def initial(self, i: int) -> tuple[Unknown, ...]:
         """The initial states that segment ``i`` has to find for itself."""
         return self.of_segments[i]
 

@@ -71,7 +71,7 @@ def plain(problem, state, i):
     for place, offset in enumerate(problem.offsets):
         rows.append(difference("offsets", place, max(offset.scale, abs(state.offsets[place]))))
     for place in range(problem.core.states):
-        own = place in problem.own(segment)
+        own = place in problem.free_states(segment)
         size = max(problem.state_scale[place], abs(state.initial[i, place]))
         rows.append(difference("initial", (i, place), size) if own else np.zeros(segment.n))
     return np.array(rows)

@@ -16,7 +16,7 @@ STATES = ("initial state 1", "initial state 2")
 def linearised(seed: int = 0) -> tuple[Linearised, np.ndarray, np.ndarray]:
     """A problem of random columns, its dense Jacobian (all samples, all unknowns), and what is left."""
     random = np.random.default_rng(seed)
-    own = tuple(tuple(Unknown("own", name, i) for name in STATES) for i in range(SEGMENTS))
+    own = tuple(tuple(Unknown("initial", name, i) for name in STATES) for i in range(SEGMENTS))
     rows = random.standard_normal((SEGMENTS, SHARED + OWN, SAMPLES))
     left = random.standard_normal((SEGMENTS, SAMPLES))
     dense = np.zeros((SEGMENTS, SAMPLES, SHARED + SEGMENTS * OWN))

@@ -59,7 +59,7 @@ def test_all_but_the_first_blow_go_on_from_a_motion():
     assert len(resting(problem)) == len(BLOWS) - 1
     assert not goes_on(problem.segments[0])
     assert problem.segments[0].rests
-    assert all(problem.own(problem.segments[i]) == () for i in resting(problem))
+    assert all(problem.free_states(problem.segments[i]) == () for i in resting(problem))
 
 
 @pytest.mark.parametrize("hung", [False, True])

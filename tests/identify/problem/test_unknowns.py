@@ -48,8 +48,10 @@ def test_shared_unknowns_are_parameters_and_then_zeros(found):
 def test_a_segment_has_the_initial_states_that_it_does_not_know(found):
     problem, _, unknowns = found
     for i, segment in enumerate(problem.segments):
-        assert [unknowns.index(own) - problem.shared for own in unknowns.own(i)] == list(problem.own(segment))
-        assert all((own.kind, own.segment) == ("own", i) for own in unknowns.own(i))
+        assert [unknowns.index(own) - problem.shared for own in unknowns.initial(i)] == list(
+            problem.free_states(segment)
+        )
+        assert all((own.kind, own.segment) == ("initial", i) for own in unknowns.initial(i))
 
 
 def moved_by(problem, i, k, state, step):
