@@ -23,11 +23,10 @@ from ..fit.from_prediction import from_prediction, keeps_step, simulates
 from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import concentrated, over_noise
 from ..problem.chain import Fault, sizes_of
-from ..problem.data import noise_of
+from ..problem.data import noise_at
 from ..problem.descent import search
 from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
-from ..problem.prediction import FREE
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR
 from ..signals.registry import budget, numerics
 from .contradiction import Contradiction
@@ -167,8 +166,7 @@ def _asked(
         faults += [kind(part.recording, edge) for kind in kinds if kind.timed for edge in edges]
     known = problem.faults
     faults = [f for f in faults if not any(type(f) is type(k) and f.recording == k.recording for k in known)]
-    values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
-    noise = noise_of(problem.segments, residuals, values, problem.memory)
+    noise = noise_at(problem, residuals, state, fit.oscillator)
     if contradicted is not None:  # what is left in that part is no noise
         noise = [
             replace(spectrum, density=np.full(spectrum.density.size, level**2))
@@ -293,8 +291,7 @@ def _with_sizes(
     faulty: OutputError, state: State, gains: Sequence[float], fit: Fit, recordings: Sequence[Recording]
 ) -> tuple[FoundFault, ...]:
     residuals = faulty.residuals(state)
-    values = dict(zip(fit.oscillator.parameters(), map(float, state.values), strict=True))
-    noise = noise_of(faulty.segments, residuals, values, FREE)
+    noise = noise_at(faulty, residuals, state, fit.oscillator)
     errors = Linearised.of(faulty, state, residuals, noise).shared.errors()[len(faulty.free) :]
     found = []
     drive = _lag_of_the_drive(faulty, state, errors)

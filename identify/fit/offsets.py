@@ -14,7 +14,7 @@ import numpy as np
 from ...model import Oscillator
 from ...recording.recording import Recording
 from ..motion.blows import ContactForce
-from ..problem.data import Data, noise_of
+from ..problem.data import Data, noise_at
 from ..problem.linearised import Linearised
 from ..problem.offset import FEELER, FoundOffset, Offset, centre, drift_of, zero_of_load_cell
 from ..problem.output_error import OutputError, State
@@ -86,7 +86,7 @@ def _without_those_of_chance(
         return problem, state
     judged, residuals = _simulating(problem, state)
     free = len(problem.free)
-    sums = Linearised.of(judged, state, residuals, _noise(judged, residuals, state, start)).shared
+    sums = Linearised.of(judged, state, residuals, noise_at(judged, residuals, state, start)).shared
     errors = sums.errors()[free:]
     asked = np.array([offset.channel == channel for offset in problem.offsets])
     drifting = {offset.recording for offset in problem.offsets if offset.channel == "drift"}
@@ -129,7 +129,7 @@ def _with_drifts(problem: OutputError, state: State, start: Oscillator) -> tuple
     tried = judged.with_offsets([*problem.offsets, *added])
     point = replace(state, offsets=np.concatenate([state.offsets, np.zeros(len(added))]))
     straight = [r - _line(r) for r in residuals]
-    noise = _noise(judged, straight, state, start)
+    noise = noise_at(judged, straight, state, start)
     linearised = Linearised.of(tried, point, residuals, noise)
     step, errors = linearised.step()[0], linearised.shared.errors()
     first = len(problem.free)
@@ -169,13 +169,6 @@ def _simulating(problem: OutputError, state: State) -> tuple[OutputError, tuple[
         return problem, residuals
     judged = problem.predicting(1.0)
     return judged, judged.residuals(state)
-
-
-def _noise(
-    problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
-) -> list[NoiseSpectrum]:
-    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    return noise_of(problem.segments, residuals, values, problem.memory)
 
 
 def found_offsets(

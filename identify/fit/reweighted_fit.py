@@ -9,7 +9,7 @@ import numpy as np
 
 from ...model import Oscillator
 from ...recording.recording import Recording
-from ..problem.data import equivalent_resonance, expected_noise, noise_of
+from ..problem.data import equivalent_resonance, expected_noise, noise_at
 from ..problem.descent import MOST_STEPS, Descent, search
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
@@ -70,7 +70,7 @@ def weighed(
     if cost <= linear and cost - plain_cost(plain.residuals) < by_chance(problem, plain, remainders):
         return answer, steps
     flat = [white(residual) for residual in plain.residuals]
-    remainders = _noise(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
+    remainders = noise_at(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
     plain = replace(plain, cost=0.5 * sum(residual.size for residual in plain.residuals))  # that under flat spectra
     return Answer(plain, flat, concentrated_likelihood(remainders), remainders), steps
 
@@ -92,14 +92,14 @@ def whitened(
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         nothing = np.zeros((len(problem.free), len(problem.free)))
         return Answer(Outcome(state, np.inf, nothing, residuals, 0, False), [], -np.inf), 0
-    noise = _noise(problem, residuals, state, start)
+    noise = noise_at(problem, residuals, state, start)
     rough = {"tolerance": 100.0 * tolerance, "most": most, "informed": False}
     outcome = search(problem, state, noise, **rough, residuals=residuals)
     state, residuals, steps = outcome.state, outcome.residuals, outcome.iterations
-    noise = _noise(problem, residuals, state, start)
+    noise = noise_at(problem, residuals, state, start)
     fine = {"tolerance": tolerance, "most": most, "informed": informed}
     outcome = search(problem, state, noise, **fine, residuals=residuals)
-    likelihood = concentrated_likelihood(_noise(problem, outcome.residuals, outcome.state, start))
+    likelihood = concentrated_likelihood(noise_at(problem, outcome.residuals, outcome.state, start))
     return Answer(outcome, noise, likelihood), steps + outcome.iterations
 
 
@@ -108,7 +108,7 @@ def concentrated(problem: OutputError, state: State, start: Oscillator) -> float
     residuals = problem.residuals(state)
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return -np.inf
-    return concentrated_likelihood(_noise(problem, residuals, state, start))
+    return concentrated_likelihood(noise_at(problem, residuals, state, start))
 
 
 def within_reach(problem: OutputError, state: State, start: Oscillator) -> tuple[float, float]:
@@ -117,11 +117,11 @@ def within_reach(problem: OutputError, state: State, start: Oscillator) -> tuple
     residuals = problem.residuals(state)
     if not all(bool(np.all(np.isfinite(residual))) for residual in residuals):
         return -np.inf, -np.inf
-    here = _noise(problem, residuals, state, start)
+    here = noise_at(problem, residuals, state, start)
     expected = Descent(problem, state, here, residuals).expected
     there = [left if np.all(np.isfinite(left)) else now for left, now in zip(expected, residuals, strict=True)]
     likelihood = concentrated_likelihood(here)
-    return likelihood, max(likelihood, concentrated_likelihood(_noise(problem, there, state, start)))
+    return likelihood, max(likelihood, concentrated_likelihood(noise_at(problem, there, state, start)))
 
 
 def over_noise(
@@ -159,10 +159,3 @@ def _remainders(
             density = density + force**2 * equivalent_resonance(segment, values)
         spectra.append(replace(shown, density=np.maximum(shown.density, density)))
     return spectra
-
-
-def _noise(
-    problem: OutputError, residuals: Sequence[np.ndarray], state: State, start: Oscillator
-) -> list[NoiseSpectrum]:
-    values = dict(zip(start.parameters(), map(float, state.values), strict=True))
-    return noise_of(problem.segments, residuals, values, problem.memory)

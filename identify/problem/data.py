@@ -17,6 +17,7 @@ from ..signals.signals import noise_levels, response_of
 from .equivalent import equivalent
 from .limits import ROUNDED
 from .offset import Offset
+from .output_error import OutputError, State
 from .prediction import FREE
 from .segments import COARSE_FORCE_BAND, FORCE_BAND, Segment, cut, pace_of
 
@@ -186,6 +187,14 @@ def noise_of(
         there = 1.0 if segment.blank is None else 1.0 - float(np.mean(segment.blank))
         spectra.append(estimate(residual, equivalent_resonance(segment, values) if passed else None, there))
     return spectra
+
+
+def noise_at(
+    problem: OutputError, residuals: Sequence[np.ndarray], state: State, model: Oscillator
+) -> list[NoiseSpectrum]:
+    """The same at a point of a search; ``model`` names the parameters that the point has."""
+    values = dict(zip(model.parameters(), map(float, state.values), strict=True))
+    return noise_of(problem.segments, residuals, values, problem.memory)
 
 
 def noise_spectra(residuals: Sequence[np.ndarray], model: Oscillator, data: Data) -> list[NoiseSpectrum]:
