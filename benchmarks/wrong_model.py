@@ -20,7 +20,7 @@ import numpy as np
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
-from dashpot.identify.fit.reweighted_fit import weighed
+from dashpot.identify.fit.reweighted_fit import reweighted
 from dashpot.identify.fit.scatter import scatter
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.output_error import MOST_STEPS
@@ -68,7 +68,7 @@ def output_error(recordings: Sequence[Recording]) -> Oscillator:
     start = Oscillator.from_values({name: getattr(estimate, name) for name in TRUTH})
     structure = Structure(start, data_of(recordings, start, coarse=False))
     problem = structure.problem
-    answer, _ = weighed(problem, settled(problem, structure.state(None)), start, recordings, np.inf, MOST_STEPS)
+    answer, _ = reweighted(problem, settled(problem, structure.state(None)), start, recordings, np.inf, MOST_STEPS)
     levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
     state = answer.outcome.state
     scatter(problem, state, answer.noise, levels, DRAWS, remainders=answer.remainders, recordings=recordings)

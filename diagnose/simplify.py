@@ -92,16 +92,16 @@ def with_rivals_fitted(found: Found) -> Found:
         if not rivals:
             return found
         tried |= rivals
-        weighed = []
+        evaluated = []
         for laws in sorted(rivals):
             fitted = found.candidates[laws].fit
             assert fitted is not None
             fixed = [name for name in fitted.model.parameters() if name not in fitted.free]
             begun = fitted.initial, fitted.offsets
             if fit := _at_rest(Entry(laws, fitted.model, *begun, fixed, patience=PATIENCE), found):
-                weighed.append(found.weighing.weigh(laws, fit))
-        found = replace(found, candidates=dict(found.candidates) | {one.laws: one for one in weighed})
-        best = leading(selected, weighed, parts)
+                evaluated.append(found.weighing.weigh(laws, fit))
+        found = replace(found, candidates=dict(found.candidates) | {one.laws: one for one in evaluated})
+        best = leading(selected, evaluated, parts)
         if best.laws != selected.laws:
             found = _exchanged(found, best, f"fitted to its end, {best.name} is as near")
 
@@ -191,7 +191,7 @@ def with_plainer_laws(found: Found) -> Found:
                 continue
             laws = key([plainer if other == name else other for other in selected.laws])
             case = with_term(without_term(fitted.model, name), plainer, dict(own))
-            candidate = _weighed(laws, case, fitted, found)
+            candidate = _evaluated(laws, case, fitted, found)
             most = selected.value - (DECISIVE if _alike(case, fitted, found.weighing.data) else 0.0)
             if candidate is not None and candidate.value > most:
                 found = _exchanged(found, candidate, f"it moves the rig as {plainer} does, which has fewer parameters")
@@ -232,7 +232,7 @@ def _alike(case: Oscillator, fitted: Fitted, data: Data) -> bool:
     return all(float(np.sqrt(np.mean((new - old) ** 2))) <= ALIKE * noise for new, old, noise in pairs)
 
 
-def _weighed(laws: tuple[str, ...], case: Oscillator, fitted: Fitted, found: Found) -> Candidate | None:
+def _evaluated(laws: tuple[str, ...], case: Oscillator, fitted: Fitted, found: Found) -> Candidate | None:
     """The plainer structure, fitted from where it is and evaluated; None where it does not simulate."""
     fixed = [name for name in case.parameters() if name in fitted.model.parameters() and name not in fitted.free]
     fit = _at_rest(Entry(laws, case, fitted.initial, fitted.offsets, fixed, patience=PATIENCE), found)

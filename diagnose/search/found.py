@@ -14,7 +14,7 @@ from ...identify.problem.structure import Fitted
 from ...model.law import Law
 from .candidate import Candidate, key
 from .measure import Measure
-from .weigh import foretold, foretold_by_the_others, judged, stretches_of, weighed
+from .weigh import evidence_of, foretold, foretold_by_the_others, judged, stretches_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Weighing:
 
     def weigh(self, laws: tuple[str, ...], fitted: Fitted, held_out: Fitted | None = None) -> Candidate:
         """A fitted structure with what speaks for it; it is judged on what was held out where that is not given."""
-        evidence, training = weighed(fitted, self.data, self.measures[0])
+        evidence, training = evidence_of(fitted, self.data, self.measures[0])
         # before anything was measured each law with a cause was as likely as any other, and one of them in all
         value = evidence - len(laws) * math.log(sum(not law.learnt for law in self.laws))
         if self.holdout is None:

@@ -47,7 +47,7 @@ def judged(model: Oscillator, data: Data) -> Fitted:
     return Fitted(model, state.initial, untold, likelihood(untold, model, data), (), state.offsets)
 
 
-def weighed(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Marginal]:
+def evidence_of(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Marginal]:
     """Log-evidence of the training recordings, and what they tell of the parameters.
 
     Args:

@@ -33,7 +33,7 @@ from .choose_noise_model import plain_cost
 from .climb import nrmse_of
 from .from_prediction import EARLY_STEPS, keeps_step, memories, simulates
 from .offsets import found_offsets, kept_offsets, zeros_of
-from .reweighted_fit import Answer, concentrated, over_noise, weighed, whitened, within_reach
+from .reweighted_fit import Answer, concentrated, over_noise, reweighted, whitened, within_reach
 from .scatter import scatter
 
 _UNSEEN = numerics(1e-6, "of the motion", why="what an unknown moves that the recordings do not carry")
@@ -161,13 +161,13 @@ def ended(
         doubted: see ``maximum_likelihood``.
         most: steps that each search may take.
     """
-    answer, iterations = weighed(problem, state, start, recordings, plain, most)
+    answer, iterations = reweighted(problem, state, start, recordings, plain, most)
     if doubted:  # what was smooth where the search came from may jump where it ended
         smooth, begun = smooth_stretches(problem, answer.outcome.state)
         jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
         if jumps:
             shorter = problem.over(smooth)
-            without, steps = weighed(shorter, begun, start, recordings, plain, most)
+            without, steps = reweighted(shorter, begun, start, recordings, plain, most)
             iterations += steps
             if np.isfinite(without.likelihood):  # at the reach of a spring that gives way it may run away from there
                 problem, answer, notes, rungs = shorter, without, [*notes, *jumps], {}  # those are of other segments

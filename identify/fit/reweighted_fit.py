@@ -33,7 +33,7 @@ class Answer:
     remainders: list[NoiseSpectrum] | None = None
 
 
-def weighed(
+def reweighted(
     problem: OutputError,
     state: State,
     start: Oscillator,

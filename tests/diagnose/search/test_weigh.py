@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.search.measure import Measure
 from dashpot.diagnose.search.weigh import (
+    evidence_of,
     foretold,
     foretold_by_the_others,
     forget,
@@ -17,7 +18,6 @@ from dashpot.diagnose.search.weigh import (
     judged,
     shared_prior,
     stretches_of,
-    weighed,
 )
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import Data, data_of
@@ -136,7 +136,7 @@ def test_what_does_not_simulate_tells_nothing_of_its_recording_alone(decays):
 
 def test_evidence_of_decays_is_the_integral_over_all_that_is_unknown(decays):
     fitted = fit_to(decays)
-    value, training = weighed(fitted, decays, Measure())
+    value, training = evidence_of(fitted, decays, Measure())
     assert value == pytest.approx(by_hand(fitted, decays), abs=0.02)
     assert training.information.shape == (2, 2)
     assert np.linalg.norm(training.gradient / np.sqrt(np.diag(training.information))) < 0.1
@@ -146,19 +146,19 @@ def test_a_sensors_zero_is_averaged_over_in_its_recording(decays):
     """As wide as the motion, about what was taken off before."""
     data = with_zeros(decays, 0.5 * decays.scales.length, -2.0 * decays.scales.length)
     fitted = fit_to(data)
-    assert weighed(fitted, data, Measure())[0] == pytest.approx(by_hand(fitted, data), abs=0.02)
+    assert evidence_of(fitted, data, Measure())[0] == pytest.approx(by_hand(fitted, data), abs=0.02)
 
 
 def test_a_zero_belongs_to_one_recording(decays):
     data = replace(decays, offsets=(Offset(1, "response", decays.scales.length / 100),))
     fitted = fit_to(data)
-    assert weighed(fitted, data, Measure())[0] == pytest.approx(by_hand(fitted, data), abs=0.02)
+    assert evidence_of(fitted, data, Measure())[0] == pytest.approx(by_hand(fitted, data), abs=0.02)
 
 
 def test_what_was_kept_is_no_unknown_and_costs_nothing(decays):
     """Friction that is free costs its range and gains nothing where there is none."""
     data = only(decays, 0)
-    plain, freed = (weighed(fit_to(data, kept), data, Measure())[0] for kept in (KEPT, ("preload", "dry")))
+    plain, freed = (evidence_of(fit_to(data, kept), data, Measure())[0] for kept in (KEPT, ("preload", "dry")))
     assert freed < plain - 3.0
 
 
@@ -167,19 +167,19 @@ def test_free_motion_says_nothing_of_the_mass(decays):
     model = Oscillator.from_values(LINEAR)
     fitted = fit_to(decays)
     both = replace(fitted, model=model.with_parameters({n: fitted.model.parameters()[n] for n in FREE}))
-    value, training = weighed(replace(both, free=("mass", *FREE)), decays, Measure())
+    value, training = evidence_of(replace(both, free=("mass", *FREE)), decays, Measure())
     assert np.all(training.information[0] == 0.0)
     assert np.all(training.information[1:, 1:] != 0.0)
     assert training.gradient[0] == 0.0
     # what it could be is as wide before as behind, but for its place: a Cauchy's density times its Gaussian's width
     alone = np.log(np.sqrt(2 * np.pi) / (2 * np.pi))
-    assert value == pytest.approx(weighed(fitted, decays, Measure())[0] + alone, abs=1e-3)
+    assert value == pytest.approx(evidence_of(fitted, decays, Measure())[0] + alone, abs=1e-3)
 
 
 def test_the_measure_is_that_of_the_search(decays):
     fitted = fit_to(decays)
     measure = Measure(tuple(Measure().spectra([2.0 * r for r in fitted.residuals])))
-    told, plain = (weighed(fitted, decays, by)[1] for by in (measure, Measure()))
+    told, plain = (evidence_of(fitted, decays, by)[1] for by in (measure, Measure()))
     # levels are concentrated out: twice the noise in the spectrum is half of it in the level
     assert told.information == pytest.approx(plain.information, rel=1e-6)
     points = sum(r.size * np.log(2 * np.std(r)) for r in fitted.residuals)
@@ -193,15 +193,15 @@ def test_what_is_held_out_is_worth_what_it_adds_to_the_evidence(decays):
     """The chain rule: of both recordings together, less that of the training."""
     training, holdout = only(decays, 0), only(decays, 1)
     fitted = fit_to(training)
-    before, told = weighed(fitted, training, Measure())
+    before, told = evidence_of(fitted, training, Measure())
     value = foretold(fitted, told, training, judged(fitted.model, holdout), holdout, Measure())
-    assert value == pytest.approx(weighed(fit_to(decays), decays, Measure())[0] - before, abs=0.1)
+    assert value == pytest.approx(evidence_of(fit_to(decays), decays, Measure())[0] - before, abs=0.1)
 
 
 def test_a_model_that_is_off_foretells_worse(decays):
     training, holdout = only(decays, 0), only(decays, 1)
     fitted = fit_to(training)
-    told = weighed(fitted, training, Measure())[1]
+    told = evidence_of(fitted, training, Measure())[1]
     off = fitted.model.with_parameters({"omega0": replace(fitted.model.omega0, value=1.01 * fitted.model.omega0.value)})
     good, bad = (
         foretold(fitted, told, training, judged(model, holdout), holdout, Measure()) for model in (fitted.model, off)
@@ -240,16 +240,16 @@ def test_stretches_are_foretold_from_one_another(decays):
     data = only(decays, 0)
     stretches = stretches_of(data)
     value = foretold_by_the_others(fit_to(data), stretches, Measure())
-    whole = weighed(fit_to(stretches), stretches, Measure())[0]
+    whole = evidence_of(fit_to(stretches), stretches, Measure())[0]
     others = [only(stretches, *(k for k in range(3) if k != i)) for i in range(3)]
-    assert value == pytest.approx(sum(whole - weighed(fit_to(o), o, Measure())[0] for o in others), abs=0.3)
+    assert value == pytest.approx(sum(whole - evidence_of(fit_to(o), o, Measure())[0] for o in others), abs=0.3)
 
 
 def test_a_search_that_has_ended_keeps_nothing(decays):
     """What was weighed is remembered, its derivatives and all, until it is given back."""
     data = replace(only(decays, 0))
     watched = weakref.ref(data)
-    weighed(fit_to(data), data, Measure())
+    evidence_of(fit_to(data), data, Measure())
     del data
     gc.collect()
     assert watched() is not None

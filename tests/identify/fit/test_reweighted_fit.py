@@ -10,7 +10,7 @@ from dashpot.identify.fit.reweighted_fit import (
     _remainders,
     concentrated,
     over_noise,
-    weighed,
+    reweighted,
     whitened,
     within_reach,
 )
@@ -126,7 +126,7 @@ def test_the_right_model_is_weighed_in_two_searches(right, monkeypatch):
     problem, state, model = problem_of(*recordings, omega0=59.0)
     state = search(problem, state, tolerance=1.0).state
     searches = watched(monkeypatch)
-    answer, steps = weighed(problem, state, model, recordings, most=30)
+    answer, steps = reweighted(problem, state, model, recordings, most=30)
     assert answer.remainders is None
     assert steps == sum(found.iterations for *_, found in searches)
     assert [(how["tolerance"], how["informed"], how["most"]) for _, _, how, _ in searches] == [
@@ -158,7 +158,7 @@ def test_how_exactly_and_whether_with_information_is_the_callers(right, monkeypa
 def test_what_does_not_simulate_has_no_likelihood(right):
     recordings, *_ = right
     problem, state, model = problem_of(*recordings, **RUNAWAY)
-    answer, steps = weighed(problem, state, model, recordings)
+    answer, steps = reweighted(problem, state, model, recordings)
     assert (answer.likelihood, answer.outcome.cost, steps) == (-np.inf, np.inf, 0)
     assert not answer.outcome.converged
     assert answer.noise == []
@@ -177,7 +177,7 @@ def wrong():
 def test_where_more_than_noise_is_left_least_squares_answer(wrong, monkeypatch):
     problem, state, model = problem_of(*wrong)
     searches = watched(monkeypatch)
-    answer, steps = weighed(problem, state, model, wrong)
+    answer, steps = reweighted(problem, state, model, wrong)
     assert len(searches) == 3
     first, plain = searches[1][3], searches[2]
     levels = over_noise(problem, first.residuals, state, model, wrong)
@@ -208,7 +208,7 @@ def hummed():
 @pytest.mark.parametrize("linear", [np.inf, -np.inf])
 def test_what_chance_makes_of_coloured_noise_is_no_reason(hummed, linear):
     recordings, problem, state, model = hummed
-    answer, steps = weighed(problem, state, model, recordings, linear)
+    answer, steps = reweighted(problem, state, model, recordings, linear)
     assert max(over_noise(problem, answer.outcome.residuals, state, model, recordings)) > 1.1
     assert steps > 0
     # but for a linear rig that leaves less
