@@ -158,9 +158,12 @@ def _mode_moved(
     force = np.zeros((n, 1)) if pieces is None else pieces
     x, v = (y[:n] for y in integrate_pieces(mode, force, 1 / fs, *begin))
     spring = mode["omega0"] ** 2 * x + mode["cubic"] * x**3 + mode["preload"] * np.sign(x)
-    a = force[:, 0] / mode["mass"] - spring - mode["viscous"] * v - mode["dry"] * np.sign(v)
-    held = (v == 0) & (np.abs(a) <= mode["dry"] + mode["preload"] * (x == 0)) & (np.arange(n) > 0)
-    return np.column_stack([x, v, np.where(held, 0.0, a)])
+    net = force[:, 0] / mode["mass"] - spring
+    a = net - mode["viscous"] * v - mode["dry"] * np.sign(v)
+    # at rest friction takes what it can, and in the middle the preload too: the mass stays, or sets off against it
+    still = (v == 0) & (np.arange(n) > 0)
+    most = mode["dry"] + mode["preload"] * (x == 0)
+    return np.column_stack([x, v, np.where(still, np.sign(net) * np.maximum(np.abs(net) - most, 0.0), a)])
 
 
 def _later(
@@ -170,7 +173,8 @@ def _later(
 
     A cubic: exact to the fourth power of what the motion turns until then.
     """
-    x, v, _ = made.T
+    x, v, a = made.T
+    late = np.where((v == 0) & (a == 0), 0.0, late)  # what is held stays
     by = late / fs
     pieces = np.zeros((len(x), 1)) if pieces is None else pieces
     side = np.where(late < 0, 0.0, 1e-9)

@@ -16,7 +16,7 @@ sys.path.append(str(BENCHMARKS))
 
 import first_recordings  # noqa: E402  (it lies beside the package)
 from first_bound import bound, plain_errors  # noqa: E402
-from first_population import DRIVEN, FREE, IN_TURN, NAMES, Case, Stretch, case, moved  # noqa: E402
+from first_population import DRIVEN, FREE, IN_TURN, NAMES, Case, Stretch, case, moved, softened  # noqa: E402
 from first_recordings import Stated, judged, mode_taken, refusal, score, table  # noqa: E402
 
 LINEAR = dict.fromkeys(NAMES, 0.0) | {"mass": 2.0, "omega0": 20.0, "viscous": 0.8}
@@ -132,3 +132,51 @@ def test_a_plain_decay_is_taken_and_counted():
     row = table([one]).splitlines()[-1].split()
     assert row[:2] == ["all", "1"]
     assert row[2 + first_recordings.OUTCOMES.index(one.outcome)] == "1"
+
+
+def test_a_mass_at_rest_sets_off_where_the_force_exceeds_friction():
+    """The acceleration at the sample of a step is that of the force behind it, and none while friction holds."""
+    step = np.repeat([[0.0], [0.5], [3.0]], 20, axis=0)
+    stretch = Stretch(0, 60, "driven", ((0.0, 0.0),), step, known=True)
+    assert moved([LINEAR], stretch, 100.0)[20, 2] == pytest.approx(0.5 / 2.0)
+    held = moved([LINEAR | {"dry": 1.0}], stretch, 100.0)
+    assert not np.any(held[:40])
+    assert held[40, 2] == pytest.approx(3.0 / 2.0 - 1.0)
+
+
+@pytest.mark.parametrize("hold", ["zero", "smooth"])
+def test_what_is_shown_at_a_stamp_is_the_motion_then(hold):
+    """Against the same force in steps twenty times as fine."""
+    fine, late = 20, 0.1 * np.resize([0.5, -1.0, 1.5, -0.5], 40)
+    late[0] = 0.0
+    force = np.repeat(np.random.default_rng(3).choice([-1.0, 1.0], 8), 5)[:, None]
+    force = force if hold == "zero" else softened(force)
+    shown = moved([LINEAR], Stretch(0, 40, "driven", ((0.0, 0.0),), force, known=True), 40.0, late)
+    places = np.arange(fine) / fine
+    values = force @ places ** np.arange(force.shape[1])[:, None]
+    after = force @ (places + 1 / fine) ** np.arange(force.shape[1])[:, None]
+    pieces = np.column_stack([values.ravel(), (after - values).ravel()])
+    there = moved([LINEAR], Stretch(0, 40 * fine, "driven", ((0.0, 0.0),), pieces, known=True), 40.0 * fine)
+    at = np.rint((np.arange(40) + late) * fine).astype(int)
+    size = np.max(np.abs(there), axis=0)
+    assert np.max(np.abs(shown[:, :2] - there[at][:, :2]) / size[:2]) < 2e-3
+    smooth = np.setdiff1d(np.arange(40), np.arange(0, 40, 5))  # at a step either side is right
+    assert np.max(np.abs(shown[smooth, 2] - there[at][smooth, 2])) < 2e-2 * size[2]
+
+
+def test_a_hold_that_nobody_knows_widens_the_bound_of_the_mass():
+    """Of one tone straight lines make a third of the square of half a turn a sample less: as much more mass."""
+    n, samples = 600, 20
+    force = np.sin(2 * np.pi * np.arange(n) / samples)
+    pieces = np.column_stack([force, np.append(np.diff(force), 0.0)])
+    begin = ((0.0, 0.0),)
+    drawn = ringing(n, 1e-6)
+    drawn = replace(
+        drawn, kind="stepped", hold="linear", stretches=(Stretch(0, n, "driven", begin, pieces, known=True),)
+    )
+    names = ["mass", "omega0", "viscous"]
+    loud = replace(drawn, noise=2e-6)
+    known = bound(replace(loud, kind="hits"), names)[0, 0]  # whose hold is not asked for
+    loss = LINEAR["mass"] * (np.pi / samples) ** 2 / 3
+    assert known < 0.1 * loss
+    assert bound(replace(loud, noise=1e-4), names)[0, 0] > 0.3 * loss
