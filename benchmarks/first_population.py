@@ -380,6 +380,8 @@ def _driven(seed: int, kind: str, random: np.random.Generator) -> Case:
         force = pieces[:, 0]
         pieces = force[:, None] if hold == "zero" else np.vstack([linear_pieces(force), [[force[-1], 0.0]]])
     whole = Stretch(0, n, "driven", ((0.0, 0.0),) * len(modes), pieces, known=True)
+    if modes[0]["cubic"] < 0 and not np.all(np.isfinite(moved(modes, whole, fs))):
+        modes[0]["cubic"] *= -1  # a spring that gave way is no rig that anybody recorded
     peak = float(np.max(np.abs(pieces[:, 0])))
     force_noise = 1e-3 * peak if random.random() < 0.5 else 0.0
     return _sensed(seed, kind, modes, fs, (whole,), random, force_noise=force_noise, hold=hold)
