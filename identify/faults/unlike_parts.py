@@ -24,7 +24,7 @@ from ..problem.output_error import OutputError, State
 from ..problem.segments import Segment
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum
-from ..signals.odds import ABOVE_NOISE, BY_CHANCE, is_noise
+from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE, is_noise
 from ..signals.registry import numerics, shown
 from ..signals.signals import noise_levels
 from .bent_channel import FoundBent, bent_channels
@@ -252,7 +252,9 @@ def divisions_of(segments: Sequence[Segment], simulated: Sequence[np.ndarray]) -
         divisions.append(Division(recording, "later", _later(recording, middle), middle))
         if any(s.force is not None for s, _ in own):  # of a decay these are the two halves
             limit = float(np.median(np.concatenate([_amplitude(s, made) for s, made in own])))
-            divisions.append(Division(recording, "larger", _larger(recording, limit), limit))
+            left = float(np.sqrt(np.mean(np.concatenate([s.response - made for s, made in own]) ** 2)))
+            if limit > BEYOND_ERRORS * left:  # or the smaller motion is what the model makes of the force's noise
+                divisions.append(Division(recording, "larger", _larger(recording, limit), limit))
         if len(recordings) > 1:
             divisions.append(Division(recording, "whole", _whole(recording)))
     if len({segment.force is None for segment in segments}) == 2:

@@ -160,6 +160,17 @@ def test_a_side_without_samples_is_not_asked_for():
     assert {division.kind for division in divisions_of(segments, shown)} == {"later", "whole"}
 
 
+def test_a_motion_within_the_noise_is_no_smaller_motion():
+    """What a model shows there is the force's noise, of which it makes any mass."""
+    fit, _ = fitted(QUICK)
+    driven = [s for s in fit.segments if s.segment.force is not None]
+    segments, shown = [s.segment for s in driven], [s.simulated for s in driven]
+    quiet = [np.where(np.arange(made.size) < 0.6 * made.size, 0.0, made) for made in shown]
+    held = [replace(s, response=made + s.response - own) for s, made, own in zip(segments, quiet, shown, strict=True)]
+    assert "larger" in {division.kind for division in divisions_of(segments, shown)}
+    assert "larger" not in {division.kind for division in divisions_of(held, quiet)}
+
+
 def test_what_is_a_little_more_than_noise_is_asked_where_no_part_is_to_blame():
     """Beyond 1.1 times the noise by chance alone: no part stands out, and the halves contradict each other."""
     slow = replace(STANDS["slow"], noise=13 * STANDS["slow"].noise)
