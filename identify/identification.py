@@ -32,6 +32,7 @@ from .faults.inconsistent_recording import explain_residual
 from .fit.given_start import leads, with_shared
 from .fit.hold import held_as, hold_note, hold_of_recordings, with_hold
 from .fit.likeliest_modes import Modes, likeliest_modes, modes_of_fit, odds, stand, with_more_modes
+from .fit.likeliest_stop import likeliest_stop
 from .fit.likelihood import maximum_likelihood
 from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
 from .fit.plainest import plainest
@@ -230,6 +231,8 @@ def identify(
             return maximum_likelihood(model, held, (*fixed, *kept, *zero), doubted=False, near=near)
 
         fit = plainest(fit, plainer)
+    if start is None and not effects and doubted:
+        fit = likeliest_stop(fit, recordings)
     faulty: dict[int, str] = {}
     if doubted or faults:
         progress("whether the recordings contradict each other")
