@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
     from .oscillator import Oscillator
 
-_INTERVALS = 64  # of a cycle: a polynomial law is then exact to rounding
+_INTERVALS = 32  # of a cycle: a polynomial law is exact to rounding, friction of a hundredth of the speed to 1e-6
 _TURNS, _FAR = 30, 0.3
 _SETTLED, _TOLERABLE = 1e-10, 1e-6  # of omega²
 

@@ -32,7 +32,7 @@ def test_the_whole_of_equation_17(rig):
 def test_further_laws(rig, effect, stiffness, damping):
     factor = 1e5
     o = rig(effects=(effect,), **NONE, **{f"{effect}.coefficient": factor})
-    np.testing.assert_allclose(equivalent_stiffness(o, A, OMEGA), o.omega0.value**2 + factor * stiffness, rtol=1e-12)
+    np.testing.assert_allclose(equivalent_stiffness(o, A, OMEGA), o.omega0.value**2 + factor * stiffness, rtol=1e-11)
     np.testing.assert_allclose(equivalent_damping(o, A, OMEGA), factor * damping, rtol=1e-12, atol=1e-9)
 
 
