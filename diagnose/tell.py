@@ -81,15 +81,16 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
     case, after, records = _tried(case, found, left, (before, after), fmu, progress)
     for record in records:
         _log.info("%s: NRMSE %.4g before, %.4g after", record.file, record.nrmse_before, record.nrmse_after)
-    remarks = _remarks(case, found, left, after)
+    remarks = _remarks(found, left, after)
     if after is None:
         left = replace(left, after=left.before)
         if not other_rig and not follows_any([record for record in records if record.holdout]):
             remarks += filter(None, [changed_rig(case.recordings, case.holdout)])
     remainder = remainder_sentence(left.after)
-    effects, unnamed = (
-        ((), {}) if after is None else _effects(found, after, of_unknown_size(after, _added(case, after)))
-    )
+    unknown = {} if after is None else of_unknown_size(after, _added(case, after))
+    effects, unnamed = ((), {}) if after is None else _effects(found, after, unknown)
+    unlikely = "is in the model and not named: that nothing like it is there is more probable"
+    remarks += [unknown.get(law, f"{law} {unlikely}") for law in unnamed]
     kept = before
     if after is None and case.in_pieces:
         # a fit to a part of what there is is held against the rest, and no reason to leave that of all
@@ -197,11 +198,11 @@ def _tried(
     return case, after, records
 
 
-def _remarks(case: Case, found: Found, left: _Left, after: Oscillator | None) -> list[str]:
+def _remarks(found: Found, left: _Left, after: Oscillator | None) -> list[str]:
     """What a user should know of the mended model."""
     if after is None:
         return []
-    remarks = list(of_unknown_size(after, _added(case, after)).values())
+    remarks = []
     rugged = [law for law in found.selected.laws if find(law).rugged]
     if rugged and remainder_sentence(left.after):
         remarks.append(
@@ -236,18 +237,19 @@ def _effects(
 ) -> tuple[tuple[Effect, ...], dict[str, float | None]]:
     """What is named, the most probable first; of those that are sure the one that takes most away.
 
-    Laws of ``unknown`` size are in the model and not named: they are given with their shares.
+    Laws of ``unknown`` size, and what is there less probably than not, are in the model and not named: they are given
+    with their shares.
     """
     selected, fit = found.selected, found.fitted
     effects, unnamed = [], {}
     for name in selected.laws:
         (fitted,) = [term for term in fit.model.terms if term.effect == name]
         names = names_of(fitted, fit.model)
-        if names[0] in unknown:
+        stands = standing(name, selected, list(found.candidates.values()), found.weighing.parts)
+        if names[0] in unknown or stands.odds < 1.0:
             unnamed[names[0]] = found.share_of(name)
             continue
         (term,) = [term for term in model.terms if term.effect == names[0]]
-        stands = standing(name, selected, list(found.candidates.values()), found.weighing.parts)
         law = find(names[0])
         rivals = dict.fromkeys(find(other).effect for other in (*names[1:], *stands.rivals))
         rivals.pop(law.effect, None)

@@ -403,3 +403,15 @@ def test_of_laws_that_are_sure_the_one_that_takes_most_away_comes_first():
     search.candidates[("stribeck",)] = replace(leading("stribeck", times=1.2)[1], stage="left")
     effects, _ = _effects(found, model)
     assert [effect.effect for effect in effects] == ["stribeck", "quadratic-drag"]
+
+
+@pytest.mark.parametrize(("behind", "named"), [(-0.1, False), (0.1, True)])
+def test_what_is_there_less_probably_than_not_is_not_named(behind, named):
+    search, best = leading("quadratic-drag", times=1.0)
+    best = replace(best, evidence=0.0, predictive=0.0)
+    without = replace(leading(times=1.0)[1], evidence=-behind, predictive=0.0)
+    found = Found(best, {(): without}, search.weighing)
+    assert best.fit is not None
+    effects, unnamed = _effects(found, best.fit.model)
+    assert [effect.effect for effect in effects] == ["quadratic-drag"] * named
+    assert list(unnamed) == ["quadratic-drag"] * (not named)
