@@ -56,6 +56,8 @@ def sentence_of(
     share = explained_share(before, after)
     if share is not None and remainder is not None:
         takes = "it takes" if len(effects or unnamed or ()) == 1 else "they take"
+        if effects and unnamed:
+            takes = f"together with what is in the model and not named ({spoken(list(unnamed))}) {takes}"
         parts.append(f"{takes} {figure(100 * share, 2)} % of what the model lacked")
     parts += _held_out(records)
     if remainder is not None:

@@ -130,6 +130,7 @@ SENTENCES = {
         *HALF,
         {"attached-resonator": 0.93, "softening-stiffness": None},
     ),
+    "one named beside one that is not": ("missing-physics", (DRAG,), "1 % remains", [row()], *HALF, {"clearance": 0.5}),
     "one law, not named": ("missing-physics", (), "1 % remains", [row()], *HALF, {"clearance": 0.5}),
     "one that breaks off, first": ("unexplained", (), None, [row(math.nan, file="lost"), row(0.3)], *NOISE),
     "one that breaks off, last": ("unexplained", (), None, [row(0.3), row(math.nan, file="lost")], *NOISE),
