@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 #: Where the estimates that need no simulation came from.
 _SOURCES = {
+    "pieces": "the fit of Eq. 17 to its free pieces",
     "regression": "a regression in weak form over all recordings, not from the Hilbert transform",
     "curves": "the Hilbert transform's curves",
     "spectrum": "the largest line of the spectrum",

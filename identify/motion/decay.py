@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from .mode import Mode
@@ -12,13 +13,14 @@ class Decay:
     """A free decay: samples start to stop of a recording, as Python slices them.
 
     ``omega`` and ``rate``: its natural frequency, rad/s, and the rate of its fall, 1/s, where it was taken because
-    these are known, however few cycles it has.
+    these are known, however few cycles it has. ``rig``: the parameters of Eq. 17, in SI, that explain it to the noise.
     """
 
     start: int
     stop: int
     omega: float | None = field(default=None, compare=False)
     rate: float | None = field(default=None, compare=False)
+    rig: Mapping[str, float] | None = field(default=None, compare=False)
 
 
 @dataclass(frozen=True)

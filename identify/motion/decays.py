@@ -19,7 +19,7 @@ from .envelope import SHORTEST_CYCLES, envelope_of
 from .excluded_ranges import left_out
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import modes_of_response
+from .free_motion import modes_of_response, pieces_of_rig
 from .limits import TAKES
 from .mode import Mode
 from .shared_modes import SharedModes
@@ -40,8 +40,9 @@ def find_decays(recording: Recording) -> tuple[Decay, ...]:
 def find_free_motion(recording: Recording) -> FreeMotion:
     """Find the free decays of a recording and say what was left out.
 
-    Without a force, what the modes of one linear rig explain is its decays (``motion.shared_modes``), however few
-    cycles they have. Where its frequency glides with its amplitude, the envelope decides.
+    Without a force, what one rig explains down to the noise is its decays, however few cycles they have: the modes of
+    a linear one (``shared_modes``), or Eq. 17 (``rig_pieces``), whichever is likelier. Where neither does, the envelope
+    decides.
     """
     by_envelope = _by_envelope(recording)
     force = recording.force
@@ -50,7 +51,15 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     shared = modes_of_response(response_of(recording))
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
-    if shared is not None and (few or _explains(shared, by_envelope.decays)):
+    is_linear = shared is not None and (few or _explains(shared, by_envelope.decays))
+    rig = pieces_of_rig(response_of(recording), recording.quantity)
+    # of several modes each may look like a bent one for a few cycles
+    is_one = shared is None or shared.omega.size == 1
+    if rig is not None and is_one and (shared is None or not is_linear or rig.evidence > shared.evidence):
+        decays = [Decay(start, stop, rig.omega, rig.rate, rig.values) for start, stop in rig.pieces]
+        if _holds(decays, by_envelope.decays):
+            return _described(recording, decays)
+    if shared is not None and is_linear:
         decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
         motion = _described(recording, decays)
         return replace(motion, modes=_modes_of(shared, recording.fs))
@@ -61,6 +70,12 @@ def _rings_out(shared: SharedModes, n: int) -> bool:
     """Whether there is one piece, which lasts to the end or to the noise: else parts of a frequency that glides."""
     (_, stop, audible), *others = shared.pieces
     return not others and (audible < stop or stop == n)
+
+
+def _holds(decays: Sequence[Decay], others: Sequence[Decay]) -> bool:
+    """Whether decays hold about all of others: what else those hold may be a hand's."""
+    both = [min(d.stop, other.stop) - max(d.start, other.start) for d in decays for other in others]
+    return sum(max(part, 0) for part in both) >= TAKES * sum(other.stop - other.start for other in others)
 
 
 def _explains(shared: SharedModes, decays: Sequence[Decay]) -> bool:

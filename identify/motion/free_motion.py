@@ -6,6 +6,7 @@ import numpy as np
 
 from ..signals.registry import budget, numerics
 from ..signals.signals import Signal
+from .rig_pieces import RigPieces, rig_pieces
 from .shared_modes import SharedModes, shared_modes
 
 _LINES = budget(2, "lines", why="of the motion and of its derivative, that a rig's own frequency is sought among")
@@ -19,6 +20,16 @@ def modes_of_response(response: Signal) -> SharedModes | None:
     """The pieces of a response that the modes of one linear rig explain; None where there are none."""
     x = response.samples
     return shared_modes(x, response.fs, still_noise(response), periods_of(x)) if np.ptp(x) > 0 else None
+
+
+def pieces_of_rig(response: Signal, quantity: str) -> RigPieces | None:
+    """The pieces of a response that one rig of Eq. 17 explains; None where there are none."""
+    x = response.samples
+    if not np.ptp(x) > 0:
+        return None
+    few = [x.size / cycles for cycles in _FEW]
+    shortest = min([period for period in periods_of(x) if period not in few] or few)
+    return rig_pieces(x, response.fs, still_noise(response), shortest, quantity)
 
 
 def still_noise(response: Signal) -> float:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE
 from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
 from .envelope import ABOVE_FLOOR
+from .hand import OF_MOVED, hand_leaves
 from .limits import BENT, BEYOND, KNOWN
 from .mode_shares import mode_shares
 from .subspace import poles_of_windows
@@ -30,11 +30,8 @@ _SHOWING = budget(
 _ASKING = budget((8.0, 2.0, 0.5), "cycles", why="of windows that ask for modes, those that tell most first")
 _WINDOWS, _POINTS = budget((32, 48), "windows, points", why="of each length")
 _FOLLOWED = budget(2, "sets of modes", why="that windows of a length agree on")
-_STOPS = budget(24, "places", why="at which a hand may have stopped or begun")
 _ROUNDS = budget(2, "rounds", why="pieces and modes follow from one another; the best once more")
 _MOST_MEANS = budget(2**16, "block means", why="whose windows are asked in a second")
-_OF_MOVED = numerics(6, "parameters", why="of a polynomial that joins two positions, speeds and accelerations")
-_OF_HELD = numerics(2, "parameters", why="of a sensor that drifts where the rig is held")
 _LEAST_SAMPLES = numerics(8, "samples", why="of a window beside those that its amplitudes take")
 _SAME = numerics(0.003, "of ln omega and zeta", why="nearer modes lead to the same pieces")
 _NEAR = numerics(0.1, "rad", why="windows of a cycle that differ by less show one set of modes")
@@ -126,7 +123,7 @@ class _Search:
     def of(cls, x: np.ndarray, noise: float, block: int) -> _Search | None:
         """Of samples (n,) with so much noise; None where there are too many or too few means."""
         count = x.size // block
-        if not 2 * _OF_MOVED <= count <= _MOST_MEANS:
+        if not 2 * OF_MOVED <= count <= _MOST_MEANS:
             return None
         means = x[: count * block].reshape(count, block).mean(axis=1)
         return cls(means - np.median(means), max(noise / np.sqrt(block), _SMALL * float(np.ptp(x))), block)
@@ -138,7 +135,7 @@ class _Search:
             length = round(cycles * period)
             thin = max(1, min(length // _POINTS, int(period * _FASTEST / (2 * np.pi))))
             length -= length % thin
-            if length < 2 * _OF_MOVED * thin or length > self.means.size or length // thin > 2**2 * _POINTS:
+            if length < 2 * OF_MOVED * thin or length > self.means.size or length // thin > 2**2 * _POINTS:
                 continue
             places = np.unique(
                 np.linspace(
@@ -248,7 +245,7 @@ class _Search:
         left = float(np.sum((piece - columns @ (columns.T @ piece)) ** 2)) / spread**2
         if n <= columns.shape[1] or left > float(chdtri(n - columns.shape[1], BY_CHANCE / n)) * ABOVE_NOISE**2:
             return -np.inf
-        return 0.5 * (_moved(piece / spread) - left - columns.shape[1] * np.log(n))
+        return 0.5 * (hand_leaves(piece / spread) - left - columns.shape[1] * np.log(n))
 
     def goes_on(self, modes: Modes, begun: int, weights: np.ndarray, a: int, b: int, share: float) -> bool:
         """Whether the block means from a to b are those of the motion that began before them, with such weights."""
@@ -258,39 +255,6 @@ class _Search:
         off = self.means[a:b] - modes.drift * np.arange(b - a) - expected
         left = float(np.sum((off - np.mean(off)) ** 2)) / self.deviation(a, b, share) ** 2
         return left < float(chdtri(b - a, BY_CHANCE / (b - a))) * ABOVE_NOISE**2
-
-
-def _moved(piece: np.ndarray) -> float:
-    """What a hand leaves of a piece (n,) in units of its noise, with what it costs to state its parameters.
-
-    It holds still while the sensor drifts, or goes a smooth way, before or after which it may hold still.
-    """
-    n = piece.size
-    best = min(_smooth(piece, _OF_HELD), _smooth(piece, _OF_MOVED))
-    low, high = _OF_MOVED + 1, n - _OF_MOVED - 1
-    while high > low:  # where it stopped or began, ever finer about the best
-        edges = np.unique(np.linspace(low, high, _STOPS).astype(int))
-        costs = [min(_way(piece[:edge], piece[edge:]), _way(piece[edge:], piece[:edge])) for edge in edges]
-        best, k = min(best, *costs), int(np.argmin(costs))
-        if edges.size < _STOPS:
-            break
-        low, high = int(edges[max(k - 1, 0)]), int(edges[min(k + 1, edges.size - 1)])
-    return best
-
-
-def _way(way: np.ndarray, rest: np.ndarray) -> float:
-    return _smooth(way, _OF_MOVED) + _smooth(rest, _OF_HELD) + np.log(way.size + rest.size)
-
-
-def _smooth(way: np.ndarray, parameters: int) -> float:
-    smooth = _polynomials(way.size, min(parameters, way.size))
-    return float(np.sum((way - smooth @ (smooth.T @ way)) ** 2)) + smooth.shape[1] * np.log(way.size)
-
-
-@lru_cache(maxsize=256)
-def _polynomials(size: int, count: int) -> np.ndarray:
-    """(size, count) orthonormal ones."""
-    return np.linalg.qr(np.vander(np.linspace(-1, 1, size), count))[0]
 
 
 def _known(modes: Modes) -> bool:

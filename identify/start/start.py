@@ -236,7 +236,11 @@ def _combine(
     value: dict[str, float] = dict.fromkeys(("omega0", "cubic", "preload", "viscous", "dry"), 0.0)
     std: dict[str, float] = dict.fromkeys(value, inf)
     mass, mass_std = _curve_mass(curves)
-    if regression is not None:
+    told = [d for some in decays for d in some if d.rig is not None]
+    if regression is None and told and all(m.force is None for m in motions):
+        source = "pieces"
+        value |= max(told, key=lambda d: d.stop - d.start).rig or {}
+    elif regression is not None:
         source = "regression"
         value = {k: float(getattr(regression, k)) for k in value}
         std = {k: float(getattr(regression, k + "_std")) for k in value}
