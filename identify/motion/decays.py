@@ -19,7 +19,7 @@ from .envelope import SHORTEST_CYCLES, envelope_of
 from .excluded_ranges import left_out
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import modes_of_response, pieces_of_rig
+from .free_motion import all_that_moves, modes_of_response, pieces_of_rig
 from .limits import TAKES
 from .mode import Mode
 from .shared_modes import SharedModes
@@ -52,7 +52,9 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
     is_linear = shared is not None and (few or _explains(shared, by_envelope.decays))
-    rig = pieces_of_rig(response_of(recording), recording.quantity)
+    linear = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))] if shared and is_linear else []
+    most = all_that_moves(response_of(recording), linear or by_envelope.decays)
+    rig = None if most else pieces_of_rig(response_of(recording), recording.quantity)
     # of several modes each may look like a bent one for a few cycles
     is_one = shared is None or shared.omega.size == 1
     if rig is not None and is_one and (shared is None or not is_linear or rig.evidence > shared.evidence):
@@ -60,8 +62,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
         if _holds(decays, by_envelope.decays):
             return _described(recording, decays)
     if shared is not None and is_linear:
-        decays = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))]
-        motion = _described(recording, decays)
+        motion = _described(recording, linear)
         return replace(motion, modes=_modes_of(shared, recording.fs))
     return by_envelope
 

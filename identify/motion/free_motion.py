@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from ..signals.registry import budget, numerics
 from ..signals.signals import Signal
+from .decay import Decay
+from .limits import TAKES
 from .rig_pieces import RigPieces, rig_pieces
 from .shared_modes import SharedModes, shared_modes
 
+_PARTS = numerics(16, "parts of a cycle", why="over which a motion is about straight")
 _LINES = budget(2, "lines", why="of the motion and of its derivative, that a rig's own frequency is sought among")
 _WEAK = budget(0.1, "part of the largest amplitude", why="a weaker line is not where the rig moves most")
 _APART = budget(0.2, "of the logarithm", why="nearer periods show the same windows")
@@ -20,6 +25,17 @@ def modes_of_response(response: Signal) -> SharedModes | None:
     """The pieces of a response that the modes of one linear rig explain; None where there are none."""
     x = response.samples
     return shared_modes(x, response.fs, still_noise(response), periods_of(x)) if np.ptp(x) > 0 else None
+
+
+def all_that_moves(response: Signal, decays: Sequence[Decay]) -> bool:
+    """Whether decays hold nearly all that a response moves, in squares, its noise aside: there is nothing else."""
+    x, period = response.samples, min(periods_of(response.samples), default=float(response.samples.size))
+    block = max(1, int(period / _PARTS))
+    steps = np.diff(x[: x.size // block * block].reshape(-1, block).mean(axis=1)) ** 2 - 2 * response.noise**2 / block
+    inside = np.zeros(steps.size, bool)
+    for decay in decays:
+        inside[decay.start // block : max(decay.stop // block - 1, 0)] = True
+    return bool(np.sum(steps[inside]) >= TAKES * np.sum(steps) > 0.0)
 
 
 def pieces_of_rig(response: Signal, quantity: str) -> RigPieces | None:
