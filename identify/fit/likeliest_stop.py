@@ -36,6 +36,11 @@ def likeliest_stop(fit: Fit, recordings: Sequence[Recording]) -> Fit:
     if any(s.segment.force is not None for s in fit.segments):
         return fit
     place = fit.names.index("dry")
+    swings = max(s.segment.n * s.segment.dt for s in fit.segments) * fit.oscillator.omega0.value / np.pi
+    dry, error = fit.oscillator.dry.value, float(np.sqrt(fit.covariance[place, place]))
+    # one swing more is a friction less by as many parts of it as there are swings
+    if not _FAR * error * swings > dry > SIGNIFICANT * error:
+        return fit
     along = fit.covariance[:, place] / np.sqrt(fit.covariance[place, place])
     fixed = [name for name in known if name not in fit.names]
 

@@ -38,9 +38,9 @@ def releases(**parameters):
 
 
 KINDS = {
-    "decay, displacement": (lambda: [decay()], 23),
-    "decay, velocity": (lambda: [decay("velocity")], 30),
-    "decay, acceleration": (lambda: [decay("acceleration")], 33),
+    "decay, displacement": (lambda: [decay()], 86),
+    "decay, velocity": (lambda: [decay("velocity")], 96),
+    "decay, acceleration": (lambda: [decay("acceleration")], 139),
     "sweep, displacement": (lambda: [sweep()], 50),
     "sweep, velocity": (lambda: [sweep("velocity")], 48),
     "sweep, acceleration": (lambda: [sweep("acceleration")], 121),
