@@ -14,6 +14,7 @@ from ..model import Oscillator, Provenance, Range
 from ..model.oscillator import Band
 from ..recording.recording import Recording
 from .fit.reported_result import Fit, SegmentFit
+from .hilbert.curves import backbone_omega0
 from .motion.blows import ContactForce
 from .motion.excitation import band_of
 from .signals.odds import SIGNIFICANT
@@ -49,7 +50,12 @@ def with_provenance(
     bands = [band_of(r) for i, r in enumerate(recordings) if i not in struck]
     frequencies = [f for band in bands if band for f in band]
     if not frequencies:
-        frequencies = [float(f) / (2 * np.pi) for c in known for f in (c.omega0.min(), c.omega0.max())]
+        rates = [c.omega0 for c in known]
+        if not model.terms:  # at its end a curve swings with what an integration leaves there, and the model does not
+            spring = model.omega0.value, model.cubic.value, model.preload.value
+            rates = [backbone_omega0(c.amplitude, *spring) for c in known]
+            rates = [rate if np.all(np.isfinite(rate)) else c.omega0 for rate, c in zip(rates, known, strict=True)]
+        frequencies = [float(f) / (2 * np.pi) for rate in rates for f in (rate.min(), rate.max())]
     if not frequencies:
         frequencies = [model.omega0.value / (2 * np.pi)]
     files: list[dict[str, Any]] = [{"file": r.name, "sha256": r.sha256} for r in recordings]
