@@ -14,7 +14,7 @@ from .clipping import Clipping, clipping, measured, noise_of
 from .continuity import folded, in_both, leaps, noise_beside, repeated, wrapped
 from .oscillation import Oscillation, is_one_decay, is_white, oscillation_of
 from .passivity import driven
-from .recording import Recording
+from .recording import QUANTITIES, Recording
 from .relation import lasting, reach
 from .resolution import converter_step
 from .units import STANDARD_GRAVITY, parse_unit
@@ -335,8 +335,10 @@ def reversed_force(recording: Recording, motion: Oscillation) -> list[Problem]:
     force = recording.force
     if force is None or _free(recording) or not lasting(force):
         return []
+    if power_cosine(force, recording.response, recording.fs, recording.quantity) > REVERSED:
+        return []
     found = driven(force, recording.response, recording.fs, motion.frequency, recording.quantity)
-    if found is None or found.cosine > REVERSED:
+    if found is None or found.cosine > REVERSED:  # what was stored before the record, or before each edge, rings
         return []
     if wrapping(recording, motion):
         return []
@@ -416,9 +418,27 @@ def impossible(signal: np.ndarray) -> tuple[int, str] | None:
     return None
 
 
+# Whether force and response have signs that belong together: a passive thing takes up work, it does not give any.
+
+IN_BAND = 1e-3  # of the strongest line: the force's own band reaches down to -30 dB
 #: Energy can only be dissipated or stored, so the mean cosine cannot stay negative. The margin is for what was
 #: stored before the record began, for noise, and for a late sensor.
 REVERSED = -0.2
+
+
+def power_cosine(force: np.ndarray, response: np.ndarray, fs: float, quantity: str) -> float:
+    """Mean cosine of the phase between force and velocity, both (n,), weighted by |F| |V| over the force's own band.
+
+    Its sign is that of the work that the force does on the thing: the integral of F v dt, by Parseval's theorem, with
+    a Hann window so that the ends of the record do not count. A velocity comes from the response by powers of i omega.
+    """
+    window = np.hanning(len(force))
+    f, x = (np.fft.rfft((signal - signal.mean()) * window)[1:] for signal in (force, response))
+    omega = 2 * np.pi * np.fft.rfftfreq(len(force), 1 / fs)[1:]
+    v = x * (1j * omega) ** (1 - QUANTITIES.index(quantity))
+    band = np.abs(f) ** 2 > IN_BAND * np.max(np.abs(f) ** 2)
+    work = np.conj(f[band]) * v[band]
+    return float(np.sum(work.real) / max(np.sum(np.abs(work)), np.finfo(float).tiny))
 
 
 # Whether a response is of a size that a vibrating thing can have, or its unit is wrong by orders of magnitude.

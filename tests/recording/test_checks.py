@@ -341,3 +341,12 @@ def test_one_signal_in_both_columns_is_refused(times, noise, found):
     assert (len(said) == 1) == found
     if found:
         assert f"the force is the response times {times:g} N/m" in said[0]
+
+
+@pytest.mark.parametrize("lag", [0.05, 1.0, 1.5])
+def test_a_steady_tone_with_a_lag_is_no_force_that_takes_work_out(lag):
+    """Its response is known from its own past, so that a model of both says nothing of the sign."""
+    tone = np.sin(2 * np.pi * 9.0 * TIME)
+    response = 1e-3 * np.sin(2 * np.pi * 9.0 * TIME - lag) + 1e-5 * np.random.default_rng(3).standard_normal(N)
+    driven = replace(FORCED, response=response, force=tone + 1e-2 * np.random.default_rng(4).standard_normal(N))
+    assert not any("takes work out" in problem.sentence for problem in check(driven))
