@@ -74,11 +74,23 @@ def with_provenance(
             method="maximum-likelihood",
             software=f"dashpot {__version__}",
             parameters=fit.names,
-            covariance=tuple(tuple(float(c) for c in row) for row in fit.covariance),
+            covariance=tuple(tuple(float(c) for c in row) for row in _as_covariance(fit.covariance)),
             log_likelihood=fit.log_likelihood,
             band=band,
         ),
     )
+
+
+def _as_covariance(matrix: np.ndarray) -> np.ndarray:
+    """The nearest (k, k) correlations that can be, with the same variances: rounding makes others of unknown values."""
+    std = np.sqrt(np.diag(matrix))
+    scale = np.where(std > 0, std, 1.0)
+    sizes, axes = np.linalg.eigh(matrix / scale[:, None] / scale)
+    if sizes[0] >= -np.finfo(float).eps * len(matrix):
+        return matrix
+    made = (axes * np.maximum(sizes, 0.0)) @ axes.T
+    own = np.sqrt(np.maximum(np.diag(made), np.finfo(float).tiny))
+    return made / own[:, None] / own * scale[:, None] * scale
 
 
 def _moved(part: SegmentFit, fit: Fit) -> np.ndarray:

@@ -111,3 +111,15 @@ def test_what_a_slow_force_holds_is_motion():
     recording, x = accelerated(force, fs, 0.01)
     model = identify([replace(recording, hold="smooth")], doubted=False).oscillator
     assert model.amplitude.max == pytest.approx(np.max(np.abs(x)), rel=0.2)  # the pace is that of all its motion
+
+
+def test_what_rounding_made_of_unknown_values_is_a_covariance_in_the_file(fit, recording):
+    """Of values that nothing shows the errors are beyond all bounds, and rounding leaves correlations above one."""
+    k = len(fit.names)
+    std = 10.0 ** np.arange(40, 40 + k)
+    wrong = np.outer(std, std) * np.where(np.eye(k) > 0, 1.0, -1.3)
+    stated = np.array(with_provenance(replace(fit, covariance=wrong), [recording]).identified.covariance)
+    assert np.diag(stated) == pytest.approx(std**2)
+    assert np.max(np.abs(stated / np.outer(std, std))) <= 1.0 + 1e-9
+    kept = with_provenance(fit, [recording]).identified.covariance
+    np.testing.assert_array_equal(np.array(kept), fit.covariance)
