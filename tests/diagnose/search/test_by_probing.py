@@ -41,7 +41,7 @@ def test_what_short_bursts_hide_from_the_regression_a_prediction_shows(bursts):
     assert 1 <= len(proposals) <= by_prediction._KEPT
     assert all(p.law == PLAY.name and p.gain > 1000.0 and p.initial is None for p in proposals)
     found = max(proposals, key=lambda proposal: proposal.gain).model.values()
-    assert found["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.15)
+    assert found["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.2)
     assert found["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.05)  # a start, not a fit
     assert found["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.01)
 

@@ -44,8 +44,8 @@ def test_play_in_the_papers_stand_is_seen_in_the_measured_motion():
     assert (guess := regression.best(find("actuator-backlash"))) is not None
     assert guess.misfit < 0.3 * regression.plain()
     assert guess.values["actuator-backlash.gap"] == pytest.approx(ACTUATOR["half_gap"], rel=0.2)
-    assert guess.values["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.25)
-    assert guess.values["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.05)
+    assert guess.values["actuator-backlash.mass"] == pytest.approx(ACTUATOR["moving_mass"], rel=0.3)
+    assert guess.values["mass"] == pytest.approx(TRUTH["mass"] - ACTUATOR["moving_mass"], rel=0.07)
 
 
 @pytest.mark.long
