@@ -228,7 +228,7 @@ def bad_files(folder, signals):
         folder / "other.xyz": ".xyz",
         table("clipped.csv", clipped): "clipped",
         table("jitter.csv", jitter): "jitter.csv",
-        table("short.csv", good[:100]): "cycles",
+        table("short.csv", good[:10]): "samples",
         table("steady.csv", steady, "time_s,x_m"): "decay",
         table("units.csv", good * [1, 1, 1e3], header): "unit",
         table("unrelated.csv", unrelated): "force",
