@@ -6,7 +6,9 @@ measured; so is, with time reversed, what came before. Each time the fit is made
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -54,12 +56,7 @@ def _forwards(record: Record, piece: Piece, share: float, limit: int, rig: Rig |
         if further < 0:
             again = _fit_from(record, piece, piece.a, piece.b + further, share, rig)
             return again if again is not None and holds(again) else piece
-        again = None
-        while further > 0:
-            again = _fit_from(record, piece, piece.a, piece.b + further, share, rig)
-            if again is not None and holds(again):
-                break
-            again, further = None, further // 2
+        again = _longest(partial(_forwards_by, record, piece, share, rig), further)
         if again is None:
             break
         piece = again
@@ -76,17 +73,32 @@ def _backwards(record: Record, piece: Piece, share: float, limit: int, rig: Rig 
         if further < 0:
             again = _fit_from(record, piece, piece.a - further, piece.b, share, rig)
             return again if again is not None and holds(again) else piece
-        again = None
-        while further > 0:
-            start = _moved_to(record, back, piece.a - further)
-            again = None if start is None else fit_piece(record, piece.a - further, piece.b, start, share, rig)
-            if again is not None and holds(again):
-                break
-            again, further = None, further // 2
+        again = _longest(partial(_backwards_by, record, piece, back, share, rig), further)
         if again is None:
             break
         piece = again
     return piece
+
+
+def _longest(fitted: Callable[[int], Piece | None], further: int) -> Piece | None:
+    """The piece that is longer by so many samples, or by half as many and so on, where its fit holds."""
+    while further > 0:
+        again = fitted(further)
+        if again is not None and holds(again):
+            return again
+        further //= 2
+    return None
+
+
+def _forwards_by(record: Record, piece: Piece, share: float, rig: Rig | None, further: int) -> Piece | None:
+    return _fit_from(record, piece, piece.a, piece.b + further, share, rig)
+
+
+def _backwards_by(
+    record: Record, piece: Piece, back: Piece, share: float, rig: Rig | None, further: int
+) -> Piece | None:
+    start = _moved_to(record, back, piece.a - further)
+    return None if start is None else fit_piece(record, piece.a - further, piece.b, start, share, rig)
 
 
 def _turned(record: Record, piece: Piece) -> Piece | None:

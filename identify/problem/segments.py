@@ -51,7 +51,7 @@ class Segment:
             state has no derivative to find it by).
         quantity: what the response shows of the motion.
         after: sample of the recording at which the stretch before it ended; None where it is the first. From there goes
-            on what no sensor shows (``handed_on``).
+            on what no sensor shows (``state_from_previous_segment``).
         blank: (n,) which samples were filled in and are not fitted; None where all were measured.
     """
 

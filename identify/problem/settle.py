@@ -38,7 +38,7 @@ def settled(problem: OutputError, state: State, cycles: float = 3.0) -> State:
     Where these are lost, as where a pendulum is begun a little too fast and goes over the top, the first quarter of a
     cycle is asked first, and ever longer beginnings from there. States that no sensor shows, as those of an attached
     mass, are those with which the stretch before it ended, where there is one and these do better; at rest they follow
-    from it (``handed_on``). A prediction forgets what came before.
+    from it (``state_from_previous_segment``). A prediction forgets what came before.
     """
     cycle = problem.max_step * STEPS_PER_PERIOD
     initial = state.initial.copy()

@@ -236,10 +236,10 @@ def _combine(
     value: dict[str, float] = dict.fromkeys(("omega0", "cubic", "preload", "viscous", "dry"), 0.0)
     std: dict[str, float] = dict.fromkeys(value, inf)
     mass, mass_std = _curve_mass(curves)
-    told = [d for some in decays for d in some if d.rig is not None]
-    if regression is None and told and all(m.force is None for m in motions):
+    with_rig = [d for some in decays for d in some if d.rig is not None]
+    if regression is None and with_rig and all(m.force is None for m in motions):
         source = "pieces"
-        value |= max(told, key=lambda d: d.stop - d.start).rig or {}
+        value |= max(with_rig, key=lambda d: d.stop - d.start).rig or {}
     elif regression is not None:
         source = "regression"
         value = {k: float(getattr(regression, k)) for k in value}
