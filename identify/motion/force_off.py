@@ -34,7 +34,8 @@ def zero_of(force: np.ndarray, period: int) -> tuple[float, float]:
     """What the force (n,) reads when nothing pushes, and its standard error.
 
     Of the levels at which it stands still that nearest to zero: a load cell has an offset, and a command in steps
-    stands still at several levels, of which all but one push. Where it never does, the middle of its cycles.
+    stands still at several levels, of which all but one push. Where it stands still on either side of zero alone, far
+    from it, all of them push. Where it never does, the middle of its cycles.
     """
     mean, spread = _local(force, period)
     largest = float(np.ptp(force))
@@ -42,6 +43,8 @@ def zero_of(force: np.ndarray, period: int) -> tuple[float, float]:
         return float(np.median(mean)), _error_of_middle(force, period)
     still = spread <= max(_QUIET * float(np.min(spread)), _RESOLVED * largest)
     nearest = float(mean[still][np.argmin(np.abs(mean[still]))])
+    if abs(nearest) > _ON * largest and np.any(nearest * mean[still] < 0):
+        return 0.0, abs(nearest)  # a command of two levels: between them lies a zero that is not met
     width = _QUIET * float(np.max(spread[still])) + _RESOLVED * largest
     at_it = still & (np.abs(mean - nearest) <= width)
     cycles = max(1.0, np.count_nonzero(at_it) / period)

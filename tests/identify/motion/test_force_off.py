@@ -50,6 +50,14 @@ def test_a_force_that_never_stands_still_is_centred_where_its_cycles_are():
     assert zero_of_load_cell(force, FS, OMEGA) == value
 
 
+def test_a_force_that_stands_still_on_either_side_of_zero_pushes_at_both_levels():
+    levels = np.repeat([1.0, -1.0, 1.0, -1.0], [400, 70, 30, 500])
+    value, error = zero_of(levels, PERIOD)
+    assert value == 0.0
+    assert zero_of_load_cell(levels, FS, OMEGA) == 0.0
+    assert error >= 1.0
+
+
 @pytest.mark.parametrize(("times", "asked"), [(2.0, False), (6.0, True)])
 def test_a_zero_is_asked_for_where_it_stands_out_of_its_error(times, asked):
     """At 3.7 standard errors."""
