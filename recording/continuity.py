@@ -107,6 +107,7 @@ def folded(signal: np.ndarray) -> np.ndarray:
     back again, and stand out from its steps; in between it moves on, away from the limit by more than noise, which a
     force that is switched does not, nor what a resampling makes of its edges.
     """
+    signal = without_noise(signal)
     steps = np.diff(signal)
     over = np.abs(steps) > 0.5 * np.ptp(signal)
     places = np.flatnonzero(over) + 1

@@ -33,7 +33,7 @@ _FLAT = 3
 def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
     """Blows in a force (n,) upon a motion of so many samples a cycle; none where it pushes in any other way as well.
 
-    Contacts that follow one another before five cycles have rung are one blow that hit several times.
+    Contacts that follow one another before half of the cycles of a decay have rung are one blow that hit several times.
     """
     force = force - np.median(force)
     size = np.abs(force)
@@ -54,13 +54,14 @@ def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
     if any(b - a > _LONGEST * period for a, b in contacts):
         return ()
     # not a few contacts but a train of them: a drive in pulses
-    if len(contacts) > 3 and np.median(np.diff([a for a, _ in contacts])) < SHORTEST_CYCLES * period / 2:
+    rings = SHORTEST_CYCLES * period / 2
+    if len(contacts) > 3 and np.median(np.diff([a for a, _ in contacts])) < rings:
         return ()
     largest = float(np.max(force)) if abs(np.max(force)) >= abs(np.min(force)) else float(np.min(force))
     blows: list[Blow] = []
     for a, b in contacts:
         clipped = int(np.sum(np.abs(force[a:b] - largest) <= 1e-9 * peak)) >= _FLAT
-        if blows and a - blows[-1].stop < SHORTEST_CYCLES * period:
+        if blows and a - blows[-1].stop < rings:
             last = blows[-1]
             blows[-1] = Blow(last.start, b, last.clipped or clipped, last.contacts + 1)
         else:
@@ -80,7 +81,7 @@ def ringing(blows: tuple[Blow, ...], envelope: Envelope) -> list[Decay]:
         if stop > risen and size[risen] > 2 * floor:
             decays.append(Decay(blow.stop, stop))
     first = blows[0].start
-    if first >= SHORTEST_CYCLES * envelope.period and size[0] > 2 * floor:  # it rang before
+    if first >= SHORTEST_CYCLES * envelope.period / 2 and size[0] > 2 * floor:  # it rang before
         low = np.flatnonzero(size[:first] < floor)
         decays.insert(0, Decay(0, int(low[0]) if low.size else first))
     return decays

@@ -78,8 +78,8 @@ def test_a_contact_may_tremble(gap, contacts):
     assert found((1000, 6, 50.0), (1009, 6, 50.0), period=45)[0].contacts == 2
 
 
-@pytest.mark.parametrize(("cycles", "count"), [(4.8, 1), (5.3, 2)])
-def test_what_follows_before_five_cycles_is_one_blow(cycles, count):
+@pytest.mark.parametrize(("cycles", "count"), [(2.3, 1), (2.8, 2)])
+def test_what_follows_before_a_few_cycles_is_one_blow(cycles, count):
     second = 1022 + round(cycles * PERIOD)
     blows = found((1000, 20, 50.0), (second, 20, 50.0))
     assert len(blows) == count
@@ -94,11 +94,10 @@ def test_three_contacts_are_counted():
     assert (blow.start, blow.stop) == pytest.approx((998, 1422), abs=1)
 
 
-@pytest.mark.parametrize(("cycles", "count"), [(2.4, 0), (2.6, 1)])
+@pytest.mark.parametrize(("cycles", "count"), [(2.4, 0), (2.8, 4)])
 def test_a_train_of_pulses_is_a_drive(cycles, count):
     hits = [(500 + round(k * cycles * PERIOD), 20, 50.0) for k in range(4)]
     assert len(found(*hits)) == count
-    assert len(found(*hits[:3])) == 1
 
 
 @pytest.mark.parametrize(("equal", "clipped"), [(2, False), (3, True)])
@@ -146,17 +145,17 @@ def test_the_envelope_needs_a_cycle_to_rise():
 @pytest.mark.parametrize(("level", "count"), [(0.19, 0), (0.21, 1)])
 def test_ringing_is_twice_above_its_end(level, count):
     size = np.full(4000, level)
-    assert len(ringing((Blow(400, 420),), envelope(size))) == count
+    assert len(ringing((Blow(200, 220),), envelope(size))) == count
 
 
-@pytest.mark.parametrize(("first", "count"), [(499, 0), (500, 1)])
+@pytest.mark.parametrize(("first", "count"), [(249, 0), (250, 1)])
 def test_what_rang_before_the_first_blow(first, count):
-    """Five cycles of it, twice above its end."""
+    """Two and a half cycles of it, twice above its end."""
     blows = (Blow(first, first + 20),)
     size = np.ones(4000)
     assert ringing(blows, envelope(size))[:-1] == [Decay(0, first)] * count
-    size[450:first] = 0.05
-    assert ringing(blows, envelope(size))[:-1] == [Decay(0, 450)] * count
+    size[200:first] = 0.05
+    assert ringing(blows, envelope(size))[:-1] == [Decay(0, 200)] * count
     size[0] = 0.19
     assert len(ringing(blows, envelope(size))) == 1
 
