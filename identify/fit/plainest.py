@@ -49,30 +49,50 @@ def likely_absent(names: Sequence[str], values: np.ndarray, covariance: np.ndarr
         sizes: (k,) at which each matters; a member that is there is of that size.
     """
     members = [i for i, name in enumerate(names) if name in MEMBERS and covariance[i, i] > 0]
-    best: Absent | None = None
-    for count in range(1, len(members) + 1):
-        for some in combinations(members, count):
-            gone = list(some)
-            scale = sizes[gone]
-            spread = covariance[np.ix_(gone, gone)] / np.outer(scale, scale)
-            wide = spread + np.eye(count)
-            found = values[gone] / scale
-            inverse = np.linalg.pinv(spread, hermitian=True)
-            odds = 0.5 * (
-                np.linalg.slogdet(wide)[1]
-                - np.linalg.slogdet(spread)[1]
-                - found @ (inverse - np.linalg.inv(wide)) @ found
-            )
-            if not odds > (DECISIVE if best is None else best.log_odds):
-                continue
-            kept = [i for i in range(len(names)) if i not in some]
-            follows = covariance[np.ix_(kept, gone)] / scale @ inverse  # what each of them moves the others by
-            there = np.linalg.inv(inverse + np.eye(count))
-            mean = there @ inverse @ found
-            likely = 1.0 / (1.0 + np.exp(odds))
-            spread = likely * follows @ (there + np.outer(mean, mean)) @ follows.T
-            best = Absent(tuple(names[i] for i in gone), float(odds), spread)
-    return best
+    odds = {
+        some: _log_odds(values[list(some)] / sizes[list(some)], _over(covariance, sizes, some, some))
+        for count in range(1, len(members) + 1)
+        for some in combinations(members, count)
+    }
+    gone = max(odds, key=lambda some: odds[some], default=())
+    if not gone or not odds[gone] > DECISIVE:
+        return None
+    kept = [i for i in range(len(names)) if i not in gone]
+    spread = np.zeros((len(kept),) * 2)
+    odds[()] = 0.0
+    total = sum(np.exp(odds[some] - odds[gone]) for some in odds if set(some) <= set(gone))
+    for others in (some for some in odds if set(some) < set(gone)):  # these are not there, the rest of `gone` is
+        there = tuple(i for i in gone if i not in others)
+        mean, known = _given_none(values, covariance, sizes, others)
+        inverse = np.linalg.pinv(_over(known, sizes, there, there), hermitian=True)
+        follows = known[np.ix_(kept, list(there))] / sizes[list(there)] @ inverse  # what each moves the others by
+        of_size = np.linalg.inv(inverse + np.eye(len(there)))
+        found = of_size @ inverse @ (mean[list(there)] / sizes[list(there)])
+        likely = np.exp(odds[others] - odds[gone]) / total
+        spread += likely * follows @ (of_size + np.outer(found, found)) @ follows.T
+    return Absent(tuple(names[i] for i in gone), float(odds[gone]), spread)
+
+
+def _log_odds(found: np.ndarray, spread: np.ndarray) -> float:
+    """Of no member against members of about their sizes, from (k,) estimates and their (k, k) covariance in sizes."""
+    wide = spread + np.eye(found.size)
+    gained = found @ (np.linalg.pinv(spread, hermitian=True) - np.linalg.inv(wide)) @ found
+    return float(0.5 * (np.linalg.slogdet(wide)[1] - np.linalg.slogdet(spread)[1] - gained))
+
+
+def _over(covariance: np.ndarray, sizes: np.ndarray, some: Sequence[int], others: Sequence[int]) -> np.ndarray:
+    return covariance[np.ix_(list(some), list(others))] / np.outer(sizes[list(some)], sizes[list(others)])
+
+
+def _given_none(
+    values: np.ndarray, covariance: np.ndarray, sizes: np.ndarray, gone: Sequence[int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Estimates (k,) and their covariance where some of them are known to be zero."""
+    if not gone:
+        return values, covariance
+    across = covariance[:, list(gone)] / sizes[list(gone)]
+    moves = across @ np.linalg.pinv(_over(covariance, sizes, gone, gone), hermitian=True)
+    return values - moves @ (values[list(gone)] / sizes[list(gone)]), covariance - moves @ across.T
 
 
 def plainest(fit: Fit, again: Callable[[Oscillator, Sequence[str]], Fit]) -> Fit:

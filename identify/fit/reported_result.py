@@ -18,7 +18,7 @@ from ...recording.recording import Recording
 from ..problem.data import Data
 from ..problem.descent import MOST_STEPS, search
 from ..problem.jumps import left_out, smooth_stretches
-from ..problem.normal_equations import pseudo_inverse
+from ..problem.normal_equations import pseudo_inverse, without_information
 from ..problem.offset import FoundOffset
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
@@ -37,6 +37,8 @@ from .reweighted_fit import Answer, concentrated, over_noise, reweighted, whiten
 from .scatter import scatter
 
 _UNSEEN = numerics(1e-6, "of the motion", why="what an unknown moves that the recordings do not carry")
+
+_WHOLE = numerics(100.0, "typical sizes", why="a member as large as the force of inertia: what says nothing allows it")
 
 _NEAR_ENOUGH = numerics(
     0.01, "log-likelihood", why="a seventh of a standard error: the search for what a prediction says otherwise is over"
@@ -284,8 +286,12 @@ def _result(
         problem.coarsely(), outcome.state, noise, levels, _DRAWS, remainders=answer.remainders, recordings=recordings
     )
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
+    sizes = np.maximum(np.abs(outcome.state.values), _WHOLE * problem.scale)[list(problem.free)]
+    unseen = without_information(outcome.information)
+    unseen = unseen / np.max(np.abs(unseen) / sizes[:, None], axis=0, initial=0.0)
     doubt = doubt[list(problem.free)]  # two estimates of a right model differ by chance alone (Hausman 1978)
     covariance = inverse @ spread @ inverse + np.outer(doubt, doubt)  # Huber (1967): right where the weights are not
+    covariance = covariance + unseen @ unseen.T  # to where one of them is as large as can be
     errors = dict(zip(names, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
     old = start.parameters()
     values = dict(zip(old, map(float, outcome.state.values), strict=True))
@@ -305,6 +311,7 @@ def _result(
     points = sum(segment.n for segment in problem.segments)
     log_likelihood = -outcome.cost + concentrated_likelihood(noise) - 0.5 * points * np.log(2 * np.pi)
     notes = [*remarks, *(f"{names[i]} is not identifiable from these recordings" for i in lost)]
+    notes += [_together(names, direction) for direction in (np.abs(unseen) / sizes[:, None]).T]
     notes += _at_bounds(problem, outcome.state.values, names)
     if not outcome.converged:
         notes.append("the search for the maximum of the likelihood stopped at its limit of steps")
@@ -325,6 +332,16 @@ def _result(
 
 def _std(name: str, names: Sequence[str], lost: Sequence[int], errors: dict[str, float]) -> float | None:
     return None if name not in names or names.index(name) in lost or not errors[name] > 0 else float(errors[name])
+
+
+def _together(names: Sequence[str], sizes: np.ndarray) -> str:
+    """One sentence on parameters that stand for one another, by how much of its own size each moves."""
+    *others, last = (name for name, size in zip(names, sizes, strict=True) if size * _WHOLE > 1)
+    return (
+        f"{', '.join(others)} and {last} cannot be distinguished: changed together they leave the simulation as it is, "
+        "and the standard errors say so; fix what is known of them (--fix NAME=VALUE), or record a motion to both sides "
+        "of rest"
+    )
 
 
 def _at_bounds(problem: OutputError, values: np.ndarray, names: Sequence[str]) -> list[str]:

@@ -74,12 +74,32 @@ def pseudo_inverse(matrix: np.ndarray) -> np.ndarray:
     """Inverse of a symmetric information matrix in the scale of its own diagonal; directions without information: 0."""
     if not matrix.size or not np.all(np.isfinite(matrix)):
         return np.zeros_like(matrix)
+    size, eigenvalues, vectors, kept = _directions(matrix)
+    inverse = np.where(kept, 1.0 / np.where(kept, eigenvalues, 1.0), 0.0)
+    return (vectors * inverse) @ vectors.T / np.outer(size, size)
+
+
+def without_information(matrix: np.ndarray) -> np.ndarray:
+    """(k, m) directions among k unknowns that a symmetric information matrix says nothing of, alone or together.
+
+    An unknown without any information of its own is in none of them.
+    """
+    seen = np.flatnonzero(np.diag(matrix) > _LEAST)
+    if not seen.size or not np.all(np.isfinite(matrix)):
+        return np.zeros((len(matrix), 0))
+    size, _, vectors, kept = _directions(matrix[np.ix_(seen, seen)])
+    found = np.zeros((len(matrix), np.count_nonzero(~kept)))
+    found[seen] = (vectors / size[:, None])[:, ~kept]
+    return found
+
+
+def _directions(matrix: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
+    """Scale of each unknown, and in it the information of each direction, the directions, and which have any."""
     diagonal = np.diag(matrix)
     size = np.sqrt(np.where(diagonal > _LEAST, diagonal, 1.0))
     eigenvalues, vectors = np.linalg.eigh(matrix / np.outer(size, size))
-    kept = eigenvalues > _LOST * max(float(eigenvalues[-1]), 1.0)  # which it is where there is any
-    inverse = np.where(kept, 1.0 / np.where(kept, eigenvalues, 1.0), 0.0)
-    return (vectors * inverse) @ vectors.T / np.outer(size, size)
+    # 1 is the largest where there is any
+    return size, eigenvalues, vectors, eigenvalues > _LOST * max(float(eigenvalues[-1]), 1.0)
 
 
 def shared_information(blocks: Sequence[Block], k: int) -> np.ndarray:

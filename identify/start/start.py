@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...errors import BadInput
+from ...recording.continuity import is_switched
 from ..hilbert.curves import BackboneFit, DampingFit, backbone_omega0, fit_backbone, fit_damping
 from ..hilbert.forced_regression import forced_regression
 from ..hilbert.freevib import freevib
@@ -100,6 +101,7 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     segments: list[Segment] = []
     decays: list[tuple[Decay, ...]] = []
     motions: list[Segment] = []
+    lines: list[float] = []
     for r in recordings:
         motion = find_free_motion(r)
         free_decays = motion.decays
@@ -115,6 +117,7 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
         if drive is not None and (np.ptp(drive.samples) == 0 or (free_decays and drive.is_silent) or unknown):
             drive = None
         motions.append(Segment(x, drive))
+        lines.append(_line(r, x))
         if drive is None and not free_decays:
             notes.append(f"{r.name}: no force and no free decay found in it; it was not used for the start values.")
         for d in free_decays:
@@ -130,7 +133,7 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
         raise BadInput("No recording oscillates; " + " ".join(notes))
     backbone, damping = _fit_curves(curves, notes)
     regression, linear = _regression(segments, notes)
-    return _combine(motions, curves, tuple(decays), backbone, damping, regression, linear, notes)
+    return _combine(motions, lines, curves, tuple(decays), backbone, damping, regression, linear, notes)
 
 
 def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> list[dict[str, float]]:
@@ -138,7 +141,7 @@ def plain_starts(estimate: HilbertEstimate, recordings: Sequence[Recording]) -> 
 
     By regression; at the backbone's frequency; at that of the largest line.
     """
-    lines = [_line(response_of(r)) for r in recordings]
+    lines = [_line(r, response_of(r)) for r in recordings]
     omegas = [2 * np.pi * float(np.median(lines))]
     if estimate.backbone is not None:
         omegas.insert(0, float(estimate.backbone.omega0))
@@ -217,13 +220,24 @@ def _of_decays(decays: Sequence[Sequence[Decay]]) -> dict[str, float] | None:
     return {"omega0": float(longest.omega or 0.0), "viscous": max(2 * float(longest.rate or 0.0), 0.0)}
 
 
-def _line(signal: Signal) -> float:
-    """Frequency in Hz of a signal's largest line, whatever rests elsewhere or drifts beneath it."""
+def _line(recording: Recording, signal: Signal) -> float:
+    """Frequency in Hz of the largest line of a recording's motion, whatever rests elsewhere or drifts beneath it.
+
+    Args:
+        recording: where its force is switched the rig goes from one rest to the next, which is a larger line than the
+            ringing around it, but not in the velocity.
+        signal: its response, or the displacement that this makes.
+    """
+    if recording.force is not None and is_switched(np.asarray(recording.force, float)):
+        signal = response_of(recording)
+        moved = np.diff(signal.samples) if recording.quantity == "displacement" else signal.samples
+        return motion_frequency(moved, signal.fs) or signal.frequency
     return motion_frequency(signal.samples, signal.fs) or signal.frequency
 
 
 def _combine(
     motions: list[Segment],
+    lines: list[float],
     curves: list[Curve],
     decays: tuple[tuple[Decay, ...], ...],
     backbone: BackboneFit | None,
@@ -256,7 +270,7 @@ def _combine(
         if (known := _of_decays(decays)) is not None:
             value |= known
         else:
-            value["omega0"] = 2 * np.pi * float(np.median([_line(m.displacement) for m in motions]))
+            value["omega0"] = 2 * np.pi * float(np.median(lines))
             value["viscous"] = _PLAIN_DAMPING * value["omega0"]
             notes.append(
                 "No decay and no forced record could be evaluated: omega0 is the largest line of the spectrum."

@@ -68,3 +68,17 @@ def test_members_that_act_stay_and_the_others_are_zero(decay):
 
 def test_it_is_said(decay):
     assert any("left at zero" in note for note in decay[1].notes)
+
+
+def test_a_step_to_one_side_does_not_tell_the_mass_from_a_preload():
+    """Both say how far the force moves it, and nothing else: the error of the mass is that of a preload of one hundredth.
+
+    Under a constant force F on one side of rest, x'' + viscous x' + omega0^2 x = F / m - preload.
+    """
+    rig = {"mass": 2.0, "omega0": 40.0, "cubic": 0.0, "preload": 0.0, "viscous": 3.0, "dry": 0.0}
+    force = np.repeat([0.0, 1.0], [300, 1200])
+    x = integrate_pieces(rig, force[:, None], 2e-3, 0.0, 0.0)[0][: force.size]
+    x = x + 1e-3 * np.ptp(x) * np.random.default_rng(2).standard_normal(force.size)
+    mass = identify([Recording("step", 500.0, x, force)], every=False).oscillator.mass
+    assert abs(mass.value - 2.0) < 3.5 * mass.std
+    assert 0.002 < mass.std / mass.value < 0.03

@@ -11,6 +11,7 @@ from dashpot.identify.problem.normal_equations import (
     pseudo_inverse,
     shared_information,
     solve,
+    without_information,
 )
 
 SHARED, OWN, SEGMENTS, SAMPLES = 4, 3, 5, 40
@@ -149,3 +150,12 @@ def test_rows_in_single_precision_are_summed_in_double():
         exact @ exact.T / np.outer(size, size), abs=1e-13
     )
     assert products(rows, vector) / size == pytest.approx(exact @ vector / size, abs=1e-11)
+
+
+def test_what_two_unknowns_do_together_may_have_no_information():
+    """A sum of two alone is seen. The third is not seen at all, which is no matter of directions."""
+    rows = np.array([[2.0, 0.5, 0.0, 1.0], [4.0, 1.0, 0.0, -3.0]])
+    directions = without_information(rows.T @ rows)
+    assert directions.shape == (4, 1)
+    assert directions[:, 0] / directions[0, 0] == pytest.approx([1.0, -4.0, 0.0, 0.0], abs=1e-6)
+    assert without_information(np.diag([1e-3, 1e9])).shape == (2, 0)

@@ -191,3 +191,14 @@ def test_four_swings_and_then_rest_where_friction_left_it_start_near_their_own_f
     parameters = identify([recording]).oscillator.parameters()
     for name in ("omega0", "cubic", "viscous", "dry"):
         assert parameters[name].value == pytest.approx(rig[name], abs=3 * parameters[name].std)
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity"])
+def test_a_switched_force_is_not_the_frequency_of_the_motion(quantity):
+    """From one rest to the next it goes farther than it rings, as a command in steps is largest at no frequency."""
+    force = np.repeat([0.0, 1.0, 1.4], [700, 500, 800])
+    rig = {"mass": 2.0, "omega0": 40.0, "cubic": 0.0, "preload": 0.0, "viscous": 12.0, "dry": 0.0}
+    moved = integrate_pieces(rig, force[:, None], 2e-3, 0.0, 0.0)[0 if quantity == "displacement" else 1][: force.size]
+    shown = moved + 1e-3 * np.ptp(moved) * (np.random.default_rng(2).standard_normal(force.size) + 5.0)
+    start = hilbert_start([Recording("steps", 500.0, shown, force, quantity=quantity)])
+    assert start.omega0 == pytest.approx(rig["omega0"], rel=0.1)
