@@ -206,14 +206,15 @@ def identify(
         found_modes = likeliest_modes(ringing_modes(recordings, wanted), of_modes, doubted=doubted)
     else:
         found_modes = Modes(answer(recordings, None, doubted=doubted))
-    fit, kept = found_modes.fit, found_modes.kept
-    fit, recordings, chain = with_hold(fit, recordings, partial(answer, kept=kept), doubted=doubted)
-    if not chain and (more := found_modes.more) is not None:  # neither tells without the other where both are missing
-        again, held, chain = with_hold(more.fit, recordings, partial(answer, kept=more.kept), doubted=doubted)
-        if chain and stand(again, fit):
-            fit, kept, recordings = again, more.kept, held
-        else:
-            chain = []
+    unheld, kept = recordings, found_modes.kept
+    fit, recordings, chain = with_hold(found_modes.fit, unheld, partial(answer, kept=kept), doubted=doubted)
+    for other in (found_modes.more, found_modes.fewer):
+        # neither a mode nor a hold tells without the other where both are missing, and each imitates the other
+        if other is None or (chain and other is found_modes.more):
+            continue
+        again, held, words = with_hold(other.fit, unheld, partial(answer, kept=other.kept), doubted=doubted)
+        if words and (stand(again, fit) if other is found_modes.more else not stand(fit, again)):
+            fit, kept, recordings, chain = again, other.kept, held, words
     if chain and start is None and not effects:  # under a wrong hold no number of modes leaves noise
         found_modes = with_more_modes(Modes(fit, tuple(kept)), of_modes, doubted=doubted)
         fit, kept = found_modes.fit, found_modes.kept

@@ -46,11 +46,13 @@ class Modes:
         fit: which.
         kept: parameters that were kept at none in it.
         more: with one mode more, where that is decisively likelier and yet leaves more than noise.
+        fewer: with those modes alone that it began from, where there are more.
     """
 
     fit: Fit
     kept: tuple[str, ...] = ()
     more: Modes | None = None
+    fewer: Modes | None = None
 
 
 def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> Modes:
@@ -77,7 +79,7 @@ def with_more_modes(first: Modes, answer: Answer, modes: Sequence[Mode] = (), *,
         best = Modes(*other)
     if doubted and best is not first:
         best = replace(best, fit=answer(best.fit, best.fit.oscillator, best.kept, doubted=True))
-    return replace(best, more=more)
+    return replace(best, more=more, fewer=None if best is first else first)
 
 
 def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer) -> tuple[Fit, tuple[str, ...]] | None:
