@@ -131,7 +131,12 @@ def is_switched(signal: np.ndarray) -> bool:
 
     Nearly all that it goes, in squares, it then goes in single steps, with next to none before and behind them.
     """
-    return _edges(signal)[0].size > 0
+    return edges_of(signal).size > 0
+
+
+def edges_of(signal: np.ndarray) -> np.ndarray:
+    """The samples that the steps of a switched signal (n,) lead to; none where it is not switched."""
+    return _edges(signal)[0]
 
 
 def without_noise(signal: np.ndarray) -> np.ndarray:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..errors import BadInput
-from .continuity import is_switched
+from .continuity import edges_of, is_switched
 
 SAME_RATE = 1e-3  # relative: two statements of one rate; rates are often quoted to four digits
 NEGLIGIBLE = 0.01  # intervals: time stamps this close to a uniform grid are that grid
@@ -18,6 +18,8 @@ LONE = 0.01  # of the steps: rarer odd ones are lost samples, not a rate that th
 HALF = 0.5  # intervals: between one step and two, or of all stamps
 _STEADY = 4.0  # standard deviations of the steps: what jitter does in one of fifteen thousand
 _MEDIAN = 0.6745  # of the sizes of Gaussian numbers of unit standard deviation
+#: Samples that a cubic spline needs.
+_OF_A_SPLINE = 4
 #: Samples of a recording that may be missing for each that is there: where most are, it is several recordings.
 _MOST_LOST = 11
 #: Hz, physical limit: nothing is sampled more slowly than once in a century, or faster than light swings.
@@ -212,15 +214,17 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
         return made
     if np.any(np.isinf(columns)):
         return columns  # the check for numbers reports these; a spline would only spread them
-    from scipy.interpolate import CubicSpline
-
-    made = np.empty((len(grid), columns.shape[1]))
+    made, switched, edges = np.empty((len(grid), columns.shape[1])), [], np.zeros(0, int)
     for k, column in enumerate(columns.T):
         there = np.isfinite(column)
         if is_switched(column[there]):  # a spline would ring at its edges
             made[:, k] = column[there][np.rint(np.interp(grid, time[there], np.arange(there.sum()))).astype(int)]
-        else:
-            made[:, k] = CubicSpline(time[there], column[there])(grid) if np.count_nonzero(there) > 1 else np.nan
+            switched.append(k)
+            edges = np.union1d(edges, edges_of(made[:, k]))
+    for k, column in enumerate(columns.T):
+        there = np.isfinite(column)
+        if k not in switched:
+            made[:, k] = _between_edges(time[there], column[there], grid, grid[edges])
         at = np.searchsorted(time[there], grid)
         before, after = time[there][np.maximum(at - 1, 0)], time[there][np.minimum(at, np.count_nonzero(there) - 1)]
         lost = after - before > np.median(step) + max(HALF * np.median(step), _STEADY * jitter)
@@ -230,6 +234,27 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
             f"{where}: the time steps jitter by {100 * jitter / interval:.1f} % (rms); "
             f"resampled by cubic spline at {1 / interval:.6g} Hz"
         )
+    return made
+
+
+def _between_edges(time: np.ndarray, column: np.ndarray, grid: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """(m,) a channel (n,) at the times of the grid: a cubic spline of its own between the times at which another leaps.
+
+    A mass that a force drives in steps accelerates in steps: a spline through them rings on either side. A sample so
+    near to an edge that its stamp does not say the side is left out.
+    """
+    from scipy.interpolate import CubicSpline
+
+    if column.size < 2:
+        return np.full(grid.size, np.nan)
+    vague = NEGLIGIBLE * (grid[-1] - grid[0]) / (grid.size - 1)
+    parts, after = (np.searchsorted(edges, time + off, "right") for off in (-vague, vague))
+    made, places = np.empty(grid.size), np.searchsorted(edges, grid, "right")
+    for part in np.unique(places):
+        own = (parts == part) & (after == part)
+        if np.count_nonzero(own) < _OF_A_SPLINE:  # a dwell of a few samples tells no curve
+            own = np.ones(time.size, bool)
+        made[places == part] = CubicSpline(time[own], column[own])(grid[places == part])
     return made
 
 

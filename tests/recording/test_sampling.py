@@ -152,3 +152,15 @@ def test_jitter_does_not_make_a_switched_channel_ring():
     assert made.start == pytest.approx(GRID[0], abs=0.03 / 250)
     raw = np.abs(signal(GRID + jitter) - signal(GRID)).max()
     assert np.abs(made.columns[:, :1] - signal(GRID)).max() < 0.1 * raw
+
+
+@pytest.mark.parametrize("noise", [0.0, 2e-3])
+def test_jitter_does_not_make_what_a_switched_force_accelerates_ring(noise):
+    """An acceleration is what its force makes it, to the last instant before an edge; the stamp says on which side."""
+    random = np.random.default_rng(5)
+    jitter = np.clip(0.15 * random.standard_normal(N), -0.4, 0.4) / 250
+    force = np.repeat(np.random.default_rng(6).choice([-2.0, 2.0], N // 10), 10)[:N]
+    acts = force[np.maximum(np.arange(N) - (jitter < 0), 0)]
+    shown = np.column_stack([9 * signal(GRID + jitter)[:, 0] + acts, force + noise * random.standard_normal(N)])
+    made = uniform_sampling("rig.csv", GRID + jitter, None, shown).columns[:, 0]
+    assert np.abs(made - 9 * signal(GRID)[:, 0] - force).max() < 0.05
