@@ -106,3 +106,17 @@ def test_two_modes_under_a_held_force(seed):
         x += lfilter(np.ravel(b), a, force)
     x += 1e-3 * np.std(x) * random.standard_normal(n)
     assert answers(Recording("two-level", fs, x, force), *modes).hold == "zero"
+
+
+def test_a_held_force_is_no_further_mode():
+    """Ten samples a cycle: far from resonance what a hold does to the response is what a mode above it would do."""
+    fs, n, random = 100.0, 2000, np.random.default_rng(3)
+    omega, zeta, times = 2 * np.pi * 5.0, 0.02, np.arange(2000) / 100.0
+    force = np.sin(2 * np.pi * 5.4 * times) * (times % 5.0 < 2.0)
+    b, a, _ = cont2discrete(([1.0], [1, 2 * zeta * omega, omega**2]), 1 / fs, method="zoh")
+    x = lfilter(np.ravel(b), a, force)
+    x += 1e-3 * np.std(x) * random.standard_normal(n)
+    found = identify([Recording("bursts", fs, x, force)])
+    assert (len(modes_of_fit(found.oscillator)), found.oscillator.hold) == (1, "zero")
+    mass = found.oscillator.mass
+    assert abs(mass.value - 1.0) < 4 * mass.std < 0.01
