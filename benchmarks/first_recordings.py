@@ -118,7 +118,8 @@ def stated_by(model: Model) -> Stated:
     """Parameters with a standard error, and whether the command ends with exit code 1."""
     values = {name: (p.value, p.std) for name, p in model.parameters.items() if p.std is not None and name in NAMES}
     found = model.identification
-    return Stated(values, bool(found is not None and (found.useless or found.faults or found.modes_left)))
+    words = found is not None and (found.useless or found.faults or found.modes_left or found.unexplained)
+    return Stated(values, bool(words))
 
 
 def mode_taken(found: Case, stated: Stated) -> int:

@@ -183,7 +183,7 @@ def hilbert(
     metavar="5%|3x",
     callback=most_left,
     help="Exit code 1 where the model leaves more of a recording than that share of the motion, noise aside, or than "
-    "so many times the noise. It always is where the simulation does not follow the motion (30%).",
+    "so many times the noise, instead of 1% beside noise. It always is where the simulation does not follow (30%).",
 )
 @with_figures
 @with_mode
@@ -208,8 +208,8 @@ def identify(
 ) -> None:
     """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
 
-    The model is written whatever it leaves. Exit code 1 where it is good for nothing but a start, where --max-left is
-    exceeded or where the measuring chain has done something to a recording.
+    The model is written whatever it leaves. Exit code 1 where it leaves 1 % of a motion beside noise, or more than
+    --max-left, where modes are left, or where the measuring chain has done something to a recording.
     """
     from ..export import SUFFIXES
     from ..face.workflow import identified, write_identification
@@ -251,10 +251,13 @@ def identify(
         say(f"{output}: {identification.useless}", always=True)
     if identification.modes_left:
         say(f"{output}: {identification.modes_left}", always=True)
+    unexplained = identification.unexplained if max_left is None else None  # whoever says how much is content with less
+    if unexplained:
+        say(f"{output}: {unexplained}", always=True)
     exceeded = [] if max_left is None else beyond(identification.oscillator, max_left)
     for sentence in exceeded:
         say(f"{sentence} (--max-left)", always=True)
-    if identification.useless or identification.faults or identification.modes_left or exceeded:
+    if any((identification.useless, identification.faults, identification.modes_left, unexplained, exceeded)):
         sys.exit(1)
 
 

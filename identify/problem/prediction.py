@@ -20,9 +20,11 @@ from functools import cache
 import numpy as np
 
 from ...model.oscillator import QUANTITIES
+from ..signals.registry import numerics
 
 #: No latent force: the model simulates freely.
 FREE = np.inf
+_FASTEST = numerics(0.99 * np.pi, "radians a sample", why="at half the sampling rate no sample shows the phase")
 
 
 @cache
@@ -40,7 +42,7 @@ def prediction_gain(memory: float, omega: float, dt: float, quantity: str) -> tu
     from scipy.linalg import solve_discrete_are
 
     # in the state (x, v / omega), time in radians of the motion, sensor noise of density one
-    turn = omega * dt
+    turn = min(omega * dt, _FASTEST)
     cosine, sine = np.cos(turn), np.sin(turn)
     along = np.array([[cosine, sine], [-sine, cosine]])
     order = QUANTITIES.index(quantity)

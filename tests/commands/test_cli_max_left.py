@@ -45,3 +45,32 @@ def test_what_may_be_left_has_a_unit(capsys, tmp_path, decay, text):
     assert ended("identify", decay, "-o", tmp_path / "m.yaml", "--max-left", text) == 2
     assert "such as 5%" in capsys.readouterr().err
     assert not (tmp_path / "m.yaml").exists()
+
+
+@pytest.fixture
+def with_drag(tmp_path):
+    """A decay with quadratic drag, which Eq. 17 lacks: it leaves some per cent of the motion and follows it all."""
+    n, x, v, moved = 20, 8e-3, 0.0, []
+
+    def acceleration(x, v):
+        return -(60.0**2) * x - 0.6 * v - 60.0 * v * abs(v)
+
+    for _ in range(2 * N):
+        moved.append(x)
+        for _ in range(n):
+            step = 1 / FS / n
+            half = v + 0.5 * step * acceleration(x, v)
+            x, v = x + step * half, v + step * acceleration(x + 0.5 * step * half, half)
+    x = np.array(moved) + 1e-6 * np.random.default_rng(3).standard_normal(2 * N)
+    path, times = tmp_path / "drag.csv", np.arange(2 * N) / FS
+    np.savetxt(path, np.column_stack([times, x]), "%.9g", ",", header="time_s,displacement_m", comments="")
+    return path
+
+
+def test_a_remainder_that_matters_is_bad_news(capsys, tmp_path, with_drag):
+    """One per cent of the motion beside noise; whoever says how much may be left is asked instead."""
+    made = tmp_path / "m.yaml"
+    assert ended("identify", with_drag, "-o", made) == 1
+    assert "the parameters may be off by more than their errors" in capsys.readouterr().err
+    assert load(made).identified.recordings[0]["nrmse"] > 0.01
+    assert ended("identify", with_drag, "-o", made, "--max-left", "20%") == 0

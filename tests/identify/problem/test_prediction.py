@@ -84,3 +84,9 @@ def test_a_free_model_is_not_corrected(quantity):
 def test_a_quantity_that_nobody_knows_is_an_error(quantity):
     with pytest.raises(ValueError, match="index"):
         prediction_gain(1.0, OMEGA, 1e-3, quantity)
+
+
+@pytest.mark.parametrize("quantity", SHOWN)
+def test_half_the_sampling_rate_has_a_gain_too(quantity):
+    """There no sample shows the phase, and the filter's equation has no solution."""
+    assert np.all(np.isfinite(prediction_gain(1.0, OMEGA, np.pi / OMEGA, quantity)))
