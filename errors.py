@@ -32,6 +32,10 @@ class BadInput(DashpotError):
     """The input cannot be used as it is; the command line turns this into exit code 2."""
 
 
+class TellsNothing(BadInput):
+    """A recording that is read as it should be and tells nothing of its rig; others of the same rig do without it."""
+
+
 class Unwritable(BadInput):
     """A place on this machine takes no file, whatever the input: with room or permission there all goes well."""
 

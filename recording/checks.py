@@ -31,10 +31,14 @@ LEVELS = 256  # of eight bits; fewer, and rounding keeps step with the motion in
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong: an "error" makes the recording useless, a "note" is worth knowing. `sentence` says it all."""
+    """One thing wrong: an "error" makes the recording useless, a "note" is worth knowing. `sentence` says it all.
+
+    ``mute`` is an error of a recording that is whole and tells nothing of its rig: at rest, held, or too short.
+    """
 
     severity: Literal["error", "note"]
     sentence: str
+    mute: bool = False
 
 
 def check(recording: Recording, *, stated: bool = False) -> list[Problem]:
@@ -58,7 +62,11 @@ def too_few(recording: Recording) -> list[Problem]:
     least = FORCED_CYCLES * LEAST_SAMPLES
     if recording.n >= least:
         return []
-    return [_error(recording, f"has {recording.n} samples; at least {least} are needed, and many more are better")]
+    return [
+        _error(
+            recording, f"has {recording.n} samples; at least {least} are needed, and many more are better", mute=True
+        )
+    ]
 
 
 def not_a_number(recording: Recording) -> list[Problem]:
@@ -95,7 +103,7 @@ def constant(recording: Recording) -> list[Problem]:
     if np.ptp(response) > 1e-12 * np.max(np.abs(response)):
         return []
     sentence = f"the response is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another"
-    return [_error(recording, f"{sentence} column with --response")]
+    return [_error(recording, f"{sentence} column with --response", mute=True)]
 
 
 def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
@@ -309,6 +317,7 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
             "the force does not reach the response: in the force's own frequency band it explains no more than chance "
             f"would (coherence {relation.coherence:.2f}); check the columns, the cable and that both belong to one "
             "run, or leave the force out with --force none if this is a free decay",
+            mute=True,
         )
     ]
 
@@ -385,8 +394,8 @@ def _round_up(rate: float) -> str:
     return f"{np.ceil(rate / step) * step:g}"
 
 
-def _error(recording: Recording, sentence: str) -> Problem:
-    return Problem("error", f"{recording.name}: {sentence}")
+def _error(recording: Recording, sentence: str, *, mute: bool = False) -> Problem:
+    return Problem("error", f"{recording.name}: {sentence}", mute)
 
 
 def _note(recording: Recording, sentence: str) -> Problem:

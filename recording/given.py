@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import count
 from typing import Any, TypedDict, Unpack
 
 import numpy as np
 
-from ..errors import BadInput
+from ..errors import BadInput, TellsNothing
 from ..files.arguments import known_options, number_of, path_of, shown, text_of
 from .checks import not_a_number, out_of_range
+from .content import MOST_MB
 from .objects import is_sep5, tables_of_object
 from .part import part_of
 from .plain_numbers import vector_of
-from .read import read_records, recording_of
+from .read import recording_of, tables_at
 from .recording import Recording
 
 #: Lists within lists in which recordings are sought: rigs of tests of files, and as much again.
@@ -56,7 +58,8 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
         options: see ``Reading``.
 
     Raises:
-        BadInput: something is none of these, or is wrong; one sentence for each thing.
+        BadInput: something is none of these, or is wrong; one sentence for each thing. Of several recordings one that
+            tells nothing of its rig (at rest, held, too short) is left out, and a note of the first one says so.
         TypeError: there is no such option.
     """
     known_options(options, Reading.__annotations__)
@@ -65,7 +68,7 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
     columns = list(several) if isinstance(several, list | tuple) else [several]
     if len(columns) > 1 and (stated := next((name for name in ("quantity", "unit") if how.get(name)), None)):
         raise BadInput(f"--{stated} cannot be that of {len(columns)} responses; state the units in the columns' names")
-    number, made = count(1), []
+    number, made, mute = count(1), [], []
     for one in _each(given):
         if isinstance(one, Recording):
             for problem in not_a_number(one) or out_of_range(one):
@@ -73,9 +76,19 @@ def recordings_of(*given: Any, **options: Unpack[Reading]) -> list[Recording]:
             made.append(one)
             continue
         for column in columns or [None]:
-            for recording in _read(one, next(number), how | {"response": column}):
+            for make in _read(one, next(number), how | {"response": column}):
+                try:
+                    recording = make()
+                except TellsNothing as problem:
+                    mute.append(problem)
+                    continue
                 named = f"{recording.name} ({column})" if len(columns) > 1 else recording.name
                 made.append(replace(recording, name=named))
+    if mute and not made:
+        raise mute[0] if len(mute) == 1 else TellsNothing("\n".join(map(str, mute)))
+    if mute:
+        left_out = [f"{problem}; it was left out, as others were recorded" for problem in mute]
+        made[0] = replace(made[0], notes=(*made[0].notes, *left_out))
     return made
 
 
@@ -130,15 +143,18 @@ def _is_one(given: Any) -> bool:
     return isinstance(given, Sequence) and len(given) > 0 and all(is_sep5(series) for series in given)
 
 
-def _read(one: Any, number: int, how: dict[str, Any]) -> list[Recording]:
+def _read(one: Any, number: int, how: dict[str, Any]) -> list[Callable[[], Recording]]:
+    """What makes each recording of it, once the file or object is open."""
     if isinstance(one, str | os.PathLike):
         if isinstance(how.get("force"), np.ndarray):
             raise BadInput(f"{one}: is a file, so --force names its column; an array of forces belongs to an array")
-        return read_records(path_of(one), **how)
+        sha256, tables = tables_at(path_of(one), how.get("max_size", MOST_MB))
+        how = {key: value for key, value in how.items() if key != "max_size"}
+        return [partial(recording_of, table, sha256=sha256, **how) for table in tables]
     name, how = f"recording {number}", {key: value for key, value in how.items() if key != "max_size"}
     if isinstance(one, np.ndarray):
         one, how = _named(one, name, how)
-    return [recording_of(table, **how) for table in tables_of_object(one, name)]
+    return [partial(recording_of, table, **how) for table in tables_of_object(one, name)]
 
 
 def _named(signal: np.ndarray, name: str, how: dict[str, Any]) -> tuple[dict[str, np.ndarray], dict[str, Any]]:

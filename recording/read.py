@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import BadInput
+from ..errors import BadInput, TellsNothing
 from .calibration import applied, of_column
 from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
@@ -231,9 +231,10 @@ def _checked(recording: Recording, *, stated: bool) -> Recording:
     from .checks import FORCE_IS_NOISE, check
 
     problems = check(recording, stated=stated)
-    errors = [problem.sentence for problem in problems if problem.severity == "error"]
+    errors = [problem for problem in problems if problem.severity == "error"]
     if errors:
-        raise BadInput("\n".join(errors))
+        kind = TellsNothing if all(problem.mute for problem in errors) else BadInput
+        raise kind("\n".join(problem.sentence for problem in errors))
     notes = tuple(problem.sentence for problem in problems)
     force = None if any(FORCE_IS_NOISE in note for note in notes) else recording.force
     return changed(recording, force=force, notes=(*recording.notes, *notes))
