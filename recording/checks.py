@@ -31,10 +31,7 @@ LEVELS = 256  # of eight bits; fewer, and rounding keeps step with the motion in
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing wrong: an "error" makes the recording useless, a "note" is worth knowing. `sentence` says it all.
-
-    ``mute`` is an error of a recording that is whole and tells nothing of its rig: at rest, held, or too short.
-    """
+    """One thing wrong: an "error" makes the recording useless (``mute``: whole as it is), a "note" is worth knowing."""
 
     severity: Literal["error", "note"]
     sentence: str
@@ -102,8 +99,8 @@ def constant(recording: Recording) -> list[Problem]:
     response = recording.response
     if np.ptp(response) > 1e-12 * np.max(np.abs(response)):
         return []
-    sentence = f"the response is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another"
-    return [_error(recording, f"{sentence} column with --response", mute=True)]
+    what = f"the response is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another column"
+    return [_error(recording, f"{what} with --response", mute=True)]
 
 
 def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
@@ -303,8 +300,7 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
     """Find a force that varies and to which the response shows no relation in the force's own band."""
     if recording.force is None or _free(recording) or not lasting(recording.force):
         return []
-    relation = reach(recording.force, recording.response)
-    if relation is None or relation.related:
+    if (relation := reach(recording.force, recording.response)) is None or relation.related:
         return []
     if is_white(recording.force) and is_one_decay(recording.response, recording.fs, motion.frequency):
         return [_note(recording, FORCE_IS_NOISE)]
