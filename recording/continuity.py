@@ -111,7 +111,7 @@ def folded(signal: np.ndarray) -> np.ndarray:
     steps = np.diff(signal)
     over = np.abs(steps) > 0.5 * np.ptp(signal)
     places = np.flatnonzero(over) + 1
-    if places.size < 2 or np.all(over):
+    if places.size < 2 or np.all(over) or without_noise(signal) is not signal:
         return np.zeros(0, int)
     ordinary, ways = float(np.max(np.abs(steps[~over]))), np.sign(steps[over])
     whole = np.all(np.abs(steps[over]) >= np.ptp(signal) - _LEAP * ordinary)

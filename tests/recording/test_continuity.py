@@ -199,3 +199,11 @@ def test_noise_of_a_sensor_is_taken_off_a_command_in_steps(noise):
     # what goes on between the edges, or carries no noise, stays as it is
     for kept in (shown + 0.02 * np.sin(np.arange(levels.size) / 7), levels, np.cos(np.arange(900) / 5)):
         np.testing.assert_array_equal(without_noise(kept), kept)
+
+
+def test_levels_with_noise_fold_nowhere():
+    """Four dwells, the lowest and the highest twice: every leap goes over all of the range, and no dwell moves on."""
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        levels = np.repeat([0.0, 1.0, 0.0, 1.0], 300)
+        assert folded(levels + 1e-3 * random.standard_normal(levels.size)).size == 0
