@@ -17,6 +17,7 @@ NEARLY_ALL = 0.99  # of a channel's power: what is faster is a tenth of its size
 LONE = 0.01  # of the steps: rarer odd ones are lost samples, not a rate that the rounding cannot show
 HALF = 0.5  # intervals: between one step and two, or of all stamps
 _STEADY = 4.0  # standard deviations of the steps: what jitter does in one of fifteen thousand
+_HALVINGS = 30  # of an interval in which the rate lies: to a billionth of it
 _MEDIAN = 0.6745  # of the sizes of Gaussian numbers of unit standard deviation
 #: Samples that a cubic spline needs.
 _OF_A_SPLINE = 4
@@ -82,10 +83,15 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
         columns = _on_grid(where, time, grid, columns, notes)
         rate = (len(grid) - 1) / (grid[-1] - grid[0])
         start = float(grid[0])
+    elif off > NEGLIGIBLE:
+        rate, known = _rate_of_rounded(time, rounding)
+        if fs is not None and abs(fs / rate - 1) <= known:
+            rate, end = fs, ""
+        else:
+            end = f", which they tell to {100 * known:.2g} %, and frequencies no better; --fs states the rate"
+        notes.append(f"{where}: the time stamps are rounded to {rounding:.1g} s; taken as uniform at {rate:g} Hz{end}")
     else:
         rate = _plain_rate(rate, rounding / (time[-1] - time[0]))
-        if off > NEGLIGIBLE:
-            notes.append(f"{where}: the time stamps are rounded to {rounding:.1g} s; taken as uniform at {rate:g} Hz")
     if fs is not None and abs(fs / rate - 1) > SAME_RATE:
         raise BadInput(
             f"{where}: --fs says {fs:g} Hz but the time column says {rate:.6g} Hz; leave --fs out, "
@@ -136,6 +142,37 @@ def _plain_rate(rate: float, uncertainty: float) -> float:
         if abs(plain / rate - 1) <= uncertainty:
             return plain
     return float(rate)
+
+
+def _rate_of_rounded(time: np.ndarray, rounding: float) -> tuple[float, float]:
+    """The rate of a uniform clock whose stamps (n,), rounded or cut off to `rounding` s, are these, and how well known.
+
+    Such stamps keep within one rounding step of a straight line. Those whose slopes allow it are an interval, for the
+    range of what a line leaves is convex in its slope; of its rates the shortest decimal is taken, and how
+    far it may be off is returned relative to it.
+    """
+    index = np.arange(len(time))
+
+    def leaves(interval: float) -> float:
+        return float(np.ptp(time - interval * index))
+
+    middle, wide = float(np.polyfit(index, time, 1)[0]), 3.0 * rounding / (len(time) - 1)
+    low, high = middle - wide, middle + wide
+    for _ in range(_HALVINGS):
+        first, second = low + (high - low) / 3.0, high - (high - low) / 3.0
+        low, high = (low, second) if leaves(first) < leaves(second) else (first, high)
+    middle = 0.5 * (low + high)
+    most = max(rounding, leaves(middle)) * (1.0 + SAME_RATE)
+    sides = []
+    for way in (-wide, wide):
+        inside, outside = 0.0, 1.0
+        for _ in range(_HALVINGS):
+            half = 0.5 * (inside + outside)
+            inside, outside = (half, outside) if leaves(middle + half * way) <= most else (inside, half)
+        sides.append(middle + outside * way)
+    rate, known = 0.5 * (1.0 / sides[0] + 1.0 / sides[1]), 0.5 * (sides[1] - sides[0]) / middle
+    plain = _plain_rate(rate, known)
+    return plain, known + abs(plain / rate - 1)
 
 
 def _reject_disorder(where: str, time: np.ndarray) -> None:

@@ -42,8 +42,23 @@ def test_rate_is_freed_from_rounded_end_stamps():
 @pytest.mark.parametrize("rate", [600, 800, 1700])
 def test_stamps_rounded_to_a_millisecond_are_no_gaps_and_no_jitter(rate):
     sampling = sample(np.round(np.arange(N) / rate, 3))
-    assert sampling.fs == pytest.approx(rate, rel=1e-3)
+    assert sampling.fs == rate
     assert "rounded to 0.001 s" in sampling.notes[0]
+
+
+@pytest.mark.parametrize("rounded", [np.round, lambda time, digits: np.floor(time * 10**digits) / 10**digits])
+@pytest.mark.parametrize("rate", [302.37, 300.0])
+def test_stamps_rounded_to_thirty_samples_tell_the_rate_to_a_part_of_one(rounded, rate):
+    sampling = sample(rounded(900.0137 + np.arange(N) / rate, 1))
+    known = float(sampling.notes[0].split("tell to ")[1].split(" %")[0]) / 100
+    assert abs(sampling.fs / rate - 1) <= known < 2 / N  # where the ends alone tell it to 30 / N
+    assert sampling.notes[0].endswith(" %, and frequencies no better; --fs states the rate")
+
+
+def test_a_stated_rate_that_rounded_stamps_bear_out_is_taken():
+    sampling = sample(np.round(np.arange(N) / 302.3712, 1), fs=302.3712)
+    assert sampling.fs == 302.3712
+    assert sampling.notes[0].endswith("at 302.371 Hz")
 
 
 def test_moderate_jitter_is_resampled_onto_the_grid():
