@@ -43,16 +43,17 @@ def table_of(
     """
     longest = max(channel.values.size for channel in channels)
     used = [channel for channel in channels if channel.values.size == longest]
-    others = [f"'{channel.name}' ({channel.values.size})" for channel in channels if channel.values.size != longest]
+    others = tuple((c.name, c.unit, c.values.size) for c in channels if c.values.size != longest)
     if others:
-        names = ", ".join(others[:5]) + (f" and {len(others) - 5} more" if len(others) > 5 else "")
+        names = ", ".join(f"'{name}' ({size})" for name, _, size in others[:5])
+        names += f" and {len(others) - 5} more" if len(others) > 5 else ""
         notes = (*notes, f"{where}: the record has {longest} samples; {names}, of other lengths, are left out")
 
     def numbers(indices: Sequence[int]) -> np.ndarray:
         return np.column_stack([np.asarray(used[i].values, float) for i in indices])
 
     names, units = tuple(channel.name for channel in used), tuple(channel.unit for channel in used)
-    return Table(where, names, units, numbers, fs, record, tuple(notes))
+    return Table(where, names, units, numbers, fs, record, tuple(notes), others)
 
 
 def tables_of_tree(where: str, tree: Mapping[str, Any], units: Mapping[str, str] | None = None) -> list[Table]:

@@ -292,6 +292,7 @@ def wrong_unit(recording: Recording, motion: Oscillation) -> list[Problem]:
         if doubt.probable
         else "state the right unit with --unit"
     )
+    advice += "; a wrong unit of the time looks so too"
     sentence = f"the response of {doubt.reason}; {advice}"
     return [_error(recording, sentence) if doubt.impossible else _note(recording, sentence)]
 

@@ -101,6 +101,8 @@ def choose_columns(
     for role in ("time", "force"):
         if role not in chosen:
             chosen[role] = _only(table, columns, role, [i for i in free if columns[i].kind == role])
+    if force is None and chosen["force"] is None:
+        _reject_shorter_force(table)
     if chosen.get("response") is not None:
         return Choice(chosen["time"], chosen["force"], int(chosen["response"] or 0))
 
@@ -217,6 +219,16 @@ def _reject_doubles(table: Table, chosen: dict[str, int | None]) -> None:
             raise BadInput(f"{table.where}: --{used[i]} and --{role} name the same column {table.label(i)}; change one")
         if i is not None:
             used[i] = role
+
+
+def _reject_shorter_force(table: Table) -> None:
+    """Raises BadInput where the one force of a record is of another length: without it, the motion would be free."""
+    for name, unit, count in table.others:
+        if parse_column(name, unit).kind == "force":
+            raise BadInput(
+                f"{table.where}: the force '{name}' has {count} samples, another number than the record, and which of "
+                "them belong together is not known; write both over one time, or leave the force out with --force none"
+            )
 
 
 def _listed(table: Table) -> str:

@@ -15,7 +15,7 @@ class Table:
     `names` and `units` have one entry a column, "" where the file says nothing. `numbers(indices)` returns a float
     array (rows, len(indices)) and raises BadInput where a cell is no number. `fs` is the rate in Hz if the file's
     format states one; `record` is its name where the file holds several, and then a part of `where`; `notes` are
-    sentences on what was left out.
+    sentences on what was left out, and `others` name, unit and samples of each channel of another length, which was.
     """
 
     where: str
@@ -25,6 +25,7 @@ class Table:
     fs: float | None = None
     record: str = ""
     notes: tuple[str, ...] = ()
+    others: tuple[tuple[str, str, int], ...] = ()
 
     @property
     def has_header(self) -> bool:

@@ -11,6 +11,7 @@ import json
 import os
 import subprocess
 import sys
+from dataclasses import replace
 from importlib import import_module
 
 import numpy as np
@@ -20,6 +21,8 @@ from ..channels import Channel, table_of
 from ..table import Table
 
 _SECONDS, _SECONDS_PER_MB = 60.0, 2.0  # universal files as text, the slowest, take a second for each MB
+#: What a parser trips over where it takes a damaged file for a whole one.
+_OF_PYTHON = (NameError, AttributeError, TypeError, ArithmeticError, IndexError, AssertionError, RecursionError)
 _PROGRAM = "import sys; sys.path[:0] = {path!r}; from dashpot.recording.formats import apart; apart.main()"
 
 
@@ -75,7 +78,8 @@ def read_apart(module: str, kind: str, where: str, content: bytes, most: float) 
                 Channel(name, values[:, j], unit)
                 for j, (name, unit) in enumerate(zip(item["names"], item["units"], strict=True))
             ]
-            tables.append(table_of(item["where"], channels, item["fs"], item["record"], item["notes"]))
+            table = table_of(item["where"], channels, item["fs"], item["record"], item["notes"])
+            tables.append(replace(table, others=tuple(map(tuple, item["others"]))))
     return tables
 
 
@@ -102,10 +106,11 @@ def main() -> None:
 
 
 def broken(where: str, kind: str, error: Exception) -> str:
-    """What is said where a parser failed."""
-    reason = str(error).strip().split("\n")[0][:120] or type(error).__name__
+    """What is said where a parser failed: its own words, but for those of Python about a parser that did not check."""
+    said = "" if isinstance(error, _OF_PYTHON) else str(error).strip().split("\n")[0][:120]
+    reason = f" ({said})" if said else ""
     return (
-        f"{where} cannot be read as {kind} ({reason}): it is damaged, cut short or of another kind; copy it again, or "
+        f"{where} cannot be read as {kind}{reason}: it is damaged, cut short or of another kind; copy it again, or "
         "export it as CSV"
     )
 
@@ -118,6 +123,7 @@ def _as_json(table: Table) -> dict[str, object]:
         "fs": table.fs,
         "record": table.record,
         "notes": table.notes,
+        "others": table.others,
     }
 
 

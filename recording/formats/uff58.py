@@ -43,7 +43,7 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
         file = pyuff.UFF(str(path))
         kinds = [int(kind) for kind in np.atleast_1d(file.get_set_types())]
         sets: list[Any] = [file.read_sets(i) for i, kind in enumerate(kinds) if kind == 58]
-    groups: list[tuple[tuple[int, float], list[Channel]]] = []
+    groups: list[tuple[tuple[int, float, bytes], list[Channel]]] = []
     passed: dict[str, str] = {}
     for number, data in enumerate(sets, start=1):
         values = np.asarray(data["data"])
@@ -53,13 +53,15 @@ def read_tables(where: str, content: bytes, most: float) -> list[Table]:
             passed[name] = "complex numbers" if values.dtype.kind == "c" else f"function type {int(data['func_type'])}"
             continue
         channel = Channel(name, values, unit)
-        key = (values.size, _interval(data))
+        interval = _interval(data)
+        stamps = np.asarray(data["x"], float) if not interval else np.empty(0)
+        key = (values.size, interval, stamps.tobytes())
         if groups and groups[-1][0] == key and channel.name not in [other.name for other in groups[-1][1]]:
             groups[-1][1].append(channel)
         else:
-            groups.append((key, [channel]))
+            groups.append((key, [Channel("time", stamps, "s"), channel] if stamps.size else [channel]))
     tables = []
-    for number, ((_, interval), channels) in enumerate(groups, start=1):
+    for number, ((_, interval, _), channels) in enumerate(groups, start=1):
         record = str(number) if len(groups) > 1 else ""
         fs = 1.0 / interval if interval > 0 else None
         place = f"{where}#{record}" if record else where
@@ -102,7 +104,7 @@ def _check_size(where: str, data: dict[str, Any], count: int) -> None:
 
 
 def _interval(data: dict[str, Any]) -> float:
-    """Of the samples, s: as stated, or between the first two stamps of a set with uneven abscissa."""
+    """Of the samples, s: as stated, or of the stamps that a set with uneven abscissa has, 0 where those are uneven."""
     if int(data.get("abscissa_spacing", 1)) == 1:
         return float(data["abscissa_inc"])
     stamps = np.asarray(data["x"], float)

@@ -187,3 +187,33 @@ def test_parquet_says_what_it_passes_over_and_reads_decimals_and_times(tmp_path)
     bridged = read(tmp_path / "rec.parquet", response="y", unit="nm")
     np.testing.assert_allclose(bridged.response, X, atol=1e-8)
     assert any(re.search("missing", note) for note in bridged.notes)
+
+
+def test_a_force_of_another_length_is_not_left_out_unasked(tmp_path):
+    """Without it, what it drives would be taken for free motion."""
+    savemat(tmp_path / "a.mat", {"fs": FS, "force_N": F[:-100], "x_m": X, "temperature": np.ones(5)})
+    with pytest.raises(BadInput, match="the force 'force_N' has 1400 samples, another number than the record"):
+        read(tmp_path / "a.mat")
+    assert read(tmp_path / "a.mat", force="none").force is None
+
+
+def test_what_python_says_of_a_parser_is_not_told(tmp_path):
+    """A WAV file of which a chunk of an odd size is not padded has no chunk of data any more, for its parser."""
+    data = X.astype("<f4").tobytes()
+    head = struct.pack("<4sIHHIIHH", b"fmt ", 16, 3, 1, 1000, 4000, 4, 32)
+    body = b"WAVE" + head + b"LIST" + struct.pack("<I", 5) + b"INFOx" + b"data" + struct.pack("<I", len(data)) + data
+    (tmp_path / "a.wav").write_bytes(b"RIFF" + struct.pack("<I", len(body)) + body)
+    with pytest.raises(BadInput, match="a.wav cannot be read as WAV: it is damaged, cut short or of another kind"):
+        read(tmp_path / "a.wav")
+
+
+def test_stamps_of_a_universal_file_that_are_uneven_are_its_time(tmp_path):
+    pyuff = pytest.importorskip("pyuff")
+    stamps = T + 2e-5 * np.sin(9 * T)
+    told = {"data": X, "x": stamps, "abscissa_spacing": 0, "ordinate_spec_data_type": 8, "func_type": 1, "binary": 0}
+    names = {"rsp_node": 1, "rsp_dir": 1, "ref_node": 1, "ref_dir": 1, "id1": "NONE", "rsp_ent_name": "NONE"}
+    kinds = {"ref_ent_name": "NONE", "abscissa_spec_data_type": 17, "orddenom_spec_data_type": 0}
+    pyuff.UFF(str(tmp_path / "a.uff")).write_sets([pyuff.prepare_58(**told, **names, **kinds)], "overwrite")
+    recording = read(tmp_path / "a.uff")
+    assert recording.fs == pytest.approx(FS, rel=1e-4)  # the stamps have six digits
+    np.testing.assert_allclose(recording.response, np.interp(recording.time, stamps, X), atol=1e-5)
