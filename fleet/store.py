@@ -41,6 +41,8 @@ class Store:
         self._whole: set[tuple[Path, str]] = set()  # folders found as their entry.json of this hash says
         if folder.exists() and not folder.is_dir():
             raise BadInput(f"{folder}: is a file; name a folder for the results")
+        if (folder / FLEET).is_symlink():
+            raise BadInput(f"{folder / FLEET}: is a link, which dashpot batch does not make; put the file in its place")
         check_ours(folder / FLEET, FORMAT.encode(), "dashpot batch")
         if folder.exists() and any(folder.iterdir()) and not (folder / FLEET).exists():
             raise BadInput(f"{folder}: holds other files; name an empty folder, or one that dashpot batch made")

@@ -110,10 +110,11 @@ def test_a_change_of_any_file_is_found_by_watch(folder):
 
 @pytest.mark.skipif(not hasattr(os, "symlink") or os.name != "posix", reason="links of Unix")
 def test_a_link_is_not_followed(folder, tmp_path):
-    for path in [p for p in files_of(folder) if "results" in p.parts]:
+    for path in files_of(folder):
         path.rename(tmp_path / "elsewhere")
         path.symlink_to(tmp_path / "elsewhere")
-        assert is_found(folder) == (True, True), path
+        of_entry = "results" in path.parts or path.name == "fleet.json"
+        assert is_found(folder) in ((True, True), (True, of_entry)), path
         path.unlink()
         (tmp_path / "elsewhere").rename(path)
     place = Store(folder).place("a", KEYS["a"])
