@@ -178,11 +178,17 @@ def stand(fit: Fit, before: Fit) -> bool:
 
 
 def _is_a_tone(term: Term) -> bool:
-    """Whether a further mode is neither driven nor damped, as far as is known: hum is that, and no mode."""
+    """Whether a further mode is neither driven nor damped, as far as is known: hum is that, and no mode.
+
+    Damping below zero is none: where the search for a line has not come to its end, its errors are too small.
+    """
     if term.effect not in MODES:
         return False
-    both = (term.parameters[name] for name in ("participation", "viscous"))
-    return not any(p.std is not None and abs(p.value) > SIGNIFICANT * p.std for p in both)
+    driven, damped = term.parameters["participation"], term.parameters["viscous"]
+    return not (
+        (driven.std is not None and abs(driven.value) > SIGNIFICANT * driven.std)
+        or (damped.std is not None and damped.value > SIGNIFICANT * damped.std)
+    )
 
 
 def _errors(model: Oscillator) -> list[tuple[float, float]]:

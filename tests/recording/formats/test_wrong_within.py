@@ -203,7 +203,7 @@ def test_what_python_says_of_a_parser_is_not_told(tmp_path):
     head = struct.pack("<4sIHHIIHH", b"fmt ", 16, 3, 1, 1000, 4000, 4, 32)
     body = b"WAVE" + head + b"LIST" + struct.pack("<I", 5) + b"INFOx" + b"data" + struct.pack("<I", len(data)) + data
     (tmp_path / "a.wav").write_bytes(b"RIFF" + struct.pack("<I", len(body)) + body)
-    with pytest.raises(BadInput, match="a.wav cannot be read as WAV: it is damaged, cut short or of another kind"):
+    with pytest.raises(BadInput, match=r"a\.wav cannot be read as WAV: it is damaged, cut short or of another kind"):
         read(tmp_path / "a.wav")
 
 
