@@ -114,7 +114,7 @@ def _entries(folder: Path, say: Callable[[str], None] = lambda _: None) -> list[
         why = getattr(problem, "strerror", None) or problem
         raise BadInput(
             f"{folder}: holds no {FLEET} that can be used ({why}); name the folder that dashpot batch wrote and run "
-            "dashpot batch again, or name model files"
+            "dashpot batch again, into another where it does not take this one for its own, or name model files"
         ) from None
     if value.get("format") != FORMAT or not isinstance(value.get("files"), dict) or not _are_rows(value.get("entries")):
         raise BadInput(

@@ -83,6 +83,8 @@ def with_provenance(
 
 def _as_covariance(matrix: np.ndarray) -> np.ndarray:
     """The nearest (k, k) correlations that can be, with the same variances: rounding makes others of unknown values."""
+    if not matrix.size:  # all parameters were given
+        return matrix
     std = np.sqrt(np.diag(matrix))
     scale = np.where(std > 0, std, 1.0)
     sizes, axes = np.linalg.eigh(matrix / scale[:, None] / scale)
