@@ -293,11 +293,17 @@ static void dp_carry_put(const dp_carried *c, long i) {
 
 /* What the derivatives of the state have become since the last sample; they begin anew. */
 static void dp_carry_anew(dp_carried *c, long i) {
-    double *along = c->along + i * DP_NZ * c->count;
-    long k;
+    long k, at = i * DP_NZ * c->count;
     int n;
-    for (n = 0; n < DP_NZ; ++n)
-        for (k = 0; k < c->count; ++k) *along++ = c->dz[k / DP_LANES][n][k % DP_LANES];
+    for (n = 0; n < DP_NZ; ++n) {
+        for (k = 0; k < c->count; ++k, ++at) {
+            const double moved = c->dz[k / DP_LANES][n][k % DP_LANES];
+            if (c->single)
+                ((float *)c->along)[at] = (float)moved;
+            else
+                ((double *)c->along)[at] = moved;
+        }
+    }
     memcpy(c->dz, c->anew, c->blocks * sizeof *c->dz);
 }
 

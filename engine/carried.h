@@ -22,8 +22,8 @@ typedef struct {
     double (*last)[DP_NZ][DP_LANES]; /* dz at the sample before, where sides are asked for; else null */
     void *y;                      /* (rows, n) derivatives of the response, each unknown's in its row */
     const int *row;
-    int single;                   /* whether y is in single precision */
-    double *along;                /* (n, DP_NZ, count) those of the state at each sample, which then begin anew ... */
+    int single;                   /* whether y and along are in single precision */
+    void *along;                /* (n, DP_NZ, count) those of the state at each sample, which then begin anew ... */
     const double (*anew)[DP_NZ][DP_LANES]; /* ... as these; or null */
     long count, n;
 } dp_carried;

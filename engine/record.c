@@ -129,26 +129,26 @@ static void dp_correct(dp_engine *e, const double *gain, double innovation, doub
     e->modes_ready = same;
 }
 
-/* One cubic in place of `joined` pieces, each `step` long: with the value and the slope that they have at both ends. */
-static void dp_joined(const double *piece, int joined, double step, double *one) {
-    const double *last = piece + 4 * (joined - 1);
+/* One cubic in place of `joined` pieces, each `step` long, the first and the last of which are given: with the value and
+ * the slope that they have at both ends; in the place of the first. */
+static void dp_joined(double *one, const double *last, int joined, double step) {
     const double whole = joined * step;
-    const double rise = last[0] + step * (last[1] + step * (last[2] + step * last[3])) - piece[0];
+    const double rise = last[0] + step * (last[1] + step * (last[2] + step * last[3])) - one[0];
     const double slope = last[1] + step * (2.0 * last[2] + 3.0 * step * last[3]);
-    one[0] = piece[0];
-    one[1] = piece[1];
-    one[2] = (3.0 * rise / whole - 2.0 * piece[1] - slope) / whole;
-    one[3] = (piece[1] + slope - 2.0 * rise / whole) / (whole * whole);
+    one[2] = (3.0 * rise / whole - 2.0 * one[1] - slope) / whole;
+    one[3] = (one[1] + slope - 2.0 * rise / whole) / (whole * whole);
 }
 
 /* A recording to be made: n samples dt apart, the first at t0, from z0 with the parameters p. The force is a cubic in each
  * of `fine` equal parts of a sample interval (force: 4 coefficients a part, `parts` of them, at least (n - 1) * fine, or
- * null for a free motion), `joined` of which are taken as one. A force that jumps at a sample has its new value there. To
+ * null for a free motion; `single`: in single precision), `joined` of which are taken as one. A force that jumps at a sample has its new value there. To
  * it is added, all along, `load` and, where not null, the samples added (n): held from each to the next, or in straight
  * lines (`lines`, one part an interval). With measured (n) and gain (DP_NZ) the state is corrected after each sample: the
  * response is then the prediction from one sample to the next. */
 typedef struct {
-    const double *p, *z0, *force, *added, *measured, *gain;
+    const double *p, *z0;
+    const void *force;
+    const double *added, *measured, *gain;
     const signed char *given; /* signs (n * (DP_NS + 1)) under which the states give the response; null: their own */
     double *y;                /* the response (n): of the outputs the one at index `shown` */
     double *z;                /* the states (n * DP_NZ), sample by sample, or null */
@@ -156,26 +156,34 @@ typedef struct {
     dp_sides_shown *sides;    /* filled with what samples beside a jump are on its other side, or null */
     long parts, n;
     double t0, dt, max_step, load;
-    int fine, joined, lines, shown;
+    int fine, joined, lines, shown, single;
 } dp_recording;
+
+/* The coefficients of the force's part k; none of a free motion. */
+static void dp_piece(const dp_recording *r, long k, double *piece) {
+    int j;
+    for (j = 0; j < 4; ++j)
+        piece[j] = !r->force     ? 0.0
+                   : r->single ? ((const float *)r->force)[4 * k + j]
+                               : ((const double *)r->force)[4 * k + j];
+}
 
 /* Returns the number of samples written; fewer than n: it failed there. */
 static long dp_record_by(dp_engine *e, const dp_recording *r) {
-    static const double none[4] = {0.0, 0.0, 0.0, 0.0};
-    double out[DP_NY], now[4], u = r->force ? 0.0 : r->load;
+    double out[DP_NY], now[4], ending[4], u = r->force ? 0.0 : r->load;
     const double piece_step = r->dt / r->fine, step = r->joined * piece_step;
     const double most = DP_MORE + r->n * fmin(DP_CHATTER, r->fine / r->joined * ceil(step / r->max_step));
-    const double *piece = r->force ? r->force : none, *end = r->force ? r->force + 4 * r->parts : none;
     dp_last last;
-    long i;
+    long i, part = 0;
     int j;
     for (i = 0; i < r->n; ++i) {
         const signed char *given = r->given ? r->given + i * (DP_NS + 1) : 0;
-        for (j = 0; i > 0 && j < r->fine; j += r->joined, piece += r->force ? 4 * r->joined : 0) {
-            if (r->joined > 1)
-                dp_joined(piece, r->joined, piece_step, now);
-            else
-                memcpy(now, piece, sizeof now);
+        for (j = 0; i > 0 && j < r->fine; j += r->joined, part += r->joined) {
+            dp_piece(r, part, now);
+            if (r->joined > 1) {
+                dp_piece(r, part + r->joined - 1, ending);
+                dp_joined(now, ending, r->joined, piece_step);
+            }
             if (r->added) {
                 now[0] += r->added[i - 1];
                 if (r->lines) now[1] += (r->added[i] - r->added[i - 1]) / step;
@@ -184,7 +192,10 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
             if (dp_advance_along(e, now, step) != DP_OK || e->events > most) return i;
             u = e->node_u;
         }
-        if (piece < end) u = (r->added ? *piece + r->added[i] : *piece) + r->load;
+        if (r->force && part < r->parts) {
+            dp_piece(r, part, ending);
+            u = (r->added ? ending[0] + r->added[i] : ending[0]) + r->load;
+        }
         if (given)
             dp_outputs_under(e, given, u, out);
         else
@@ -220,7 +231,7 @@ static long dp_record_by(dp_engine *e, const dp_recording *r) {
  * each block. */
 DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, double *dz, const int *which,
                                  const double *sensed, double *room, void *derivatives, const int *row, int single,
-                                 const double *anew, double *along) {
+                                 const double *anew, void *along) {
     dp_carried c;
     memset(&c, 0, sizeof c);
     c.blocks = blocks, c.count = count, c.n = r->n, c.y = derivatives, c.row = row, c.single = single, c.dt = r->dt;

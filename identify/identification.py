@@ -45,8 +45,10 @@ from .problem.data import Data, data_of, displacement_amplitude
 from .problem.equivalent import equivalent
 from .problem.offset import Offset
 from .problem.prediction import FREE
+from .problem.release_memory import give_back_at_once
 from .problem.structure import shapes_of
 from .provenance import with_provenance
+from .signals.hilbert import LONG
 from .signals.odds import SIGNIFICANT
 from .signals.registry import numerics
 from .signals.signals import response_of
@@ -168,6 +170,8 @@ def identify(
     meter = Meter()
     recordings = recordings_of(recordings)
     belong_together(recordings)
+    if max(recording.n for recording in recordings) >= LONG:
+        give_back_at_once()
     progress("free motion, start values by regression")
     hilbert = hilbert_start(recordings)
     estimate = _hilbert_model(hilbert, recordings, name)

@@ -209,6 +209,8 @@ def in_both(signals: Sequence[np.ndarray]) -> tuple[int, int, int, int, int] | N
     they say is proved by the samples of all channels, which are the same to what a file of six digits leaves of them.
     One sort of all marks says which pairs and which shifts are asked.
     """
+    if len(signals) < 2:
+        return None
     marks = [_marks(signal[0]) for signal in signals]
     every = np.concatenate([*marks, np.zeros(0, np.uint64)])
     owner = np.repeat(np.arange(len(marks)), [mark.size for mark in marks])

@@ -39,7 +39,9 @@ class _Recording(ctypes.Structure):
     """``dp_recording`` of engine/record.c."""
 
     _fields_: ClassVar = [
-        *((name, _DOUBLES) for name in ("p", "z0", "force", "added", "measured", "gain")),
+        *((name, _DOUBLES) for name in ("p", "z0")),
+        ("force", ctypes.c_void_p),
+        *((name, _DOUBLES) for name in ("added", "measured", "gain")),
         ("given", _BYTES),
         ("y", _DOUBLES),
         ("z", _DOUBLES),
@@ -47,7 +49,7 @@ class _Recording(ctypes.Structure):
         ("sides", ctypes.c_void_p),
         *((name, ctypes.c_long) for name in ("parts", "n")),
         *((name, ctypes.c_double) for name in ("t0", "dt", "max_step", "load")),
-        *((name, ctypes.c_int) for name in ("fine", "joined", "lines", "shown")),
+        *((name, ctypes.c_int) for name in ("fine", "joined", "lines", "shown", "single")),
     ]
 
 
@@ -127,7 +129,7 @@ class Core:
             _INTEGERS,
             ctypes.c_int,
             _DOUBLES,
-            _DOUBLES,
+            ctypes.c_void_p,
         ]
         return record
 
@@ -292,23 +294,26 @@ class Core:
         quantity: str | None = None,
         load: float = 0.0,
         sides: Sides | None = None,
+        single: bool = False,
     ) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]]:
         """The linearised motion from each sample of a run to the next.
 
         Args:
             values, initial, force, n, dt, max_step, start, measured, gain, quantity, load, sides: as for ``record``;
                 the derivatives of other sides are by the state there, and by the force.
+            single: whether the derivatives come in single precision.
 
         Returns:
             (n,) response; and (n, states, states) derivatives of the state at each sample by that at the one before,
             both before a prediction corrects them; (n, states) by a constant force between the two; (n, states) of the
             response by the state there; (n,) of the response by the force there. NaN from where the simulation failed.
         """
-        s, y, derivatives = self.states, np.full(n, np.nan), np.full((self.states + 1, n), np.nan)
+        s, y, kind = self.states, np.full(n, np.nan), np.float32 if single else float
+        derivatives = np.full((s + 1, n), np.nan, kind)
         asked, kept = self._recording(values, initial, force, n, dt, max_step, start, measured, gain, None, None, load)
         asked.y, asked.shown = _pointer(y), self.equations.output(quantity or self.quantity)
         which = [len(self.parameter_names)] * s + [len(self.parameter_names) + 1]
-        along = np.full((n, s, s + 1), np.nan)
+        along = np.full((n, s, s + 1), np.nan, kind)
         into = np.arange(s + 1, dtype=np.int32)
         with _filled(self._library, sides, asked, s + 1):
             self._carry(asked, [*np.eye(s), np.zeros(s)], which, derivatives, into, along=along)
@@ -347,7 +352,7 @@ class Core:
             into.ctypes.data_as(_INTEGERS),
             derivatives.dtype == np.float32,
             _pointer(anew),
-            _pointer(along),
+            None if along is None else along.ctypes.data,
         )
         TOTAL.run(asked.n, len(moved), time.thread_time() - begin)
 
@@ -375,17 +380,18 @@ class Core:
         arrays = [
             np.ascontiguousarray(values, float),
             self.begin(initial),
-            pieces,
             None if added is None else np.ascontiguousarray(added[:n], float),
             None if measured is None else np.ascontiguousarray(measured, float),
             None if measured is None else np.ascontiguousarray(gain, float),
         ]
-        asked = _Recording(*(_pointer(array) for array in arrays), _bytes(signs))
+        start_of, *rest = (_pointer(array) for array in arrays)
+        asked = _Recording(start_of, rest[0], None if pieces is None else pieces.ctypes.data, *rest[1:], _bytes(signs))
+        asked.single = pieces is not None and pieces.dtype == np.float32
         asked.n, asked.parts = n, 0 if pieces is None else pieces.shape[0]
         asked.t0, asked.dt, asked.max_step, asked.load = start, dt, max_step, load
         asked.fine, asked.joined = (1, 1) if force is None else (force.fine, force.joined)
         asked.lines = force is not None and force.hold != "zero" and force.fine == force.joined
-        return asked, [*arrays, signs]
+        return asked, [*arrays, pieces, signs]
 
     def signs(self, n: int) -> np.ndarray:
         """(n, surfaces + 1) room for the signs of a run; see ``record``."""

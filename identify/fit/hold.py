@@ -30,7 +30,6 @@ from ..problem.linearised import Linearised
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.offset import Offset
 from ..problem.output_error import OutputError, State
-from ..problem.release_memory import give_back
 from ..problem.search_point import Outcome
 from ..problem.segments import FORCE_BAND, Segment
 from ..problem.structure import Structure
@@ -91,7 +90,7 @@ class HoldFound:
 
 def held_as(recordings: Sequence[Recording], hold: str | None) -> list[Recording]:
     """The recordings, with that hold where nobody said theirs; a switched force that is held is that of its levels."""
-    held = [changed(r, hold=hold) if r.hold is None else r for r in recordings]
+    held = [changed(r, hold=hold) if r.hold is None and hold is not None else r for r in recordings]
     return [changed(r, force=without_noise(r.force)) if r.hold == "zero" and r.force is not None else r for r in held]
 
 
@@ -118,21 +117,20 @@ def find_hold(problem: OutputError, state: State, oscillator: Oscillator, record
     unknown = HoldFound("smooth", {}, {})
     here = problem.residuals(state)
     noise = _noise(problem, here, oscillator)
-    give_back()
     there = {hold: _under(problem, hold, recordings).residuals(state) for hold in HOLDS if hold != "smooth"}
     if max(_distance(left, here, noise) for left in there.values()) < MATTERS:
         return unknown  # no parameter can be moved by more of its standard errors than the whole response is
+    # of a model that leaves more than noise the difference is not believed as it is
+    within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
     linearised = Linearised.of(problem, state, here, noise)
-    give_back()
     reached, _ = _reached(problem, linearised, state, here, noise)
+    del here
     log_odds, at_most = {"smooth": 0.0}, {}
     for hold in tuple(there):
         other = _under(problem, hold, recordings)
         ahead, least = _promised(other, linearised, state, there.pop(hold), noise, reached + HOPELESS)
         log_odds[hold], at_most[hold] = reached - ahead, reached - least
     del linearised
-    # of a model that leaves more than noise the difference is not believed as it is
-    within = max(over_noise(problem, here, state, oscillator, recordings)) <= ABOVE_NOISE
     others = {
         hold: _under(problem, hold, recordings) for hold, odds in at_most.items() if not (within and odds < -HOPELESS)
     }

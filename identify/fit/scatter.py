@@ -64,12 +64,13 @@ def scatter(
             for k, row in enumerate(projected):
                 of_sensor = row if force is None else noise[i].of_sensor(row)
                 total[k] += products(projected, of_sensor * wider)
+        del taken, wider
         if remainders is None and force is None and not recordings:
             continue
         weighted = projected
         for k, row in enumerate(projected):
             weighted[k] = noise[i].whitened_twice(row)
-        base = segment.response - residuals[i]
+        base = np.subtract(segment.response, residuals[i], out=residuals[i])
         if recordings:
             total += scatter_of_rounding(problem, state, i, weighted, base, recordings, draws, seed)
         if remainders is not None:
@@ -112,12 +113,15 @@ def _of_force(
         moved -= base
         return added[: segment.n], products(weighted, moved)
 
+    added, score = drawn(0)
     felt = problem.felt(i, state, weighted)
     if felt is not None:
-        added, score = drawn(0)
-        expected, errors = products(felt, added), level * np.linalg.norm(felt, axis=1)
-        if np.all(np.abs(expected - score) <= _STRAIGHT * errors):
-            return level**2 * products(felt, felt)
+        spread, expected = np.zeros((len(weighted), len(weighted))), np.zeros(len(weighted))
+        for part, own in felt:
+            spread += own @ own.T
+            expected += own @ added[part]
+        if np.all(np.abs(expected - score) <= _STRAIGHT * level * np.sqrt(np.diag(spread))):
+            return level**2 * spread
     scores = np.array(problem.map(lambda draw: drawn(draw)[1], range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
     return scores.T @ scores / len(scores) if len(scores) else None

@@ -11,16 +11,18 @@ of forces.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from ..signals.registry import numerics
 
-_AT_ONCE = numerics(2**16, "samples", why="of the banded system that is solved at once: what a cache holds")
+_AT_ONCE = numerics(2**14, "samples", why="of the banded system that is solved at once: what a cache holds")
 
 
 def felt(
     transitions: tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray], weights: np.ndarray, *, held: bool
-) -> np.ndarray:
+) -> Iterator[tuple[slice, np.ndarray]]:
     """Derivatives of weighted sums of a response by what is added to each sample of its force.
 
     Args:
@@ -28,20 +30,20 @@ def felt(
         weights: (k, n) of the sums.
         held: whether a sample of the force holds until the next; else straight lines join them.
 
-    Returns:
-        (k, n); a straight line is taken for its mean over each interval, right to (omega dt)² / 12 of itself.
+    Yields:
+        Samples and (k, m) of these, the last part first: of a long record all together would be its largest array. A
+        straight line is taken for its mean over each interval, right to (omega dt)² / 12 of itself.
     """
     from scipy.linalg import solve_banded
 
     moved, pushed, shown, direct = transitions
     n, s = pushed.shape
     count = weights.shape[0]
-    between = np.zeros((count, n + 1))  # by the force of the interval that ends at a sample
-    later = np.zeros((s, count))
+    later, after = np.zeros((s, count)), np.zeros((count, 1))
     for begin in reversed(range(0, n, _AT_ONCE)):
         end = min(begin + _AT_ONCE, n)
         part = slice(begin, end)
-        right = shown[part, :, None] * weights[:, part].T[:, None, :]
+        right = shown[part, :, None] * weights[:, part].T[:, None, :].astype(float)
         if end < n:
             right[-1] += moved[end].T @ later
         bands = np.zeros((2 * s, (end - begin) * s))
@@ -49,12 +51,17 @@ def felt(
         for row in range(s):
             for column in range(s):
                 bands[s - 1 + row - column, s + column :: s] = -moved[begin + 1 : end, column, row]
-        costate = solve_banded((0, 2 * s - 1), bands, right.reshape(-1, count), check_finite=False)
+        costate = solve_banded((0, 2 * s - 1), bands, right.reshape(-1, count), overwrite_b=True, check_finite=False)
         costate = costate.reshape(-1, s, count)
-        between[:, part] = np.einsum("ns,nsk->kn", pushed[part], costate)
         later = costate[0]
-    of_interval = between[:, 1:] if held else 0.5 * (between[:, :-1] + between[:, 1:])
-    return of_interval + direct * weights
+        # by the force of the interval that ends at a sample, and of that which begins there
+        ending = np.einsum("ns,nsk->kn", pushed[part], costate)
+        of_interval = np.concatenate([ending[:, 1:], after], axis=1)
+        after = ending[:, :1]
+        if not held:
+            of_interval += ending
+            of_interval *= 0.5
+        yield part, of_interval + direct[part] * weights[:, part]
 
 
 def pushed(

@@ -37,7 +37,7 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
         return problem.segments, state
     free = list(problem.free)
     sizes = np.maximum(np.abs(state.values[free]), problem.scale[free])
-    rows = problem.derivatives(state, problem.residuals(state))
+    rows = problem.residuals_with_derivatives(state, single=True)[1]
     found = problem.map(lambda i: _of_segment(problem, i, state, rows[i], sizes), range(len(problem.segments)))
     jumps, false, information = zip(*found, strict=True)
     say_little = np.all(np.array(false) <= FALSE_INFORMATION * np.sum(information, axis=0), axis=1)
@@ -74,27 +74,41 @@ def _of_segment(
         moved = problem.simulate(i, replace(state, values=values), sides=sides)
         if own is not None and sides is not None:  # a jump that passes a sample is no derivative
             put_on_same_sides(base, own, moved, sides)
-        return (moved - base) / step
+        moved -= base
+        moved /= step
+        return np.nan_to_num(moved, copy=False, posinf=0.0, neginf=0.0)
 
     with np.errstate(invalid="ignore"):  # where it does not simulate to its end
-        ways = [np.nan_to_num(quotient(step), posinf=0.0, neginf=0.0) for step in (_STEP, -_STEP)]
+        ahead, back = quotient(_STEP), quotient(-_STEP)
     largest = float(np.max(np.abs(segment.response)))
-    effect = np.max(np.abs([*(rows[: len(sizes)] * sizes[:, None]), *ways]), axis=0)
-    found = _jumps(np.abs(ways[0] - ways[1]), effect, segment.cycle, _VISIBLE * largest)
-    informs = (rows[: len(sizes)] / max(segment.noise, _ROUNDING * largest)) ** 2
-    return found, np.sum(informs[:, found], axis=1), np.sum(informs[:, ~found], axis=1)
+    apart = np.abs(ahead - back)
+    effect = np.maximum(np.abs(ahead, out=ahead), np.abs(back, out=back), out=ahead)
+    del back
+    for row, size in zip(rows, sizes, strict=False):  # behind them those of offsets and initial states
+        np.maximum(effect, np.abs(row) * row.dtype.type(size), out=effect)
+    found = _jumps(apart, effect, segment.cycle, _VISIBLE * largest)
+    power = max(segment.noise, _ROUNDING * largest) ** 2
+    there, whole = (
+        np.array([np.sum(np.square(row[where], dtype=float)) for row in rows[: len(sizes)]]) / power
+        for where in (found, slice(None))
+    )
+    return found, there, whole - there
 
 
 def _jumps(apart: np.ndarray, effect: np.ndarray, cycle: int, visible: float) -> np.ndarray:
     """(n,) whether derivatives forward and backward are so far apart, (n,), beside what the parameters do there, (n,),
-    that they are none, to within half a cycle.
+    that they are none, to within half a cycle; in the memory of both.
 
     Below ``visible`` a difference is rounding.
     """
     from scipy.ndimage import maximum_filter1d
 
     floor = _SMALL * float(np.max(effect)) + visible
-    return maximum_filter1d(apart, cycle) > DISAGREE * maximum_filter1d(effect, cycle) + floor
+    maximum_filter1d(apart, cycle, output=apart)
+    maximum_filter1d(effect, cycle, output=effect)
+    effect *= DISAGREE
+    effect += floor
+    return apart > effect
 
 
 def _longest(good: np.ndarray) -> tuple[int, int]:

@@ -176,7 +176,12 @@ class Linearised:
 
     def leaving(self, residuals: Sequence[np.ndarray]) -> Linearised:
         """The same with other residuals, whitened as these are."""
-        return replace(self, residuals=tuple(residuals))
+        other = replace(self, residuals=tuple(residuals))
+        other.__dict__["sums"] = tuple(
+            Sums(own.normal, products(rows, left), float(np.vdot(left, left)), left.size)
+            for own, rows, left in zip(self.sums, self.columns, residuals, strict=True)
+        )
+        return other
 
     @property
     def shared_rows(self) -> slice:

@@ -8,7 +8,7 @@ endless one the response is simulated freely, and this is output error.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
 from dataclasses import replace
 from typing import Any, Self, TypeVar
@@ -28,7 +28,6 @@ from .jump_sides import nearer_sides, put_on_same_sides
 from .normal_equations import Block, products, shared_information
 from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
-from .release_memory import give_back
 from .search_point import State
 from .segments import Segment
 from .simulating import pool
@@ -179,8 +178,8 @@ class OutputError:
         step = self.coarse_step if self.coarse else self.max_step
         return (state.values, state.initial[index], force, n or segment.n, segment.dt, step), how, shown
 
-    def felt(self, i: int, state: State, weights: np.ndarray) -> np.ndarray | None:
-        """(k, n) derivatives of sums of a segment's response, weighted by (k, n), by each sample of its force.
+    def felt(self, i: int, state: State, weights: np.ndarray) -> Iterator[tuple[slice, np.ndarray]] | None:
+        """Derivatives of sums of a segment's response, weighted by (k, n), by each sample of its force, in parts.
 
         None where the linearised motion does not give them, as where it does not simulate, or through faults.
         """
@@ -191,14 +190,16 @@ class OutputError:
             return None
         force = self.force(self.segments[i])
         if isinstance(force, ContactForce):  # whose noise counts during contacts alone
-            return felt(transitions, weights, held=True) * force.contacts(self.segments[i].n)
+            touches = force.contacts(self.segments[i].n)
+            return ((part, own * touches[part]) for part, own in felt(transitions, weights, held=True))
         return felt(transitions, weights, held=force is not None and force.hold == "zero")
 
     def transitions(self, i: int, state: State) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
         """The linearised motion of a segment, beside its jumps on the nearer side; see ``Core.transitions``."""
         asked, how, zero = self._run(i, state)
         sides = self.sides(i)
-        response, (moved, pushed, shown, direct) = self.core.transitions(*asked, **how, sides=sides)
+        single = self.segments[i].n >= LONG
+        response, (moved, pushed, shown, direct) = self.core.transitions(*asked, **how, sides=sides, single=single)
         if sides is not None and sides.at.size:
             _show(zero, response, sides)
             taken = nearer_sides(self.segments[i], response, sides)
@@ -287,8 +288,6 @@ class OutputError:
 
     def _rows(self, *, single: bool) -> list[np.ndarray]:
         """Room for the derivatives of each segment's response."""
-        if max(segment.n for segment in self.segments) >= LONG:
-            give_back()
         count = self.shared + self.core.states
         return [np.zeros((count, s.n), np.float32 if single and s.n >= LONG else float) for s in self.segments]
 

@@ -1,26 +1,26 @@
-"""Memory that was freed goes back to the system between the stages of a long fit.
+"""Long arrays go back to the system as soon as they are free.
 
 The C library keeps what it may need again: of arrays of a megabyte to thirty, which come and go by the dozen in a long
-fit, half as much again as is in use. Where the library is not glibc nothing happens, and nothing is lost by it.
+fit, more than is in use. Told of a size from which on each block is mapped by itself, it gives that back at once. Where
+the library is not glibc nothing happens, and nothing is lost by it.
 """
 
 from __future__ import annotations
 
 import ctypes
-from collections.abc import Callable
 from functools import cache
+
+_KEPT_UP_TO, _MAPPED_FROM = -1, -3  # M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of malloc.h
+_BYTES = 2**22  # of half a million samples; shorter blocks cost less where they are kept
 
 
 @cache
-def _trim() -> Callable[[int], int] | None:
+def give_back_at_once() -> None:
+    """From here on, in this process."""
     try:
-        return ctypes.CDLL(None).malloc_trim
+        library = ctypes.CDLL(None)
+        for size in (_KEPT_UP_TO, _MAPPED_FROM):
+            library.mallopt(size, _BYTES)
+        library.malloc_trim(0)
     except (AttributeError, OSError, TypeError):  # another C library, or none that can be asked (Windows)
-        return None
-
-
-def give_back() -> None:
-    """Give back what is free; costs milliseconds."""
-    trim = _trim()
-    if trim is not None:
-        trim(0)
+        return

@@ -52,7 +52,7 @@ class NoiseSpectrum:
             return made
         from scipy import fftpack
 
-        made = np.asarray(fftpack.rfft(made, axis=-1, overwrite_x=overwrite))
+        made = np.asarray(fftpack.rfft(made, axis=-1, overwrite_x=True))
         return self._scaled(made, self._weights)
 
     def whitened_twice(self, lines: np.ndarray) -> np.ndarray:

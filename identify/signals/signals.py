@@ -11,7 +11,7 @@ from ...files.computed_once import computed_once
 from ...recording.fact import fact
 from ...recording.recording import Recording
 from ...recording.resolution import converter_step
-from .hilbert import STEP_NOISE, dominant_frequency, noise_level
+from .hilbert import LONG, STEP_NOISE, dominant_frequency, noise_level
 from .limits import SILENT
 from .noise_beside_edges import noise_beside_edges
 from .odds import ABOVE_NOISE, DECISIVE, SIGNIFICANT
@@ -134,13 +134,15 @@ def excited_band(force: np.ndarray, fs: float, noise: float = 0.0) -> tuple[floa
     """
     force = force - np.mean(force)
     force = force[: _whole_cycles(force, fs)]
-    power = np.abs(np.fft.rfft(force - np.mean(force))) ** 2
+    n = force.size
+    power = np.abs(np.fft.rfft((force - np.mean(force)).astype(np.float32 if n >= LONG else float)))
+    power **= 2
     if not np.any(power > 0):
         return 0.0, 0.0
-    held = np.cumsum(power - force.size * noise**2)
-    frequency = np.fft.rfftfreq(force.size, 1 / fs)
+    power -= n * noise**2
+    held = np.cumsum(power, dtype=float)
     edge = 0.5 * (1 - _INSIDE) * held[-1]
-    return float(frequency[np.argmax(held >= edge)]), float(frequency[np.argmax(held >= held[-1] - edge)])
+    return float(np.argmax(held >= edge)) * fs / n, float(np.argmax(held >= held[-1] - edge)) * fs / n
 
 
 def _whole_cycles(force: np.ndarray, fs: float) -> int:

@@ -41,7 +41,9 @@ def test_each_sample_of_the_force_is_felt_as_when_it_is_moved(values, quantity, 
     monkeypatch.setattr(adjoint, "_AT_ONCE", 400)  # in several parts
     core, arguments = of_run(values, quantity, hold, effects)
     weights = np.stack([np.cos(2 * np.pi * 11.0 * T), np.sin(2 * np.pi * 5.0 * T**2)])
-    found = felt(core.transitions(*arguments)[1], weights, held=hold == "zero")
+    found = np.full(weights.shape, np.nan)
+    for part, own in felt(core.transitions(*arguments)[1], weights, held=hold == "zero"):
+        found[:, part] = own
     kick, places = 1e-6, (1, 2, 399, 400, 701, 1203, N - 25)
     for place in places:
         added = np.zeros(N)
