@@ -10,8 +10,9 @@ from __future__ import annotations
 import ctypes
 from functools import cache
 
-_KEPT_UP_TO, _MAPPED_FROM = -1, -3  # M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of malloc.h
-_BYTES = 2**22  # of half a million samples; shorter blocks cost less where they are kept
+from ..signals.registry import budget
+
+_MAPPED_FROM = budget(2**22, "bytes", why="of half a million samples; shorter blocks cost less where they are kept")
 
 
 @cache
@@ -19,8 +20,8 @@ def give_back_at_once() -> None:
     """From here on, in this process."""
     try:
         library = ctypes.CDLL(None)
-        for size in (_KEPT_UP_TO, _MAPPED_FROM):
-            library.mallopt(size, _BYTES)
+        for size in (-1, -3):  # M_TRIM_THRESHOLD and M_MMAP_THRESHOLD of malloc.h
+            library.mallopt(size, _MAPPED_FROM)
         library.malloc_trim(0)
     except (AttributeError, OSError, TypeError):  # another C library, or none that can be asked (Windows)
         return
