@@ -183,7 +183,7 @@ def hilbert(
     metavar="5%|3x",
     callback=most_left,
     help="Exit code 1 where the model leaves more of a recording than that share of the motion, noise aside, or than "
-    "so many times the noise, instead of 1% beside noise. It always is where the simulation does not follow (30%).",
+    "so many times the noise, instead of 5% beside noise. It always is where the simulation does not follow (30%).",
 )
 @with_figures
 @with_mode
@@ -208,7 +208,7 @@ def identify(
 ) -> None:
     """Identify a model from recordings: decays, bursts, sweeps, multisines, hammer blows, in any mixture.
 
-    The model is written whatever it leaves. Exit code 1 where it leaves 1 % of a motion beside noise, or more than
+    The model is written whatever it leaves. Exit code 1 where it leaves 5 % of a motion beside noise, or more than
     --max-left, where modes are left, or where the measuring chain has done something to a recording.
     """
     from ..export import SUFFIXES

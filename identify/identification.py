@@ -29,20 +29,19 @@ from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import explain_residual
+from .fit.frequency_known import refuse_unknown
 from .fit.given_start import leads, with_shared
 from .fit.hold import held_as, hold_note, hold_of_recordings, with_hold
 from .fit.likeliest_modes import Modes, likeliest_modes, modes_of_fit, odds, stand, with_more_modes
 from .fit.likeliest_stop import likeliest_stop
 from .fit.likelihood import maximum_likelihood
-from .fit.limits import FREE_OF_FRICTION, GAIN_RATIO, QUIET
+from .fit.limits import AMISS, FREE_OF_FRICTION, GAIN_RATIO, QUIET
 from .fit.plainest import plainest
 from .fit.reported_result import Fit, SegmentFit
 from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
 from .motion.excitation import kind_of
-from .motion.limits import BENT, KNOWN
 from .motion.modes import modes_beside
-from .problem.data import Data, data_of, displacement_amplitude
-from .problem.equivalent import equivalent
+from .problem.data import Data, data_of
 from .problem.offset import Offset
 from .problem.prediction import FREE
 from .problem.release_memory import give_back_at_once
@@ -50,13 +49,11 @@ from .problem.structure import shapes_of
 from .provenance import with_provenance
 from .signals.hilbert import LONG
 from .signals.odds import SIGNIFICANT
-from .signals.registry import numerics
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
 from .start.further_modes import ringing_modes
 from .start.start import HilbertEstimate, hilbert_start, plain_starts
 
-_FEELER = numerics(1e-2, "standard errors", why="over which what follows from a parameter is all but straight")
 _log = logging.getLogger(__name__)
 
 LEADS_NOWHERE = (
@@ -117,12 +114,12 @@ class Identification:
 
     @property
     def unexplained(self) -> str | None:
-        """A sentence on the recording of which the model leaves the most, where that is more than noise and more than
-        what a measuring chain bends; None where it is not, or where the model is ``useless`` anyway.
+        """A sentence on the recording of which the model leaves the most, where that is more than noise and much of the
+        motion; None where it is not, or where the model is ``useless`` anyway.
         """
         left = [s for s in self.fit.segments if s.over_noise > LACKING and not _is_quiet(s.segment.response, self.fit)]
         worst = max(left, key=lambda s: s.nrmse, default=None)
-        if worst is None or self.useless or not _beside_noise(worst) > BENT:
+        if worst is None or self.useless or not _beside_noise(worst) > AMISS:
             return None
         name = self.recordings[worst.segment.recording].name
         return (
@@ -263,7 +260,7 @@ def identify(
         strange = None if effects or fixed or start or several else _alone
         found = explain_residual(fit, recordings, asked=faults, alone=strange)
         fit, faulty, chain = found.fit, found.faults, (*chain, *found.notes)
-    _refuse_untold(fit, recordings)
+    refuse_unknown(fit, recordings)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band, faults=faulty)
     work = meter.read(sum(recording.n for recording in recordings))
@@ -285,44 +282,6 @@ def identify(
         faults=tuple(f"{recordings[i].name}: {words}" for i, words in faulty.items()),
         work=work,
         modes_left=_modes_left(fit, recordings),
-    )
-
-
-def _refuse_untold(fit: Fit, recordings: Sequence[Recording]) -> None:
-    """Raises BadInput where frequency or damping amid the recorded amplitudes is not known to a third.
-
-    A frequency to a third of itself or of the motion's, a damping ratio to a third of itself or of the critical: a
-    small one may well be none. Where the model follows the motion, and leaves more than noise, it is the model that
-    does not tell, and what is left is said; what slides has no frequency.
-    """
-    segments = [part.segment for part in fit.segments]
-    lacks = any(s.over_noise > LACKING and s.nrmse <= FOLLOWS for s in fit.segments)
-    if not fit.names or lacks or any(segment.slide for segment in segments):
-        return
-    model, pace = fit.oscillator, segments[0].pace
-    size = 0.5 * displacement_amplitude(segments)
-    values = model.values()
-    errors = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
-
-    def moved(by: float) -> np.ndarray:
-        both = [
-            equivalent(values | {n: values[n] + by * e}, size, pace) for n, e in zip(fit.names, errors, strict=True)
-        ]
-        return np.array(both)
-
-    stiffness, damping = equivalent(values, size, pace)
-    scale = np.where(errors > 0.0, errors, 1.0)
-    slopes = (moved(_FEELER) - moved(-_FEELER)) / (2 * _FEELER * scale[:, None])
-    spread = np.sqrt(np.maximum(np.diag(slopes.T @ fit.covariance @ slopes), 0.0))
-    omega = np.sqrt(max(abs(stiffness), pace**2))
-    known = (spread[0] <= 2 * KNOWN * omega**2, spread[1] <= 2 * KNOWN * omega * max(1.0, abs(damping) / (2 * omega)))
-    if all(known):
-        return
-    what = "the damping ratio" if known[0] else "the natural frequency"
-    names = ", ".join(dict.fromkeys(recordings[s.recording].name for s in segments))
-    raise BadInput(
-        f"{names}: {what} is not known to a third of itself; record more cycles or less noise: "
-        "a release and the ringing after it, or a force that excites the resonance"
     )
 
 

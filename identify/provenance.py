@@ -88,7 +88,7 @@ def _as_covariance(matrix: np.ndarray) -> np.ndarray:
     std = np.sqrt(np.diag(matrix))
     scale = np.where(std > 0, std, 1.0)
     sizes, axes = np.linalg.eigh(matrix / scale[:, None] / scale)
-    if not sizes.size or sizes[0] >= -np.finfo(float).eps * len(matrix):
+    if sizes[0] >= -np.finfo(float).eps * len(matrix):
         return matrix
     made = (axes * np.maximum(sizes, 0.0)) @ axes.T
     own = np.sqrt(np.maximum(np.diag(made), np.finfo(float).tiny))

@@ -59,11 +59,8 @@ def too_few(recording: Recording) -> list[Problem]:
     least = FORCED_CYCLES * LEAST_SAMPLES
     if recording.n >= least:
         return []
-    return [
-        _error(
-            recording, f"has {recording.n} samples; at least {least} are needed, and many more are better", mute=True
-        )
-    ]
+    sentence = f"has {recording.n} samples; at least {least} are needed, and many more are better"
+    return [_error(recording, sentence, mute=True)]
 
 
 def not_a_number(recording: Recording) -> list[Problem]:

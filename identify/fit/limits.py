@@ -84,3 +84,12 @@ FREE_OF_FRICTION = decides(
     "that a response must have for its gain to be compared",
     why="a smaller one may be held by friction, and says nothing about the gain",
 )
+
+# identification.py
+
+AMISS = decides(
+    0.05,
+    "part of a motion, beside its noise",
+    "above which a remainder is bad news, where the user states no other",
+    why="of a good rig in a laboratory Eq. 17 leaves one to four per cent, and its parameters are of use",
+)

@@ -339,8 +339,8 @@ def _together(names: Sequence[str], sizes: np.ndarray) -> str:
     *others, last = (name for name, size in zip(names, sizes, strict=True) if size * _WHOLE > 1)
     return (
         f"{', '.join(others)} and {last} cannot be distinguished: changed together they leave the simulation as it is, "
-        "and the standard errors say so; fix what is known of them (--fix NAME=VALUE), or record a motion to both sides "
-        "of rest"
+        "and the standard errors say so; fix what is known of them (--fix NAME=VALUE), or record a motion to either "
+        "side of rest"
     )
 
 

@@ -68,7 +68,7 @@ def with_drag(tmp_path):
 
 
 def test_a_remainder_that_matters_is_bad_news(capsys, tmp_path, with_drag):
-    """One per cent of the motion beside noise; whoever says how much may be left is asked instead."""
+    """Five per cent of the motion beside noise; whoever says how much may be left is asked instead."""
     made = tmp_path / "m.yaml"
     assert ended("identify", with_drag, "-o", made) == 1
     assert "the parameters may be off by more than their errors" in capsys.readouterr().err

@@ -71,7 +71,7 @@ def test_it_is_said(decay):
 
 
 def test_a_step_to_one_side_does_not_tell_the_mass_from_a_preload():
-    """Both say how far the force moves it, and nothing else: the error of the mass is that of a preload of one hundredth.
+    """Both say how far the force moves it, and nothing else; a preload may be a hundredth of the force.
 
     Under a constant force F on one side of rest, x'' + viscous x' + omega0^2 x = F / m - preload.
     """
