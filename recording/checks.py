@@ -150,10 +150,12 @@ def wrapping(recording: Recording, _: Oscillation) -> list[Problem]:
 
 def written_twice(recording: Recording, _: Oscillation) -> list[Problem]:
     """Find a block of samples that the recorder wrote twice: with noise on a signal nothing is the same again."""
-    signals = [signal for signal, _, _ in _signals(recording)]
     if not _is_noisy(recording.response):
         return []
-    if (found := repeated(np.vstack(signals))) is None:
+    signals = np.vstack([signal for signal, _, _ in _signals(recording)])
+    for a, b in recording.blank:  # what was filled is the same in every cycle
+        signals[0, a:b] = np.nan
+    if (found := repeated(signals)) is None:
         return []
     later, earlier, length = found
     times = [recording.start + place / recording.fs for place in (later, earlier)]

@@ -55,14 +55,23 @@ class Whole:
     notes: tuple[str, ...] = ()
 
 
-def made_whole(where: str, columns: np.ndarray, fs: float) -> Whole:
-    """Signals (n, k), response before force, with what is not a number in them filled.
+def made_whole(where: str, columns: np.ndarray, fs: float, beyond: np.ndarray | None = None) -> Whole:
+    """Signals (n, k), response before force, with what is not a number in them filled, and what is ``beyond``.
 
     What fills a gap of the force is off by an impulse at most. Where this, beside that of the force over half a cycle,
     is more than the noise beside the response, the motion after the gap is not known from the motion before it. Without
     a force it is not after more than a cycle, in which a hand may have done anything.
+
+    Args:
+        where: name of the recording.
+        columns: the signals.
+        fs: samples a second.
+        beyond: (n,) samples at which the response does not show the motion; the caller says why.
     """
     gone = np.isnan(columns)
+    every = runs_of(np.any(gone, axis=1))
+    if beyond is not None:
+        gone[:, 0] |= beyond
     if not np.any(gone) or np.any(np.all(gone, axis=0)) or np.any(np.isinf(columns)) or len(columns) < _FEWEST:
         return Whole(columns)
     made, errors = columns.copy(), []
@@ -70,12 +79,10 @@ def made_whole(where: str, columns: np.ndarray, fs: float) -> Whole:
         made[:, k], error = filled(columns[:, k], gone[:, k])
         errors.append(error)
     blank, unknown = tuple(errors[0]), tuple(_unknown(made, errors))
-    every = runs_of(np.any(gone, axis=1))
-    lost = sum(b - a for a, b in every)
     notes = [
-        f"{where}: {lost} sample(s) are missing, {spans((a / fs, b / fs) for a, b in every)} from the start; filled "
-        "from their neighbours, and not fitted"
-    ]
+        f"{where}: {sum(b - a for a, b in every)} sample(s) are missing, "
+        f"{spans((a / fs, b / fs) for a, b in every)} from the start; filled from their neighbours, and not fitted"
+    ][: len(every)]
     if unknown:
         notes.append(
             f"{where}: what drove it is not known {spans((a / fs, b / fs) for a, b in unknown)} from the start; the "

@@ -17,11 +17,11 @@ from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
 from .fact import changed
 from .formats import read_tables
-from .missing import made_whole
 from .objects import tables_of_object
 from .part import cut_out, rows_of
 from .recording import QUANTITIES, Recording
 from .sampling import uniform_sampling
+from .sensor_range import seen_whole
 from .table import Table
 from .time_stamps import in_seconds
 from .units import Unit, parse_unit
@@ -151,7 +151,7 @@ def _recording(
         stamps, signals = stamps[rows], signals[rows]
         notes += said
     sampling = uniform_sampling(table.where, stamps, rate, signals)
-    whole = made_whole(table.where, sampling.columns, sampling.fs)
+    whole = seen_whole(table.where, sampling.columns, sampling.fs)
     columns = whole.columns
     recording = Recording(
         name=table.where,

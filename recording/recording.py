@@ -12,8 +12,9 @@ import numpy as np
 from ..errors import BadInput
 from ..files.arguments import number_of, text_of
 from ..files.computed_once import computed_once
-from .missing import Runs, cut_runs, made_whole
+from .missing import Runs, cut_runs
 from .plain_numbers import vector_of
+from .sensor_range import seen_whole
 from .units import parse_unit
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
@@ -155,7 +156,7 @@ def from_sep5(response: Mapping[str, Any], force: Mapping[str, Any] | None = Non
     stamps = None if time is None else vector_of(time, f"{name}: 'time'")
     rate = None if fs is None else float(vector_of([fs], f"{name}: 'fs'")[0])
     sampling = uniform_sampling(name, stamps, rate, np.column_stack(columns))
-    whole = made_whole(name, sampling.columns, sampling.fs)
+    whole = seen_whole(name, sampling.columns, sampling.fs)
     unit = parse_unit(str(response.get("unit_str", "m")), where=name)
     force_unit = parse_unit(str(force.get("unit_str", "N")) if force else "N", where=name)
     for which, measured, allowed in (("response", unit, (*QUANTITIES, "any")), ("force", force_unit, ("force", "any"))):
