@@ -47,6 +47,10 @@ def save(chart: Chart, path: Path) -> None:
     write(path, drawn(chart, path.suffix[1:]))
 
 
+#: Numbers along an axis as wide as the figure.
+_TICKS = 12
+
+
 def _panel(axes: Any, panel: Panel) -> None:
     for mark in panel.marks:
         _mark(axes, mark)
@@ -72,6 +76,8 @@ def _axis(axes: Any, name: Literal["x", "y"], of: Axis, ends: tuple[float, float
         locator = AutoDateLocator(maxticks=6)
         axis.set_major_locator(locator)
         axis.set_major_formatter(ConciseDateFormatter(locator))
+    if name == "x" and not (of.log or of.dates or of.names is not None):  # else they run into another
+        axes.locator_params(axis="x", nbins=max(3, round(_TICKS * axes.get_position().width)))
 
 
 def _mark(axes: Any, mark: Mark) -> None:
