@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...errors import BadInput
-from ...model.fit_state import FOLLOWS, LACKING
+from ...model.fit_state import LACKING
 from ...recording.recording import Recording
 from ..motion.limits import KNOWN
 from ..problem.data import displacement_amplitude
@@ -22,8 +22,8 @@ def refuse_unknown(fit: Fit, recordings: Sequence[Recording]) -> None:
     """Refuse a fit of which frequency or damping amid the recorded amplitudes is not known to a third.
 
     A frequency to a third of itself or of the motion's, a damping ratio to a third of itself or of the critical: a
-    small one may well be none. Where the model follows the motion and leaves more than noise, other physics widens the
-    errors, and what is left is said. What slides has no frequency.
+    small one may well be none. Where the model explains the motion in part and leaves more than noise, other physics
+    widens the errors; what is left is said, and a diagnosis may begin with it. What slides has no frequency.
 
     Args:
         fit: with the covariance of its free parameters.
@@ -33,7 +33,7 @@ def refuse_unknown(fit: Fit, recordings: Sequence[Recording]) -> None:
         BadInput: where one of the two is not known.
     """
     segments = [part.segment for part in fit.segments]
-    lacks = any(s.over_noise > LACKING and s.nrmse <= FOLLOWS for s in fit.segments)
+    lacks = any(s.over_noise > LACKING for s in fit.segments) and _explains(fit)
     if not fit.names or lacks or any(segment.slide for segment in segments):
         return
     model, pace = fit.oscillator, segments[0].pace
@@ -61,3 +61,12 @@ def refuse_unknown(fit: Fit, recordings: Sequence[Recording]) -> None:
         f"{names}: {what} is not known to a third of itself; record more cycles or less noise: "
         "a release and the ringing after it, or a force that excites the resonance"
     )
+
+
+def _explains(fit: Fit) -> bool:
+    """Whether a fit takes more of the motion than so many unknowns take of noise (Schwarz 1978)."""
+    samples = sum(part.segment.n for part in fit.segments)
+    unknowns = len(fit.names) + sum(part.initial.size for part in fit.segments)
+    left = [min(np.log(max(part.nrmse, np.finfo(float).tiny)), 0) for part in fit.segments]
+    gained = -sum(part.segment.n * each for part, each in zip(fit.segments, left, strict=True))
+    return bool(2 * gained > unknowns * np.log(samples))
