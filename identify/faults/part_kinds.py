@@ -36,8 +36,8 @@ def kind_of_part(found: Contradiction, fit: Fit, recordings: Sequence[Recording]
     recording = recordings[found.part.recording]
     for fitted, left in zip(fit.segments, found.left, strict=True):
         segment, inside = fitted.segment, found.part.holds(fitted.segment)
-        if np.count_nonzero(inside) < FLAT:
-            continue
+        if np.count_nonzero(inside) < FLAT or not np.all(np.isfinite(left[inside])):
+            continue  # where the model runs away, what it leaves is not known
         noise = noise_levels(recording)[0]
         if (stood := stands_still(segment, left, inside, noise)) is not None:
             value, begin, end = stood

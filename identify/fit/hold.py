@@ -174,16 +174,37 @@ def with_hold(
         doubted: whether the answer is, see ``maximum_likelihood``.
     """
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
-    if estimate.hold != "smooth":
-        held = held_as(recordings, estimate.hold)
+    trial, known = (estimate, fit.oscillator) if estimate.hold != "smooth" else (None, None)
+    if trial is None and estimate.values and max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
+        # without the lag of half a sample a search may end in a valley from which the right one is not reached
+        trial = replace(estimate, hold="zero", values={})
+    if trial is not None:
+        held = held_as(recordings, trial.hold)
         # in full where the other, found under a wrong hold, does not keep step
-        again = answer(held, fit.oscillator, doubted=False)
-        if _no_worse(again, fit) and estimate.believed(further_of_fit(again, recordings, estimate.hold)):
-            fit = answer(held, again.oscillator, doubted=doubted)
-            recordings, notes = held, [hold_note(estimate.hold)]
+        again = answer(held, known, doubted=False)
+        if known is None:
+            trial = replace(trial, gain=_gained(fit, again))
+        further = further_of_fit(again, recordings, trial.hold)
+        if trial.gain > 0.0 and _no_worse(again, fit) and trial.believed(further):
+            fit = answer(held, known and again.oscillator, doubted=doubted)
+            estimate, recordings, notes = trial, held, [hold_note(trial.hold)]
     hold = hold_of_recordings(recordings)
     fit = with_hold_unknown(fit, estimate.spread(hold) if fit.names == names else 0.0)
     return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
+
+
+def _gained(fit: Fit, again: Fit) -> float:
+    """Log-likelihood that a fit to the same segments gains by the noise that it leaves; 0 where it gains nothing sure.
+
+    What a wrong model leaves counts by how unlike itself it is.
+    """
+    segments = [part.segment for part in fit.segments]
+    if [(s.start, s.n) for s in segments] != [(part.segment.start, part.segment.n) for part in again.segments]:
+        return 0.0
+    before, after = ([part.segment.response - part.simulated for part in other.segments] for other in (fit, again))
+    if not gain_of_mismatch(before, after, segments)[0][0] > DECISIVE:
+        return 0.0
+    return cost_of(before, again.noise) - cost_of(after, again.noise)
 
 
 def _no_worse(fit: Fit, other: Fit) -> bool:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
-from dashpot.identify.faults.part_kinds import cut_off, lone, stands_still, walk
+from dashpot.identify.faults.part_kinds import cut_off, kind_of_part, lone, stands_still, walk
 from dashpot.identify.problem.segments import Segment
+from dashpot.recording import Recording
 from scipy.signal import lfilter
 
 N = 2000
@@ -101,3 +104,13 @@ def test_a_sample_or_two_that_are_off_are_a_spike(samples, told):
     assert (found is not None) == told
     if told:
         assert found == pytest.approx((0.02, 0.7), abs=2e-3)
+
+
+def test_where_the_model_runs_away_nothing_is_said_of_the_part():
+    left = noise()
+    left[N // 2 :] = np.nan  # a softening spring that gave way
+    segment = Segment(0, 0, N, noise(seed=1), None, 1e-3, 0.0, 2 * np.pi * 5.0)
+    part = SimpleNamespace(recording=0, holds=lambda segment: np.arange(segment.n) >= N // 4)
+    found = SimpleNamespace(other=None, part=part, left=(left,))
+    recordings = [Recording(name="a", fs=1e3, response=segment.response)]
+    assert kind_of_part(found, SimpleNamespace(segments=[SimpleNamespace(segment=segment)]), recordings) is None

@@ -83,6 +83,19 @@ def test_a_smooth_force_stays_smooth(seed):
     assert np.all(np.abs(scores(identification.oscillator)) < 3.5)
 
 
+def test_a_hold_is_found_where_under_a_smooth_force_the_search_ends_in_another_valley():
+    """A chirp through the jump of a spring that hardens, a smooth force leaves 19 times the noise."""
+    rig = {"mass": 0.13, "omega0": 33.0, "cubic": 1e8, "preload": 0.02, "viscous": 0.4, "dry": 0.0}
+    fs, n = 160.0, 800
+    force = chirp(0.06, 2.0, (12.0 - 2.0) * fs / n, np.arange(n) / fs, 1 / fs)[:, :1]
+    x = integrate_pieces(rig, force[:-1], 1 / fs)[0]
+    response = x + 2e-3 * np.std(x) * np.random.default_rng(0).standard_normal(n)
+    found = identify([Recording(name="chirp", fs=fs, response=response, force=force[:, 0])])
+    assert found.oscillator.hold == "zero"
+    for name, p in found.oscillator.parameters().items():
+        assert abs(p.value - rig[name]) < 3.5 * (p.std or 1e-9)
+
+
 def test_a_converter_that_is_early_by_a_sixteenth_of_a_sample_holds_its_force():
     identification = identify(rig("zero", 25, "random", lag=-1 / 16))
     assert identification.oscillator.hold == "zero"
