@@ -133,6 +133,9 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
         raise BadInput("No recording oscillates; " + " ".join(notes))
     backbone, damping = _fit_curves(curves, notes)
     regression, linear = _regression(segments, notes)
+    ringing = [2 * np.pi * line for r, line in zip(recordings, lines, strict=False) if _is_switched(r)]
+    if regression is not None and ringing and not 0.5 < regression.omega0 / np.median(ringing) < 2.0:
+        regression = linear = None  # no force in steps drives a line: what rings there is the rig
     return _combine(motions, lines, curves, tuple(decays), backbone, damping, regression, linear, notes)
 
 
@@ -228,11 +231,15 @@ def _line(recording: Recording, signal: Signal) -> float:
             ringing around it, but not in the velocity.
         signal: its response, or the displacement that this makes.
     """
-    if recording.force is not None and is_switched(np.asarray(recording.force, float)):
+    if _is_switched(recording):
         signal = response_of(recording)
         moved = np.diff(signal.samples) if recording.quantity == "displacement" else signal.samples
         return motion_frequency(moved, signal.fs) or signal.frequency
     return motion_frequency(signal.samples, signal.fs) or signal.frequency
+
+
+def _is_switched(recording: Recording) -> bool:
+    return recording.force is not None and is_switched(np.asarray(recording.force, float))
 
 
 def _combine(

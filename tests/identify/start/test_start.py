@@ -202,3 +202,15 @@ def test_a_switched_force_is_not_the_frequency_of_the_motion(quantity):
     shown = moved + 1e-3 * np.ptp(moved) * (np.random.default_rng(2).standard_normal(force.size) + 5.0)
     start = hilbert_start([Recording("steps", 500.0, shown, force, quantity=quantity)])
     assert start.omega0 == pytest.approx(rig["omega0"], rel=0.1)
+
+
+def test_what_rings_between_steps_of_force_is_the_rig_whatever_a_regression_makes_of_it():
+    """An acceleration shows of a step its ringing alone; integrated twice it drifts, and a regression finds a slide."""
+    rig = {"mass": 0.56, "omega0": 28.7, "cubic": 0.0, "preload": 0.0, "viscous": 6.67, "dry": 0.0}
+    fs, n = 75.0, 2288
+    force = np.repeat([0.0, 0.68, -0.46, 0.06], [1030, 530, 400, n - 1960])
+    x, v = (y[:n] for y in integrate_pieces(rig, force[:, None], 1 / fs))
+    shown = force / rig["mass"] - rig["omega0"] ** 2 * x - rig["viscous"] * v
+    shown = shown + 4e-3 * np.random.default_rng(0).standard_normal(n)
+    record = Recording("steps", fs, shown, force, quantity="acceleration", unit="m/s2")
+    assert hilbert_start([record]).omega0 == pytest.approx(rig["omega0"], rel=0.02)
