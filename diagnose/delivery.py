@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..errors import BadInput
+from ..identify.faults.spread import with_spread
 from ..identify.fit.hold import hold_of_recordings, with_hold
 from ..identify.fit.reported_result import Fit, delivered
 from ..identify.problem.data import Data, data_of
@@ -70,7 +71,7 @@ def with_errors(
     except BadInput as problem:  # a finer simulation may turn over where a coarser did not
         plain = replace(fitted.model, hold=hold_of_recordings(recordings))
         return plain, [f"the errors of the parameters are not known: {problem}"]
-    model = with_provenance(fit, recordings)
+    model = with_provenance(with_spread(fit, recordings)[0], recordings)
     model = replace(
         model,
         amplitude=fitted.model.amplitude or model.amplitude,

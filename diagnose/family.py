@@ -10,6 +10,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ..errors import BadInput
+from ..identify.faults.spread import differing, is_let_go, with_spread
 from ..identify.faults.stranger_among import KEPT
 from ..identify.fit.from_prediction import keeps_step, memories
 from ..identify.fit.hold import held_as
@@ -91,6 +92,8 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     assert identification is not None
     if anew:
         notes.append("the values in the model file lead nowhere near these recordings: all were found anew from them")
+    identification, recordings, holdout = _as_they_differ(identification, recordings, holdout)
+    notes += identification.differs
     best = replace(identification.oscillator, amplitude=model.amplitude, frequency=model.frequency)
     if any(mine.hold != given.hold for mine, given in zip(identification.recordings, recordings, strict=True)):
         recordings, holdout = identification.recordings, held_as(holdout, best.hold)
@@ -127,6 +130,34 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         shown,
         elsewhere,
     )
+
+
+def _as_they_differ(
+    identification: Identification, recordings: Sequence[Recording], holdout: Sequence[Recording]
+) -> tuple[Identification, Sequence[Recording], Sequence[Recording]]:
+    """The family's fit beside what differs between all recordings, and these with it: see ``differing``.
+
+    Those that are held out are judged with it too: a rig whose frequency moved between two blows lacks no physics.
+    """
+    if not holdout or not all(is_let_go(s.segment) for s in identification.fit.segments):
+        return identification, _with_what_differs(recordings, identification.recordings), holdout
+    every, fit = [*recordings, *holdout], identification.fit
+    how = {"fixed": [name for name in fit.oscillator.parameters() if name not in fit.names], "doubted": False}
+    try:
+        found = differing(maximum_likelihood(fit.oscillator, every, **how, near=True), every)
+        if found is None:
+            return identification, _with_what_differs(recordings, identification.recordings), holdout
+        every, mean = found
+        words = with_spread(maximum_likelihood(mean, every, **how, near=True), every)[1]
+    except BadInput:  # not all of them simulate
+        return identification, recordings, holdout
+    recordings, holdout = every[: len(recordings)], every[len(recordings) :]
+    return replace(_from(mean, recordings) or identification, differs=words), recordings, holdout
+
+
+def _with_what_differs(recordings: Sequence[Recording], fitted: Sequence[Recording]) -> list[Recording]:
+    """Recordings with what was found to differ in them."""
+    return [changed(given, differs=own.differs) for given, own in zip(recordings, fitted, strict=True)]
 
 
 def identified_from(model: Oscillator, recordings: Sequence[Recording]) -> bool:

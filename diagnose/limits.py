@@ -4,21 +4,6 @@ from __future__ import annotations
 
 from ..identify.signals.registry import decides, numerics
 
-# changed_rig.py
-
-BOTH_FELL = decides(
-    2.0,
-    "times",
-    "by how much two decays must both have fallen for their backbones to be compared",
-    why="over less than a factor of two in amplitude a bent backbone looks like a shifted one",
-)
-ENDS_OF_BACKBONE = decides(
-    0.1,
-    "part of the common range",
-    "what is left out at either end of two backbones",
-    why="there a curve bends as its filter does",
-)
-
 # experiment/excitations.py
 
 BEYOND = decides(

@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import BadInput, DashpotError
 from ..export.fmu import export_fmu
 from ..export.platforms import own_platform
+from ..identify.faults.spread import with_spread
 from ..identify.fit.climb import POOR_NRMSE
 from ..identify.fit.likelihood import maximum_likelihood
 from ..identify.problem.replay import force_of, replay, replayed
@@ -140,7 +141,7 @@ def fitted_to_all(model: Oscillator, recordings: Sequence[Recording], fixed: Seq
         fixed: parameters that keep their values.
     """
     try:
-        fit = maximum_likelihood(model, recordings, fixed, near=True)
+        fit, _ = with_spread(maximum_likelihood(model, recordings, fixed, near=True), recordings)
     except BadInput:  # stretches may simulate where nothing follows the whole
         return None
     found = replace(
@@ -171,7 +172,7 @@ def _fit(
             model = after
             there = replayed(after, piece)
             second = there.response
-            if run is not None:
+            if run is not None and not piece.differs:  # the FMU has the means
                 force, output = force_of(piece), run.output_for(recording)
                 force = force if force is None else force.shifted(-there.load)
                 try:

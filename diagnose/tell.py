@@ -20,7 +20,6 @@ from ..model.law import Law
 from ..model.library import find
 from ..recording.fact import changed
 from .case import Case, Progress
-from .changed_rig import changed_rig
 from .delivery import named, with_errors
 from .experiment.next_experiment import next_experiment
 from .experiment.separated_by import separated_by
@@ -28,7 +27,7 @@ from .family import identified_from, less_offsets, stranger
 from .measuring_chain import hold_of
 from .place.locate import locate
 from .place.missing_force import latent_forces
-from .repair_trial import FITTED_TO_ALL, exported, fitted_to_all, follows_any, no_finding, record_fits, unmended
+from .repair_trial import FITTED_TO_ALL, exported, fitted_to_all, no_finding, record_fits, unmended
 from .result import SURE, Considered, Diagnosis, Effect, RecordFit
 from .search.candidate import STAGES, key
 from .search.found import Found, Weighing
@@ -84,8 +83,6 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
     remarks = _remarks(found, left, after)
     if after is None:
         left = replace(left, after=left.before)
-        if not other_rig and not follows_any([record for record in records if record.holdout]):
-            remarks += filter(None, [changed_rig(case.recordings, case.holdout)])
     remainder = remainder_sentence(left.after)
     unknown = {} if after is None else of_unknown_size(after, _added(case, after))
     effects, unnamed = ((), {}) if after is None else _effects(found, after, unknown)

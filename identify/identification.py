@@ -29,10 +29,11 @@ from ..recording.oscillation import oscillation_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import explain_residual
+from .faults.spread import differing, with_spread
 from .fit.frequency_known import refuse_unknown
 from .fit.given_start import leads, with_shared
 from .fit.hold import held_as, hold_note, hold_of_recordings, with_hold
-from .fit.likeliest_modes import Modes, likeliest_modes, modes_of_fit, odds, stand, with_more_modes
+from .fit.likeliest_modes import Modes, modes_of_fit, odds, stand, with_more_modes
 from .fit.likeliest_stop import likeliest_stop
 from .fit.likelihood import maximum_likelihood
 from .fit.limits import AMISS, FREE_OF_FRICTION, GAIN_RATIO, QUIET
@@ -76,6 +77,8 @@ class Identification:
             that explains what the model leaves; the parameters are those of the recordings as given, with errors that
             cover it.
         work: how often the recordings were simulated for it, and how long that took.
+        differs: one sentence on each parameter that differs between the recordings, which hold by how much; they are
+            among the notes.
         modes_left: a sentence on modes that the model does not hold, where it leaves more than noise; else None.
     """
 
@@ -87,6 +90,7 @@ class Identification:
     faults: tuple[str, ...] = ()
     work: Work | None = None
     modes_left: str | None = None
+    differs: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Identification of {self.oscillator!r} from {', '.join(r.name for r in self.recordings)}>"
@@ -222,10 +226,15 @@ def identify(
         drifts = [] if fit is None else [o.begun(recordings) for o in fit.offsets if o.channel == "drift"]
         return answer(recordings, begin, kept, drifts, doubted=doubted)
 
+    first = answer(recordings, None, doubted=doubted)
+    found_to_differ = None if any(r.differs for r in recordings) else differing(first, recordings)
+    if found_to_differ is not None:
+        progress("what differs between the recordings")
+        recordings, mean = found_to_differ
+        first = answer(recordings, mean, doubted=doubted)
+    found_modes = Modes(first)
     if start is None and not effects:
-        found_modes = likeliest_modes(ringing_modes(recordings, wanted), of_modes, doubted=doubted)
-    else:
-        found_modes = Modes(answer(recordings, None, doubted=doubted))
+        found_modes = with_more_modes(found_modes, of_modes, ringing_modes(recordings, wanted), doubted=doubted)
     unheld, kept = recordings, found_modes.kept
     fit, recordings, chain = with_hold(found_modes.fit, unheld, partial(answer, kept=kept), doubted=doubted)
     for other in (found_modes.more, found_modes.fewer):
@@ -260,6 +269,7 @@ def identify(
         strange = None if effects or fixed or start or several else _alone
         found = explain_residual(fit, recordings, asked=faults, alone=strange)
         fit, faulty, chain = found.fit, found.faults, (*chain, *found.notes)
+    fit, spread = with_spread(fit, recordings)
     refuse_unknown(fit, recordings)
     kinds = [kind_of(recording, hilbert.decays[i]) for i, recording in enumerate(recordings)]
     oscillator = with_provenance(fit, recordings, curves=hilbert.curves, kinds=kinds, band=band, faults=faulty)
@@ -275,6 +285,7 @@ def identify(
             *hilbert.notes,
             *([hold_note("zero")] if switched else []),
             *chain,
+            *spread,
             *fit.notes,
             *_remarks(fit, recordings),
             *left_over(oscillator),
@@ -282,6 +293,7 @@ def identify(
         faults=tuple(f"{recordings[i].name}: {words}" for i, words in faulty.items()),
         work=work,
         modes_left=_modes_left(fit, recordings),
+        differs=spread,
     )
 
 

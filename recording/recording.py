@@ -33,7 +33,8 @@ class Recording:
     runs between its samples, one of HOLDS, None where nobody said. `struck` holds start, stop and whether it was
     clipped of each blow of a hammer where these are known, after a band has drawn them out. `blank` holds start and
     stop of what the response does not show, which was filled from its neighbours and is not fitted; `unknown` those of
-    what the force does not tell, behind which the motion begins anew.
+    what the force does not tell, behind which the motion begins anew. `differs` holds names of properties and how
+    much more of each the thing had while this was recorded than on the mean of all recordings.
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
@@ -53,6 +54,7 @@ class Recording:
     struck: tuple[tuple[int, int, bool], ...] = ()
     blank: Runs = ()
     unknown: Runs = ()
+    differs: tuple[tuple[str, float], ...] = ()
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")

@@ -123,7 +123,7 @@ def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> tuple[Unlike | Fo
     levels = [noise_levels(recordings[segment.recording])[1] for segment in problem.segments]
     scattered = scatter(problem, state, noise, levels, _DRAWS, recordings=recordings)
     informed = linearised.shared.without(slice(free, None)).normal
-    spread = _spread(informed / np.outer(size, size), scattered / np.outer(size, size))
+    spread = spread_of_scores(informed, scattered, size)
     widest = float(np.max(np.linalg.eigvalsh(spread)))
     found: list[Unlike | FoundBent] = [one.judged(widest, count) for one in bent]
     for (reduced, asks), division, sums in zip(asked, divisions, both, strict=True):
@@ -286,15 +286,16 @@ def _amplitude(segment: Segment, made: np.ndarray) -> np.ndarray:
     return maximum_filter1d(np.abs(made - np.mean(made)), max(1, round(2 * np.pi / segment.pace / segment.dt)))
 
 
-def _spread(informed: np.ndarray, scattered: np.ndarray) -> np.ndarray:
+def spread_of_scores(informed: np.ndarray, scattered: np.ndarray, size: np.ndarray) -> np.ndarray:
     """(free, free) variance of scores that independent residuals would leave at 1: noise of the force is not such.
 
     Args:
         informed: (free, free) information.
         scattered: (free, free) scatter of the score.
+        size: (free,) by which both are scaled.
     """
-    root = _root(informed, -0.5)
-    values, vectors = np.linalg.eigh(root @ scattered @ root)
+    root = _root(informed / np.outer(size, size), -0.5)
+    values, vectors = np.linalg.eigh(root @ (scattered / np.outer(size, size)) @ root)
     return (vectors * np.maximum(values, 1.0)) @ vectors.T
 
 
@@ -310,7 +311,7 @@ def _chance(reduced: np.ndarray, asks: np.ndarray, spread: np.ndarray) -> float:
 
     Args:
         reduced, asks: information on the differences, and their score, in the scale of each parameter.
-        spread: see ``_spread``.
+        spread: see ``spread_of_scores``.
     """
     from scipy.special import chdtrc
 

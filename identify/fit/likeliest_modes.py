@@ -55,17 +55,6 @@ class Modes:
     fewer: Modes | None = None
 
 
-def likeliest_modes(modes: Sequence[Mode], answer: Answer, *, doubted: bool) -> Modes:
-    """The fit of one mode or of several, whichever is the likeliest.
-
-    Args:
-        modes: that the free motion shows; none where it shows one.
-        answer: fits a model.
-        doubted: see ``maximum_likelihood``.
-    """
-    return with_more_modes(Modes(answer(None, None, doubted=doubted)), answer, modes, doubted=doubted)
-
-
 def with_more_modes(first: Modes, answer: Answer, modes: Sequence[Mode] = (), *, doubted: bool) -> Modes:
     """The fit with the modes that the free motion shows, and one more at each line that is left, while they stand."""
     best, more = first, None

@@ -176,7 +176,15 @@ class OutputError:
             gain[:2] = prediction_gain(self.memory, segment.pace, segment.dt, segment.quantity)
             how |= {"gain": gain, "measured": segment.response - shown if np.any(shown) else segment.response}
         step = self.coarse_step if self.coarse else self.max_step
-        return (state.values, state.initial[index], force, n or segment.n, segment.dt, step), how, shown
+        values = self.values(state.values, segment)
+        return (values, state.initial[index], force, n or segment.n, segment.dt, step), how, shown
+
+    def values(self, common: np.ndarray, segment: Segment) -> np.ndarray:
+        """(parameters,) of the rig along a segment, of those that are common to all recordings."""
+        if not segment.differs:
+            return common
+        differs = dict(segment.differs)
+        return common + [differs.get(name, 0.0) for name in self.core.parameter_names]
 
     def felt(self, i: int, state: State, weights: np.ndarray) -> Iterator[tuple[slice, np.ndarray]] | None:
         """Derivatives of sums of a segment's response, weighted by (k, n), by each sample of its force, in parts.
@@ -252,7 +260,7 @@ class OutputError:
     def states(self, index: int, state: State) -> np.ndarray:
         """(n, states) displacement, velocity and inner states along one segment, simulated freely."""
         segment = self.segments[index]
-        values, initial = state.values, state.initial[index]
+        values, initial = self.values(state.values, segment), state.initial[index]
         n, step = segment.n, self.max_step
         return self.core.record(values, initial, segment.force, n, segment.dt, step, start=segment.time, states=True)
 

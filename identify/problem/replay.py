@@ -240,7 +240,8 @@ def replay(oscillator: Oscillator, recording: Recording) -> np.ndarray:
 def replayed(oscillator: Oscillator, recording: Recording) -> Replay:
     """As ``replay``, with where it begins and what the sensors show at zero."""
     core = core_of(oscillator)
-    values = np.array(list(oscillator.values().values()))
+    differs = dict(recording.differs)
+    values = np.array([value + differs.get(name, 0.0) for name, value in oscillator.values().items()])
     peak = float(np.max(np.abs(recording.response))) / natural_frequency(recording) ** QUANTITIES.index(
         recording.quantity
     )

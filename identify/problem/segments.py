@@ -53,6 +53,7 @@ class Segment:
         after: sample of the recording at which the stretch before it ended; None where it is the first. From there goes
             on what no sensor shows (``state_from_previous_segment``).
         blank: (n,) which samples were filled in and are not fitted; None where all were measured.
+        differs: names of parameters of the rig, and by how much each was another along it than the common one.
     """
 
     recording: int
@@ -68,6 +69,7 @@ class Segment:
     quantity: str = "displacement"
     after: int | None = None
     blank: np.ndarray | None = None
+    differs: tuple[tuple[str, float], ...] = ()
 
     @property
     def order(self) -> int:
@@ -184,6 +186,7 @@ def _cut(
                 quantity=recording.quantity,
                 after=segments[-1].stop if segments and segments[-1].recording == index else None,
                 blank=blank[start:stop] if np.any(blank[start:stop]) else None,
+                differs=recording.differs,
             )
             segments += _pieces(whole) if slide else [whole]
     return tuple(segments)

@@ -28,6 +28,7 @@ from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.fit import climb
 from dashpot.identify.problem.offset import FoundOffset
+from dashpot.identify.problem.structure import Structure
 from dashpot.identify.signals.signals import response_of
 from dashpot.model import Oscillator, Provenance
 from dashpot.recording import Recording
@@ -401,3 +402,26 @@ def test_what_no_model_of_its_own_tells_is_no_other_rig(monkeypatch):
     assert judged_stranger(monkeypatch, (1.0,), (9.0,), 1.0, own=OTHER, finite=False) is None
     data = SimpleNamespace(segments=[SimpleNamespace(slide=False)])
     assert stranger(SimpleNamespace(model=MODEL), data, None, [SimpleNamespace(ratio=9.0)]) is None
+
+
+def struck(name, seed, factor):
+    """A decay of the built-in rig, its frequency times a factor."""
+    x, _ = motion(tuple((TRUTH | {"omega0": factor * TRUTH["omega0"]}).items()), 0.0, 2.0, 5e-3)
+    return Recording(name, FS, x + NOISE * np.random.default_rng(seed).standard_normal(x.size))
+
+
+def test_what_differs_in_a_recording_held_out_is_taken_with_it():
+    factors = (1.0, 1.008)
+    before, after = (struck(f"{i}", i, factor) for i, factor in enumerate(factors))
+    best = family_of(MODEL, [before], [after])
+    own = [dict(recording.differs)["omega0"] for recording in (*best.recordings, *best.holdout)]
+    assert own[1] - own[0] == pytest.approx(0.008 * TRUTH["omega0"], rel=0.02)
+    assert any("differs by" in note for note in best.notes)
+    data = cut_for(best, best.holdout, MODEL, judged=True)
+    left = Structure(best.model, data, tuple(best.model.parameters())).fit(settle=True)
+    assert np.std(left.residuals[0]) < 1.2 * NOISE
+
+
+def test_where_nothing_differs_recordings_held_out_stay_as_they_are():
+    best = family_of(MODEL, [struck("0", 0, 1.0)], [struck("1", 1, 1.0)])
+    assert not any(recording.differs for recording in (*best.recordings, *best.holdout))

@@ -1,0 +1,288 @@
+"""What differs between recordings of one rig: its frequency, damping or friction, each within a spread.
+
+Between two blows, or two days, a rig is not quite the same: its clamp has settled, its oil is warmer. One model of all
+recordings then leaves what looks like missing physics, or a second mode, with errors that are far too small. So each
+recording may have values of its own about a common mean (``random_effects``). Whether it has is asked of the fit in
+which all of them have (Cochran 1954). Where that leaves more than noise, the recordings must differ by more than the
+blocks of one recording do: what a family lacks differs along each of them as well.
+
+Only of what was let go or struck: motions that are driven differently need not pass the same amplitudes, and what
+drives them has a gain of its own.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...errors import BadInput
+from ...model import Oscillator
+from ...recording.fact import changed
+from ...recording.recording import Recording
+from ..fit.from_prediction import from_prediction
+from ..fit.limits import CYCLES
+from ..fit.reported_result import Fit
+from ..fit.reweighted_fit import over_noise
+from ..fit.scatter import scatter
+from ..motion.blows import ContactForce
+from ..problem.chain import Fault
+from ..problem.data import noise_at
+from ..problem.descent import search
+from ..problem.linearised import Linearised
+from ..problem.normal_equations import pseudo_inverse
+from ..problem.output_error import OutputError, State
+from ..problem.segments import Segment
+from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.odds import BY_CHANCE, is_noise
+from ..signals.registry import budget, numerics, shown
+from ..signals.signals import noise_levels
+from .contradiction import covering
+from .fault import with_error
+from .fitted_problem import fitted_problem
+from .random_effects import OwnValues
+from .unlike_parts import spread_of_scores
+
+#: What may differ between recordings, and what a sentence calls it.
+KINDS = {"omega0": "natural frequency", "viscous": "viscous damping", "dry": "dry friction"}
+_FEELER = numerics(1e-2, "of a parameter", why="size for finite differences")
+_STEPS = budget(20, "steps", why="a search takes ten to twenty")
+_DRAWS = numerics(60, "draws of force noise", why="as for the covariance: standard errors are good to 9 %")
+_NAMED = shown(3, "recordings", why="a sentence names no more")
+
+
+@dataclass(frozen=True)
+class Deviation(Fault):
+    """By how much a parameter of the rig was another while one recording was made."""
+
+    parameter: str = ""
+    typical: float = 1.0
+
+    moves = True
+
+    def meant(self, segment: Segment, sizes: np.ndarray) -> Segment:
+        """See ``Fault``: the chain is sound, and the rig another."""
+        known = {name: size for name, size in segment.differs if name != self.parameter}
+        return replace(segment, differs=(*known.items(), (self.parameter, float(sizes[0]))))
+
+    def scale(self, segment: Segment) -> float:
+        """See ``Fault``."""
+        return self.typical
+
+    def in_words(self, sizes: np.ndarray, errors: np.ndarray, unit: str, force_unit: str) -> str:
+        """See ``Fault``."""
+        return f"{self.parameter} differs by {with_error(float(sizes[0]), float(errors[0]))}"
+
+
+def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording], Oscillator] | None:
+    """The recordings, each with what of the rig differed in it, and the model with the means; None where nothing does.
+
+    Args:
+        fit: of these recordings, with all parameters common.
+        recordings: as they were fitted.
+    """
+    problem, state = fitted_problem(fit, recordings)
+    kinds = [name for name in KINDS if name in fit.names]
+    used = sorted({segment.recording for segment in problem.segments})
+    if len(used) < 2 or not kinds or not all(map(is_let_go, problem.segments)):
+        return None
+    above = not _leaves_noise([s.over_noise for s in fit.segments], problem.segments)
+    over = [max(s.over_noise for s in fit.segments if s.segment.recording == index) for index in used]
+    first = int(np.argmin(over))
+    others = [index for index in used if index != used[first]]
+    names = list(fit.oscillator.parameters())
+    sizes = [_FEELER * _size(problem, state, names.index(name)) for name in kinds]
+    asked = [Deviation(i, parameter=k, typical=size) for k, size in zip(kinds, sizes, strict=True) for i in others]
+    own = problem.with_faults(asked)
+    point = replace(state, offsets=np.pad(state.offsets, (0, len(asked))))
+    if not above and not _decisive(*_own_values(own, point, fit, recordings, kinds, first, len(used))):
+        return None
+    try:
+        point = from_prediction(own, point)[0]
+    except BadInput:
+        return None
+    point = search(own, point, tolerance=0.1, most=_STEPS, informed=False).state
+    if not all(bool(np.all(np.isfinite(residual))) for residual in own.residuals(point)):
+        return None
+    values, scales = _own_values(own, point, fit, recordings, kinds, first, len(used))
+    chosen = _decisive(values, scales)
+    if not chosen:
+        return None
+    step, effects = values.effects(chosen, values.sizes(chosen))
+    differs = {kinds[k]: dict(zip(used, map(float, row), strict=True)) for k, row in zip(chosen, effects, strict=True)}
+    known = fit.oscillator.parameters()
+    moved = dict(zip(fit.names, point.values[list(problem.free)] + step, strict=True))
+    mean = fit.oscillator.with_parameters({k: replace(known[k], value=float(value)) for k, value in moved.items()})
+    made = [
+        changed(recording, differs=tuple((name, of_each[i]) for name, of_each in differs.items() if i in of_each))
+        for i, recording in enumerate(recordings)
+    ]
+    return made, mean
+
+
+def _leaves_noise(ratios: Sequence[float], segments: Sequence[Segment]) -> bool:
+    """Whether what is left of each segment, in times the noise, is noise."""
+    return is_noise(np.array(ratios) ** 2, np.array([float(segment.n) for segment in segments]))
+
+
+def _size(problem: OutputError, state: State, place: int) -> float:
+    return max(abs(float(state.values[place])), float(problem.scale[place]))
+
+
+def is_let_go(segment: Segment) -> bool:
+    """Whether a motion falls by itself, so that it passes the amplitudes below its first one."""
+    return segment.force is None or isinstance(segment.force, ContactForce)
+
+
+def _own_values(
+    own: OutputError,
+    point: State,
+    fit: Fit,
+    recordings: Sequence[Recording],
+    kinds: Sequence[str],
+    first: int,
+    count: int,
+) -> tuple[OwnValues, list[tuple[float, int | None]]]:
+    """The likelihood about a point, and by how much what it asks of each kind is more than independent noise does.
+
+    That is a mean square, and of how many blocks it is the mean; None where what is left is noise.
+    """
+    residuals = own.residuals(point)
+    noise = noise_at(own, residuals, point, fit.oscillator)
+    linearised = Linearised.of(own, point, residuals, noise)
+    places = [fit.names.index(name) for name in kinds]
+    values = OwnValues.of(linearised, point, places, first, count)
+    if not _leaves_noise(over_noise(own, residuals, point, fit.oscillator, recordings), own.segments):
+        return values, _within(own, point, residuals, noise, places)
+    return values, [(_noise_of_the_force(own, point, noise, linearised, recordings), None)] * len(kinds)
+
+
+def _within(
+    own: OutputError,
+    point: State,
+    residuals: Sequence[np.ndarray],
+    noise: Sequence[NoiseSpectrum],
+    places: Sequence[int],
+) -> list[tuple[float, int | None]]:
+    """Of each kind, the mean square of what blocks of some cycles ask for, in their errors, and how many there are."""
+    linearised = Linearised.in_time(own, point, residuals, noise)
+    asked: list[list[float]] = [[] for _ in places]
+    for blocks in linearised.block([_edges(segment) for segment in own.segments]):
+        for sums in (block.without(linearised.initial_rows) for block in blocks):
+            for k, place in enumerate(places):
+                if sums.normal[place, place] > 0.0:
+                    asked[k].append(float(sums.gradient[place] ** 2 / sums.normal[place, place]))
+    return [(max(float(np.mean(squares)), 1.0) if squares else 1.0, len(squares)) for squares in asked]
+
+
+def _edges(segment: Segment) -> list[int]:
+    """Where blocks of some cycles of a segment begin, and where the last one ends."""
+    count = max(1, int(segment.n * segment.dt * segment.pace / (2 * np.pi * CYCLES)))
+    return np.linspace(0, segment.n, count + 1).astype(int).tolist()
+
+
+def _noise_of_the_force(
+    own: OutputError,
+    point: State,
+    noise: Sequence[NoiseSpectrum],
+    linearised: Linearised,
+    recordings: Sequence[Recording],
+) -> float:
+    """By how much scores scatter more, at most, than the spectrum says, of noise of the force that a rig passes on."""
+    levels = [noise_levels(recordings[segment.recording])[1] for segment in own.segments]
+    if not any(level and segment.force is not None for level, segment in zip(levels, own.segments, strict=True)):
+        return 1.0
+    scattered = scatter(own, point, noise, levels, _DRAWS, recordings=recordings)
+    informed = linearised.shared.without(slice(len(own.free), None)).normal
+    size = np.sqrt(np.maximum(np.diag(informed), np.finfo(float).tiny))
+    return float(np.max(np.linalg.eigvalsh(spread_of_scores(informed, scattered, size))))
+
+
+def _decisive(values: OwnValues, scales: Sequence[tuple[float, int | None]]) -> list[int]:
+    """Kinds that differ beyond doubt beside each other; what tells least goes first.
+
+    Args:
+        values: the likelihood about a point.
+        scales: see ``_own_values``.
+    """
+    from scipy.special import chdtrc, fdtrc
+
+    kinds, count = values.here.shape
+    chosen = list(range(kinds))
+    while chosen:
+        least = values.lost(chosen)
+        chances = []
+        for k in chosen:
+            scale, blocks = scales[k]
+            gain = max(2.0 * (values.lost([other for other in chosen if other != k]) - least), 0.0) / scale
+            if blocks is None:
+                chances.append(float(chdtrc(count - 1, gain)))
+            else:
+                chances.append(float(fdtrc(count - 1, max(blocks - count, 1), gain / (count - 1))))
+        worst = int(np.argmax(chances))
+        if kinds * chances[worst] <= BY_CHANCE:
+            break
+        del chosen[worst]
+    return chosen
+
+
+def with_spread(fit: Fit, recordings: Sequence[Recording]) -> tuple[Fit, tuple[str, ...]]:
+    """The fit with standard errors that hold what differs between its recordings, and a sentence on each such thing.
+
+    A common value is a mean over recordings, and no better known than such a mean can be. Of a few recordings the size
+    of the spread is hardly known itself: the error is that within which the mean lies in 68 of 100 cases (Student
+    1908). Pieces of one recording differ as one.
+
+    Args:
+        fit: of these recordings.
+        recordings: with what differed in each; see ``differing``.
+    """
+    from scipy.special import ndtr, stdtrit
+
+    used = sorted({segment.segment.recording for segment in fit.segments})
+    sets = list(dict.fromkeys(recordings[i].differs for i in used))
+    kinds = [name for name in KINDS if name in fit.names and any(name in dict(differs) for differs in sets)]
+    if not kinds or len(sets) < 2:
+        return fit, ()
+    problem, state = fitted_problem(fit, recordings)
+    names, free = list(fit.oscillator.parameters()), len(problem.free)
+    sizes = {name: _FEELER * _size(problem, state, names.index(name)) for name in kinds}
+    own = problem.with_faults([Deviation(i, parameter=name, typical=sizes[name]) for name in kinds for i in used])
+    effects = np.array([[dict(differs).get(name, 0.0) for differs in sets] for name in kinds])
+    of_set = np.equal.outer([sets.index(recordings[i].differs) for i in used], np.arange(len(sets))).astype(float)
+    point = replace(state, offsets=np.append(state.offsets, effects @ of_set.T))
+    residuals = own.residuals(point)
+    sums = Linearised.of(own, point, residuals, noise_at(own, residuals, point, fit.oscillator)).shared
+    sums = sums.without(slice(free, free + len(problem.offsets)))
+    made = np.eye(free + len(kinds) * len(used), free + len(kinds) * len(sets))
+    made[free:, free:] = np.kron(np.eye(len(kinds)), of_set)
+    size = np.std(effects, axis=1, ddof=1) * stdtrit(len(sets) - 1, ndtr(1.0))
+    prior = np.append(np.zeros(free), np.repeat(size**-2.0, len(sets)))
+    together = pseudo_inverse(made.T @ sums.normal @ made + np.diag(prior))
+    values, axes = np.linalg.eigh(together[:free, :free] - pseudo_inverse(sums.normal[:free, :free]))
+    wider = covering(fit, list((axes * np.sqrt(np.maximum(values, 0.0))).T))
+    noise = _leaves_noise([s.over_noise for s in fit.segments], problem.segments)
+    others = "all else agrees" if noise else "beside it the model leaves more than noise"
+    files, said = [next(r.name for r in recordings if r.differs == differs) for differs in sets], []
+    for k, name in enumerate(kinds):
+        place, at = fit.names.index(name), free + k * len(sets) + np.arange(len(sets))
+        errors = np.sqrt(together[place, place] + np.diag(together)[at] + 2.0 * together[place, at])
+        parameter = fit.oscillator.parameters()[name]
+        said.append(f"{_in_words(name, parameter.value + effects[k], errors, files, parameter.unit)}; {others}")
+    return wider, tuple(said)
+
+
+def _in_words(name: str, values: np.ndarray, errors: np.ndarray, files: Sequence[str], unit: str) -> str:
+    """By how much a parameter differs between files, and what it is in each, or from where to where."""
+    factor, unit = (1.0 / (2 * math.pi), "Hz") if name == "omega0" else (1.0, unit)
+    low, high = int(np.argmin(values)), int(np.argmax(values))
+    share = 100.0 / abs(float(np.mean(values)))
+    size = with_error(share * (values[high] - values[low]), share * math.hypot(errors[low], errors[high]))
+    named = range(len(files)) if len(files) <= _NAMED else (low, high)
+    each = [f"{factor * values[i]:.4g} {unit} in {files[i]}" for i in named]
+    return (
+        f"the {KINDS[name]} differs by {'' if len(files) == 2 else 'up to '}{size} % between the recordings "
+        f"({(', ' if len(files) <= _NAMED else ' to ').join(each)})"
+    )
