@@ -74,9 +74,6 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     notes: list[str] = []
     chain: list[ChainFact] = []
     identification = _from(model, recordings)
-    in_step = identification is not None and keeps_step(
-        [s.segment for s in identification.fit.segments], _free_residuals(identification)
-    )
     known = identified_from(model, recordings)
     anew = (
         identification is not None
@@ -84,7 +81,8 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
         and LEADS_NOWHERE in identification.notes
         and abs(math.log(model.omega0.value / identification.oscillator.omega0.value)) > math.log(OTHER_FREQUENCY)
     )
-    if identification is None or not (in_step or known):
+    # where its values explain little the search began at the recordings' too; only the laws it has beside, never anew
+    if identification is None or (model.terms and not known and not _in_step(identification)):
         effects = [term.effect for term in model.terms]
         again = identify(recordings, name=model.name, effects=effects, doubted=False)
         if identification is None or _left(again) < _left(identification) - math.log(2.0):
@@ -176,8 +174,9 @@ def _from(model: Oscillator, recordings: Sequence[Recording]) -> Identification 
         return None
 
 
-def _free_residuals(identification: Identification) -> list[np.ndarray]:
-    return [s.segment.response - s.simulated for s in identification.fit.segments]
+def _in_step(identification: Identification) -> bool:
+    segments = identification.fit.segments
+    return keeps_step([s.segment for s in segments], [s.segment.response - s.simulated for s in segments])
 
 
 def _left(identification: Identification) -> float:

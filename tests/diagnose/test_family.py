@@ -30,7 +30,7 @@ from dashpot.identify.fit import climb
 from dashpot.identify.problem.offset import FoundOffset
 from dashpot.identify.problem.structure import Structure
 from dashpot.identify.signals.signals import response_of
-from dashpot.model import Oscillator, Provenance
+from dashpot.model import Oscillator, Provenance, oscillator_with
 from dashpot.recording import Recording
 
 FS, NOISE = 500.0, 2e-6
@@ -94,6 +94,17 @@ def test_a_useless_model_file_is_left_aside_and_said_to_be():
     family = family_of(scaled(1e4, 100.0), training(), held())
     assert is_the_rig(family.model)
     assert sum("were found anew" in note for note in family.notes) == 1
+
+
+@pytest.mark.parametrize(("effects", "times"), [((), 1), (("quadratic-drag",), 2)])
+def test_what_lacks_something_is_identified_once_and_its_laws_are_begun_anew(monkeypatch, effects, times):
+    """Where the file's values explain little, one search begins at the recordings' own too."""
+    asked, real = [], module.identify
+    monkeypatch.setattr(module, "identify", lambda *given, **how: asked.append(1) or real(*given, **how))
+    monkeypatch.setattr(module, "keeps_step", lambda *_: False)
+    given = oscillator_with(TRUTH | {f"{effect}.coefficient": 0.1 for effect in effects}, effects=effects)
+    assert is_the_rig(family_of(given, training(), held()).model)
+    assert len(asked) == times
 
 
 def test_values_that_only_lie_off_lead_there_by_themselves():
