@@ -229,6 +229,16 @@ GROUP = decides(
     why="odds: the smallest set that holds this share, the usual credible set",
 )
 
+LISTED = decides(
+    3.0,
+    "odds",
+    "that what leaves a mismatch is of the library, or one of those in its group",
+    why=(
+        "odds: of 33 names far from the noise 25 were there, whatever share they took "
+        "(dirty rigs, seeds 7001, 7002, 7701, 9109, 9110; 28 Nov 2026)"
+    ),
+)
+
 # search/measure.py
 
 NEAR = decides(
@@ -320,12 +330,6 @@ STRETCH_CYCLES = decides(
 
 # simplify.py
 
-TOLD = decides(
-    1.96,
-    "standard errors",
-    "within which a strength is said to be zero within its error",
-    why="error rate: 95 % of what is none comes out so",
-)
 ALIKE = decides(
     0.01, "part of the noise", "by how much motions differ that are alike", why="physical limit: no sensor shows it"
 )

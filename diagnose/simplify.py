@@ -3,7 +3,8 @@
 Four questions follow one another, each asked of the answer to the one before.
 
 0. *Has what cannot be told from its laws been fitted to its end?* A race counts samples, and leaves behind what the
-   witnesses of a mismatch may not tell from the best. Such a rival is fitted to its end and weighed, and may lead.
+   witnesses of a mismatch may not tell from the best. Such a rival is fitted to its end and weighed, and may lead, as
+   does what is most probable in the place of a law.
 1. *Is its strength zero within its own error?* Where the path depends on small differences, or on a search's longer
    steps and coarser force, a further law may be odds on and yet come out with a strength that is as likely none. Where
    the others leave nothing but noise without it, it is not named: what is named must be seen in the fit as delivered.
@@ -24,6 +25,7 @@ import logging
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from statistics import NormalDist
 
 import numpy as np
 
@@ -39,15 +41,17 @@ from ..model.terms import with_term, without_term
 from .case import Case, Progress
 from .delivery import finely
 from .family import cut_for
-from .limits import ALIKE, TOLD
+from .limits import ALIKE, GROUP
 from .search.candidate import Candidate, key
 from .search.found import Found
-from .search.judgement import MATTERS, leading, leaves_mismatch, standing
+from .search.judgement import MATTERS, leading, leaves_mismatch, standing, tells_as_well
 from .search.measure import Measure
 from .search.race import PATIENCE, Entry, continued, race, started
 from .search.starts import handed_down
 from .search.weigh import forget, judged
 
+#: Standard errors within which the share ``GROUP`` of what is none comes out.
+_TOLD = -NormalDist().inv_cdf((1 - GROUP) / 2)
 _AT_REST = numerics(0.0025, "log-likelihood", why="a fourteenth of a standard error: nothing is left to be found")
 
 _log = logging.getLogger(__name__)
@@ -62,7 +66,7 @@ def simplify(case: Case, found: Found, progress: Progress) -> Found:
         progress: called with what is being done and how much of all is done.
     """
     progress("rivals of what was found", 0.85)
-    found = with_rivals_fitted(found)
+    found = with_most_probable(with_rivals_fitted(found))
     weighing, several = found.weighing, len(found.selected.laws) > 1
     if weighing.data.memory == FREE and several and not leaves_mismatch(found.selected, weighing.parts):
         progress("whether all laws are needed", 0.85)
@@ -104,6 +108,18 @@ def with_rivals_fitted(found: Found) -> Found:
         best = leading(selected, evaluated, parts)
         if best.laws != selected.laws:
             found = _exchanged(found, best, f"fitted to its end, {best.name} is as near")
+
+
+def with_most_probable(found: Found) -> Found:
+    """The best structure with what is most probable in the place of each law; a search counts laws, a name unknowns."""
+    for law in found.selected.laws:
+        first = standing(law, found.selected, list(found.candidates.values()), found.weighing.parts).first
+        other = found.candidates.get(key((*(name for name in found.selected.laws if name != law), first)))
+        if first in ("", law) or other is None or other.stage != "judged":
+            continue
+        if tells_as_well(other, found.selected):
+            found = _exchanged(found, other, f"for as many unknowns as it has, {first} is more probable")
+    return found
 
 
 # Laws whose strength is zero within its error.
@@ -148,7 +164,7 @@ def of_unknown_size(model: Oscillator, laws: tuple[str, ...]) -> dict[str, str]:
         law: f"{law} is in the model and not named: its strength is zero within its error. Something acts like it, and "
         "how much of it there is, and whether it is this, these recordings leave open"
         for law, sure in certainty(model, laws).items()
-        if sure < TOLD
+        if sure < _TOLD
     }
 
 

@@ -86,7 +86,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
     remainder = remainder_sentence(left.after)
     unknown = {} if after is None else of_unknown_size(after, _added(case, after))
     effects, unnamed = ((), {}) if after is None else _effects(found, after, unknown)
-    unlikely = "is in the model and not named: that nothing like it is there is more probable"
+    unlikely = "is in the model and not named: that it is something else, or nothing, is more probable"
     remarks += [unknown.get(law, f"{law} {unlikely}") for law in unnamed]
     kept = before
     if after is None and case.in_pieces:
@@ -232,7 +232,7 @@ def _survivors(found: Found, best: Oscillator) -> dict[str, Oscillator]:
 def _effects(
     found: Found, model: Oscillator, unknown: Collection[str] = ()
 ) -> tuple[tuple[Effect, ...], dict[str, float | None]]:
-    """What is named, the most probable first; of those that are sure the one that takes most away.
+    """What is named, that first of which most is expected: its share of what is left times its probability.
 
     Laws of ``unknown`` size, and what is there less probably than not, are in the model and not named: they are given
     with their shares.
@@ -252,7 +252,7 @@ def _effects(
         rivals.pop(law.effect, None)
         odds, share = min(stands.odds, SURE), found.share_of(name)
         effects.append(Effect(law.effect, law.name, law.path, dict(term.parameters), tuple(rivals), "", odds, share))
-    effects.sort(key=lambda effect: (-effect.odds, -(1.0 if effect.share is None else effect.share)))
+    effects.sort(key=lambda effect: -effect.probability * (1.0 if effect.share is None else effect.share))
     return tuple(effects), unnamed
 
 

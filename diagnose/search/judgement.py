@@ -15,7 +15,7 @@ from ...identify.signals.registry import budget
 from ...model.law import Law
 from ...model.library import KNOWN, find
 from ...model.oscillator import Oscillator, Term
-from ..limits import GROUP, MATTERS
+from ..limits import GROUP, LISTED, MATTERS
 from .candidate import Candidate
 from .chance import by_chance
 from .residual_test import times_the_noise
@@ -106,12 +106,16 @@ def leading(leader: Candidate, arrived: Sequence[Candidate], parts: Sequence[Dat
     shorter = [c for c in fewer if log_odds(leader, c, parts) < DECISIVE]  # by the odds that the longer needs to be led
     if shorter:
         return max(shorter, key=lambda c: c.value)
-    # one as long, or shorter, has nothing to prove beyond being more probable, and must not tell decisively worse what
-    # was held out or, where nothing was, foretell it any worse
+    # one as long, or shorter, has nothing to prove beyond being more probable
     as_long = [c for c in arrived if len(c.laws) <= len(leader.laws) and log_odds(c, leader, parts) > 0]
-    as_long = [c for c in as_long if c.foretold >= leader.foretold - (0.0 if c.held_out is None else DECISIVE)]
+    as_long = [c for c in as_long if tells_as_well(c, leader)]
     further = [c for c in arrived if accepted(c, leader, parts)]
     return max([leader, *as_long, *further], key=lambda c: log_odds(c, leader, parts))
+
+
+def tells_as_well(candidate: Candidate, leader: Candidate) -> bool:
+    """Whether it tells what was held out not decisively worse or, where nothing was, foretells it no worse."""
+    return candidate.foretold >= leader.foretold - (0.0 if candidate.held_out is None else DECISIVE)
 
 
 def first_of_several(given: Candidate, candidates: Iterable[Candidate], parts: Sequence[Data]) -> Candidate | None:
@@ -178,19 +182,22 @@ class Standing:
     """How one law of the best structure stands beside what could be in its place.
 
     Attributes:
-        odds: of its group against all other structures that were weighed.
+        odds: of its group against all other structures that were weighed, and causes that the library does not have.
         rivals: laws that cannot be told from it, the most probable first.
+        first: the most probable of all; empty where that is none.
     """
 
     odds: float
     rivals: tuple[str, ...]
+    first: str
 
 
 def standing(law: str, best: Candidate, candidates: Sequence[Candidate], parts: Sequence[Data]) -> Standing:
     """Odds of one law of the best structure, and its group: the smallest set that holds the share ``GROUP``.
 
     Far from the noise that is the mean over bags, and a rival is also what left the race: there each sample counted,
-    and what stays a thousand samples behind may be as probable by the witnesses.
+    and what stays a thousand samples behind may be as probable by the witnesses. However much more probable than all
+    that was weighed, what leaves a mismatch may there act like a cause that the library does not have.
 
     Args:
         law: of the best structure.
@@ -219,4 +226,6 @@ def standing(law: str, best: Candidate, candidates: Sequence[Candidate], parts: 
     if law not in group:
         group.append(law)
     held = sum(share for name, share in zip(names, shares, strict=True) if name in group)
-    return Standing(float(held / max(1.0 - held, np.finfo(float).tiny)), tuple(name for name in group if name != law))
+    weighed = held / max(1.0 - held, np.finfo(float).tiny)
+    odds_on = weighed / (1.0 + weighed * mismatch_share(best, parts) / LISTED)
+    return Standing(float(odds_on), tuple(name for name in group if name != law), names[0])

@@ -8,12 +8,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose import diagnose
+from dashpot.diagnose import diagnose, tell
 from dashpot.diagnose.repair_trial import FITTED_TO_ALL
 from dashpot.diagnose.tell import _why_untried
 from dashpot.errors import BadInput
+from dashpot.examples.truth import TRUTH
 from dashpot.identify.identification import identify
-from dashpot.model import Response
+from dashpot.model import Response, oscillator_with
 from dashpot.model.file import dumps, loads
 from dashpot.model.library import find
 from dashpot.recording import Recording
@@ -210,3 +211,24 @@ def test_why_a_law_was_never_put_in_is_said_as_it_is(effect, driven, asked, word
     segment = SimpleNamespace(force=object() if driven else None)
     weighing = SimpleNamespace(data=SimpleNamespace(segments=[segment]))
     assert words in _why_untried(find(effect), weighing, asked_rugged=asked)
+
+
+@pytest.mark.parametrize(("odds", "first"), [((10.0, 9.0), "cubic-damping"), ((10.0, 1.1), "quadratic-drag")])
+def test_named_first_is_what_most_is_expected_from(monkeypatch, odds, first):
+    """Its share times its probability: that one is a little surer says less than that the other takes half more."""
+    laws, shares = ("quadratic-drag", "cubic-damping"), {"quadratic-drag": 0.6, "cubic-damping": 0.9}
+    stands = {law: SimpleNamespace(odds=one, rivals=()) for law, one in zip(laws, odds, strict=True)}
+    monkeypatch.setattr(tell, "standing", lambda law, *_: stands[law])
+    values = TRUTH | {"quadratic-drag.coefficient": 2.0, "cubic-damping.coefficient": 3.0}
+    model = oscillator_with(values, effects=laws)
+    found = SimpleNamespace(
+        selected=SimpleNamespace(laws=laws),
+        fitted=SimpleNamespace(model=model),
+        candidates={},
+        weighing=SimpleNamespace(parts=()),
+        share_of=shares.__getitem__,
+    )
+    effects, unnamed = tell._effects(found, model)
+    assert effects[0].effect == first
+    assert len(effects) == 2
+    assert not unnamed

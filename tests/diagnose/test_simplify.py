@@ -10,13 +10,14 @@ import dashpot
 import numpy as np
 import pytest
 from dashpot.diagnose import simplify
-from dashpot.diagnose.search.candidate import Candidate
+from dashpot.diagnose.search.candidate import Candidate, key
 from dashpot.diagnose.search.found import Found, Weighing
 from dashpot.diagnose.simplify import (
     best_in_one_run,
     certainty,
     left_of,
     of_unknown_size,
+    with_most_probable,
     with_plainer_laws,
     with_rivals_fitted,
     without_needless,
@@ -67,6 +68,24 @@ def test_a_rival_that_left_the_race_is_fitted_to_its_end_and_may_lead(monkeypatc
     assert found.selected.laws == (first,)
     assert found.candidates[("cubic-damping",)].stage == "judged"
     assert found.candidates[("stribeck",)].stage == "left"
+
+
+@pytest.mark.parametrize(
+    ("stage", "foretold", "first"),
+    [
+        ("judged", 0.0, "cubic-damping"),
+        ("judged", -1.0, "quadratic-drag"),
+        ("left", 0.0, "quadratic-drag"),
+    ],
+)
+def test_what_is_most_probable_in_its_place_leads(monkeypatch, stage, foretold, first):
+    """Only where it was fitted to its end, and foretells as well; what is more probable absent stays, unnamed."""
+    asked = {"quadratic-drag": "cubic-damping", "constant-force": ""}
+    monkeypatch.setattr(simplify, "standing", lambda law, *_: SimpleNamespace(first=asked[law]))
+    best = Candidate(key(("constant-force", "quadratic-drag")), None, None, 10.0, 0.0, 0.0, "judged")
+    other = Candidate(key(("constant-force", "cubic-damping")), None, None, 9.0, 0.0, foretold, stage)
+    found = with_most_probable(found_of(best, SimpleNamespace(parts=()), [other]))
+    assert found.selected.laws == key(("constant-force", first))
 
 
 # --- strengths that are zero within their error

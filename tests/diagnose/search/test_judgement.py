@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from dashpot.diagnose.limits import LISTED
 from dashpot.diagnose.search import judgement as module
 from dashpot.diagnose.search.candidate import Candidate, key
 from dashpot.diagnose.search.judgement import (
@@ -281,6 +282,23 @@ def test_only_what_could_stand_in_its_place_is_a_rival():
     stands = standing("quadratic-drag", best, [best, instead, elsewhere], parts(1.0))
     assert stands.rivals == ("cubic-damping",)
     assert standing("stribeck", best, [best, instead, elsewhere], parts(1.0)).rivals == ()
+
+
+def test_far_from_the_noise_a_cause_of_no_list_competes():
+    """It stands beside all that was weighed by the part of what is left that is no noise, and nowhere at the noise."""
+    best = candidate("quadratic-drag", evidence=1e4, left=1.0)
+    given = [best, candidate(left=1e3)]
+    part = mismatch_share(best, parts(0.1))
+    assert standing("quadratic-drag", best, given, parts(0.1)).odds == pytest.approx(LISTED / part, rel=1e-3)
+    assert standing("quadratic-drag", best, given, parts(1.0)).odds > 1e9
+
+
+def test_what_is_most_probable_in_its_place_may_be_another():
+    best = candidate("quadratic-drag", evidence=100.0, left=0.9)
+    likelier = candidate("cubic-damping", evidence=101.0, left=0.9)
+    assert standing("quadratic-drag", best, [best, likelier, candidate()], parts(1.0)).first == "cubic-damping"
+    assert standing("quadratic-drag", best, [best, candidate()], parts(1.0)).first == "quadratic-drag"
+    assert standing("quadratic-drag", best, [best, candidate(evidence=101.0)], parts(1.0)).first == ""
 
 
 def named(effect: str, **values: float) -> tuple[str, ...]:
