@@ -13,10 +13,11 @@ Four questions follow one another, each asked of the answer to the one before.
    damping where none is as likely as what comes out: then the plainer law is the likelier one. And the sine of a
    pendulum's own angle needs no width: fitted, it and the straight spring beside it replace one another along a valley
    in which no search comes to rest, and neither is what it is called.
-3. *Do whole recordings in one run speak against it?* Where stretches of one recording are held out, each piece has an
-   initial state of its own, and what a law does to the phase from one piece to the next is not seen. A model is used in
-   one run, so of the best structure and of those evaluated with one law less that one is taken which leaves
-   least of the whole recordings.
+3. *Do whole recordings in one run speak against it?* A race weighs frequencies by a noise that the mismatch itself
+   may have shaped. Where stretches of one recording are held out, each piece has an initial state of its own
+   besides, and what a law does to the phase from one piece to the next is not seen. A model is used in one run, so
+   of the best structure and of those evaluated with one law less that one is taken which leaves least of the whole
+   recordings.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ def simplify(case: Case, found: Found, progress: Progress) -> Found:
         progress("whether all laws are needed", 0.85)
         found = without_needless(found, lambda fitted: finely(fitted, case.model, case.recordings))
     found = with_plainer_laws(found)
-    if case.in_pieces and len(found.selected.laws) > 1:
+    if len(found.selected.laws) > 1:
         whole = cut_for(case.family, case.uncut, case.model)
         found = best_in_one_run(found, replace(whole, memory=FREE))
     forget()

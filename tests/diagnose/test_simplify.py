@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import dashpot
@@ -292,6 +292,14 @@ def candidate(laws, stage="judged"):
     return Candidate(laws, SimpleNamespace(model=laws), stage=stage)
 
 
+@dataclass
+class Whole:
+    """Recordings uncut, as far as they are asked for."""
+
+    segments: list
+    memory: float = 1.0
+
+
 @pytest.fixture
 def leaving(monkeypatch):
     """``leaving(parts)``: what each structure leaves of the motion of two recordings, of one size or of two."""
@@ -326,6 +334,20 @@ def test_one_after_another_goes_and_one_stays(leaving):
     whole = leaving({THREE: 0.4, TWO: 0.3, ("a",): 0.2})
     found = found_of(candidate(THREE), None, [candidate(laws) for laws in (TWO, ("a",), ())])
     assert best_in_one_run(found, whole).selected.laws == ("a",)
+
+
+@pytest.mark.parametrize("in_pieces", [True, False])
+def test_nothing_ends_with_more_left_than_what_it_contains(leaving, monkeypatch, in_pieces):
+    """Whichever recordings were held out: a race far from the noise may have weighed frequencies by the mismatch."""
+    whole = leaving({THREE: 0.06, TWO: 0.05, ("a",): 0.2})
+    for step in ("with_rivals_fitted", "with_most_probable", "with_plainer_laws"):
+        monkeypatch.setattr(simplify, step, lambda found: found)
+    monkeypatch.setattr(simplify, "leaves_mismatch", lambda *_: True)
+    monkeypatch.setattr(simplify, "cut_for", lambda *_: Whole(whole.segments))
+    case = SimpleNamespace(in_pieces=in_pieces, family=None, uncut=(), model=None)
+    weighing = SimpleNamespace(parts=(), data=SimpleNamespace(memory=np.inf))
+    found = found_of(candidate(THREE), weighing, [candidate(TWO), candidate(("a",))])
+    assert simplify.simplify(case, found, lambda *_: None).selected.laws == TWO
 
 
 @pytest.mark.parametrize("stage", ["left", "simulated"])
