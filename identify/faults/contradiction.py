@@ -26,7 +26,7 @@ from ..signals.signals import noise_levels
 from .fitted_problem import fitted_problem
 from .limits import ALIKE, PROMISING
 from .part import Part
-from .without_part import Level, first_confirmed, suspect_parts
+from .without_part import Level, Point, first_confirmed, suspect_parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,18 +70,20 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     worth = np.array([level.worth * segment.n for segment, level in zip(problem.segments, levels, strict=True)])
     if is_noise(squares, worth):
         return None
-    parts = suspect_parts(problem, state, levels, PROMISING)
-    first = first_confirmed(problem, state, levels, parts)
+    point = Point.at(problem, state, levels)
+    parts = suspect_parts(problem, point, levels, PROMISING)
+    first = first_confirmed(problem, point, levels, parts)
     if first is None:
         return None
     # seen from there, where nothing is far off any more, the part has its true length
-    nearer = [part for part in suspect_parts(problem, first[1], levels) if not part.apart_from(first[0])]
-    part, without = first_confirmed(problem, first[1], levels, nearer) or first
+    there = Point.at(problem, first[1], levels)
+    nearer = [part for part in suspect_parts(problem, there, levels) if not part.apart_from(first[0])]
+    part, without = first_confirmed(problem, there, levels, nearer) or first
     apart = [other for other in parts if other.apart_from(part)]
     left = problem.residuals(without)
     if not _stands_out(problem.segments, left, part, levels):
         return None
-    second = first_confirmed(problem, state, levels, part.other_side) or first_confirmed(problem, state, levels, apart)
+    second = first_confirmed(problem, point, levels, part.other_side) or first_confirmed(problem, point, levels, apart)
     indices = list(problem.free)
     points = [without] if second is None else [without, second[1]]
     return Contradiction(

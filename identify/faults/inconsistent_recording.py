@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -57,6 +58,7 @@ def explain_residual(
     """
     if not max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
         return _of_parts(fit, recordings)
+    alone = alone and _once(alone)
     squares, samples = np.array([(s.over_noise**2, s.segment.n) for s in fit.segments]).T
     by_chance = is_noise(squares, samples)
     if not by_chance and (bent := _of_parts(fit, recordings)).notes:
@@ -81,6 +83,12 @@ def explain_residual(
         if found.reached
         else Explanation(fit, {}, (f"{recordings[name].name}: {words}",))
     )
+
+
+def _once(alone: Callable[[Sequence[Recording]], Fit]) -> Callable[[Sequence[Recording]], Fit]:
+    """The same, but the fit of the same recordings is made once, whichever question asks for it."""
+    known = cache(alone)
+    return lambda recordings: known(tuple(recordings))
 
 
 def _of_parts(fit: Fit, recordings: Sequence[Recording]) -> Explanation:

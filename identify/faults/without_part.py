@@ -36,16 +36,33 @@ class Level:
     worth: float
 
 
-def suspect_parts(problem: OutputError, state: State, levels: Sequence[Level], promising: float = 0.0) -> list[Part]:
+@dataclass(frozen=True, eq=False)
+class Point:
+    """Where a search is, and the problem linearised there, sample by sample, in units of each segment's noise."""
+
+    state: State
+    linearised: Linearised
+
+    @staticmethod
+    def at(problem: OutputError, state: State, levels: Sequence[Level]) -> Point:
+        """Of a problem, from one run of each segment."""
+        noise = [
+            NoiseSpectrum(np.full(s.n // 2 + 1, v.size**2), s.n) for s, v in zip(problem.segments, levels, strict=True)
+        ]
+        residuals, rows = problem.residuals_with_derivatives(state)
+        return Point(state, Linearised.in_time(problem, state, residuals, noise, rows))
+
+
+def suspect_parts(problem: OutputError, point: Point, levels: Sequence[Level], promising: float = 0.0) -> list[Part]:
     """Parts without which the linearised model leaves no more than noise, the shortest first.
 
     Args:
         problem: the model over the segments.
-        state: from which one step is taken without each part.
+        point: from which one step is taken without each part.
         levels: of each segment's noise, as its response shows it.
         promising: also those that leave no more than this part of what is more than noise now.
     """
-    linearised = _linearised(problem, state, levels)
+    linearised = point.linearised
     initial, squares = linearised.initial_rows, np.array([sums.power for sums in linearised.sums])
     count = np.array([sums.samples for sums in linearised.sums])
     enough = promising * _excess(squares, count)
@@ -76,30 +93,22 @@ def suspect_parts(problem: OutputError, state: State, levels: Sequence[Level], p
 
 
 def first_confirmed(
-    problem: OutputError, state: State, levels: Sequence[Level], parts: Sequence[Part]
+    problem: OutputError, point: Point, levels: Sequence[Level], parts: Sequence[Part]
 ) -> tuple[Part, State] | None:
     """The first of some parts without which a search leaves no more than noise, and where that comes to.
 
     Args:
-        problem, state, levels: as in ``suspect_parts``.
+        problem, point, levels: as in ``suspect_parts``.
         parts: the shortest first; of those that fail, the next one tried is longer by some.
     """
     longest = 0.0
     for part in parts:
         length = sum(np.count_nonzero(part.holds(segment)) for segment in problem.segments)
         if length >= _LONGER * longest or part.whole:
-            if (without := _searched(problem, state, levels, part)) is not None:
+            if (without := _searched(problem, point, levels, part)) is not None:
                 return part, without
             longest = float(length)
     return None
-
-
-def _linearised(problem: OutputError, state: State, levels: Sequence[Level]) -> Linearised:
-    """The problem at a point, sample by sample, in units of the noise of each segment."""
-    noise = [
-        NoiseSpectrum(np.full(s.n // 2 + 1, v.size**2), s.n) for s, v in zip(problem.segments, levels, strict=True)
-    ]
-    return Linearised.in_time(problem, state, problem.residuals(state), noise)
 
 
 def _shows_more(whole: Linearised, levels: Sequence[Level], kept: Sequence[np.ndarray]) -> bool:
@@ -116,15 +125,17 @@ def _excess(squares: np.ndarray, samples: np.ndarray) -> float:
     return float(np.max(squares / samples)) - 1.0
 
 
-def _searched(problem: OutputError, state: State, levels: Sequence[Level], part: Part) -> State | None:
+def _searched(problem: OutputError, point: Point, levels: Sequence[Level], part: Part) -> State | None:
     """Where a search without that part comes to, if it leaves no more than noise in the rest; else None."""
     kept = [~part.holds(segment) for segment in problem.segments]
     used = [i for i, mask in enumerate(kept) if np.any(mask)]
     samples = np.array([np.count_nonzero(kept[i]) for i in used])
     worth = np.array([levels[i].worth for i in used]) * samples
-    before = math.inf
+    before, state = math.inf, point.state
     for taken in range(_STEPS):
-        whole = _linearised(problem, state, levels)
+        if taken:
+            point = Point.at(problem, state, levels)
+        whole = point.linearised
         if not all(bool(np.all(np.isfinite(rows[i]))) for rows in (whole.columns, whole.residuals) for i in used):
             return None
         rest = whole.keeping(kept)

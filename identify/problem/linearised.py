@@ -164,10 +164,17 @@ class Linearised:
 
     @staticmethod
     def in_time(
-        problem: OutputError, state: State, residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum]
+        problem: OutputError,
+        state: State,
+        residuals: Sequence[np.ndarray],
+        noise: Sequence[NoiseSpectrum],
+        derivatives: Sequence[np.ndarray] | None = None,
     ) -> Linearised:
-        """The problem at ``state``, whitened and sample by sample: for ``block`` and ``keeping``."""
-        rows = problem.derivatives(state, residuals)
+        """The problem at ``state``, whitened and sample by sample: for ``block`` and ``keeping``.
+
+        Derivatives that are known become its columns, in place.
+        """
+        rows = problem.derivatives(state, residuals) if derivatives is None else derivatives
         for own, spectrum in zip(rows, noise, strict=True):
             for row in own:
                 row[:] = spectrum.whiten(row)
