@@ -134,7 +134,7 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     backbone, damping = _fit_curves(curves, notes)
     regression, linear = _regression(segments, notes)
     ringing = [2 * np.pi * line for r, line in zip(recordings, lines, strict=False) if _is_switched(r)]
-    if regression is not None and ringing and not 0.5 < regression.omega0 / np.median(ringing) < 2.0:
+    if regression is not None and ringing and abs(np.log2(regression.omega0 / np.median(ringing))) > 1:
         regression = linear = None  # no force in steps drives a line: what rings there is the rig
     return _combine(motions, lines, curves, tuple(decays), backbone, damping, regression, linear, notes)
 
