@@ -58,7 +58,8 @@ class Effect:
         parameters: identified values.
         indistinguishable_from: other effects that these recordings cannot tell from it.
         separated_by: the experiment that would.
-        odds: of the effect, or of one that cannot be distinguished from it, against all that was tried instead.
+        odds: of the effect, or of one that cannot be distinguished from it, against all that was tried instead and, far
+            from the noise, causes that the library does not have.
         share: part of the power that is left without it which it takes away; None where nothing ran without it.
     """
 
