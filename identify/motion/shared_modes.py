@@ -261,7 +261,10 @@ def _known(modes: Modes) -> bool:
     """Whether all frequencies and the fall of one mode are known to a third: what falls by itself is free."""
     spread = np.sqrt(np.diag(modes.covariance))
     falls = spread[modes.count :] < KNOWN * modes.zeta
-    return bool(np.any(falls) and np.all(spread[: modes.count] < KNOWN) and np.all(modes.zeta > -spread[modes.count :]))
+    # beside another mode, what is over within one sample is a sample of what was before, and no motion
+    lasts = modes.count == 1 or bool(np.all(modes.zeta * modes.omega < 1.0))
+    known = lasts and np.any(falls) and np.all(spread[: modes.count] < KNOWN)
+    return bool(known and np.all(modes.zeta > -spread[modes.count :]))
 
 
 def _agreed(shown: list[tuple[np.ndarray, np.ndarray]], cycles: float) -> list[Modes]:

@@ -146,3 +146,17 @@ def test_three_cycles_of_a_gliding_frequency_are_one_decay(glide, fall, noise):
     x += noise * np.random.default_rng(2).standard_normal(t.size)
     found = find_free_motion(Recording("wheel", 500.0, x)).decays
     assert [(decay.start, decay.stop) for decay in found] == [(0, t.size)]
+
+
+@pytest.mark.parametrize("seed", [0, 1, 4])
+def test_the_last_held_sample_before_a_pluck_is_no_mode(seed: int) -> None:
+    omega, zeta, noise, n = 2 * np.pi / 25, 0.04, 0.2, 700
+    x = noise * np.random.default_rng(seed).standard_normal(n)
+    for begun, stop, size in ((60, 325, 100.0), (331, n, 70.0)):
+        t = np.arange(stop - begun) + 0.3
+        x[begun:stop] += size * np.exp(-zeta * omega * t) * np.cos(omega * np.sqrt(1 - zeta**2) * t)
+    shared = shared_modes(x, 1.0, noise, [25.0])
+    assert shared is not None
+    assert shared.omega == pytest.approx([omega], rel=1e-4)
+    assert shared.zeta == pytest.approx([zeta], rel=2e-3)
+    assert [60 <= start <= 62 or 331 <= start <= 333 for start, _, _ in shared.pieces] == [True, True]
