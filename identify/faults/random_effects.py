@@ -67,13 +67,18 @@ class OwnValues:
         count = self.here.shape[1]
         return np.concatenate([np.zeros(0, int), *(self.common + k * count + np.arange(count) for k in kinds)])
 
-    def lost(self, kinds: Sequence[int]) -> float:
-        """Log-likelihood that is lost where only these kinds differ, all the rest fitted."""
+    def lost(self, kinds: Sequence[int], instead: np.ndarray | None = None) -> float:
+        """Log-likelihood that is lost where only these kinds differ, all the rest fitted.
+
+        Args:
+            kinds: which.
+            instead: (kinds, recordings) how the others differ; not at all where this is None.
+        """
         gone = self.columns([k for k in range(len(self.here)) if k not in kinds])
         if not gone.size:
             return 0.0
         sums = self.sums.without(np.setdiff1d(np.arange(len(self.sums.gradient)), gone))
-        step = -self.here.ravel()[gone - self.common]
+        step = ((0.0 if instead is None else instead) - self.here).ravel()[gone - self.common]
         return 0.5 * (sums.left(step) - sums.power)
 
     def of_kinds(self, kinds: Sequence[int]) -> Sums:

@@ -6,6 +6,9 @@ recording may have values of its own about a common mean (``random_effects``). W
 which all of them have (Cochran 1954). Where that leaves more than noise, the recordings must differ by more than the
 blocks of one recording do: what a family lacks differs along each of them as well.
 
+A law that the family lacks makes a damping by the amplitude, and recordings begin at different ones. So a damping
+differs where no law by the amplitude, none faster than its square, tells as much.
+
 Only of what was let go or struck: motions that are driven differently need not pass the same amplitudes, and what
 drives them has a gain of its own.
 """
@@ -31,6 +34,7 @@ from ..motion.blows import ContactForce
 from ..problem.chain import Fault
 from ..problem.data import noise_at
 from ..problem.descent import search
+from ..problem.equivalent import equivalent
 from ..problem.linearised import Linearised
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.output_error import OutputError, State
@@ -49,6 +53,7 @@ from .unlike_parts import spread_of_scores
 KINDS = {"omega0": "natural frequency", "viscous": "viscous damping", "dry": "dry friction"}
 _FEELER = numerics(1e-2, "of a parameter", why="size for finite differences")
 _STEPS = budget(20, "steps", why="a search takes ten to twenty")
+_SLOPES = numerics(41, "slopes", why="of laws by the amplitude, a twentieth of the steepest apart")
 _DRAWS = numerics(60, "draws of force noise", why="as for the covariance: standard errors are good to 9 %")
 _NAMED = shown(3, "recordings", why="a sentence names no more")
 
@@ -97,7 +102,8 @@ def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording
     asked = [Deviation(i, parameter=k, typical=size) for k, size in zip(kinds, sizes, strict=True) for i in others]
     own = problem.with_faults(asked)
     point = replace(state, offsets=np.pad(state.offsets, (0, len(asked))))
-    if not above and not _decisive(*_own_values(own, point, fit, recordings, kinds, first, len(used))):
+    laws = _by_amplitude(problem, state, fit, kinds, used)
+    if not above and not _decisive(*_own_values(own, point, fit, recordings, kinds, first, len(used)), laws):
         return None
     try:
         point = from_prediction(own, point)[0]
@@ -107,7 +113,7 @@ def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording
     if not all(bool(np.all(np.isfinite(residual))) for residual in own.residuals(point)):
         return None
     values, scales = _own_values(own, point, fit, recordings, kinds, first, len(used))
-    chosen = _decisive(values, scales)
+    chosen = _decisive(values, scales, laws)
     if not chosen:
         return None
     step, effects = values.effects(chosen, values.sizes(chosen))
@@ -120,6 +126,31 @@ def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording
         for i, recording in enumerate(recordings)
     ]
     return made, mean
+
+
+def _by_amplitude(
+    problem: OutputError, state: State, fit: Fit, kinds: Sequence[str], used: Sequence[int]
+) -> list[np.ndarray]:
+    """Of each kind, (laws, recordings) how it would differ by laws of the amplitude, from none to the steepest.
+
+    A damping falls no faster with the amplitude than friction's, and rises no faster than with the square.
+    """
+    residuals, size = problem.residuals(state), []
+    for index in used:
+        parts = [
+            (segment.response - residual) / segment.pace**segment.order
+            for segment, residual in zip(problem.segments, residuals, strict=True)
+            if segment.recording == index
+        ]
+        motion = np.concatenate([part - np.mean(part) for part in parts]) ** 2
+        size.append(math.sqrt(2.0 * float(np.sum(motion**2)) / max(float(np.sum(motion)), np.finfo(float).tiny)))
+    logs = np.log(np.maximum(size, np.finfo(float).tiny))
+    middle, pace = float(np.exp(np.mean(logs))), problem.segments[0].pace
+    damping = abs(equivalent(fit.oscillator.values(), middle, pace)[1])
+    steepest = {"viscous": 2.0 * damping, "dry": 3.0 * damping * math.pi / 4.0 * pace * middle}
+    slopes = np.linspace(-1.0, 1.0, _SLOPES)
+    laws = np.multiply.outer(slopes, logs - np.mean(logs))
+    return [steepest[kind] * laws if kind in steepest else np.zeros((1, len(used))) for kind in kinds]
 
 
 def _leaves_noise(ratios: Sequence[float], segments: Sequence[Segment]) -> bool:
@@ -200,12 +231,13 @@ def _noise_of_the_force(
     return float(np.max(np.linalg.eigvalsh(spread_of_scores(informed, scattered, size))))
 
 
-def _decisive(values: OwnValues, scales: Sequence[tuple[float, int | None]]) -> list[int]:
+def _decisive(values: OwnValues, scales: Sequence[tuple[float, int | None]], laws: Sequence[np.ndarray]) -> list[int]:
     """Kinds that differ beyond doubt beside each other; what tells least goes first.
 
     Args:
         values: the likelihood about a point.
         scales: see ``_own_values``.
+        laws: see ``_by_amplitude``.
     """
     from scipy.special import chdtrc, fdtrc
 
@@ -216,7 +248,12 @@ def _decisive(values: OwnValues, scales: Sequence[tuple[float, int | None]]) -> 
         chances = []
         for k in chosen:
             scale, blocks = scales[k]
-            gain = max(2.0 * (values.lost([other for other in chosen if other != k]) - least), 0.0) / scale
+            rest, instead = [other for other in chosen if other != k], np.zeros(values.here.shape)
+            lost = []
+            for law in laws[k]:
+                instead[k] = law
+                lost.append(values.lost(rest, instead))
+            gain = max(2.0 * (min(lost) - least), 0.0) / scale
             if blocks is None:
                 chances.append(float(chdtrc(count - 1, gain)))
             else:

@@ -70,11 +70,12 @@ def test_it_is_found_however_large_it_is(factor):
     assert made[1].differs[0][1] - made[0].differs[0][1] == pytest.approx((factor - 1) * OMEGA, abs=3e-4 * OMEGA)
 
 
-def test_missing_physics_is_no_spread():
-    """Drag makes recordings of different levels differ, and the blocks of each as well."""
+@pytest.mark.parametrize("law", [lambda x, v: 0.05 * v * abs(v), lambda x, v: 2.0 * VISCOUS * x**2 * v])
+def test_missing_physics_is_no_spread(law):
+    """A damping by the amplitude makes recordings of different levels differ, and the blocks of each as well."""
 
     def rates(_, y):
-        return [y[1], -VISCOUS * y[1] - 0.05 * y[1] * abs(y[1]) - OMEGA**2 * y[0]]
+        return [y[1], -VISCOUS * y[1] - law(*y) - OMEGA**2 * y[0]]
 
     t = np.arange(round(FS * SECONDS)) / FS
     recordings = []
