@@ -25,7 +25,7 @@ from ..signals.odds import is_noise
 from ..signals.signals import noise_levels
 from .fitted_problem import fitted_problem
 from .limits import ALIKE, PROMISING
-from .part import Part
+from .part import Part, spans_of
 from .without_part import Level, Point, first_confirmed, suspect_parts
 
 
@@ -80,6 +80,8 @@ def contradiction(fit: Fit, recordings: Sequence[Recording]) -> Contradiction | 
     nearer = [part for part in suspect_parts(problem, there, levels) if not part.apart_from(first[0])]
     part, without = first_confirmed(problem, there, levels, nearer) or first
     apart = [other for other in parts if other.apart_from(part)]
+    # another gain of the whole is no small step either, and two that disagree do not say which of them is right
+    apart += [whole for span in spans_of(problem.segments) if (whole := Part(span, 0, span.pieces)).apart_from(part)]
     left = problem.residuals(without)
     if not _stands_out(problem.segments, left, part, levels):
         return None

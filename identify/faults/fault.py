@@ -14,6 +14,9 @@ from ..signals.registry import numerics
 
 _LEAST = numerics(1e-3, "of itself", why="a gain or a clock stays above zero while its size is searched")
 
+#: The place of a gain that the whole of a recording has.
+THROUGHOUT = -np.inf
+
 
 class ResponseGain(Fault):
     """From some time on the response counts 1 + size times."""
@@ -242,10 +245,15 @@ def times_over(force: Force, factor: np.ndarray, dt: float) -> Force:
 
 
 def _gain_in_words(channel: str, place: float, sizes: np.ndarray, errors: np.ndarray) -> str:
+    counts = f"the {channel} counts {with_error(1.0 + sizes[0], errors[0])} times what"
+    if place == THROUGHOUT:
+        return (
+            f"throughout, {counts} agrees with the others: its channel had another gain or range, or the rig another "
+            "mass; correct it (--calibration), or leave the recording out"
+        )
     return (
-        f"from {place:.4g} s on the {channel} counts {with_error(1.0 + sizes[0], errors[0])} times what it should: "
-        "the gain or range of its channel was changed; use the parts before and after as recordings of their own "
-        "(--part FROM:TO)"
+        f"from {place:.4g} s on {counts} it should: the gain or range of its channel was changed; use the parts before "
+        "and after as recordings of their own (--part FROM:TO)"
     )
 
 

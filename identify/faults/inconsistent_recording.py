@@ -75,7 +75,8 @@ def explain_residual(
         return Explanation(fit, faults, ())
     fit = covering(fit, found.shifts)
     if faults:
-        return Explanation(fit, faults, ())
+        or_else = _or_else(found, recordings)
+        return Explanation(fit, {index: words + or_else for index, words in faults.items()}, ())
     words = in_words(found, recordings)
     name = found.part.recording
     return (
@@ -165,6 +166,15 @@ def _faults_in_words(
         return {found.part.recording: kind}
     odd = None if alone is None or own is not None else stranger_among(recordings, alone)
     return {} if odd is None else {odd[0]: odd[1]}
+
+
+def _or_else(found: Contradiction, recordings: Sequence[Recording]) -> str:
+    """That another recording may be the one at fault, where all the rest agrees without it as well; else nothing."""
+    other = found.other
+    if other is None or other.recording == found.part.recording:
+        return ""
+    name = recordings[other.recording].name
+    return f"; or {name} is the one that is not right{_place(other, ' ').rstrip()}: without it the rest agrees as well"
 
 
 def in_words(found: Contradiction, recordings: Sequence[Recording]) -> str:

@@ -102,6 +102,17 @@ def test_the_words_say_which_part_and_what_may_be_the_cause():
 
 
 @pytest.mark.long
+def test_two_driven_recordings_do_not_say_which_of_them_has_the_force_of_the_rig():
+    stand = replace(STANDS["fast"], cycles=60.0)
+    found = identify(told(stand, Lie("", "another rig", 2, of_another_rig(stand, mass=1.2))))
+    (sentence,) = found.faults
+    assert "throughout, the force counts 0.83" in sentence
+    assert "strong.csv is the one that is not right" in sentence
+    mass = found.oscillator.parameters()["mass"]
+    assert abs(mass.value - stand.values["mass"]) < 2.0 * mass.std
+
+
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("change", "words"),
     [
