@@ -49,7 +49,7 @@ from .problem.release_memory import give_back_at_once
 from .problem.structure import shapes_of
 from .provenance import with_provenance
 from .signals.hilbert import LONG
-from .signals.odds import SIGNIFICANT
+from .signals.odds import DECISIVE, SIGNIFICANT
 from .signals.signals import response_of
 from .start.further_laws import holding, with_laws
 from .start.further_modes import ringing_modes
@@ -230,8 +230,9 @@ def identify(
     found_to_differ = None if any(r.differs for r in recordings) else differing(first, recordings)
     if found_to_differ is not None:
         progress("what differs between the recordings")
-        recordings, mean = found_to_differ
-        first = answer(recordings, mean, doubted=doubted)
+        own, mean = found_to_differ
+        if odds(again := answer(own, mean, doubted=doubted), first) > DECISIVE:
+            first, recordings = again, own
     found_modes = Modes(first)
     if start is None and not effects:
         found_modes = with_more_modes(found_modes, of_modes, ringing_modes(recordings, wanted), doubted=doubted)
