@@ -11,7 +11,7 @@ import numpy as np
 from ...recording.fact import fact
 from ...recording.short_decay import LEAST_CYCLES, is_short_decay
 from ..signals.odds import SIGNIFICANT
-from ..signals.signals import response_of
+from ..signals.signals import Signal, response_of
 from .blow_answer import answers_against
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
@@ -19,7 +19,7 @@ from .envelope import SHORTEST_CYCLES, envelope_of
 from .excluded_ranges import left_out
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import all_that_moves, modes_of_response, pieces_of_rig
+from .free_motion import all_that_moves, modes_of_response, moving_in, pieces_of_rig
 from .limits import TAKES
 from .mode import Mode
 from .shared_modes import SharedModes
@@ -44,22 +44,22 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     a linear one (``shared_modes``), or Eq. 17 (``rig_pieces``), whichever is likelier. Where neither does, the envelope
     decides.
     """
-    by_envelope = _by_envelope(recording)
+    by_envelope, response = _by_envelope(recording), response_of(recording)
     force = recording.force
     if recording.free or not (force is None or np.ptp(force) == 0):
         return by_envelope
-    shared = modes_of_response(response_of(recording))
+    shared = modes_of_response(response)
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
-    is_linear = shared is not None and (few or _explains(shared, by_envelope.decays))
+    is_linear = shared is not None and (few or _explains(shared, response, by_envelope.decays))
     linear = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))] if shared and is_linear else []
-    most = all_that_moves(response_of(recording), linear or by_envelope.decays)
-    rig = None if most else pieces_of_rig(response_of(recording), recording.quantity)
+    most = all_that_moves(response, linear or by_envelope.decays)
+    rig = None if most else pieces_of_rig(response, recording.quantity)
     # of several modes each may look like a bent one for a few cycles
     is_one = shared is None or shared.omega.size == 1
     if rig is not None and is_one and (shared is None or not is_linear or rig.evidence > shared.evidence):
         decays = [Decay(start, stop, rig.omega, rig.rate, rig.values) for start, stop in rig.pieces]
-        if _holds(decays, by_envelope.decays):
+        if _holds(decays, response, by_envelope.decays, rig.omega):
             return _described(recording, decays)
     if shared is not None and is_linear:
         motion = _described(recording, linear)
@@ -73,19 +73,21 @@ def _rings_out(shared: SharedModes, n: int) -> bool:
     return not others and (audible < stop or stop == n)
 
 
-def _holds(decays: Sequence[Decay], others: Sequence[Decay]) -> bool:
-    """Whether decays hold about all of others: what else those hold may be a hand's."""
-    both = [min(d.stop, other.stop) - max(d.start, other.start) for d in decays for other in others]
-    return sum(max(part, 0) for part in both) >= TAKES * sum(other.stop - other.start for other in others)
+def _holds(decays: Sequence[Decay], response: Signal, others: Sequence[Decay], omega: float) -> bool:
+    """Whether decays hold about all the time in which the response moves in others: what else those hold may be a
+    hand's."""
+    theirs = moving_in(response, others, omega)
+    return bool(np.sum(moving_in(response, decays, omega) & theirs) >= TAKES * np.sum(theirs))
 
 
-def _explains(shared: SharedModes, decays: Sequence[Decay]) -> bool:
-    """Whether shared modes take about as much as an envelope does, or more: what is missing from them may be a hand's.
+def _explains(shared: SharedModes, response: Signal, decays: Sequence[Decay]) -> bool:
+    """Whether shared modes take about as much as an envelope does, or more, of the time in which the response moves.
 
-    Where a frequency glides with the amplitude, they take a part.
+    What is missing from them may be a hand's. Where a frequency glides with the amplitude, they take a part.
     """
-    taken = sum(audible - start for start, _, audible in shared.pieces)
-    return taken >= TAKES * sum(decay.stop - decay.start for decay in decays)
+    taken = [Decay(start, audible) for start, _, audible in shared.pieces]
+    mine, theirs = (moving_in(response, some, float(shared.omega[shared.main])) for some in (taken, decays))
+    return bool(np.sum(mine) >= TAKES * np.sum(theirs))
 
 
 def _modes_of(shared: SharedModes, fs: float) -> tuple[Mode, ...]:

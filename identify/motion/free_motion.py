@@ -9,7 +9,7 @@ import numpy as np
 from ..signals.registry import budget, numerics
 from ..signals.signals import Signal
 from .decay import Decay
-from .limits import TAKES
+from .limits import BEYOND, TAKES
 from .rig_pieces import RigPieces, rig_pieces
 from .shared_modes import SharedModes, shared_modes
 
@@ -29,13 +29,35 @@ def modes_of_response(response: Signal) -> SharedModes | None:
 
 def all_that_moves(response: Signal, decays: Sequence[Decay]) -> bool:
     """Whether decays hold nearly all that a response moves, in squares, its noise aside: there is nothing else."""
-    x, period = response.samples, min(periods_of(response.samples), default=float(response.samples.size))
-    block = max(1, int(period / _PARTS))
-    steps = np.diff(x[: x.size // block * block].reshape(-1, block).mean(axis=1)) ** 2 - 2 * response.noise**2 / block
-    inside = np.zeros(steps.size, bool)
+    means, noise, block = _means(response, min(periods_of(response.samples), default=float(response.n)))
+    steps = np.diff(means) ** 2 - 2 * noise**2
+    return bool(np.sum(steps[_inside(decays, steps.size, block)]) >= TAKES * np.sum(steps) > 0.0)
+
+
+def moving_in(response: Signal, decays: Sequence[Decay], omega: float) -> np.ndarray:
+    """(n,) in which parts of a cycle of such a frequency (rad/s) the response moves, within decays.
+
+    What rests or is held behind a motion is no part of it, however long it is, nor is a sensor's drift there.
+    """
+    means, noise, block = _means(response, 2 * np.pi / omega * response.fs)
+    bent = np.abs(np.diff(means, 2)) > BEYOND * np.sqrt(6.0) * noise
+    moves = np.convolve(bent, np.ones(3), "same") > 0  # what swings is straight where it is fastest
+    return moves & _inside(decays, moves.size, block)
+
+
+def _means(response: Signal, period: float) -> tuple[np.ndarray, float, int]:
+    """Means of parts of a cycle of so many samples, their noise, and the samples of a part."""
+    x, block = response.samples, max(1, int(min(period, response.n) / _PARTS))
+    means = x[: x.size // block * block].reshape(-1, block).mean(axis=1)
+    return means, response.noise / np.sqrt(block), block
+
+
+def _inside(decays: Sequence[Decay], n: int, block: int) -> np.ndarray:
+    """(n,) which differences between means are within decays."""
+    inside = np.zeros(n, bool)
     for decay in decays:
         inside[decay.start // block : max(decay.stop // block - 1, 0)] = True
-    return bool(np.sum(steps[inside]) >= TAKES * np.sum(steps) > 0.0)
+    return inside
 
 
 def pieces_of_rig(response: Signal, quantity: str) -> RigPieces | None:

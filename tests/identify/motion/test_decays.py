@@ -10,6 +10,7 @@ import pytest
 from dashpot.identify.motion.decay import Decay
 from dashpot.identify.motion.decays import _explains, find_decays
 from dashpot.identify.motion.shared_modes import SharedModes
+from dashpot.identify.signals.signals import Signal
 from dashpot.recording.recording import Recording
 
 DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[4] / "shared" / "data"))
@@ -134,4 +135,30 @@ def test_a_fall_by_six_per_cent_is_a_decay_where_it_is_known(noise):
 def test_modes_are_believed_that_take_about_what_an_envelope_does(pieces, believed):
     mode = {"share": np.ones(1), "errors": np.zeros((3, 1))}
     shared = SharedModes(tuple(pieces), np.array([1.0]), np.array([0.01]), 0, 0.01, 1e-4, 100.0, **mode)
-    assert _explains(shared, [Decay(0, 1000)]) is believed
+    swings = Signal(np.cos(np.arange(2000) / 8.0), 8.0)  # 1 rad/s
+    assert _explains(shared, swings, [Decay(0, 1000)]) is believed
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+@pytest.mark.parametrize("drift", [0.0, 0.01])
+def test_a_hand_that_stops_a_motion_ends_its_decay(quantity, drift):
+    """Seven swings, brought to rest within a tenth of a cycle, then held for a cycle and a half."""
+    fs, per, zeta, level = 400.0, 400, 0.036, ("displacement", "velocity", "acceleration").index(quantity)
+    omega = 2 * np.pi * fs / per
+    pole = omega * (1j * np.sqrt(1 - zeta**2) - zeta)
+    t = np.arange(round(7.3 * per)) / fs
+    swings = [(pole**k * np.exp(pole * t)).real for k in range(3)]
+    length = 0.1 * per / fs
+    begun = [swings[k][-1] * length**k for k in range(2)] + [swings[2][-1] * length**2 / 2]
+    powers = np.arange(6)
+    ends = np.array([powers**0.0, powers, powers * (powers - 1.0)])
+    way = np.polynomial.Polynomial([*begun, *np.linalg.solve(ends[:, 3:], -ends[:, :3] @ begun)])
+    hand = (way.deriv(level) if level else way)(np.arange(1, per // 10 + 1) / (per // 10)) / length**level
+    shown = np.concatenate([swings[level], hand, np.zeros(3 * per // 2)])
+    size = np.ptp(shown)
+    shown = shown + size * (
+        5e-4 * np.random.default_rng(0).standard_normal(shown.size) + drift * np.arange(shown.size) / fs
+    )
+    (decay,) = find_decays(Recording("stopped", fs, shown, quantity=quantity))
+    assert decay.start == 0
+    assert t.size - 0.1 * per < decay.stop <= t.size + 0.02 * per
