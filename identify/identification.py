@@ -230,9 +230,9 @@ def identify(
     found_to_differ = None if any(r.differs for r in recordings) else differing(first, recordings)
     if found_to_differ is not None:
         progress("what differs between the recordings")
-        own, mean = found_to_differ
-        if odds(again := answer(own, mean, doubted=doubted), first) > DECISIVE:
-            first, recordings = again, own
+        each, mean = found_to_differ
+        if odds(again := answer(each, mean, doubted=doubted), first) > DECISIVE:
+            first, recordings = again, each
     found_modes = Modes(first)
     if start is None and not effects:
         found_modes = with_more_modes(found_modes, of_modes, ringing_modes(recordings, wanted), doubted=doubted)

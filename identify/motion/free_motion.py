@@ -40,8 +40,9 @@ def moving_in(response: Signal, decays: Sequence[Decay], omega: float) -> np.nda
     What rests or is held behind a motion is no part of it, however long it is, nor is a sensor's drift there.
     """
     means, noise, block = _means(response, 2 * np.pi / omega * response.fs)
-    bent = np.abs(np.diff(means, 2)) > BEYOND * np.sqrt(6.0) * noise
-    moves = np.convolve(bent, np.ones(3), "same") > 0  # what swings is straight where it is fastest
+    curvature = np.array([1.0, -2.0, 1.0])
+    bent = np.abs(np.convolve(means, curvature, "valid")) > BEYOND * np.linalg.norm(curvature) * noise
+    moves = np.convolve(bent, curvature**2, "same") > 0  # what swings is straight where it is fastest
     return moves & _inside(decays, moves.size, block)
 
 
