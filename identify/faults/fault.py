@@ -56,6 +56,10 @@ class ForceGain(Fault):
         return _gain_in_words("force", self.place, sizes, errors)
 
 
+#: The kinds that may hold throughout a recording, and then have no time.
+GAINS = (ResponseGain, ForceGain)
+
+
 class Late(Fault):
     """The response comes late by so many cycles of the rig; early where that is negative."""
 

@@ -30,7 +30,7 @@ from ..problem.output_error import OutputError, State
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR
 from ..signals.registry import budget, numerics
 from .contradiction import Contradiction
-from .fault import THROUGHOUT, ForceHum, Hum, Late, times_of
+from .fault import GAINS, THROUGHOUT, ForceHum, Hum, Late, times_of
 from .fault_score import KINDS, expected_gains, possible, shown_beside, with_sizes
 from .fitted_problem import fitted_problem
 
@@ -300,7 +300,8 @@ def _with_sizes(
     ):
         recording = recordings[fault.recording]
         own = [segment for segment in faulty.segments if segment.recording == fault.recording]
-        if fault.timed and fault.place < own[0].time + 2 * math.pi / own[0].pace:  # a cycle has no size of its own
+        cycle = own[0].time + 2 * math.pi / own[0].pace  # which has no size of its own
+        if isinstance(fault, GAINS) and fault.place < cycle:
             fault = replace(fault, place=THROUGHOUT)
         words = drive or fault.in_words(sizes, error, recording.unit, recording.force_unit)
         found.append(

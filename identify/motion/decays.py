@@ -74,8 +74,7 @@ def _rings_out(shared: SharedModes, n: int) -> bool:
 
 
 def _holds(decays: Sequence[Decay], response: Signal, others: Sequence[Decay], omega: float) -> bool:
-    """Whether decays hold about all the time in which the response moves in others: what else those hold may be a
-    hand's."""
+    """Whether decays hold about all the time in which the response moves in others; the rest may be a hand's."""
     theirs = moving_in(response, others, omega)
     return bool(np.sum(moving_in(response, decays, omega) & theirs) >= TAKES * np.sum(theirs))
 

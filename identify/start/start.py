@@ -102,6 +102,7 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
     decays: list[tuple[Decay, ...]] = []
     motions: list[Segment] = []
     lines: list[float] = []
+    ringing: list[float] = []  # between the steps of a switched force
     for r in recordings:
         motion = find_free_motion(r)
         free_decays = motion.decays
@@ -118,6 +119,8 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
             drive = None
         motions.append(Segment(x, drive))
         lines.append(_line(r, x))
+        if _is_switched(r):
+            ringing.append(2 * np.pi * lines[-1])
         if drive is None and not free_decays:
             notes.append(f"{r.name}: no force and no free decay found in it; it was not used for the start values.")
         for d in free_decays:
@@ -133,7 +136,6 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
         raise BadInput("No recording oscillates; " + " ".join(notes))
     backbone, damping = _fit_curves(curves, notes)
     regression, linear = _regression(segments, notes)
-    ringing = [2 * np.pi * line for r, line in zip(recordings, lines, strict=False) if _is_switched(r)]
     if regression is not None and ringing and abs(np.log2(regression.omega0 / np.median(ringing))) > 1:
         regression = linear = None  # no force in steps drives a line: what rings there is the rig
     return _combine(motions, lines, curves, tuple(decays), backbone, damping, regression, linear, notes)

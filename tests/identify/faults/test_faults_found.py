@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS, Lie, Stand, lies, told
-from dashpot.examples.measuring_chain import force_gain, hum, late, response_gain
+from dashpot.examples.measuring_chain import force_gain, hum, late, response_gain, step
 from dashpot.identify import identify
 from dashpot.identify.faults.faults_found import faults_found
 from dashpot.identify.fit.likelihood import maximum_likelihood
@@ -40,6 +40,13 @@ def test_a_lie_is_named_with_record_kind_place_and_size(lie, figures):
     assert lie.is_named(sentence)
     for figure in figures:
         assert figure in sentence
+
+
+def test_a_gain_of_the_first_cycle_holds_throughout_and_a_step_keeps_its_time():
+    (gain,) = found(SHORT, Lie("", "gain", 2, response_gain(0.9, 0.002)))
+    assert "throughout" in gain
+    (stepped,) = found(SHORT, Lie("", "step", 2, step(0.2, 0.002)))
+    assert "inf" not in stepped
 
 
 def test_honest_recordings_get_no_word():
