@@ -26,9 +26,9 @@ AIMS = "identify 150 and 250 times, diagnose 300 times in the median, 600 at wor
 
 
 def recording_of(name: str, table: np.ndarray) -> Recording:
-    """A recording of a virtual rig, (n, 3): time, force, displacement."""
-    force = table[:, 1] if np.any(table[:, 1]) else None
-    return Recording(name, float(1 / (table[1, 0] - table[0, 0])), table[:, 2], force)
+    """A recording of a virtual rig, (n, 3): time, force, displacement; without a force (n, 2)."""
+    force = table[:, 1] if table.shape[1] > 2 and np.any(table[:, 1]) else None
+    return Recording(name, float(1 / (table[1, 0] - table[0, 0])), table[:, -1], force)
 
 
 def measured(spec: Spec, seed: int, trial: Trial) -> tuple[list[float], str]:
