@@ -13,8 +13,7 @@ import numpy as np
 
 from ...model.oscillator import Band
 from ...recording.recording import Recording
-from ..signals.hilbert import noise_level
-from ..signals.signals import drive_of
+from ..signals.signals import drive_of, response_of
 from .blows import blows_of, contact_force
 from .envelope import envelope_of
 from .force_off import force_is_silent
@@ -36,7 +35,7 @@ def in_band(recording: Recording, band: Band) -> Recording:
     """
     x, fs = np.asarray(recording.response, float), recording.fs
     reach = round(_REACH / band.taper * fs)
-    noise = noise_level(x, fs)
+    noise = response_of(recording).noise
     period = max(2, round(fs / band.mode))
     struck: tuple[tuple[int, int, bool], ...] = ()
     force = None if recording.force is None else np.asarray(recording.force, float)

@@ -17,8 +17,9 @@ import numpy as np
 from ...errors import BadInput
 from ...recording.recording import Recording
 from ...recording.smoothing import harris
-from ..signals.hilbert import dominant_frequency, noise_level
+from ..signals.hilbert import dominant_frequency
 from ..signals.odds import DECISIVE
+from ..signals.signals import response_of
 from .decays import find_decays, find_free_motion
 from .mode import Mode
 
@@ -63,10 +64,10 @@ def modes_of(recordings: Sequence[Recording], *, whole: bool = False) -> list[Mo
         return sorted(linear, key=lambda mode: mode.frequency)
     stretches: list[tuple[np.ndarray, float, float]] = []
     for recording in recordings:
-        x, fs = np.asarray(recording.response, float), recording.fs
+        x, fs, noise = np.asarray(recording.response, float), recording.fs, response_of(recording).noise
         spans = [(decay.start, decay.stop) for decay in find_decays(recording)]
         spans = spans or ([(0, x.size)] if whole else [])
-        stretches += [(x[a:b], fs, noise_level(x, fs)) for a, b in spans]
+        stretches += [(x[a:b], fs, noise) for a, b in spans]
     if not stretches:
         return []
     loudest = max(stretches, key=lambda s: float(np.sum((s[0] - np.mean(s[0])) ** 2)) / s[1])

@@ -43,7 +43,7 @@ def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: fl
     if not blows or period < _SAMPLES:
         return 0.0, 0.0
     edges = [0, *(edge for blow in blows for edge in (blow.start, blow.stop)), response.size]
-    rests = []
+    rests, swings = [], np.inf
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
         for start in range(begin, end - window + 1, period):
             part = response[start : start + window]
@@ -51,9 +51,11 @@ def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: fl
                 return 0.0, 0.0
             if _swing(part) <= _SWINGS:
                 rests.append(part)
-    if not rests:
+            else:
+                swings = min(swings, float(np.std(part)))
+    quietest = min((float(np.std(part)) for part in rests), default=np.inf)
+    if not quietest < 2 * swings:  # a swing is no quieter than the noise on it: there several modes ring
         return 0.0, 0.0
-    quietest = min(float(np.std(part)) for part in rests)
     quiet = [part - np.mean(part) for part in rests if np.std(part) <= _AS_QUIET * quietest]
     step = motion_length(window, dt, pace)
     begun = [first_motion(part[k:], dt, pace) for part in quiet for k in range(0, window - step + 1, step)]

@@ -72,3 +72,12 @@ def test_a_pace_that_the_samples_do_not_follow_has_no_rest(samples, asked):
     """As a model without use may have it."""
     shown = noise(0.0)
     assert (quiet_noise(shown, BLOWS, 1 / FS, 2 * np.pi * FS / samples)[0] > 0) is asked
+
+
+@pytest.mark.parametrize("swing", [0.0, 0.05])
+def test_several_modes_that_ring_are_no_rest(swing):
+    """Behind a blow no one frequency holds half of it; a swing that is left is no quieter than the noise."""
+    times = np.arange(4000) / FS
+    ring = sum(np.sin(2 * np.pi * f * times) for f in (31.0, 45.0, 67.0, 83.0)) * np.exp(-20.0 * times)
+    shown = ring + swing * np.sin(PACE * times) + 1e-3 * np.random.default_rng(5).standard_normal(times.size)
+    assert quiet_noise(shown, (Blow(0, 3, clipped=False),), 1 / FS, PACE)[0] < max(2 * swing, 2e-3)
