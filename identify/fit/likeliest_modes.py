@@ -1,8 +1,9 @@
 """How many modes ring in the recordings: the fits of one and of several, and of one more at the line that is left.
 
-A mode is a linear oscillator, which explains its motion down to the noise. What Eq. 17 lacks leaves lines too, that a
-mode only imitates: another one is taken where it is decisively likelier and leaves no more than noise, where each of
-them rings, and where each is another one than the others.
+A mode is a linear oscillator. What Eq. 17 lacks leaves lines too, that a mode only imitates, with a frequency and a
+damping that are others where the motion is others. So another mode is taken where it is decisively likelier, where it
+leaves no more than noise or the modes of either half of the motion explain the other half, where each of them rings,
+and where each is another one than the others.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...model.laws import MODES
 from ...model.oscillator import Term
+from ..problem.segments import Segment
 from ..signals.odds import DECISIVE, SIGNIFICANT, is_noise
 from ..signals.registry import numerics
 from ..start.further_modes import Mode, with_modes
@@ -86,12 +88,32 @@ def _promises(fit: Fit, known: Sequence[Mode], more: Sequence[Mode]) -> bool:
 
     In each segment of the motion itself, or of what the fit leaves, whose own mode may be none of a linear rig.
     """
-    whole = [s.segment for s in fit.segments]
-    left = [replace(s.segment, response=s.segment.response - s.simulated) for s in fit.segments]
-    size = np.array([float(s.segment.n) for s in fit.segments])
-    gain = 0.5 * (np.log(left_by(left, ())) - np.log([left_by(whole, more), left_by(left, (*known, *more))]))
+    whole, left = [s.segment for s in fit.segments], _rest_of(fit)
+    return _takes_half(left, np.fmin(left_by(whole, more), left_by(left, (*known, *more))), fit)
+
+
+def _foretell(modes: Sequence[Mode], fit: Fit) -> bool:
+    """Whether linear modes fitted to either half of each segment take half of the way to the noise in the other."""
+    halves = [[s.segment.n // 2 * k for k in range(3)] for s in fit.segments]
+    whole, left = [s.segment for s in fit.segments], _rest_of(fit)
+    for learnt, asked in ((0, 1), (1, 0)):
+        parts = [[s.part(*h[k : k + 2]) for s, h in zip(whole, halves, strict=True)] for k in (learnt, asked)]
+        rest = [s.part(*h[asked : asked + 2]) for s, h in zip(left, halves, strict=True)]
+        if not _takes_half(rest, left_by(parts[1], fitted_modes(parts[0], modes)), fit):
+            return False
+    return True
+
+
+def _rest_of(fit: Fit) -> list[Segment]:
+    """What a fit leaves of the response, in place of it."""
+    return [replace(s.segment, response=s.segment.response - s.simulated) for s in fit.segments]
+
+
+def _takes_half(rest: Sequence[Segment], left: np.ndarray, fit: Fit) -> bool:
+    """Whether mean squares (segments,) take half of the way from what a fit leaves down to the noise."""
+    size = np.array([float(segment.n) for segment in rest])
     needed = np.log([max(s.over_noise, 1.0) for s in fit.segments])
-    return bool(np.max(gain, axis=0) @ size > HALF * needed @ size)
+    return bool(0.5 * (np.log(left_by(rest, ())) - np.log(left)) @ size > HALF * needed @ size)
 
 
 def modes_of_fit(model: Oscillator) -> tuple[Mode, ...]:
@@ -155,9 +177,9 @@ def _leaves_noise(fit: Fit) -> bool:
 
 def stand(fit: Fit, before: Fit) -> bool:
     """Whether the modes of a fit are there, held against a fit of fewer."""
-    if not (_leaves_noise(fit) and odds(fit, before) > DECISIVE):
-        return False
     modes, errors = modes_of_fit(fit.oscillator), _errors(fit.oscillator)
+    if not (odds(fit, before) > DECISIVE and (_leaves_noise(fit) or _foretell(modes, before))):
+        return False
     if any(not zeta < _RINGS for _, zeta, _ in modes) or any(map(_is_a_tone, fit.oscillator.terms)):
         return False
     return all(

@@ -59,7 +59,8 @@ def _fitted(segments: Sequence[Segment], theta: np.ndarray, modes: Sequence[Mode
         (float(np.hypot(w, r)), float(r / np.hypot(w, r)), float(gain))
         for (w, r), gain in zip(np.exp(best).reshape(-1, 2), _solve(signals, best)[0], strict=True)
     ]
-    first = min(found, key=lambda mode: abs(np.log(mode[0] / modes[0][0])))
+    # a model has a mass above zero; where the sensor shows a mode against the force, that mode is a further one
+    first = min(found, key=lambda mode: (mode[2] < 0.0, abs(np.log(mode[0] / modes[0][0]))))
     return (first, *(mode for mode in found if mode is not first))
 
 

@@ -139,3 +139,33 @@ def test_damping_below_zero_ends_no_mode(participation, viscous, tone):
     known = {"participation": participation, "viscous": viscous}
     told = {name: replace(term.parameters[name], value=v, std=e) for name, (v, e) in known.items()}
     assert _is_a_tone(replace(term, parameters={**term.parameters, **told})) is tone
+
+
+def struck(seed: int, *modes: tuple[float, float, float], cubic: float = 0.0) -> Recording:
+    """An accelerometer that shows two blows upon modes (rad/s, damping ratio, part of the force), the third unknown."""
+    fs, n, random = 500.0, 4000, np.random.default_rng(seed)
+    force = np.zeros(n)
+    for start in (100, 2100):
+        force[start : start + 8] = 30.0 * np.sin(np.pi * (np.arange(8) + 0.5) / 8)
+    x = np.zeros(n)
+    for omega, zeta, part in modes:
+        b, a, _ = cont2discrete(([part, 0.0, 0.0], [1, 2 * zeta * omega, omega**2]), 1 / fs, method="foh")
+        x += lfilter(np.ravel(b), a, force)
+    x += cubic * np.sign(x) * np.abs(x) ** 1.5
+    return Recording("struck", fs, x + 1e-3 * np.std(x) * random.standard_normal(n), force, quantity="acceleration")
+
+
+@pytest.mark.parametrize("bent", [0.0, 0.02])
+def test_two_struck_modes_seven_per_cent_apart(bent):
+    """The sensor shows one of them against the blows; a sensor that is a little bent leaves more than noise."""
+    modes = (2 * np.pi * 19.0, 0.003, -0.15), (2 * np.pi * 20.5, 0.002, 0.16)
+    found = identify([struck(6, *modes, cubic=bent)], doubted=False)
+    known = sorted(modes_of_fit(found.oscillator))
+    assert len(known) == 2
+    assert found.fit.segments[0].over_noise > (3.0 if bent else 0.0)
+    for (omega, zeta, gain), (w, z, part) in zip(known, sorted(modes), strict=True):
+        assert (omega, zeta, gain) == (
+            pytest.approx(w, rel=1e-3),
+            pytest.approx(z, rel=0.05),
+            pytest.approx(part, rel=0.1),
+        )
