@@ -109,9 +109,11 @@ def forced_regression(displacement: Signal, drive: Signal) -> ForcedRegression:
     )
     moving = view.mean((resting(x, sigma, period) | (amplitude < CLEAR_OF_NOISE * sigma)).astype(float)) < RESTING
     clear = near & moving[:, None] & (np.abs(columns[..., 1]) > CLEAR_OF_NOISE * noise)
-    if np.count_nonzero(clear) < CURVE_LEAST * columns.shape[-1]:
+    count, needed = np.count_nonzero(clear), CURVE_LEAST * columns.shape[-1]
+    if count < needed:
         raise BadInput(
-            "The forced record has too little motion above its noise to be regressed; force it harder or longer."
+            f"Of the forced record {count} spectral lines about the frequency of its motion stand clear of the noise, "
+            f"where a regression by amplitude needs {needed}; record longer, or force it harder."
         )
     omega = np.broadcast_to(view.omega, clear.shape)[clear]
     force_noise = max(drive.noise, ROUNDING * float(np.std(force))) * np.sqrt(view.energy / fs)
