@@ -33,3 +33,27 @@ BEYOND = decides(
     "beyond which a block mean at an edge is something else's",
     why="error rate: likelier than not, where a motion begins as often as it goes on",
 )
+
+# falling.py, swings.py and whatever else falls
+
+FALLS = decides(
+    0.8,
+    "of its amplitude",
+    "to which a motion falls that is a decay, and from which it grows that is another one",
+    why="a steady tone, a drive near resonance and noise change it by less than a fifth",
+)
+
+# mode_lines.py and mode.py
+
+SAME_MODE = decides(
+    1.05,
+    "times its frequency",
+    "up to which a frequency beside those of a mode is the same mode's",
+    why="what a user types from a plot, and lines of two windows, are off by some per cent",
+)
+ORDERS = decides(
+    3,
+    "multiples",
+    "of the frequencies of two modes, whose sums and differences a nonlinear joint or sensor makes",
+    why="physical limit: a force of the third power makes them; those of higher orders are smaller",
+)

@@ -6,6 +6,8 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from .limits import SAME_MODE
+
 
 @dataclass(frozen=True)
 class Mode:
@@ -30,7 +32,7 @@ class Mode:
 
     def is_at(self, frequency: float) -> bool:
         """Whether a frequency in Hz is this mode's, within what it moves and a little."""
-        return self.low / 1.05 <= frequency <= self.high * 1.05
+        return self.low / SAME_MODE <= frequency <= self.high * SAME_MODE
 
     def __str__(self) -> str:
         """As it is listed."""

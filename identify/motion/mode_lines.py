@@ -18,38 +18,27 @@ from ...errors import BadInput
 from ...recording.recording import Recording
 from ...recording.smoothing import harris
 from ..signals.hilbert import dominant_frequency
-from ..signals.odds import DECISIVE
+from ..signals.limits import BELOW_NYQUIST, SEVERAL
+from ..signals.odds import ABOVE_NOISE, DECISIVE
+from ..signals.registry import numerics
 from ..signals.signals import response_of
 from .decays import find_decays, find_free_motion
+from .limits import FALLS, ORDERS, SAME_MODE
 from .mode import Mode
 
-#: Cycles of the strongest motion in a window: short ones follow a frequency that moves, long ones show slow modes.
-_WINDOWS = (16.0, 64.0)
-#: From one window to the next a mode's own frequency moves by less than this factor.
-_GLIDES = 1.25
-#: Half the main lobe of a Blackman-Harris window, in lines: nearer ones are one peak (Harris 1978).
-_LOBE = 4.0
-#: Side lobes of that window lie 92 dB below its peak; a decay within the window lifts them to this part of the power.
-_LEAK = 1e-6
-#: Noise of a colour is judged by its median over so many lines to each side: wider than a few peaks, so that these do
-#: not move it.
-_ABOUT = 8 * int(_LOBE)
-#: Beyond this part of half the sampling rate there is noise, and what harmonics leave.
-_TOP = 0.75
-#: From this order on a harmonic so many times as strong as each before it belongs to no series.
-_SERIES, _ABOVE_SERIES = 4, 10.0
-#: Sums and differences of two modes' frequencies up to these multiples, which a nonlinear joint or sensor makes ...
-_ORDERS = 3
-#: ... agree with them to this part.
-_AGREES = 3e-3
-#: Windows follow one another by this part of themselves.
-_STEP = 4
-#: A mode is seen in so many windows that follow one another ...
-_SEEN = 3
-#: ... and its power falls from the first to the last of them by this factor, which no steady tone does.
-_FALLS = 1.5
-#: After a fit of one mode another is seen where it adds this part to the noise's power: 1.1 times the noise.
-_MATTERS = 0.21
+_WINDOWS = numerics((16.0, 64.0), "cycles a window", why="short ones follow a frequency that moves, long ones separate")
+_STEP = numerics(4, "of a window", why="by which windows follow one another")
+_GLIDES = numerics(1.25, "times", why="the range, from one window to the next, in which the strongest line is sought")
+_LOBE = numerics(
+    4.0, "lines", why="half the main lobe of a Blackman-Harris window: nearer ones are one peak (Harris 1978)"
+)
+_LEAK = numerics(
+    1e-6, "of the power", why="side lobes lie 92 dB below a peak; a decay within the window lifts them to this"
+)
+_ABOUT = numerics(32, "lines", why="to each side, of whose median a few peaks are no part")
+_BETWEEN = numerics(0.25, "lines", why="by which a parabola through logarithms is off at most")
+#: To which part of themselves frequencies of the longest window agree.
+_AGREES = _BETWEEN / _WINDOWS[1]
 
 
 def modes_of(recordings: Sequence[Recording], *, whole: bool = False) -> list[Mode]:
@@ -95,7 +84,7 @@ class _Track:
 def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: float, *, falling: bool) -> list[_Track]:
     """The strongest line of a stretch (n,), and every other that is no harmonic of it, by windows that overlap."""
     size = round(cycles * fs / strongest)
-    if x.size < size * (1 + (_SEEN - 1) / _STEP) or size < 16:
+    if x.size < size * (1 + (SEVERAL - 1) / _STEP):
         return []
     window = harris(size)
     starts = range(0, x.size - size + 1, size // _STEP)
@@ -108,7 +97,7 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
     main = _followed(spectra, strongest * size / fs)
     heights = spectra[np.arange(main.size), main]
     main, spectra = main[heights > least], spectra[heights > least]
-    if main.size < _SEEN:
+    if main.size < SEVERAL:
         return []
     line = fs / size
     exact = np.array([_between_lines(row, k) for row, k in zip(spectra, main, strict=True)])
@@ -133,7 +122,7 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
         open_tracks = still + [[(w, _between_lines(spectra[w], k))] for k in places if k not in taken]
     for track in (*closed, *open_tracks):
         power = np.array([_power(spectra[w], round(k)) for w, k in track])
-        if len(track) >= _SEEN and (not falling or power[0] > _FALLS * power[-1]):
+        if len(track) >= SEVERAL and (not falling or FALLS**2 * power[0] > power[-1]):
             tracks.append(_Track(np.array([k for _, k in track]) * line, power))
     return tracks
 
@@ -159,15 +148,15 @@ def _followed(spectra: np.ndarray, strongest: float) -> np.ndarray:
 def _peaks(row: np.ndarray, least: float) -> list[int]:
     """Lines (k,) that stand out of the noise, of what is loudest of its neighbourhood, and of what folds back.
 
-    Harmonics beyond half the sampling rate fold back anywhere, but are smaller than those just below it.
+    Harmonics beyond half the sampling rate fold back anywhere, but are no twice as large as those just below it.
     """
     from scipy.ndimage import maximum_filter1d
 
-    top = row[int(_TOP * row.size) :]
-    high = max(least, float(np.max(row)) * _LEAK, 4.0 * float(np.max(top)) if np.max(top) > least else 0.0)
+    top = row[int(2 * BELOW_NYQUIST * row.size) :]
+    high = max(least, float(np.max(row)) * _LEAK, 2.0**2 * float(np.max(top)) if np.max(top) > least else 0.0)
     crest = row == maximum_filter1d(row, 2 * int(_LOBE) + 1)
     crest[: 2 * int(_LOBE)] = False  # an offset and a drift
-    crest[int(_TOP * row.size) :] = False
+    crest[int(2 * BELOW_NYQUIST * row.size) :] = False
     return [int(k) for k in np.flatnonzero(crest & (row > high))]
 
 
@@ -185,25 +174,24 @@ def _is_harmonic(row: np.ndarray, k: int, strongest: float, moved: float) -> boo
     """Whether a line is a multiple of the strongest one, itself among them, or cannot be told from one.
 
     No harmonic is as large as its fundamental: even those of an impact are no larger, whose force is a pulse. And a
-    series of harmonics falls: one far above all those before it is none.
+    series of harmonics falls: one twice as large as all those before it is none.
     """
     order = max(1, round(k / strongest))
     if order > 1 and row[k] > row[round(strongest)]:
         return False
-    if order >= _SERIES:
+    if order > SEVERAL:
         before = [float(np.max(row[round(n * strongest) - 1 : round(n * strongest) + 2])) for n in range(2, order)]
-        if row[k] > _ABOVE_SERIES * max(before):
+        if row[k] > 2.0**2 * max(before):
             return False
-    return abs(k - order * strongest) <= _LOBE + order * (moved + 0.25)
+    return abs(k - order * strongest) <= _LOBE + order * (moved + _BETWEEN)
 
 
 def _between_lines(row: np.ndarray, k: int) -> float:
-    """Place of a peak between the lines, by a parabola through logarithms."""
-    if not 0 < k < row.size - 1:
+    """Where a peak lies between the lines, by a parabola through logarithms."""
+    if not 0 < k < row.size - 1 or row[k] <= max(row[k - 1], row[k + 1]):
         return float(k)
     a, b, c = np.log(row[k - 1 : k + 2] + 1e-300)
-    bend = a - 2 * b + c
-    return k + (float(np.clip(0.5 * (a - c) / bend, -0.5, 0.5)) if bend < 0 else 0.0)
+    return k + float(a - c) / float(2 * (a - 2 * b + c))
 
 
 def _power(row: np.ndarray, k: int) -> float:
@@ -217,7 +205,7 @@ def _merged(tracks: Sequence[_Track]) -> list[tuple[float, float, float]]:
         low, high = float(np.min(track.frequency)), float(np.max(track.frequency))
         loud = int(np.argmax(track.power))
         this = (float(track.frequency[loud]), low, high, float(track.power[loud]))
-        if spans and low <= spans[-1][2] * 1.02:
+        if spans and low <= spans[-1][2] * SAME_MODE:
             last = spans[-1]
             best = max(last, this, key=lambda s: s[3])
             spans[-1] = (best[0], last[1], max(last[2], high), best[3])
@@ -232,7 +220,7 @@ def _merged(tracks: Sequence[_Track]) -> list[tuple[float, float, float]]:
 
 def _is_combination(frequency: float, first: float, second: float) -> bool:
     """Whether a frequency is a sum or a difference of multiples of two others."""
-    orders = range(_ORDERS + 1)
+    orders = range(ORDERS + 1)
     made = [abs(n * first + sign * m * second) for n in orders for m in orders for sign in (1, -1) if n + m > 1]
     return any(abs(frequency - f) < _AGREES * frequency for f in made)
 
@@ -256,6 +244,6 @@ def _shares(
             powers[i] += max(float(np.sum(spectrum[inside] - level**2 * 2.0 / fs)), 0.0)
         noise += level**2 * x.size / fs
     first = min(range(len(spans)), key=lambda i: abs(np.log(spans[i][0] / strongest)), default=None)
-    kept = [i for i in range(len(spans)) if powers[i] > _MATTERS * noise or i == first]
+    kept = [i for i in range(len(spans)) if powers[i] > (ABOVE_NOISE**2 - 1) * noise or i == first]
     total = float(np.sum(powers[kept])) or 1.0
     return [Mode(*spans[i], share=float(powers[i]) / total, strongest=i == first) for i in kept]

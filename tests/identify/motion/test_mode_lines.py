@@ -70,9 +70,9 @@ def test_no_harmonic_is_larger_than_its_fundamental():
     assert frequencies(ring(10.0, 1.0, 1.0), ring(20.0, 0.5, 0.1)) == [10.0, 20.0]
 
 
-@pytest.mark.parametrize(("size", "found"), [(0.2, [10.0]), (0.32, [10.0, 40.3])])
+@pytest.mark.parametrize(("size", "found"), [(0.13, [10.0]), (0.2, [10.0, 40.3])])
 def test_a_line_far_above_its_series_is_no_harmonic(size, found):
-    """Of the fourth order on: more than ten times the power of all those before it."""
+    """Of the fourth order on: more than twice as large as all those before it."""
     series = [ring(10.0 * n, 0.08, 0.15) for n in (2, 3)]
     assert frequencies(ring(10.0), *series, ring(40.3, size, 0.15)) == found
 
@@ -122,9 +122,9 @@ def test_a_frequency_that_moves_with_the_amplitude():
     assert mode.low < mode.frequency <= mode.high
 
 
-def test_what_lies_beyond_three_quarters_of_the_band_is_no_mode():
-    assert frequencies(ring(10.0), ring(73.3, 0.1)) == [10.0, 73.3]
-    assert frequencies(ring(10.0), ring(77.3, 0.1)) == [10.0]
+def test_what_a_recorders_filter_takes_is_no_mode():
+    assert frequencies(ring(10.0), ring(87.3, 0.1)) == [10.0, 87.3]
+    assert frequencies(ring(10.0), ring(91.3, 0.1)) == [10.0]
 
 
 @pytest.mark.parametrize(("size", "found"), [(0.15, [10.0]), (0.25, [10.0, 33.7])])
