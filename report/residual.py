@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..export.render import plain_text
+from ..identify.signals.hilbert import welch
 from ..model.display import scale_of
 from .chart import Chart
 from .comparison import Comparison
@@ -51,9 +52,8 @@ def spectral_density(signal: np.ndarray, fs: float, natural: float) -> tuple[np.
 
     By Welch's method; values of ``signal`` (n,) that are not finite count as zero.
     """
-    from scipy.signal import welch
-
     size = int(min(max(_LINES * fs / natural, 64), signal.size))
-    f, power = welch(np.where(np.isfinite(signal), signal, 0.0), fs, nperseg=size)
+    f, window = np.fft.rfftfreq(size, 1.0 / fs), np.hanning(size + 1)[:-1]
+    power = welch(np.where(np.isfinite(signal), signal, 0.0), fs, window)
     view = (f > 0) & (f <= _HIGHEST * natural)
     return f[view], np.sqrt(power[view])

@@ -12,6 +12,7 @@ from .. import engine
 from ..model.law import Expression, Law, Motion
 from .compiler import loaded_library
 from .generated_c import generated_c
+from .recursion import driven_by_lines
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 #: Rate of an inner state times the step: Heun's method is then good to a few per cent of that state.
@@ -95,7 +96,8 @@ class Along:
         begin = np.array([0.0 if leader is None else motion[0, leader] for leader in self.follows] or [0.0])
         begin += shift
         if self._filter is not None:
-            return _filtered([np.array(part) for part in self._filter(p)], motion[:, 3], dt)[None, :]
+            system = tuple(np.array(part) for part in self._filter(p))
+            return driven_by_lines(system, motion[:, 3], dt)[None, :]
         out = np.empty((motion.shape[0], self.values))
         parts = self._parts(begin, motion, p, dt)
         self._along(
@@ -142,12 +144,3 @@ def _linear(inner: Expression, force: Expression, p: Expression, made: Expressio
     count = inner.numel()
     parts = slopes[:count, :count], slopes[:count, count], slopes[count, :count], slopes[count, count]
     return ca.Function("linear", [p], [ca.densify(part) for part in parts])
-
-
-def _filtered(system: list[np.ndarray], force: np.ndarray, dt: float) -> np.ndarray:
-    """(n,) what a linear system (A, B, C, D) at rest makes of a force in straight lines between points: exact."""
-    from scipy import signal
-
-    discrete: Any = signal.cont2discrete(tuple(system), dt, method="foh")
-    numerator, denominator = signal.ss2tf(*discrete[:4])
-    return np.asarray(signal.lfilter(numerator[0], denominator, force))

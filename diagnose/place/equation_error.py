@@ -16,6 +16,7 @@ from ...identify.signals.hilbert import analytic_signal
 from ...identify.signals.limits import SHORTEST_PERIOD
 from ...identify.signals.registry import numerics
 from ...model import Oscillator
+from ...recording.smoothing import with_polynomials
 from ..limits import BLOCK_CYCLES
 from .smoother import Smoothed, Smoother
 
@@ -89,8 +90,6 @@ def equation_error(model: Oscillator, data: Data) -> tuple[list[Stretch], float]
 
 
 def _stretch(name: str, driven: bool, smoothed: Smoothed, smoother: Smoother) -> Stretch | None:
-    from scipy.signal import savgol_filter
-
     dt, period = smoother.dt, smoother.period
     step = max(int(period / dt / _DENSITY), 1)
     margin = int(_MARGIN_CYCLES * period / dt)
@@ -99,7 +98,7 @@ def _stretch(name: str, driven: bool, smoothed: Smoothed, smoother: Smoother) ->
     if keep.size < 2 * _DENSITY:
         return None
     span = max(int(period / dt / _SPAN) | 1, SHORTEST_PERIOD)
-    rate, bend = (np.asarray(savgol_filter(smoothed.drive, span, 3, deriv=k, delta=dt)) for k in (1, 2))
+    rate, bend = (with_polynomials(smoothed.drive, span, 3, k) / dt**k for k in (1, 2))
     amplitude = frequency = phase = np.full(smoothed.time.size, np.nan)
     try:
         analytic = analytic_signal(smoothed.displacement, 1.0 / dt)

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...identify.signals.registry import numerics
+from ...simulate.recursion import recursion
 from .equation_error import Stretch
 
 TURNING = numerics(
@@ -186,8 +187,6 @@ def _constant(rows: Rows) -> np.ndarray:
 @_kind("memory")
 def _memory(rows: Rows) -> np.ndarray:
     """Springs behind a slider (Iwan 1966) and behind a damper (Maxwell), of several reaches and times."""
-    from scipy.signal import lfilter
-
     size = 0.5 * float(np.ptp(rows.joined(lambda s: s.x)))
     columns = []
     for s in rows.stretches:
@@ -196,7 +195,7 @@ def _memory(rows: Rows) -> np.ndarray:
         step = float(np.median(np.diff(s.time)))
         for pace in _PACES:  # the part of x that is faster than the relaxation
             pole = np.exp(-step * turn * pace)
-            own.append(np.asarray(lfilter([1.0, -1.0], [1.0, -pole], s.x - s.x[0])))
+            own.append(recursion(np.array([[pole]]), np.diff(s.x, prepend=s.x[0])[:, None]))
         columns.append(np.column_stack(own))
     return np.concatenate(columns)
 

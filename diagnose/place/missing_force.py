@@ -19,6 +19,7 @@ from ...identify.signals.registry import budget, shown
 from ...model import Oscillator
 from ...model.equations import equations
 from ...model.oscillator import Term
+from ...recording.smoothing import analytic_of
 from ..result import LatentForce
 from .model_force import term_force
 from .smoother import Smoothed, Smoother
@@ -118,8 +119,6 @@ def _free(term: Term, family: Oscillator) -> bool:
 
 def _in_phase(force: np.ndarray, smoothed: np.ndarray) -> np.ndarray:
     """A periodic force with the phase that suits what the smoother found; its size is the law's."""
-    from scipy.signal import hilbert
-
-    analytic = np.asarray(hilbert(force))
+    analytic = analytic_of(force)
     turn = complex(np.vdot(analytic, smoothed))
     return np.real(analytic * turn / abs(turn)) if abs(turn) > 0 else force

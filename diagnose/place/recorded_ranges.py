@@ -16,6 +16,7 @@ from ...identify.signals.limits import SHORTEST_PERIOD
 from ...identify.signals.registry import numerics
 from ...model import Oscillator
 from ...recording.recording import QUANTITIES, Recording
+from ...recording.smoothing import with_polynomials
 from ..limits import LARGE_PART
 from ..result import RecordFit
 
@@ -100,14 +101,12 @@ def _displacement(piece: Recording, cycle: float) -> np.ndarray | None:
 
 def _velocity(x: np.ndarray, piece: Recording, cycle: float) -> np.ndarray:
     """(n,) measured, or from the displacement by local cubics (Savitzky and Golay 1964); empty where unknown."""
-    from scipy.signal import savgol_filter
-
     if piece.quantity == "velocity":
         return piece.response
     if piece.quantity == "acceleration":  # integrated twice already: its slope holds no more than the sensor's noise
         return np.gradient(x, piece.dt)
     span = max(int(_WINDOW * cycle * piece.fs) | 1, SHORTEST_PERIOD)
-    return np.empty(0) if x.size < span else np.asarray(savgol_filter(x, span, 3, deriv=1, delta=piece.dt))
+    return np.empty(0) if x.size < span else with_polynomials(x, span, 3, 1) / piece.dt
 
 
 def _sure(signal: np.ndarray, piece: Recording, cycle: float, order: int) -> np.ndarray:

@@ -25,6 +25,7 @@ from ...identify.signals.registry import budget, numerics
 from ...identify.signals.signals import resting
 from ...model import Oscillator
 from ...model.oscillator import QUANTITIES
+from ...recording.smoothing import weights_of_polynomials, with_polynomials
 from ..limits import LASTING_SIGN
 from .model_force import OwnForce, term_force
 from .penalised_states import Change, PenalisedStates
@@ -51,7 +52,9 @@ _TRIALS = budget(20, "values of strength and memory", why="a search in two unkno
 _RUINED = numerics(1e30, "log-likelihood", why="of what the numbers do not carry: no search goes there")
 _TINY = numerics(1e-30, "of a squared unit", why="a variance that is none")
 _ENDS = numerics(1e-5, "of the log-likelihood", why="a step that gains less changes no strength by its error")
-_NONE = numerics(1e-6, "of the force of the spring", why="a missing force below this is none")
+_NONE = numerics(
+    3e-5, "of the force of the spring", why="below this is none: of a weaker one the precision is lost to rounding"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,14 +122,13 @@ class Smoother:
     def _follow(self, raw: np.ndarray) -> None:
         """A spline along the measured displacement, and its derivatives on a finer grid."""
         from scipy.interpolate import make_interp_spline
-        from scipy.signal import savgol_coeffs, savgol_filter
 
         step = max(int(self.period / self.dt / _KNOTS), 1)
         noise = np.array([1.0, 1.0 / self.dt])
         span = max(2 * step + 1, _SHORTEST)
         if step > 1 and self.n > 2 * span:  # a quartic over two steps loses nothing that one knot a step can follow
-            raw = np.asarray(savgol_filter(raw, span, 4))
-            gains = [savgol_coeffs(span, 4, deriv=k, delta=self.dt) for k in (0, 1)]
+            raw = with_polynomials(raw, span, 4)
+            gains = [weights_of_polynomials(span, 4, k)[span // 2] / self.dt**k for k in (0, 1)]
             noise = np.array([np.sqrt(np.sum(gain**2)) for gain in gains])
         self.spread = noise * self.sensor * (self.period / (2 * np.pi)) ** self.order
         points = np.unique(np.r_[np.arange(0, self.n - step // 2, step), self.n - 1])

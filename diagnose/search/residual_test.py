@@ -22,6 +22,7 @@ from ...identify.signals.noise_spectrum import estimate
 from ...identify.signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE
 from ...identify.signals.registry import numerics, shown
 from ...model import Oscillator
+from ...recording.smoothing import analytic_of
 from ..limits import BEYOND_CHANCE, BURST, FAR_ABOVE_NOISE, FEWEST_WINDOWS, IN_STEP, UNTOLD
 from ..wording import figure
 
@@ -146,11 +147,9 @@ def in_step(motion: np.ndarray, residual: np.ndarray) -> tuple[float, int, float
         motion: (n,) simulated response.
         residual: (n,) what it leaves over.
     """
-    from scipy.signal import hilbert
-
     if not np.any(residual) or not np.ptp(motion) > 0:
         return 0.0, 0, 0.0
-    analytic = np.asarray(hilbert(motion - np.mean(motion)))
+    analytic = analytic_of(motion - np.mean(motion))
     amplitude = np.abs(analytic)
     turn = analytic / np.maximum(amplitude, 1e-300)
     orders = [np.ones((1, motion.size))] + [np.stack([(turn**k).real, (turn**k).imag]) for k in _ORDERS]

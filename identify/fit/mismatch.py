@@ -13,6 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...recording.smoothing import analytic_of
 from ..problem.segments import Segment
 from .limits import CYCLES, HARMONICS
 
@@ -83,10 +84,8 @@ def _powers(residual: np.ndarray, segment: Segment) -> np.ndarray:
 
 def _vectors(residual: np.ndarray, segment: Segment) -> np.ndarray:
     """(blocks, components) of what is left along the harmonics of the motion, of unit length."""
-    from scipy.signal import hilbert  # half a second, which no command needs that finds no mismatch
-
     motion = segment.response - residual
-    analytic = np.asarray(hilbert(motion - np.mean(motion)))
+    analytic = analytic_of(motion - np.mean(motion))
     turn = analytic / np.maximum(np.abs(analytic), np.finfo(float).tiny)
     orders = [turn**k for k in range(1, HARMONICS + 1)]
     rows = np.vstack([np.full(turn.size, np.sqrt(0.5)), *(part for z in orders for part in (z.real, z.imag))])

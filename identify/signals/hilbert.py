@@ -100,15 +100,18 @@ def noise_level(x: np.ndarray, fs: float) -> float:
     first = int(0.75 * lines)
     if lines - 1 - first < _FEWEST_LINES:
         return 0.0
-    top = _welch(x, fs, harris(size, periodic=True))[first:-1]
+    top = welch(x, fs, harris(size, periodic=True))[first:-1]
     # periodograms averaged over few segments: the median lies below the mean (chi-square with about 2 K degrees)
     segments = max(1.0, _INDEPENDENT * x.size / size)
     median_to_mean = (1 - 1 / (9 * segments)) ** 3
     return max(float(np.sqrt(np.median(top) / median_to_mean * fs / 2)), converter_step(x) / STEP_NOISE)
 
 
-def _welch(x: np.ndarray, fs: float, window: np.ndarray) -> np.ndarray:
-    """(size // 2 + 1,) spectral density from segments that overlap by half, straight lines taken off (Welch 1967)."""
+def welch(x: np.ndarray, fs: float, window: np.ndarray) -> np.ndarray:
+    """(size // 2 + 1,) spectral density of a signal (n,) at ``fs`` Hz, in its unit squared per Hz (Welch 1967).
+
+    Averaged over segments under a window (size,), which overlap by half and have a straight line taken off.
+    """
     size = window.size
     segments = np.lib.stride_tricks.sliding_window_view(x, size)[:: size - size // 2]
     place = np.linspace(-1.0, 1.0, size)

@@ -11,6 +11,7 @@ from ...files.computed_once import computed_once
 from ...recording.fact import fact
 from ...recording.recording import Recording
 from ...recording.resolution import converter_step
+from ...recording.smoothing import fewer
 from .hilbert import LONG, STEP_NOISE, dominant_frequency, noise_level
 from .limits import SILENT
 from .noise_beside_edges import noise_beside_edges
@@ -79,10 +80,8 @@ class Signal:
 
 def thinned(samples: np.ndarray, factor: int) -> np.ndarray:
     """Every so manieth of (n,) samples, without what these would not tell; what counts must lie well below that."""
-    from scipy.signal import resample_poly
-
     middle = float(np.mean(samples))
-    return np.asarray(resample_poly(samples - middle, 1, factor)) + middle
+    return fewer(samples - middle, factor) + middle
 
 
 @fact("response", "fs")

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...simulate.recursion import recursion
 from ..problem.segments import Segment
 from ..signals.registry import budget, numerics
 from .limits import MOST_DAMPING
@@ -145,16 +146,13 @@ class Signal:
 
     def driven(self, omega: float, rate: float) -> np.ndarray:
         """(size,) response from rest of a mass of one, in the same units."""
-        from scipy.signal import lfilter
-
         assert self.force is not None
         pole = complex(-rate, omega)
         turn = np.exp(pole * self.step)
         whole = (turn - 1.0) / pole
         last = 0.0 if self.held else (whole / self.step - 1.0) / pole  # straight lines: the sample at the end's part
-        moved = np.append(
-            0.0, np.asarray(lfilter([1.0], [1.0, -turn], (whole - last) * self.force[:-1] + last * self.force[1:]))
-        )
+        pushes = (whole - last) * self.force[:-1] + last * self.force[1:]
+        moved = np.append(0.0, recursion(np.array([[turn]]), pushes[:, None]))
         response = np.imag(pole**self.order * moved) / omega + (self.force if self.order == 2 else 0.0)
         sampled = response[:: self.every][: self.size]
         sampled = np.append(sampled, np.zeros(self.size - sampled.size))

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.recording.smoothing import convolved, harris, with_polynomials
-from scipy.signal import savgol_filter
+from dashpot.recording.smoothing import analytic_of, convolved, fewer, harris, with_polynomials
+from scipy.signal import hilbert, resample_poly, savgol_filter
 from scipy.signal.windows import blackmanharris
 
 
@@ -39,3 +39,15 @@ def test_the_window_is_scipys():
     for size in (16, 33):
         np.testing.assert_allclose(harris(size), blackmanharris(size), atol=1e-14)
         np.testing.assert_allclose(harris(size, periodic=True), blackmanharris(size, sym=False), atol=1e-14)
+
+
+@pytest.mark.parametrize(("n", "factor"), [(1000, 2), (1001, 3), (57, 7), (5000, 20), (10, 1)])
+def test_fewer_samples_are_scipys(n, factor):
+    signal = np.random.default_rng(2).standard_normal(n)
+    np.testing.assert_allclose(fewer(signal, factor), resample_poly(signal, 1, factor), atol=1e-13)
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 64, 101])
+def test_an_analytic_signal_is_scipys(n):
+    signal = np.random.default_rng(3).standard_normal(n)
+    np.testing.assert_allclose(analytic_of(signal), hilbert(signal), atol=1e-14)

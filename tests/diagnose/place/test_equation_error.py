@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from dashpot.diagnose.limits import LEAST_EVIDENCE
 from dashpot.diagnose.place.equation_error import BLOCK_CYCLES, _stretch, equation_error
+from dashpot.diagnose.place.smoother import _NONE, Smoother
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
@@ -160,3 +161,11 @@ def test_the_rate_of_a_force_is_that_of_a_cubic_over_a_sixth_of_a_cycle(a_cycle,
     assert stretch.drive_rate[40] == pytest.approx(cubic[-2])
     assert stretch.drive_bend[40] == pytest.approx(2 * cubic[-3])
     assert np.array_equal(stretch.block, place // (4 * a_cycle))
+
+
+def test_a_force_of_next_to_nothing_is_as_likely_with_every_memory(sweep):
+    model = Oscillator.from_values(LINEAR)
+    smoother = Smoother(model, data_of([sweep], model), 0)
+    weakest = smoother.scale * _NONE
+    likely = [smoother.log_likelihood(weakest, memory, 0, smoother.n) for memory in np.linspace(1.5, 1.5001, 9)]
+    assert np.ptp(likely) < 0.5
