@@ -113,7 +113,8 @@ def _takes_half(rest: Sequence[Segment], left: np.ndarray, fit: Fit) -> bool:
     """Whether mean squares (segments,) take half of the way from what a fit leaves down to the noise."""
     size = np.array([float(segment.n) for segment in rest])
     needed = np.log([max(s.over_noise, 1.0) for s in fit.segments])
-    return bool(0.5 * (np.log(left_by(rest, ())) - np.log(left)) @ size > HALF * needed @ size)
+    gain = 0.5 * (np.log(left_by(rest, ())) - np.log(left))
+    return bool(gain @ size > HALF * needed @ size)
 
 
 def modes_of_fit(model: Oscillator) -> tuple[Mode, ...]:
