@@ -171,7 +171,7 @@ class _Solved:
 def _solve(signals: Sequence[Signal], omega: float, rate: float) -> _Solved:
     rate = min(rate, omega * MOST_DAMPING / np.sqrt(1.0 - MOST_DAMPING**2))
     columns = [signal.free(omega, rate) for signal in signals]
-    bases = [np.linalg.qr(part / np.linalg.norm(part, axis=0))[0] for part in columns]
+    bases = [np.linalg.qr(part / sizes_of(part))[0] for part in columns]
     rests = [s.measured - basis @ (basis.T @ s.measured) for s, basis in zip(signals, bases, strict=True)]
     forced: list[np.ndarray | None] = []
     above = below = 0.0
@@ -187,11 +187,16 @@ def _solve(signals: Sequence[Signal], omega: float, rate: float) -> _Solved:
     own, final = [], []
     for signal, part, made in zip(signals, columns, forced, strict=True):
         measured = signal.measured if made is None else signal.measured - gain * made
-        size = np.linalg.norm(part, axis=0)
+        size = sizes_of(part)
         weights = np.linalg.lstsq(part / size, measured, rcond=1e-12)[0] / size
         own.append(weights)
         final.append(measured - part @ weights)
     return _Solved(gain, own, final)
+
+
+def sizes_of(columns: np.ndarray) -> np.ndarray:
+    """(k,) norms of columns; above zero also where a fall within one sample leaves nothing of a sine."""
+    return np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
 
 
 def _free_places(signals: Sequence[Signal]) -> list[tuple[float, float]]:

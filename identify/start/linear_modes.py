@@ -15,7 +15,7 @@ from ..problem.segments import Segment
 from ..signals.registry import budget, numerics
 from .further_modes import Mode
 from .limits import MOST_DAMPING
-from .linear_fit import Signal
+from .linear_fit import Signal, sizes_of
 
 _SAMPLES_A_CYCLE = numerics(8.0, "samples a cycle", why="by which places are only compared")
 _FREQUENCIES = numerics(
@@ -115,7 +115,7 @@ def _solve(signals: Sequence[Signal], theta: np.ndarray) -> tuple[np.ndarray, li
         free = [signal.free(*pole) for pole in poles]
         drift = np.linspace(-1.0, 1.0, signal.measured.size)  # of a sensor, which else is taken for a slow mode
         columns = np.column_stack([*(own[:, :2] for own in free), free[0][:, 2], drift])
-        basis = np.linalg.qr(columns / np.linalg.norm(columns, axis=0))[0]
+        basis = np.linalg.qr(columns / sizes_of(columns))[0]
         rest = signal.measured - basis @ (basis.T @ signal.measured)
         forced = np.zeros((rest.size, 0))
         if signal.force is not None:
