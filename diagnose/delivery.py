@@ -16,9 +16,12 @@ from ..identify.problem.structure import Fitted, renamed
 from ..identify.provenance import with_provenance
 from ..model import Oscillator
 from ..model.library import find
+from ..model.terms import without_term
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .search.judgement import names_of
+
+_DELAY = "time-delay"
 
 
 def finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) -> Oscillator:
@@ -79,6 +82,28 @@ def with_errors(
         hold=hold_of_recordings(recordings),
     )
     return model, list(fit.notes)
+
+
+def hold_beside(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording], memory: float) -> str:
+    """The hold that driven recordings ask for beside a structure whose delay lies within a sample; else theirs.
+
+    What is held from sample to sample comes half a sample late. The loss that goes with it no delay explains, so that
+    the structure is fitted without the delay under each hold. Arguments as for ``with_errors``.
+    """
+    delay = fitted.model.values().get(f"{_DELAY}.delay", np.inf)
+    if not abs(delay) < max(recording.dt for recording in recordings if recording.force is not None):
+        return hold_of_recordings(recordings)
+    model, shapes = without_term(fitted.model, _DELAY), [n for n in fitted.model.parameters() if n not in fitted.free]
+
+    def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
+        data = data_of(recordings, cut_by, coarse=False)
+        return delivered(known or model, data, shapes, initial=_begun(fitted, data), memory=memory, doubted=doubted)
+
+    recordings = [changed(recording, hold=None) for recording in recordings]
+    try:
+        return with_hold(answer(recordings, None, doubted=False), recordings, answer, doubted=False)[0].oscillator.hold
+    except BadInput:  # nothing simulates without the delay
+        return hold_of_recordings(recordings)
 
 
 def named(fitted: Fitted, laws: Sequence[str]) -> Fitted:

@@ -14,12 +14,15 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..identify.fit.hold import held_as
 from ..identify.signals.registry import budget
 from ..model import Oscillator
 from ..model.library import KNOWN
+from ..recording.given import recordings_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter
 from .case import Case, Progress, prepare
+from .delivery import hold_beside
 from .family import first_fit
 from .result import Diagnosis
 from .search.found import Found
@@ -61,6 +64,12 @@ def diagnose(
     meter, until = Meter(), time.monotonic() + SEARCHING * seconds
     case = prepare(model, recordings, holdout, progress)
     found = find(case, progress, until)
+    if all(recording.hold is None for recording in case.given):
+        hold = hold_beside(found.fitted, case.model, case.recordings, found.weighing.data.memory)
+        if hold != case.family.model.hold:  # every law is asked anew
+            recordings, holdout = (held_as(recordings_of(group), hold) for group in (recordings, holdout))
+            case = prepare(model, recordings, holdout, progress)
+            found = find(case, progress, until)
     if found.untried:
         case = case.noted(
             f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "

@@ -8,6 +8,7 @@ from dashpot.diagnose import diagnose
 from dashpot.examples.force import chirp, multisine
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
+from dashpot.identify import identify
 from dashpot.model import Oscillator
 from dashpot.recording import Recording
 
@@ -37,3 +38,37 @@ def test_nothing_is_named_for_a_hold(hold):
     assert diagnosis.verdict == "consistent"
     assert diagnosis.model.hold == hold
     assert [fact.what for fact in diagnosis.chain if "fitted so" in fact.sentence] == ["hold"]
+
+
+def with_drag(level: float, seed: int, fs: float = 250.0, n: int = 1200) -> Recording:
+    """A linear rig of 3 Hz with a drag of 6 1/m under a swept force that is held; Runge and Kutta's rule of order 4."""
+    omega, viscous, drag, mass, fine = 2 * np.pi * 3.0, 0.6, 6.0, 0.8, 8
+    t = np.arange(n) / fs
+    force = chirp(level, 1.5, 4.0 * fs / n, t, 1 / fs)[:, 0]
+
+    def rates(z, f):
+        return np.array([z[1], f / mass - viscous * z[1] - drag * abs(z[1]) * z[1] - omega**2 * z[0]])
+
+    z, x, h = np.zeros(2), np.zeros(n), 1 / fs / fine
+    for i in range(n):
+        x[i] = z[0]
+        for _ in range(fine):
+            a = rates(z, force[i])
+            b = rates(z + h / 2 * a, force[i])
+            c = rates(z + h / 2 * b, force[i])
+            z = z + h / 6 * (a + 2 * b + 2 * c + rates(z + h * c, force[i]))
+    x += 1e-4 * np.std(x) * np.random.default_rng(seed).standard_normal(n)
+    return Recording(name=f"sweep {level}", fs=fs, response=x, force=force)
+
+
+@pytest.mark.long
+def test_half_a_sample_late_is_a_hold_beside_a_drag():
+    """A smooth force with a delay of 2 ms would take most of what a hold does."""
+    training = [with_drag(level, seed) for seed, level in enumerate((2.0, 5.0))]
+    model = identify(training, doubted=False).oscillator
+    assert model.hold == "smooth"
+    diagnosis = diagnose(model, training, [with_drag(3.5, 2)])
+    assert [effect.law for effect in diagnosis.effects] == ["quadratic-drag"]
+    assert diagnosis.model.hold == "zero"
+    drag = diagnosis.model.parameters()["quadratic-drag.coefficient"]
+    assert drag.value == pytest.approx(6.0, abs=3.5 * drag.std)
