@@ -3,26 +3,35 @@
 An electrodynamic shaker that is driven by a voltage brakes what it moves, by the square of its constant over the
 resistance of its coil (back-EMF): with the voltage recorded as force the driven rig seems to have more viscous damping
 than the same one has when it is let go with its coil open. A force that was measured knows no such difference.
+
+So it is asked by one linearisation whether a step leaves much less with another viscous damping of what is driven than
+without. Only then that is fitted, of each driven recording by itself, which must agree.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...model import Oscillator
 from ...recording.recording import Recording
-from ..fit.likelihood import maximum_likelihood
 from ..fit.reported_result import Fit
-from ..signals.odds import BEYOND_ERRORS
+from ..fit.reweighted_fit import over_noise
+from ..problem.data import noise_at
+from ..problem.descent import search
+from ..problem.linearised import Linearised
+from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS
+from ..signals.registry import budget
+from .contradiction import Contradiction
 from .fault import with_error
-from .stranger_among import KEPT, Fitted, of_one_rig
+from .fault_score import with_sizes
+from .fitted_problem import fitted_problem
+from .limits import HALVED
+from .spread import Deviation
 
-#: What a lab cannot keep constant, as of ``KEPT``: a stiffness goes with the square of the frequency.
-_CHANGED = 2.0 * KEPT
+_STEPS = budget(20, "steps", why="a search takes ten to twenty")
 
 
 @dataclass(frozen=True)
@@ -42,53 +51,47 @@ class Braked:
         return np.array([self.size if name == "viscous" else 0.0 for name in names])
 
 
-def back_emf(recordings: Sequence[Recording], fitted: Fitted) -> Braked | None:
+def back_emf(fit: Fit, recordings: Sequence[Recording], found: Contradiction) -> Braked | None:
     """What is said of the driven recordings; None where a measured force explains them.
 
     Args:
-        recordings: driven ones and free ones, which contradict each other.
-        fitted: the fit of the driven ones alone, from starts of their own.
+        fit: of these recordings.
+        recordings: as they were fitted, driven ones and free ones.
+        found: which part of them the rest contradicts: the search begins at what the rest says.
     """
-    driven = [index for index, recording in enumerate(recordings) if recording.force is not None]
-    free = [index for index in range(len(recordings)) if index not in driven]
-    if not driven or not free:
+    problem, _ = fitted_problem(fit, recordings)
+    driven = sorted({segment.recording for segment in problem.segments if segment.force is not None})
+    if not driven or all(segment.force is not None for segment in problem.segments) or "viscous" not in fit.names:
         return None
-    forced = of_one_rig([recordings[index] for index in driven], fitted)
-    let_go = None if forced is None else of_one_rig([recordings[index] for index in free], _beside(forced.oscillator))
-    if forced is None or let_go is None or not (excess := braked(forced, let_go)):
+    state = found.state
+    residuals = problem.residuals(state)
+    flat = zip(problem.segments, found.levels, strict=True)
+    noise = [NoiseSpectrum(np.full(segment.n // 2 + 1, level**2), segment.n) for segment, level in flat]
+    linearised = Linearised.of(problem, state, residuals, noise)
+    place = fit.names.index("viscous")
+    columns = {i: linearised.columns[i][[place]] for i, s in enumerate(problem.segments) if s.force is not None}
+    beside = linearised.beside(columns)
+    step, plain = beside.step(), linearised.shared
+    excess, without = beside.left(step) - beside.samples, plain.left(plain.step()) - plain.samples
+    if not (step[-1] > 0.0 and excess < HALVED * without):
         return None
-    size, error, unit = excess
+    braked = problem.with_faults([Deviation(i, parameter="viscous", typical=float(step[-1])) for i in driven])
+    state = search(braked, with_sizes(braked, state), tolerance=0.1, most=_STEPS, informed=False).state
+    residuals = braked.residuals(state)
+    if not max(over_noise(braked, residuals, state, fit.oscillator, recordings)) <= ABOVE_NOISE:
+        return None
+    known = noise_at(braked, residuals, state, fit.oscillator)
+    sums = Linearised.of(braked, state, residuals, known).shared
+    sums = sums.without(slice(0, len(sums.gradient) - len(driven)))
+    sizes, errors = state.offsets[-len(driven) :], sums.errors()
+    # of one shaker
+    error = float(np.sum(sums.normal)) ** -0.5
+    size = float(np.sum(sums.normal @ sizes)) * error**2
+    if np.any(np.abs(sizes - size) > BEYOND_ERRORS * errors) or not size > BEYOND_ERRORS * error:
+        return None
     words = (
-        f"driven, it is braked by {with_error(size, error)} {unit} more than what is free, and agrees with that in all "
-        "else: so does a voltage that is taken for a force, whose shaker brakes the rig (back-EMF), or a damper that "
-        "is there only when it is driven; record the force itself, or the current"
+        f"driven, it is braked by {with_error(size, error)} {fit.oscillator.viscous.unit} more than what is free, and "
+        "agrees with that in all else: so does a voltage that is taken for a force, whose shaker brakes the rig "
+        "(back-EMF), or a damper that is there only when it is driven; record the force itself, or the current"
     )
     return Braked(dict.fromkeys(driven, words), size)
-
-
-def _beside(model: Oscillator) -> Fitted:
-    """The fit of free recordings next to a model, whose damping is found first: friction that lets them swing once
-    more or less makes a minimum of each, and from other starts the search may end in any.
-    """
-
-    def fitted(recordings: Sequence[Recording]) -> Fit:
-        others = tuple(name for name in model.parameters() if name != "viscous")
-        braked = maximum_likelihood(model, recordings, others, doubted=False, near=True)
-        return maximum_likelihood(braked.oscillator, recordings, ("mass",), doubted=False, near=True)
-
-    return fitted
-
-
-def braked(forced: Fit, let_go: Fit) -> tuple[float, float, str] | None:
-    """By how much more viscous the forced fit is, with its error and unit; None where that is not all that differs."""
-    here, there = forced.oscillator.parameters(), let_go.oscillator.parameters()
-    apart = {
-        name: (p.value - there[name].value, math.hypot(p.std, there[name].std or math.inf))
-        for name, p in here.items()
-        if p.std and name in there
-    }
-    size, error = apart.pop("viscous", (0.0, 1.0))
-    others = all(
-        abs(off) <= max(BEYOND_ERRORS * std, _CHANGED * abs(here[name].value)) for name, (off, std) in apart.items()
-    )
-    return (size, error, here["viscous"].unit) if others and size > BEYOND_ERRORS * error else None

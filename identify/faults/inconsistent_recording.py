@@ -68,7 +68,7 @@ def explain_residual(
         found = _from_the_others(fit, recordings, alone)
     if found is None and not asked:
         return _of_parts(fit, recordings) if by_chance else Explanation(fit, {}, ())
-    if found is not None and alone is not None and (braked := back_emf(recordings, alone)) is not None:
+    if found is not None and alone is not None and (braked := back_emf(fit, recordings, found)) is not None:
         return Explanation(covering(fit, (*found.shifts, braked.shift(fit.names))), braked.words, ())
     faults = _faults_in_words(fit, recordings, found, alone)
     if found is None:

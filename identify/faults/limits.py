@@ -41,11 +41,11 @@ KEPT = decides(
     why="physical limit: a lab cannot keep it more constant (the modulus of steel falls by 0.03 % a kelvin)",
 )
 
-# without_part.py
+# without_part.py, back_emf.py
 
 HALVED = decides(
     0.5,
     "part of what is more than noise",
     "that each step without a part must leave",
-    why="what does not halve it in eight steps ends above the noise",
+    why="what does not halve it in eight steps ends above the noise; so does a step with a damping of what is driven",
 )
