@@ -12,33 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...recording.oscillation import LEAST_FALL
+from ..signals.limits import CLEAR_OF_NOISE, DECAY_PART, SEVERAL
+from ..signals.registry import numerics
 from .envelope import Envelope
+from .limits import FALLS
 
-#: Turning points are sought in so many samples a cycle.
-_SAMPLES_A_CYCLE = 32
-#: A turn back by less than this many amplitudes is another mode's, or noise.
-_TURN = 0.5
-#: Chance in a thousand million that white noise alone turns so far, in standard deviations.
-_NOISE = 6.0
-#: Near the top of a large swing a pendulum dwells: each swing may last so many times as long as the next.
-_LONGER = 2.0
-#: Of a swing before the release: a hand that pushes swells the motion by more than a drive near resonance does.
-_PUSHED = 0.8
-#: A still hand keeps within this part of the swing; a turning point of a sine stays there for a tenth of its swing, a
-#: pendulum let go at 160 degrees for a quarter.
-_STILL, _HELD = 0.02, 0.35
-#: What was gained going back must be lost at this part of the later rate at least, or a steady drive is taken for it.
-_LOSS = 0.4
-#: A swing that loses this many times as much as those before it, and this part of itself, was stopped from outside.
-_CAUGHT, _CAUGHT_PART = 3.0, 0.4
-#: Friction that takes a loss from each swing holds the mass when a swing is no larger than that; with twice a margin.
-_STUCK = 4.0
-#: Swings that last alike, within this factor, would have gone on so.
-_EVEN = 1.5
-#: Turning points that tell a fall from chance.
-_FEWEST_TURNS = 8
-#: Least fall of a whole record that is a decay: a steady tone's amplitude stays within a few per cent.
-_LEAST_FALL = 0.1
+_SAMPLES_A_CYCLE = numerics(32, "samples a cycle", why="in which turning points are sought, if there are as many")
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +43,7 @@ def swings_of(x: np.ndarray, envelope: Envelope) -> Swings:
     step = max(1, envelope.period // _SAMPLES_A_CYCLE)
     noise = envelope.noise / np.sqrt(step)
     local = maximum_filter1d(envelope.size, 2 * envelope.period + 1)[::step]
-    turn = np.maximum(_TURN * local, max(_NOISE * noise, 0.25 * envelope.floor))
+    turn = np.maximum(local / 2, max(CLEAR_OF_NOISE * noise, envelope.floor / 2))
     smoothed = uniform_filter1d(x, step)[::step] if step > 1 else x
     at = np.array(_zigzag(smoothed.tolist(), turn.tolist()), int)
     return Swings(at * step, smoothed[at], noise, x.size)
@@ -106,11 +86,11 @@ def release(x: np.ndarray, swings: Swings, start: int) -> int | None:
         k -= 1
     if _still_before(x, swings, k):
         return int(at[min(k + 1, known) if k < known else k + 1])
-    if k == 0 or k + 1 >= size.size or not _loses(size, k, known):
+    if k == 0 or k + 1 >= size.size:
         return None
-    held = at[k] - at[k - 1] > _LONGER * (at[k + 1] - at[k])
+    held = at[k] - at[k - 1] > 2 * (at[k + 1] - at[k])
     # what swelled little by little may have been driven, and a drive may let it sink
-    return int(at[k]) if held or size[k - 1] < _PUSHED * size[k + 1] else None
+    return int(at[k]) if held or size[k - 1] < FALLS * size[k + 1] else None
 
 
 def _precedes(swings: Swings, j: int) -> bool:
@@ -118,8 +98,8 @@ def _precedes(swings: Swings, j: int) -> bool:
     size, lasts = swings.size, np.diff(swings.at)
     if j + 2 >= size.size:
         return False
-    grows = size[j] >= size[j + 2] - 2 * swings.noise and size[j] < 2.5 * size[j + 1]
-    return bool(grows and lasts[j] <= _LONGER * lasts[j + 1])
+    grows = size[j] >= size[j + 2] - 2 * swings.noise and size[j] < 2 * size[j + 1]
+    return bool(grows and lasts[j] <= 2 * lasts[j + 1])
 
 
 def _still_before(x: np.ndarray, swings: Swings, k: int) -> bool:
@@ -127,60 +107,37 @@ def _still_before(x: np.ndarray, swings: Swings, k: int) -> bool:
     swing, lasts = swings.size[k], swings.at[k + 1] - swings.at[k]
     after = lasts if k + 2 >= swings.at.size else min(lasts, swings.at[k + 2] - swings.at[k + 1])
     first = max(0, swings.at[k] - after)
-    near = np.abs(x[first : swings.at[k + 1]] - swings.value[k]) < max(_STILL * swing, _NOISE * swings.noise)
+    near = np.abs(x[first : swings.at[k + 1]] - swings.value[k]) < max(
+        DECAY_PART * swing, CLEAR_OF_NOISE * swings.noise
+    )
     leaves = int(np.flatnonzero(near)[-1]) + 1 if near.any() else 0
     away = np.flatnonzero(~near[:leaves])
     dwell = leaves - (int(away[-1]) + 1 if away.size else 0)
-    # a turning point is reached and left: it dwells on both sides of it
-    return dwell > _HELD * (2 if first < swings.at[k] - 1 else 1) * after
-
-
-def _loses(size: np.ndarray, k: int, known: int) -> bool:
-    """Whether the swings k to known lose about as much as as many after them: a larger swing loses no less."""
-    if known - k < 2:
-        return True
-    later = min(2 * known - k, size.size - 1)
-    if later <= known:
-        return True
-    before = (size[k] - size[known]) / (known - k)
-    return bool(before > _LOSS * (size[known] - size[later]) / (later - known))
+    # a turning point is reached and left: it dwells on both sides of it, and a held mass on each for half a swing
+    return dwell > after if first < swings.at[k] - 1 else 2 * dwell > after
 
 
 def caught(swings: Swings, start: int, stop: int) -> int | None:
     """The last turning point between two samples after which the motion was still free, where it was stopped then."""
     inside = np.flatnonzero((swings.at >= start) & (swings.at < stop))
-    if inside.size < 6:
+    several = 2 * SEVERAL  # in either direction
+    if inside.size < several:
         return None
     size, lasts = swings.size, np.diff(swings.at)
     last = size.size  # the record may end within its last swing
     if swings.n - swings.at[-1] < lasts[-2]:
         last -= 1
-    for k in range(int(inside[0]) + 6, min(int(inside[-1]) + 1, last)):
-        before = slice(max(int(inside[0]), k - 6), k)
-        usual = np.max(np.abs(size[before][:-2] - size[before][2:])) + 2 * _NOISE * swings.noise / _CAUGHT
-        if np.max(lasts[before]) > _EVEN * np.min(lasts[before]):
-            continue  # several modes at once
+    for k in range(int(inside[0]) + several, min(int(inside[-1]) + 1, last)):
+        before = slice(max(int(inside[0]), k - several), k)
+        # a loss is a difference of two swings, each of two turning points
+        usual = np.max(np.abs(size[before][:-2] - size[before][2:])) + CLEAR_OF_NOISE * 2 * swings.noise
         loss = size[k - 2] - size[k]
-        if loss > _CAUGHT * usual and loss > _CAUGHT_PART * size[k - 2]:
+        if loss > 2 * usual and 2 * loss > size[k - 2]:
             return int(swings.at[k])
         # dry friction holds the mass by itself once it swings no further than a few losses
-        if lasts[k] > _LONGER * np.max(lasts[before]) and size[k - 1] > _STUCK * usual:
+        if lasts[k] > 2 * np.max(lasts[before]) and size[k - 1] > 2 * usual:
             return int(swings.at[k])
     return None
-
-
-def still_falls(swings: Swings, stop: int, last: int, level: float) -> int:
-    """How far beyond the sample ``stop`` the swings go on falling without a rise, down to a level, at most to last."""
-    size = swings.size
-    k = int(np.searchsorted(swings.at, stop))
-    if k == 0 or k >= size.size:
-        return stop
-    k = max(k - 1, 1)
-    least = [float(size[k]), float(size[k - 1])]  # in either direction
-    while k + 1 < size.size and least[1] + 2 * swings.noise >= size[k + 1] > 2 * level:
-        k += 1
-        least = [min(float(size[k]), least[1]), least[0]]
-    return max(stop, min(int(swings.at[k]), last))
 
 
 def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
@@ -193,7 +150,7 @@ def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
 
     last = swings.at.size - 1  # which is where the record ends, as the first may be where it begins
     inside = np.flatnonzero((swings.at >= start) & (swings.at < stop) & (swings.at > 0) & (np.arange(last + 1) < last))
-    if inside.size < _FEWEST_TURNS:
+    if inside.size <= 2 * SEVERAL:
         return False
     size = swings.size[inside[:-1]]
     nearest = np.empty_like(size)
@@ -202,5 +159,5 @@ def falls_steadily(swings: Swings, start: int, stop: int) -> bool:
     scatter = max(swings.noise, float(np.sqrt(np.mean((size - nearest) ** 2))))
     fall = float(size[0] + size[1] - size[-1] - size[-2]) / 2
     first, second = size[0] - size[size.size // 2], size[size.size // 2] - size[-1]
-    even = first > _LOSS * second  # a larger swing loses no less; what is driven at first loses nothing
-    return bool(even and fall > _LEAST_FALL * size[0] and fall > 2 * _NOISE * scatter)
+    even = 2 * first > second  # a larger swing loses no less; what is driven at first loses nothing
+    return bool(even and fall > LEAST_FALL * size[0] and fall > 2 * CLEAR_OF_NOISE * scatter)

@@ -52,7 +52,7 @@ def test_a_decay_ends_at_the_noise():
     assert found(fall(1500, 500.0)) == [Decay(0, 1500)]
 
 
-@pytest.mark.parametrize(("height", "count"), [(2.9, 0), (3.1, 1)])
+@pytest.mark.parametrize(("height", "count"), [(1.9, 0), (2.1, 1)])
 def test_what_never_stands_out_of_the_noise_is_none(height, count):
     assert len(found(fall(4000, 800.0, height * FLOOR))) == count
 
@@ -65,7 +65,7 @@ def test_five_cycles_at_least(cycles, count):
     assert len(found(fall(round(cycles * PERIOD), 300.0))) == count
 
 
-@pytest.mark.parametrize(("level", "count"), [(0.62, 0), (0.58, 1)])
+@pytest.mark.parametrize(("level", "count"), [(0.52, 0), (0.48, 1)])
 def test_what_falls_little_must_fall_swing_by_swing(level, count):
     n = 1000
     assert len(found(level ** (np.arange(n) / (n - 1)))) == count
@@ -77,10 +77,6 @@ def test_a_slow_fall_is_told_by_its_swings():
         size = level ** (np.arange(2000) / 1999)
         assert found(size, swings=turns(2 * size[::50])) == [Decay(0, 2000)]
         assert found(size, swings=turns(2 * np.ones(40))) == []
-    late = np.concatenate([np.linspace(0.9, 1.0, 160), 0.85 ** (np.arange(1840) / 1839)])
-    assert found(late, swings=turns(2 * np.concatenate([np.full(4, 0.9), late[200::50]]))) == [Decay(259, 2000)]
-    soon = np.concatenate([np.linspace(0.9, 1.0, 140), 0.85 ** (np.arange(1860) / 1859)])
-    assert found(soon, swings=turns(2 * 0.85 ** (np.arange(40) / 39))) == [Decay(0, 2000)]
 
 
 @pytest.mark.parametrize(("rise", "parts"), [(1.2, 1), (1.3, 2)])
@@ -96,18 +92,6 @@ def test_a_rise_by_a_quarter_is_another_motion(rise, parts):
         assert decays[1].start == 700  # a cycle after its corner
 
 
-def test_where_the_envelope_shows_a_rise_the_swings_may_go_on():
-    """Near the noise the envelope rises by chance; each swing is smaller than the last all the same."""
-    size = fall(3500, 500.0)
-    rises = int(500 * np.log(1 / (1.5 * FLOOR)))
-    bumped = size.copy()
-    bumped[rises : rises + 60] *= 1.4
-    (decay,) = found(bumped, swings=turns(2 * size[::50], n=3500))
-    assert decay.start == 0
-    assert decay.stop == pytest.approx(500 * np.log(1 / FLOOR), abs=60)
-    assert min(d.stop for d in found(bumped)) < rises + 1
-
-
 def test_several_decays_left_and_right_of_the_highest():
     size = np.concatenate([fall(1500, 300.0, h) for h in (0.5, 1.0, 0.7)])
     decays = sorted(found(size), key=lambda d: d.start)
@@ -119,7 +103,7 @@ def test_several_decays_left_and_right_of_the_highest():
 # Its beginning -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("before", [1000, 210])
+@pytest.mark.parametrize("before", [1000, 260])
 def test_it_begins_a_cycle_after_its_corner(before):
     """The corner is where a cycle ahead holds half of the later fall: half a cycle before the fall begins."""
     (decay,) = found(held(before, 4000, 400.0))
@@ -127,10 +111,10 @@ def test_it_begins_a_cycle_after_its_corner(before):
 
 
 def test_the_corner_to_the_sample():
-    """A fall by k / 400 + 1e-7 k²: its rate between four fifths and three tenths, half of which a cycle must fall."""
+    """A fall by k / 400 + 1e-7 k²: its rate between four fifths and 1/e, half of which a cycle must fall."""
     k = np.arange(2500)
     loss = k / 400 + 1e-7 * k**2
-    first, last = (int(np.flatnonzero(loss > np.log(1 / part))[0]) for part in (0.8, 0.3))
+    first, last = (int(np.flatnonzero(loss > np.log(1 / part))[0]) for part in (0.8, np.exp(-1.0)))
     rate = (loss[last] - loss[first]) / (last - first)
     ahead = int(np.flatnonzero(loss >= 0.5 * rate * PERIOD)[0])
     (decay,) = found(np.exp(-np.append(np.zeros(1000), loss)))
@@ -143,7 +127,7 @@ def test_a_record_that_begins_with_its_decay(before):
     assert decay.start == 0
 
 
-def test_the_later_rate_is_that_from_four_fifths_to_three_tenths():
+def test_the_later_rate_is_that_from_four_fifths_to_a_time_constant():
     """A slow fall before a fast one is a part of the decay where it is at half its rate."""
     k = int(np.log(1 / 0.7) / 1e-3)
     for first, starts_late in ((1e-3, True), (2.3e-3, False)):
@@ -161,9 +145,9 @@ def test_no_corner_within_a_fall_that_ends_at_once():
 # A blow at its beginning ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(("moves", "start"), [(0, 0), (19, 0), (21, 71), (150, 200), (249, 299), (251, 0)])
+@pytest.mark.parametrize(("moves", "start"), [(0, 0), (24, 0), (26, 76), (150, 200), (299, 349), (301, 0)])
 def test_a_blow_in_the_first_cycles_is_left_out(moves, start):
-    """A turning point dwells for a fifth of a cycle; a contact lasts half of one."""
+    """A turning point dwells for a quarter of a cycle; a contact lasts half of one."""
     x = np.full(4000, 0.3)
     x[moves:] += 7 * NOISE
     x[:1] = 0.3
@@ -171,7 +155,7 @@ def test_a_blow_in_the_first_cycles_is_left_out(moves, start):
     assert decay.start == (start if moves else 0)
 
 
-@pytest.mark.parametrize(("noises", "start"), [(5.9, 0), (6.1, 150)])
+@pytest.mark.parametrize(("noises", "start"), [(4.9, 0), (5.1, 150)])
 def test_noise_is_no_blow(noises, start):
     x = np.where(np.arange(4000) < 100, 0.0, -noises * NOISE)
     assert found(fall(4000, 500.0), x)[0].start == start
@@ -216,11 +200,9 @@ def test_what_a_drive_lets_sink_is_none():
     assert measured(x)[0] == []
 
 
-@pytest.mark.parametrize(
-    ("cycles", "grown", "count"), [(2.5, 1.3, 0), (2.5, 1.12, 0), (2.5, 1.08, 1), (3.5, 1.12, 1), (3.5, 1.3, 1)]
-)
+@pytest.mark.parametrize(("cycles", "grown", "count"), [(2.5, 1.3, 0), (2.5, 1.2, 1), (3.5, 1.3, 1)])
 def test_what_has_died_away_does_not_grow_again(cycles, grown, count):
-    """A slow fall, told by its swings: where it grows by a tenth within three cycles, a drive comes and goes."""
+    """A slow fall, told by its swings: where it grows by a quarter within three cycles, a drive comes and goes."""
     n = 1500
     size = np.concatenate([0.65 ** (np.arange(n) / (n - 1)), np.full(1000, 0.65)])
     size[n + round(cycles * PERIOD) :] *= grown

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.identify.motion.envelope import Envelope
-from dashpot.identify.motion.swings import Swings, caught, falls_steadily, release, still_falls, swings_of
+from dashpot.identify.motion.swings import Swings, caught, falls_steadily, release, swings_of
 
 EVERY = 50
 
@@ -67,9 +67,9 @@ def test_a_turn_back_by_less_than_half_an_amplitude_is_another_modes(part, more)
 @pytest.mark.parametrize(("level", "count"), [(0.9, True), (1.1, False)])
 @pytest.mark.parametrize("by", ["noise", "floor"])
 def test_noise_turns_no_motion(level, count, by):
-    """Where a swing is six deviations of the noise, or a quarter of the level at which a decay ends."""
+    """Where a swing is five deviations of the noise, or half of the level at which a decay ends."""
     t = np.arange(1000)
-    limit = {by: level * 2.0 / {"noise": 6.0, "floor": 0.25}[by]}
+    limit = {by: level * 2.0 / {"noise": 5.0, "floor": 0.5}[by]}
     made = swings_of(np.cos(2 * np.pi * t / 31), envelope(np.zeros(t.size), 31, **limit))
     assert (made.at.size > 0) is count
 
@@ -98,20 +98,20 @@ def test_a_motion_that_nobody_stops_is_not_caught():
     assert caught(dry, 0, 1000) is None
 
 
-@pytest.mark.parametrize(("rest", "found"), [(0.597, 500), (0.603, None)])
-def test_a_swing_that_loses_two_fifths_was_stopped(rest, found):
-    """The tenth: three times what those before it lost, and two fifths of itself."""
+@pytest.mark.parametrize(("rest", "found"), [(0.497, 500), (0.503, None)])
+def test_a_swing_that_loses_half_was_stopped(rest, found):
+    """The tenth: twice what those before it lost, and half of itself."""
     size = falling(20, 0.99)
     size[10:] = rest * size[8] * falling(10, 0.99)
     assert caught(turns(size), 0, 1000) == found
 
 
 @pytest.mark.parametrize(("factor", "found"), [(0.95, 500), (0.90, None)])
-def test_and_three_times_what_the_others_lost(factor, found):
+def test_and_twice_what_the_others_lost(factor, found):
     size = falling(14, factor)
-    size[10:] = 0.55 * size[8] * falling(4, factor)
+    size[10:] = 0.45 * size[8] * falling(4, factor)
     usual = np.max(size[4:8] - size[6:10])
-    assert bool(0.45 * size[8] > 3 * usual) is (found is not None)
+    assert bool(0.55 * size[8] > 2 * usual) is (found is not None)
     assert caught(turns(size), 0, 10_000) == found
 
 
@@ -132,16 +132,6 @@ def test_the_last_swing_may_be_cut_off_by_the_record():
     assert caught(turns(size, n=13 * EVERY + EVERY - 1), 0, 10_000) is None
 
 
-def test_several_modes_at_once_are_not_caught():
-    size = falling(20, 0.99)
-    size[10:] = 0.3
-    at = EVERY * np.arange(21)
-    at[5:] += 20  # one of the swings before lasts 1.4 times as long
-    assert caught(turns(size, at), 0, 10_000) == 520
-    at[5:] += 10  # 1.6 times
-    assert caught(turns(size, at), 0, 10_000) != 530
-
-
 @pytest.mark.parametrize(("lasts", "found"), [(90, None), (110, 500)])
 def test_what_stands_still_far_out_is_held(lasts, found):
     """Its last swing lasts twice as long as those before; dry friction cannot hold it there."""
@@ -150,46 +140,16 @@ def test_what_stands_still_far_out_is_held(lasts, found):
     assert caught(turns(falling(12, 0.98), at, n=2000), 0, 10_000) == found
 
 
-@pytest.mark.parametrize(("loss", "found"), [(0.2, None), (0.1, 500)])
-def test_dry_friction_holds_what_swings_no_further_than_four_losses(loss, found):
+@pytest.mark.parametrize(("loss", "found"), [(0.35, None), (0.25, 500)])
+def test_dry_friction_holds_what_swings_no_further_than_two_losses(loss, found):
     at = EVERY * np.arange(13)
     at[11:] += 100
     size = 0.6 + loss / 2 * (9 - np.arange(12.0))
-    assert bool(size[9] > 4 * loss) is (found is not None)
+    assert bool(size[9] > 2 * loss) is (found is not None)
     assert caught(turns(size, at, n=2000), 0, 10_000) == found
 
 
 # How far it falls ----------------------------------------------------------------------------------------------------
-
-
-def test_a_fall_goes_on_until_a_rise():
-    size = np.concatenate([falling(12, 0.9), falling(8, 0.9, 2.0)])
-    assert still_falls(turns(size), 225, 10_000, 0.0) == 550
-    assert still_falls(turns(size), 225, 400, 0.0) == 400
-    assert still_falls(turns(size), 225, 240, 0.0) == 240
-    assert still_falls(turns(falling(20, 0.9)), 225, 10_000, 0.1) == EVERY * int(np.sum(falling(20, 0.9) > 0.2) - 1)
-    noisy = np.where(np.arange(20) % 4 < 2, 1.0, 1.15)
-    assert still_falls(turns(noisy), 225, 10_000, 0.0) == pytest.approx(225, abs=100)
-    assert still_falls(turns(noisy, noise=0.1), 225, 10_000, 0.0) == 950
-    assert still_falls(turns(size), 0, 10_000, 0.0) == 0
-    assert still_falls(turns(size), 2000, 10_000, 0.0) == 2000
-
-
-def test_only_twice_the_noise_is_no_rise():
-    noisy = np.where(np.arange(20) % 4 < 2, 1.0, 1.15)
-    assert still_falls(turns(noisy, noise=0.07), 225, 10_000, 0.0) == 250
-    assert still_falls(turns(noisy, noise=0.08), 225, 10_000, 0.0) == 950
-
-
-def test_what_was_before_the_sample_does_not_count():
-    size = np.concatenate([[0.5, 0.5, 2.0, 2.0], falling(12, 0.9)])
-    assert still_falls(turns(size), 275, 10_000, 0.0) == 750
-
-
-def test_either_direction_is_held_against_its_own_last():
-    """A drift lengthens every other swing: they are compared two by two."""
-    size = falling(16, 0.95) * np.where(np.arange(16) % 2, 1.0, 1.2)
-    assert still_falls(turns(size), 225, 10_000, 0.0) == 750
 
 
 @pytest.mark.parametrize(("last", "steady"), [(0.91, False), (0.88, True)])
@@ -225,16 +185,16 @@ def test_where_the_record_begins_and_ends_is_no_turning_point():
 
 @pytest.mark.parametrize(("first", "steady"), [(0.08, False), (0.14, True)])
 def test_what_is_driven_at_first_loses_nothing(first, steady):
-    """The first half of the swings loses two fifths of what the second does, or more."""
+    """The first half of the swings loses half of what the second does, or more."""
     size = np.concatenate([np.linspace(1.0, 1.0 - first, 11), np.linspace(1.0 - first, 0.75 - first, 11)[1:]])
     assert falls_steadily(turns(size), 0, 10_000) is steady
 
 
-def test_eight_turning_points_at_least():
+def test_three_swings_in_either_direction_at_least():
     size = np.linspace(1.0, 0.5, 20)
-    assert falls_steadily(turns(size), 0, 8 * EVERY + 1)
-    assert not falls_steadily(turns(size), 0, 8 * EVERY)  # the first of nine is the record's beginning
-    assert falls_steadily(turns(size), 1, 8 * EVERY + 1)
+    assert falls_steadily(turns(size), 0, 7 * EVERY + 1)
+    assert not falls_steadily(turns(size), 0, 7 * EVERY)  # the first of eight is the record's beginning
+    assert falls_steadily(turns(size), 1, 7 * EVERY + 1)
 
 
 # Where it was let go -------------------------------------------------------------------------------------------------
@@ -253,15 +213,15 @@ def test_a_hold_ends_with_the_first_turning_point_after_it():
     assert release(x, swings, 300 + 16 * EVERY) is None  # too late to be seen
 
 
-@pytest.mark.parametrize(("stands", "found"), [(29, None), (33, 100 + EVERY)])
+@pytest.mark.parametrize(("stands", "found"), [(44, None), (47, 100 + EVERY)])
 def test_a_hold_lasts_longer_than_a_turning_point(stands, found):
-    """A third of a swing on either side; within a fiftieth of it half a cosine itself dwells for 0.09 of its length."""
+    """Half a swing on either side; within a fiftieth of it half a cosine itself dwells for 0.09 of its length."""
     x, swings = let_go(100, falling(16))
     x[: 100 - stands] += 1.0
     assert release(x, swings, 100 + 6 * EVERY) == found
 
 
-@pytest.mark.parametrize(("stands", "found"), [(16, None), (19, 1 + EVERY)])
+@pytest.mark.parametrize(("stands", "found"), [(24, None), (27, 1 + EVERY)])
 def test_a_record_that_begins_with_a_turning_point_shows_one_side_of_it(stands, found):
     x, swings = let_go(1, falling(16))
     x[:stands] = swings.value[0]
@@ -280,30 +240,16 @@ def test_a_still_hand_keeps_within_a_fiftieth_of_the_swing(part, found):
 
 @pytest.mark.parametrize(
     ("lasts", "stands", "found"),
-    [((30, 50), 22, True), ((30, 50), 16, False), ((100, 50), 30, True), ((100, 50), 22, False)],
+    [((30, 50), 29, True), ((30, 50), 25, False), ((100, 50), 44, True), ((100, 50), 38, False)],
 )
 def test_a_hold_is_measured_by_the_shorter_of_the_swings_after_it(lasts, stands, found):
-    """More than 0.35 of it on both sides, of which half a cosine dwells for 0.09 of the first swing."""
+    """More than half of it on both sides, of which half a cosine dwells for 0.09 of the first swing."""
     at = 200 + np.concatenate([[0, lasts[0]], lasts[0] + lasts[1] * np.arange(1, 16)])
     swings = turns(falling(16), at)
     x = shape(swings)
     x[: 200 - stands] += 1.0
-    assert bool(stands + 0.09 * lasts[0] > 0.7 * min(lasts)) is found
+    assert bool(stands + 0.09 * lasts[0] > min(lasts)) is found
     assert release(x, swings, int(at[6])) == (at[1] if found else None)
-
-
-def test_a_single_swing_says_nothing_of_its_loss():
-    """Between the push and where it is known to be free lies one swing, which seems to lose nothing."""
-    sizes = np.array([0.6, 0.65, 1.0, 1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.4])
-    swings = turns(sizes)
-    assert release(shape(swings), swings, 3 * EVERY) == 2 * EVERY
-
-
-def test_as_many_swings_later_are_compared():
-    """Five lose a hundredth each, and the five after them; what is lost after those does not count."""
-    sizes = np.concatenate([[0.5, 0.5], 1.0 - 0.01 * np.arange(11), 0.9 - 0.08 * np.arange(1, 8)])
-    swings = turns(sizes)
-    assert release(shape(swings), swings, 7 * EVERY) == 2 * EVERY
 
 
 def test_a_push_is_told_by_the_swing_before_it():
@@ -317,16 +263,6 @@ def test_a_push_is_told_by_the_swing_before_it():
 def test_what_rings_from_the_record_s_beginning_was_not_released_in_it():
     swings = turns(falling(16))
     assert release(shape(swings), swings, 6 * EVERY) is None
-
-
-def test_what_was_gained_going_back_must_be_lost_later():
-    """A steady drive: nothing is lost while it lasts."""
-    steady = np.concatenate([[0.5, 0.5], np.ones(8), falling(10, 0.9)])
-    swings = turns(steady)
-    assert release(shape(swings), swings, 10 * EVERY) is None
-    lossy = np.concatenate([[0.5, 0.5], falling(18, 0.95)])
-    swings = turns(lossy)
-    assert release(shape(swings), swings, 10 * EVERY) == 2 * EVERY
 
 
 def test_a_swing_that_lasts_long_before_the_others_was_held():
