@@ -212,16 +212,17 @@ def _without_drift_and_force(
         r = corrected[offset.recording]
         if offset.channel == "drift":
             line = offset.value * (np.asarray(r.time, float) - offset.middle)
-            corrected[offset.recording] = replace(r, response=np.asarray(r.response, float) - line)
+            corrected[offset.recording] = changed(r, same_motion=True, response=np.asarray(r.response, float) - line)
             taken.append(offset)
         elif offset.channel == "force" and not loaded and r.force is not None:
-            corrected[offset.recording] = replace(r, force=np.asarray(r.force, float) - offset.value)
+            corrected[offset.recording] = changed(r, force=np.asarray(r.force, float) - offset.value)
             taken.append(offset)
     return corrected, taken
 
 
 def _less(recording: Recording, shown: float) -> Recording:
-    return changed(recording, response=np.asarray(recording.response, float) - shown) if shown else recording
+    less = np.asarray(recording.response, float) - shown
+    return changed(recording, same_motion=True, response=less) if shown else recording
 
 
 def _drifts(recordings: Sequence[Recording], offsets: Sequence[FoundOffset]) -> tuple[Offset, ...]:
@@ -270,7 +271,8 @@ def less_offsets(
             rates[offset.recording] = offset.taken + float(value)
         recording = corrected[offset.recording]
         line = value * offset.along(np.asarray(recording.time))
-        corrected[offset.recording] = changed(recording, response=np.asarray(recording.response, float) - line)
+        less = np.asarray(recording.response, float) - line
+        corrected[offset.recording] = changed(recording, same_motion=True, response=less)
     return corrected, zeros_of(recordings, zeros) + drifts_of(recordings, rates)
 
 

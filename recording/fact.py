@@ -21,7 +21,8 @@ def fact(*rests_on: str) -> Callable[[Callable[[Recording], T]], Callable[[Recor
 
     Args:
         rests_on: fields of the recording that it follows from; all but notes, hash and hold where none is named. Where
-            ``changed`` leaves these as they are, the changed recording knows it too.
+            ``changed`` leaves these as they are, the changed recording knows it too. ``motion`` in place of
+            ``response`` is what this shows but for a zero of its sensor.
     """
     needs = frozenset(rests_on) or _ALL
 
@@ -39,9 +40,16 @@ def fact(*rests_on: str) -> Callable[[Callable[[Recording], T]], Callable[[Recor
     return made
 
 
-def changed(recording: Recording, **changes: Any) -> Recording:
-    """``dataclasses.replace``, where what is known and does not rest on what is changed stays known."""
+def changed(recording: Recording, *, same_motion: bool = False, **changes: Any) -> Recording:
+    """``dataclasses.replace``, where what is known and does not rest on what is changed stays known.
+
+    Args:
+        recording: as it is.
+        same_motion: whether its response changes by the zero of its sensor alone, or by how that drifts.
+        changes: by field.
+    """
     other = replace(recording, **changes)
     moved = {name for name, value in changes.items() if value is not getattr(recording, name)}
+    moved |= {"motion"} if "response" in moved and not same_motion else set()
     other.known.update({name: known for name, known in recording.known.items() if not known[1] & moved})
     return other

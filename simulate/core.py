@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import time
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -19,6 +18,7 @@ from ..model.law import Expression
 from .compiler import loaded_library
 from .force import Force, straight_lines
 from .law_source import law_source
+from .sides import Sides, done, filled
 from .slopes_source import LANES
 from .work import TOTAL
 
@@ -53,31 +53,8 @@ class _Recording(ctypes.Structure):
     ]
 
 
-class _SidesShown(ctypes.Structure):
-    """``dp_sides_shown`` of engine/record.c."""
-
-    _fields_: ClassVar = [
-        *((name, ctypes.c_long) for name in ("count", "room", "width")),
-        ("at", ctypes.POINTER(ctypes.c_long)),
-        ("shown", _DOUBLES),
-    ]
-
-
-class Sides:
-    """What samples beside a jump of the response are on its other side; filled by the run that it is given to.
-
-    A sample with a jump before it and one behind it is there once for each way in which its surfaces may be.
-
-    Attributes:
-        at: (m,) which samples.
-        shown: (m,) response there.
-        derivatives: (k, m) its derivatives, where the run had some.
-    """
-
-    def __init__(self) -> None:
-        self.at = np.zeros(0, int)
-        self.shown = np.zeros(0)
-        self.derivatives = np.zeros((0, 0))
+#: How many unknowns go side by side; how each pushes (lanes,), moves the state and what was measured (.., LANES).
+_Lanes = tuple[int, np.ndarray, np.ndarray, np.ndarray]
 
 
 class Core:
@@ -92,7 +69,8 @@ class Core:
         self._record = self._library.dp_record
         self._record.restype = ctypes.c_long
         self._record.argtypes = [ctypes.POINTER(_Recording)]
-        self._library.dp_sides_done.argtypes = [ctypes.POINTER(_SidesShown)]
+        self._done = done(self._library)
+        self._known_lanes: dict[tuple[int, ...], _Lanes] = {}
 
     def _built(self, carried: bool) -> ctypes.CDLL:
         """The compiled engine behind these equations, with derivatives that go along or without."""
@@ -217,7 +195,7 @@ class Core:
         )
         asked.y, asked.z, asked.kept = _pointer(y), _pointer(z), _bytes(keep)
         asked.shown = self.equations.output(quantity or self.quantity)
-        with _filled(self._library, sides, asked, 0):
+        with filled(self._done, sides, asked, 0):
             begin = time.thread_time()
             self._record(ctypes.byref(asked))
             TOTAL.run(n, 0, time.thread_time() - begin)
@@ -270,12 +248,8 @@ class Core:
         )
         asked.y, asked.kept = _pointer(y), _bytes(keep)
         asked.shown = self.equations.output(quantity or self.quantity)
-        count, states = len(self.parameter_names), self.states
-        moved = [np.eye(states)[k - count] if count <= k < count + states else np.zeros(states) for k in by]
-        which = [k if k < count else count + 1 if k == count + states else count for k in by]
-        sensed = [(float(k == count + states + 1), float(k == count + states + 2)) for k in by]
-        with _filled(self._library, sides, asked, len(by)):
-            self._carry(asked, [self.begin(one) for one in moved], which, derivatives, into, sensed)
+        with filled(self._done, sides, asked, len(by)):
+            self._carry(asked, self._lanes_of(tuple(by)), derivatives, into)
         del kept
         return y, derivatives
 
@@ -315,22 +289,25 @@ class Core:
         which = [len(self.parameter_names)] * s + [len(self.parameter_names) + 1]
         along = np.full((n, s, s + 1), np.nan, kind)
         into = np.arange(s + 1, dtype=np.int32)
-        with _filled(self._library, sides, asked, s + 1):
-            self._carry(asked, [*np.eye(s), np.zeros(s)], which, derivatives, into, along=along)
+        with filled(self._done, sides, asked, s + 1):
+            self._carry(asked, self._lanes([*np.eye(s), np.zeros(s)], which, []), derivatives, into, along=along)
         del kept
         return y, (along[:, :, :s], along[:, :, s], derivatives[:s].T, derivatives[s])
 
-    def _carry(
-        self,
-        asked: _Recording,
-        moved: Sequence[np.ndarray],
-        which: Sequence[int],
-        derivatives: np.ndarray,
-        into: np.ndarray,
-        sensed: Sequence[tuple[float, float]] = (),
-        along: np.ndarray | None = None,
-    ) -> None:
-        """Run the engine with derivatives by unknowns that move the state at the start, or push later, in rows (n,)."""
+    def _lanes_of(self, by: tuple[int, ...]) -> _Lanes:
+        """How derivatives by unknowns begin."""
+        if by not in self._known_lanes:
+            count, states = len(self.parameter_names), self.states
+            moved = [np.eye(states)[k - count] if count <= k < count + states else np.zeros(states) for k in by]
+            which = [k if k < count else count + 1 if k == count + states else count for k in by]
+            sensed = [(float(k == count + states + 1), float(k == count + states + 2)) for k in by]
+            self._known_lanes[by] = self._lanes([self.begin(one) for one in moved], which, sensed)
+        return self._known_lanes[by]
+
+    def _lanes(
+        self, moved: Sequence[np.ndarray], which: Sequence[int], sensed: Sequence[tuple[float, float]]
+    ) -> _Lanes:
+        """Unknowns side by side: which push, what each moves the state by at the start, and the sensor."""
         blocks = -(-len(moved) // LANES)
         places = np.full(blocks * LANES, len(self.parameter_names), np.int32)
         places[: len(which)] = which
@@ -339,22 +316,34 @@ class Core:
             directions[k // LANES, :, k % LANES] = one
         for k, pair in enumerate(sensed):
             of_sensor[k // LANES, :, k % LANES] = pair
-        anew, begin = directions.copy(), time.thread_time()
+        return len(moved), places, directions, of_sensor
+
+    def _carry(
+        self,
+        asked: _Recording,
+        lanes: _Lanes,
+        derivatives: np.ndarray,
+        into: np.ndarray,
+        along: np.ndarray | None = None,
+    ) -> None:
+        """Run the engine with derivatives by unknowns that move the state at the start, or push later, in rows (n,)."""
+        count, places, directions, of_sensor = lanes
+        moving, anew, begin = directions.copy(), directions.copy(), time.thread_time()
         self._carried(
             ctypes.byref(asked),
-            blocks,
-            len(moved),
-            _pointer(directions),
+            len(of_sensor),
+            count,
+            _pointer(moving),
             places.ctypes.data_as(_INTEGERS),
             _pointer(of_sensor),
-            _pointer(np.zeros(2 * blocks * LANES)),
+            _pointer(np.zeros(2 * len(of_sensor) * LANES)),
             derivatives.ctypes.data,
             into.ctypes.data_as(_INTEGERS),
             derivatives.dtype == np.float32,
             _pointer(anew),
             None if along is None else along.ctypes.data,
         )
-        TOTAL.run(asked.n, len(moved), time.thread_time() - begin)
+        TOTAL.run(asked.n, count, time.thread_time() - begin)
 
     def _recording(
         self,
@@ -404,26 +393,6 @@ def _pointer(values: np.ndarray | None) -> Any:
 
 def _bytes(values: np.ndarray | None) -> Any:
     return None if values is None else values.ctypes.data_as(_BYTES)
-
-
-@contextmanager
-def _filled(library: ctypes.CDLL, sides: Sides | None, asked: _Recording, count: int) -> Iterator[None]:
-    """Have a run fill ``sides``, with ``count`` derivatives."""
-    if sides is None:
-        yield
-        return
-    shown = _SidesShown(width=1 + count)
-    asked.sides = ctypes.addressof(shown)
-    try:
-        yield
-        if shown.room < 0:
-            raise MemoryError("no memory is left for the other sides of the jumps in a response")
-        if shown.count:
-            sides.at = np.ctypeslib.as_array(shown.at, (shown.count,)).astype(int)
-            made = np.ctypeslib.as_array(shown.shown, (shown.count, 1 + count)).T.copy()
-            sides.shown, sides.derivatives = made[0], made[1:]
-    finally:
-        library.dp_sides_done(ctypes.byref(shown))
 
 
 _cores: dict[Structure, Core] = {}

@@ -36,7 +36,7 @@ def find_decays(recording: Recording) -> tuple[Decay, ...]:
     return find_free_motion(recording).decays
 
 
-@fact("name", "response", "force", "fs", "start", "free", "quantity")
+@fact("name", "motion", "force", "fs", "start", "free", "quantity")
 def find_free_motion(recording: Recording) -> FreeMotion:
     """Find the free decays of a recording and say what was left out.
 

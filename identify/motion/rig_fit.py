@@ -12,7 +12,8 @@ from functools import cache
 import numpy as np
 
 from ...model import Oscillator
-from ...simulate.core import Core, Sides, core_of
+from ...simulate.core import Core, core_of
+from ...simulate.sides import Sides
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE, SIGNIFICANT
 from ..signals.registry import budget, numerics
 from .hand import hand_leaves

@@ -13,7 +13,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...simulate.core import Sides
+from ...simulate.sides import Sides
 from .segments import Segment
 
 

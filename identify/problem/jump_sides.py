@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...simulate.core import Sides
+from ...simulate.sides import Sides
 from ..signals.odds import BEYOND_ERRORS
 from ..signals.registry import numerics
 from .segments import Segment

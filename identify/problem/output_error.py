@@ -15,8 +15,9 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from ...simulate.core import Core, Sides
+from ...simulate.core import Core
 from ...simulate.force import Force
+from ...simulate.sides import Sides
 from ..motion.blows import ContactForce
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white

@@ -101,3 +101,25 @@ def test_how_a_recording_oscillates_is_a_fact():
     recording = Recording("a", 100.0, np.sin(2 * np.pi * 3.0 * t))
     assert oscillation_of(recording).frequency == pytest.approx(3.0)
     assert oscillation_of(recording) is oscillation_of(changed(recording, hold="linear"))
+
+
+@fact("motion", "fs")
+def of_the_motion(recording: Recording) -> float:
+    CALLS.append("motion")
+    return float(np.ptp(recording.response))
+
+
+@pytest.mark.parametrize(
+    ("changes", "again"),
+    [
+        ({"response": np.arange(5.0) - 1.0, "same_motion": True}, []),
+        ({"response": np.arange(5.0) - 1.0}, ["motion"]),
+        ({"response": np.arange(5.0) - 1.0, "fs": 20.0, "same_motion": True}, ["motion"]),
+        ({"force": None}, []),
+    ],
+)
+def test_a_zero_of_the_sensor_leaves_the_motion_known(recording, changes, again):
+    of_the_motion(recording)
+    CALLS.clear()
+    of_the_motion(changed(recording, **changes))
+    assert again == CALLS

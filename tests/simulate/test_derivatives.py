@@ -10,8 +10,9 @@ from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.prediction import prediction_gain
 from dashpot.model import Oscillator, Response, oscillator_with
 from dashpot.model.laws import LIBRARY
-from dashpot.simulate.core import Sides, core_of, internal_step
+from dashpot.simulate.core import core_of, internal_step
 from dashpot.simulate.force import smooth_force, staircase, straight_lines
+from dashpot.simulate.sides import Sides
 from hypothesis import strategies as st
 
 DT, N, START = 1e-3, 400, 0.4

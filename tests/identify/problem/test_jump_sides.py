@@ -18,7 +18,8 @@ from dashpot.identify.problem.settle import settled
 from dashpot.identify.problem.structure import Structure
 from dashpot.identify.signals.odds import DECISIVE
 from dashpot.model import Oscillator, Response
-from dashpot.simulate.core import Core, Sides
+from dashpot.simulate.core import Core
+from dashpot.simulate.sides import Sides
 
 
 def crossed(at, n=10):
