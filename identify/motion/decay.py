@@ -56,9 +56,12 @@ class FreeMotion:
         blows: what set it going, where a hammer's force was recorded.
         notes: one sentence each on what was left out and why; none where all that moves is used.
         modes: of a linear rig that ring together, that which moves most first; none where there is one.
+        swell: samples between which the response grows most swings in a row, where nothing that was recorded drives it
+            and nothing else of it is known to be free; None where it does not.
     """
 
     decays: tuple[Decay, ...]
     blows: tuple[Blow, ...] = ()
     notes: tuple[str, ...] = ()
     modes: tuple[Mode, ...] = ()
+    swell: tuple[int, int] | None = None

@@ -23,7 +23,7 @@ from .free_motion import all_that_moves, modes_of_response, moving_in, pieces_of
 from .limits import TAKES
 from .mode import Mode
 from .shared_modes import SharedModes
-from .swings import swings_of
+from .swings import swell_of, swings_of
 
 if TYPE_CHECKING:
     from ...recording.recording import Recording
@@ -42,12 +42,34 @@ def find_free_motion(recording: Recording) -> FreeMotion:
 
     Without a force, what one rig explains down to the noise is its decays, however few cycles they have: the modes of
     a linear one (``shared_modes``), or Eq. 17 (``rig_pieces``), whichever is likelier. Where neither does, the envelope
-    decides.
+    decides. Nothing of few cycles is believed beside a response that swells: what drives it there may have done so
+    throughout, and two cycles of a sweep are explained by many a rig.
     """
-    by_envelope, response = _by_envelope(recording), response_of(recording)
-    force = recording.force
+    by_envelope, force = _by_envelope(recording), recording.force
     if recording.free or not (force is None or np.ptp(force) == 0):
         return by_envelope
+    swell = None
+    for motion in (_explained(recording, by_envelope), by_envelope):
+        swell = _swell_beside(recording, motion.decays)
+        if swell is None:
+            return motion
+    return FreeMotion((), swell=swell)
+
+
+def _swell_beside(recording: Recording, decays: Sequence[Decay]) -> tuple[int, int] | None:
+    """The samples between which the response swells beside decays; None where one of these has many cycles."""
+    envelope = envelope_of(recording)
+    if envelope is None:
+        return None
+    cycles = [(d.stop - d.start) / (2 * np.pi / d.omega * recording.fs if d.omega else envelope.period) for d in decays]
+    if max(cycles, default=0.0) >= SHORTEST_CYCLES:
+        return None
+    return swell_of(swings_of(np.asarray(recording.response, float), envelope), decays)
+
+
+def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
+    """What one rig explains of a recording without a force, or what the envelope shows."""
+    response = response_of(recording)
     shared = modes_of_response(response)
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)

@@ -8,6 +8,7 @@ Swings are compared with those in the same direction, so that a drift of the sen
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +16,10 @@ import numpy as np
 from ...recording.oscillation import LEAST_FALL
 from ..signals.limits import CLEAR_OF_NOISE, DECAY_PART, SEVERAL
 from ..signals.registry import numerics
+from .decay import Decay
 from .envelope import Envelope
+from .force_off import runs
+from .hand import OF_MOVED
 from .limits import FALLS
 
 _SAMPLES_A_CYCLE = numerics(32, "samples a cycle", why="in which turning points are sought, if there are as many")
@@ -138,6 +142,24 @@ def caught(swings: Swings, start: int, stop: int) -> int | None:
         if lasts[k] > 2 * np.max(lasts[before]) and size[k - 1] > 2 * usual:
             return int(swings.at[k])
     return None
+
+
+def swell_of(swings: Swings, decays: Sequence[Decay]) -> tuple[int, int] | None:
+    """The samples between which most swings in a row grow, outside of decays; None where a hand's way has as many.
+
+    A hand that carries a mass from one place to another turns back a few times at most (``hand``); what grows swing by
+    swing more often is driven.
+    """
+    size, at = swings.size, swings.at
+    grows = size[2:] >= size[:-2]
+    for decay in decays:
+        grows &= (at[1:-2] < decay.start) | (at[2:-1] >= decay.stop)
+    best = None
+    for a, b in runs(grows):
+        gained = float(size[b] + size[b + 1] - size[a] - size[a + 1])
+        if b - a > max(OF_MOVED - 2, 0 if best is None else best[1] - best[0]) and gained > 2 * CLEAR_OF_NOISE * swings.noise:
+            best = (a, b)
+    return None if best is None else (int(at[best[0]]), int(at[best[1] + 2]))
 
 
 def falls_steadily(swings: Swings, start: int, stop: int) -> bool:

@@ -12,6 +12,7 @@ from ...model import Oscillator
 from ...model.law import Scales
 from ...model.oscillator import QUANTITIES
 from ...recording.recording import Recording
+from ..motion.decays import find_free_motion
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, resonance_of
 from ..signals.signals import noise_levels, response_of
 from .equivalent import equivalent
@@ -69,13 +70,37 @@ def data_of(
     if model.mass is None:
         segments = tuple(segment for segment in segments if segment.force is None)
     if not segments:
-        names = ", ".join(recording.name for recording in recordings)
-        raise BadInput(
-            f"{names}: neither a free decay nor a stretch driven by a force that is long and loud enough to fit; "
-            "record a release and the ringing after it, or a sweep through the resonance; where several modes ring, "
-            "--mode with the frequency of one in Hz takes that one alone"
-        )
+        raise BadInput(_nothing_to_fit(recordings))
     return measured(segments, recordings, model, lines, coarse=coarse)
+
+
+def _nothing_to_fit(recordings: Sequence[Recording]) -> str:
+    """Why there is nothing to fit in recordings, and what to record instead."""
+    swelling = [(r, motion.swell) for r in recordings if (motion := find_free_motion(r)).swell is not None]
+    if len(swelling) == len(recordings):
+        return "; ".join(_swells(recording, swell) for recording, swell in swelling)
+    names = ", ".join(recording.name for recording in recordings)
+    several = "where several modes ring, --mode with the frequency of one in Hz takes that one alone"
+    if all(recording.force is None or not np.ptp(recording.force) for recording in recordings):
+        return (
+            f"{names}: no free decay that is long and loud enough to fit; a release needs more cycles, a larger swing "
+            f"or less noise, and what a force drives needs that force in a column; {several}"
+        )
+    return (
+        f"{names}: neither a free decay nor a stretch driven by a force that is long and loud enough to fit; "
+        f"record a release and the ringing after it, or a sweep through the resonance; {several}"
+    )
+
+
+def _swells(recording: Recording, swell: tuple[int, int]) -> str:
+    force = recording.force
+    none = "there is no force" if force is None else f"the force is {force[0]:.4g} {recording.force_unit} throughout"
+    first, last = (recording.start + sample / recording.fs for sample in swell)
+    return (
+        f"{recording.name}: {none} while the response grows swing by swing from {first:.4g} to {last:.4g} s, so that "
+        "something drives it that was not recorded; was the force recorded? Record it with the response, or a release "
+        "and the ringing after it"
+    )
 
 
 def natural_frequency(recordings: Sequence[Recording], model: Oscillator) -> float:

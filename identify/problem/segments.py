@@ -150,7 +150,7 @@ def _cut(
         if motion.blows and force is not None:
             ends = through(motion.blows, decays, period)
             force = contact_force(np.asarray(force, float), motion.blows, period)
-        elif force is not None and np.any(force) and not (decays and force_is_silent(recording)):
+        elif force is not None and np.any(force) and not (motion.swell or (decays and force_is_silent(recording))):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends, force = _pushed(ends, edges, shortest, np.asarray(force, float), period)
         ends = [(a, b, forced) for start, stop, forced in ends for a, b in _known(recording, start, stop)]

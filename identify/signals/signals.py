@@ -54,12 +54,14 @@ class Signal:
     @computed_once
     def is_silent(self) -> bool:
         """Whether it holds nothing but an offset and white noise, in which no sample stands alone as a blow does."""
+        if np.ptp(self.samples) == 0:  # of an offset the standard deviation is rounding
+            return True
         spread = float(np.std(self.samples))
-        if spread > 0 and float(np.max(np.abs(self.samples - np.median(self.samples)))) > spread * np.sqrt(
+        if float(np.max(np.abs(self.samples - np.median(self.samples)))) > spread * np.sqrt(
             2.0 * (np.log(self.n) + DECISIVE)  # Gaussian tails: of n samples none is beyond but once in a thousand
         ):
             return False
-        return bool(spread == 0 or self.noise > SILENT * spread)
+        return bool(self.noise > SILENT * spread)
 
     def thinned(self, factor: int) -> Signal:
         """Every so manieth sample: see ``thinned``."""

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+from dashpot.errors import BadInput
+from dashpot.examples.virtual_recording import recording_of
+from dashpot.identify import identify
 from dashpot.identify.motion.decay import Decay
-from dashpot.identify.motion.decays import _explains, find_decays
+from dashpot.identify.motion.decays import _explains, find_decays, find_free_motion
 from dashpot.identify.motion.shared_modes import SharedModes
 from dashpot.identify.signals.signals import Signal
 from dashpot.recording.recording import Recording
@@ -162,3 +166,30 @@ def test_a_hand_that_stops_a_motion_ends_its_decay(quantity, drift):
     (decay,) = find_decays(Recording("stopped", fs, shown, quantity=quantity))
     assert decay.start == 0
     assert t.size - 0.1 * per < decay.stop <= t.size + 0.02 * per
+
+
+@pytest.mark.parametrize("force", [None, 0.0, 0.37])
+@pytest.mark.parametrize(("quantity", "level"), [("displacement", 1.0), ("displacement", 0.4), ("velocity", 1.0)])
+def test_a_sweep_whose_force_is_not_there_has_no_free_motion(force, quantity, level):
+    """One or two of its cycles fall as a decay does, and many a rig explains them."""
+    run = recording_of(sweep=(level, 6.3, 20.2), fs=300.0, seconds=3.2, quantity=quantity, name="run")
+    run = replace(run, force=None if force is None else np.full(run.n, force))
+    motion = find_free_motion(run)
+    assert motion.decays == ()
+    assert motion.swell is not None
+    begin, end = motion.swell
+    assert 0 < begin < end < run.n
+    assert end - begin > 5 * 300 / 20.2
+    says = "there is no force" if force is None else f"the force is {force:g} N throughout"
+    with pytest.raises(BadInput, match=rf"^run: {says} while the response grows .* was the force recorded\?"):
+        identify([run])
+
+
+def test_what_is_let_go_after_a_drive_is_free_all_the_same():
+    """The drive ends before the record does, and twenty cycles ring."""
+    run = recording_of(sweep=(1.0, 6.3, 20.2), fs=300.0, seconds=3.2)
+    freely = recording_of(begin=(5e-3, 0.0), fs=300.0, seconds=3.2, seed=1)
+    both = replace(run, force=None, response=np.concatenate([run.response, np.zeros(90), freely.response]))
+    decays = find_free_motion(both).decays
+    assert decays
+    assert all(decay.start >= run.n for decay in decays)

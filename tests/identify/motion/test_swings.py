@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from dashpot.identify.motion.decay import Decay
 from dashpot.identify.motion.envelope import Envelope
-from dashpot.identify.motion.swings import Swings, caught, falls_steadily, release, swings_of
+from dashpot.identify.motion.swings import Swings, caught, falls_steadily, release, swell_of, swings_of
 
 EVERY = 50
 
@@ -274,3 +275,25 @@ def test_a_swing_that_lasts_long_before_the_others_was_held():
     at[2:] -= 50
     swings = turns(sizes, at)
     assert release(shape(swings), swings, int(at[8])) is None
+
+
+# What swells ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("count", "swells"), [(4, False), (5, True), (20, True)])
+def test_what_grows_more_often_than_a_hand_turns_back_swells(count, swells):
+    """A hand's way of six parameters has four turning points, each of which may end a larger swing."""
+    size = np.concatenate([falling(10), 1.1 ** np.arange(count), falling(10, first=0.9)])
+    swings = turns(size)
+    expected = (EVERY * 8, EVERY * (10 + count)) if swells else None
+    assert swell_of(swings, ()) == expected
+
+
+def test_what_grows_by_no_more_than_the_noise_does_not_swell():
+    assert swell_of(turns(1.0 + 1e-7 * np.arange(40)), ()) is None
+
+
+def test_what_grows_within_a_decay_is_its_beat():
+    swings = turns(np.concatenate([falling(10), 1.1 ** np.arange(20), falling(10)]))
+    assert swell_of(swings, (Decay(0, 60 * EVERY),)) is None
+    assert swell_of(swings, (Decay(0, 8 * EVERY),)) is not None

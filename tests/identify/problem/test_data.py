@@ -88,7 +88,7 @@ def test_a_model_without_a_mass_is_fitted_to_free_motion_alone():
     assert data.scales.mass is None
     with pytest.raises(BadInput, match=r"^driven: neither a free decay nor"):
         data_of([driven()], massless)
-    with pytest.raises(BadInput, match=r"^free, free: neither"):
+    with pytest.raises(BadInput, match=r"^free, free: no free decay"):
         data_of([free(0.0), free(0.0)], MODEL)
 
 
