@@ -110,7 +110,7 @@ def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:
     first, at = found[0], recording.start + found[0].first / recording.fs
     there_and_back = first.back and 0 < first.first < recording.n - 2
     what = (
-        f"the response leaps by {first.size:.3g} {recording.unit} within one sample at {at:.6g} s"
+        f"the response jumps by {first.size:.3g} {recording.unit} within one sample at {at:.6g} s"
         f"{', and back' if there_and_back else ''}, {first.times:.2g} times as far as in any other of that cycle"
     )
     if len(found) > 1:
@@ -285,14 +285,11 @@ def wrong_unit(recording: Recording, motion: Oscillation) -> list[Problem]:
     doubt = implausible(recording.quantity, recording.unit, motion.amplitude, motion.frequency)
     if doubt is None:
         return []
-    advice = (
-        f"the unit is probably {doubt.probable}: pass --unit {doubt.probable} if so"
-        + (f", --unit {recording.unit} if it does turn so far" if recording.unit in ROTATIONS else "")
-        if doubt.probable
-        else "state the right unit with --unit"
-    )
-    advice += "; a wrong unit of the time looks so too"
-    sentence = f"the response of {doubt.reason}; {advice}"
+    advice = "state the right unit with --unit"
+    if doubt.probable:
+        turns = f", --unit {recording.unit} if it does turn so far" if recording.unit in ROTATIONS else ""
+        advice = f"the unit is probably {doubt.probable}: pass --unit {doubt.probable} if so{turns}"
+    sentence = f"the response of {doubt.reason}; {advice}; a wrong unit of the time looks so too"
     return [_error(recording, sentence) if doubt.impossible else _note(recording, sentence)]
 
 
@@ -302,20 +299,23 @@ def no_reach(recording: Recording, motion: Oscillation) -> list[Problem]:
         return []
     if (relation := reach(recording.force, recording.response)) is None or relation.related:
         return []
-    if is_white(recording.force) and is_one_decay(recording.response, recording.fs, motion.frequency):
+    is_noise = is_white(recording.force)
+    if is_noise and is_one_decay(recording.response, recording.fs, motion.frequency):
         return [_note(recording, FORCE_IS_NOISE)]
     found = driven(recording.force, recording.response, recording.fs, motion.frequency, recording.quantity)
     if found is not None and found.is_related():
         return []
-    return [
-        _error(
-            recording,
-            "the force does not reach the response: in the force's own frequency band it explains no more than chance "
-            f"would (coherence {relation.coherence:.2f}); check the columns, the cable and that both belong to one "
-            "run, or leave the force out with --force none if this is a free decay",
-            mute=True,
-        )
-    ]
+    size = f"{np.std(recording.force):.2g} {recording.force_unit}"
+    what = (
+        f"the force column holds nothing but white noise, {size} rms, and of the response it explains"
+        if is_noise
+        else "the force does not reach the response: in the force's own frequency band it explains"
+    )
+    sentence = (
+        f"{what} no more than chance would (coherence {relation.coherence:.2f}); check the columns, the cable "
+        "and that both belong to one run, or leave the force out with --force none if this is a free decay"
+    )
+    return [_error(recording, sentence, mute=True)]
 
 
 def one_signal(recording: Recording, _: Oscillation) -> list[Problem]:

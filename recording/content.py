@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import gzip
 import io
 import stat
@@ -36,6 +37,8 @@ def content_of(path: Path, most: float = MOST_MB) -> bytes:
     except FileNotFoundError:
         raise BadInput(f"{path} does not exist; check the name and the folder") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
+        if getattr(error, "errno", None) == errno.ELOOP:
+            raise BadInput(f"{path} is a link that leads back to itself; name the file that it is meant for") from None
         reason = getattr(error, "strerror", None) or error
         raise BadInput(f"{path} cannot be read ({reason}); check its permissions") from None
     if len(content) > most * 1e6:  # it grows while it is read

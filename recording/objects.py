@@ -41,8 +41,18 @@ def tables_of_object(data: Any, name: str) -> list[Table]:
             "SEP 5 dictionaries, or a dictionary of arrays by name"
         )
     if not tables:
-        raise BadInput(f"{name}: holds no vector of numbers; give arrays by name")
+        kinds = {
+            text_of_name(key): numbers_of(value).kind for key, value in data.items() if not isinstance(value, Mapping)
+        }
+        raise no_numbers(name, kinds)
     return tables
+
+
+def no_numbers(name: str, kinds: Mapping[str, str]) -> BadInput:
+    """That nothing in an object is a channel, with what its columns hold, by name."""
+    held = passed_over(name, {label: kind for label, kind in kinds.items() if kind})
+    what = held[0].removeprefix(f"{name}: passed over, as ") if held else "no vector of numbers"
+    return BadInput(f"{name}: holds {what}; give arrays of numbers by name")
 
 
 def is_sep5(data: Any) -> bool:
@@ -100,7 +110,7 @@ def _of_sep5(data: Sequence[Mapping[str, Any]], name: str) -> Table:
             )
         channels.insert(0, Channel("time", times.values, "s"))
     if not channels or not shapes:
-        raise BadInput(f"{name}: holds no vector of numbers; give arrays by name")
+        raise no_numbers(name, passed)
     return table_of(name, channels, rates.pop() if rates else None, notes=passed_over(name, passed))
 
 
@@ -123,5 +133,5 @@ def _of_numbers(name: str, found: Mapping[str, Numbers]) -> Table:
         if numbers.values is None or numbers.values.ndim != 1
     }
     if not channels:
-        raise BadInput(f"{name}: holds no vector of numbers; give arrays by name")
+        raise no_numbers(name, passed)
     return table_of(name, channels, notes=passed_over(name, passed))

@@ -51,7 +51,8 @@ def numbers_of(given: Any) -> Numbers:
     if kind == "O":
         made = _of_objects(array)
         if made is None:
-            return Numbers(None, kind=_KINDS["O"])
+            is_text = array.size > 0 and all(isinstance(value, str) for value in array.flat)
+            return Numbers(None, kind=_KINDS["U" if is_text else "O"])
         array = made
     elif kind not in "iuf":
         return Numbers(None, kind=_KINDS.get(kind, "no numbers"))

@@ -9,6 +9,9 @@ from ..errors import BadInput
 #: Seconds of the years 2001 to 2096 since 1970: ticks of which fraction of a second fall there says what they are.
 _EARLIEST, _LATEST = 1e9, 4e9
 _TICKS = {"milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9}
+#: Days of the years 2000 to 2100 as spreadsheets count them, from the end of 1899, where one stamp follows another
+#: within a tenth of a second: taken for seconds the same are a rate above a megahertz.
+_DAYS, _DAY, _CLOSE = (36526, 73051), 86400.0, 1e-6
 #: No recorder that dates its samples in seconds is of a later year: ticks are taken for seconds there.
 _NO_SECONDS = 1e11
 
@@ -31,6 +34,10 @@ def in_seconds(
     if stamps.size < 2 or not np.all(np.isfinite(stamps)):
         return stamps, ()  # which is said elsewhere
     first = float(stamps[0])
+    if _DAYS[0] <= first <= _DAYS[1] and 0 < np.median(np.diff(stamps)) <= _CLOSE:
+        return (stamps - stamps[0]) * _DAY, (
+            f"{where}: the time column {label} holds days as spreadsheets count them; counted from the first sample",
+        )
     if stated:
         if abs(first) > _NO_SECONDS:
             raise BadInput(

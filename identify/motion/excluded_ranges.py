@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...recording.clipping import clipping
 from .decay import Decay, FreeMotion
 from .envelope import Envelope
 
@@ -54,6 +55,7 @@ def _of_blows(recording: Recording, motion: FreeMotion) -> list[str]:
 
 def _gaps(recording: Recording, envelope: Envelope, decays: tuple[Decay, ...]) -> list[str]:
     size, period = envelope.size, envelope.period
+    rails = clipping(np.asarray(recording.response, float))
     edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
     parts = []
     for k, (a, b) in enumerate(zip(edges[::2], edges[1::2], strict=True)):
@@ -66,7 +68,9 @@ def _gaps(recording: Recording, envelope: Envelope, decays: tuple[Decay, ...]) -
         if not moved and not stopped and k > 0:
             continue  # it faded
         what = "moved by something that was not recorded" if moved else "at rest or held"
-        parts.append(f"{_span(recording, a, b)} ({'stopped, ' if stopped else ''}{what})")
+        what = f"stopped, {what}" if stopped else what
+        cut = any(rail.first < b and rail.last >= a for rail in rails)
+        parts.append(f"{_span(recording, a, b)} ({'clipped' if cut else what})")
     return parts
 
 

@@ -151,8 +151,8 @@ def analytic_signal(
     period = fs / f
     if x.size < FEWEST_CYCLES * period or period < FEWEST_CYCLES:
         raise BadInput(
-            f"The recording has {x.size / period:.1f} cycles of {period:.1f} samples; the Hilbert transform needs at "
-            "least 5 cycles of at least 5 samples: record longer or sample faster."
+            f"The strongest line swings {x.size / period:.1f} times in it, each over {period:.1f} samples; the Hilbert "
+            "transform needs at least 5 cycles of at least 5 samples: record longer or sample faster."
         )
     t = np.arange(x.size) / fs
     if undecay is None:

@@ -294,7 +294,7 @@ def _combine(
             + (
                 "the start is force over response in size."
                 if mass
-                else "the force does not reach the response in them."
+                else "the response moves no further than its noise in them."
             )
         )
     apart = _apart(curves, value)

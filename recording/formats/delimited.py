@@ -22,6 +22,8 @@ _ABSENT = frozenset(
     ("", "na", "n/a", "#na", "#n/a", "<na>", "null", "none", "1.#ind", "-1.#ind", "1.#qnan", "-1.#qnan")
 )
 _GROUPED = re.compile("[-+]?[0-9.,'\u2019\u00a0\u202f\u2009]+([eE][-+]?[0-9]+)?")
+#: Lines that a cell of a header may go on over.
+_CELL_LINES = 4
 _DECIMAL_COMMA = re.compile(r"[+-]?\d+,\d+([eE][+-]?\d+)?")
 
 
@@ -38,7 +40,7 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
     and between these is passed over. Raises BadInput for a file that
     is empty, binary, a broken gzip, without numbers, or whose rows differ in length.
     """
-    numbered = [(i, line) for i, line in enumerate(text_of(where, content, most).splitlines(), start=1) if line.strip()]
+    numbered = [(i, line) for i, line in _logical(text_of(where, content, most).splitlines()) if line.strip()]
     lines = [(i, line) for i, line in numbered if not line.lstrip().startswith(_COMMENT)]
     if not lines:
         raise BadInput(f"{where} has no rows of numbers; it needs a header line and one row for each sample")
@@ -81,6 +83,23 @@ def read_delimited(where: str, content: bytes, most: float = MOST_MB) -> Table:
         return _numbers(where, lines, delimiter, numerals, names, indices)
 
     return Table(where, names, units, numbers)
+
+
+def _logical(lines: list[str]) -> list[tuple[int, str]]:
+    """Lines with their numbers, from 1; those that a cell in quotes goes on over are one (RFC 4180), with blanks.
+
+    A quote that no other closes within a few lines is a sign like any other, such as that of inches.
+    """
+    made: list[tuple[int, str]] = []
+    i = 0
+    while i < len(lines):
+        last = i
+        if lines[i].count('"') % 2:
+            closing = range(i + 1, min(i + 1 + _CELL_LINES, len(lines)))
+            last = next((k for k in closing if lines[k].count('"') % 2), i)
+        made.append((i + 1, " ".join(line.strip() for line in lines[i : last + 1]) if last > i else lines[i]))
+        i = last + 1
+    return made
 
 
 def text_of(where: str, content: bytes, most: float) -> str:

@@ -228,7 +228,8 @@ def unrelated() -> dict[str, np.ndarray]:
 def test_force_that_does_not_reach(name, force):
     cause = {"sweep": SWEEP + 3e-4 * RNG.standard_normal(N), "random": RNG.standard_normal(N) * (TIME > 1)}[force]
     sentences = errors(replace(FORCED, force=cause, response=unrelated()[name] * 0.1))
-    assert any("does not reach the response" in sentence for sentence in sentences), sentences
+    says = {"sweep": "does not reach the response", "random": "nothing but white noise"}[force]
+    assert any(says in sentence for sentence in sentences), sentences
 
 
 @pytest.mark.parametrize("shift", [N // 4, N // 2])
@@ -239,7 +240,7 @@ def test_force_of_another_moment(shift):
 
 def test_shuffled_force_is_not_taken_for_an_idle_sensor():
     assert FORCED.force is not None
-    assert "does not reach" in the_error(replace(FORCED, force=RNG.permutation(FORCED.force)))
+    assert "nothing but white noise" in the_error(replace(FORCED, force=RNG.permutation(FORCED.force)))
 
 
 def test_a_force_shifted_by_little_still_reaches():
@@ -292,7 +293,7 @@ def test_an_angle_that_was_wrapped_is_refused_with_what_to_do():
 def test_a_displacement_that_leaps_is_refused_with_the_place():
     lost = np.delete(FORCED.response, range(6000, 6030)), np.delete(FORCED.force, range(6000, 6030))
     sentence = the_error(replace(FORCED, response=lost[0], force=lost[1]))
-    assert "leaps by" in sentence
+    assert "jumps by" in sentence
     assert "within one sample at 5.999 s" in sentence
     assert "samples are missing" in sentence
     assert "--part" in sentence
@@ -350,3 +351,10 @@ def test_a_steady_tone_with_a_lag_is_no_force_that_takes_work_out(lag):
     response = 1e-3 * np.sin(2 * np.pi * 9.0 * TIME - lag) + 1e-5 * np.random.default_rng(3).standard_normal(N)
     driven = replace(FORCED, response=response, force=tone + 1e-2 * np.random.default_rng(4).standard_normal(N))
     assert not any("takes work out" in problem.sentence for problem in check(driven))
+
+
+def test_a_force_of_noise_alone_is_no_force():
+    quiet = replace(FORCED, force=0.5 + 1e-9 * np.random.default_rng(3).standard_normal(N))
+    sentence = the_error(quiet)
+    assert "the force column holds nothing but white noise, 1e-09 N rms," in sentence
+    assert "of the response it explains no more than chance would" in sentence

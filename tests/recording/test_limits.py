@@ -45,7 +45,7 @@ FILES = {
         lambda path: path.write_bytes(b"t,x" + b"1" * 5000 + b"z\n" + b"1,2\n" * 50),
         "the name of column 2 has 5002 characters; shorten it",
     ),
-    "a circle": (lambda path: path.symlink_to(path), "cannot be read"),
+    "a circle": (lambda path: path.symlink_to(path), "leads back to itself; name the file"),
 }
 
 
@@ -202,3 +202,13 @@ def test_a_rate_that_no_recorder_has(tmp_path, power):
         read(path)
     with pytest.raises(BadInput, match="none that a recorder has; check --fs"):
         read(path, time="none", response=2, fs=10.0**power)
+
+
+@pytest.mark.parametrize(("header", "known"), [("time,x_m", True), ("time_s,x_m", True), ("time,x_m", False)])
+def test_days_of_spreadsheets_are_known(tmp_path, header, known):
+    """45000.5 is noon of a day in 2023; a clock in seconds may show the same, but not a million samples in one."""
+    stamps = [repr(float(45_000.5 + t / (86_400.0 if known else 1.0))) for t in T]
+    recording = read(csv(tmp_path / "rec.csv", stamps, header))
+    assert (recording.fs, recording.n) == (pytest.approx(FS, rel=1e-4), N)
+    assert np.allclose(recording.response, X, atol=1e-9)
+    assert any("holds days as spreadsheets count them" in note for note in recording.notes) == known

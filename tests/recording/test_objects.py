@@ -48,7 +48,8 @@ def test_xarray():
     [
         (5, "int is no kind of recording"),
         ({}, "no vector of numbers"),
-        ({"x": ["a", "b"]}, "no vector of numbers"),
+        ({"x": ["a", "b"]}, r"holds no real numbers: 'x' \(text\); give arrays of numbers by name"),
+        ({"x": np.array(["a", None], object)}, r"'x' \(objects that are no numbers\)"),
         (
             {"time_s": T, "x_m": X[:-3]},
             r"name it with --response \(the record has \d+ samples; 'x_m' \(\d+\), of other",
@@ -66,3 +67,12 @@ def test_what_is_none_is_said(data, says):
 
 def test_names_of_bytes_are_read_as_text_for_a_unit_stands_in_them():
     same(from_data({b"time_s": T, b"force_N": F, b"x_mm": 1e3 * X}))
+
+
+def test_text_in_a_frame_is_called_so():
+    pandas = pytest.importorskip("pandas")
+    frame = pandas.DataFrame({"time_s": T, "x_m": X})
+    with pytest.raises(BadInput, match=r"holds no real numbers: 'time_s' \(text\), 'x_m' \(text\)"):
+        from_data(frame.astype("string"))
+    with pytest.raises(BadInput, match=r"passed over, as no real numbers: 'x_m' \(text\)"):
+        from_data(frame.assign(x_m=frame.x_m.astype(str)))

@@ -119,3 +119,11 @@ def test_what_is_said_of_blows():
         "run: the force of the blow at 15 s is clipped; the ringing after it is used, the blow is not",
     )
     assert len(said(sizes(), blows=(twice, cut))) == 2
+
+
+def test_what_is_clipped_is_not_called_moved():
+    swings = 1.5 * np.sin(0.2 * np.arange(N)) + 1e-3 * np.random.default_rng(1).standard_normal(N)
+    cut = Recording("run", FS, np.where(np.arange(N) < 500, np.clip(swings, -1.0, 1.0), 0.5 * swings), start=10.0)
+    motion = FreeMotion((Decay(500, 1500),))
+    said = left_out(cut, Envelope(sizes(s100=1.0, s2000=1.0), PERIOD, FLOOR, 0.01), motion)
+    assert said[0].endswith("left out: 10 to 15 s (clipped), 25 to 40 s (moved by something that was not recorded)")

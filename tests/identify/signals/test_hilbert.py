@@ -89,3 +89,9 @@ def test_noise_level_under_a_large_signal():
 def test_what_has_no_envelope_is_refused(x):
     with pytest.raises(BadInput):
         analytic_signal(x, 100.0)
+
+
+def test_too_few_swings_are_said_of_the_line_that_was_found():
+    """It need not be the rig's: of two cycles and a drift the drift is stronger."""
+    with pytest.raises(BadInput, match=r"^The strongest line swings [0-9.]+ times in it, each over [0-9.]+ samples; "):
+        analytic_signal(np.sin(2 * np.pi * np.arange(200) / 80), 100.0, frequency=1.25)
