@@ -13,10 +13,10 @@ import numpy as np
 from ..errors import BadInput
 from ..identify.identification import of_one_motion
 from ..identify.motion.decays import find_free_motion, force_is_silent
-from ..identify.motion.envelope import SHORTEST_CYCLES
 from ..identify.problem.data import natural_frequency
 from ..identify.problem.limits import FEWEST_SWINGS, WORTH_ITS_START
 from ..identify.problem.segments import cut, pace_of
+from ..identify.signals.limits import FEWEST_CYCLES
 from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import budget
 from ..identify.signals.signals import response_of
@@ -102,7 +102,7 @@ def _blocks(recording: Recording, model: Oscillator) -> list[_Block]:
     motion = find_free_motion(recording)
     natural = natural_frequency([recording], model)
     cycle = 2 * math.pi / pace_of([recording], natural) * recording.fs
-    of_each = [_even(decay.start, decay.stop, SHORTEST_CYCLES * cycle, free=True) for decay in motion.decays]
+    of_each = [_even(decay.start, decay.stop, FEWEST_CYCLES * cycle, free=True) for decay in motion.decays]
     ringing = [block for blocks in of_each for block in blocks]
     if recording.force is None or not np.any(recording.force) or (motion.decays and force_is_silent(recording)):
         return [_Block(d.start, d.stop, free=True) for d in motion.decays] if len(motion.decays) >= THIRDS else ringing

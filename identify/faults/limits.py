@@ -24,7 +24,6 @@ ALIKE = decides(
 
 # part_kinds.py
 
-FLAT = decides(3, "equal samples", "at the top of a swing that no noise makes", why="two are common")
 PASSED = decides(
     2.0,
     "times the limit",

@@ -13,12 +13,13 @@ from ...recording.recording import Recording
 from ...recording.resolution import converter_step
 from ..fit.reported_result import Fit
 from ..problem.segments import Segment
+from ..signals.limits import FLAT
 from ..signals.noise_spectrum import two_sources
 from ..signals.odds import BEYOND_ERRORS, BY_CHANCE
 from ..signals.registry import numerics
 from ..signals.signals import noise_levels
 from .contradiction import Contradiction
-from .limits import FLAT, PASSED
+from .limits import PASSED
 
 _SLOWEST = numerics(16, "lines", why="the slowest of a walk: their mean has 32 degrees of freedom")
 

@@ -13,17 +13,15 @@ import numpy as np
 
 from ...model.oscillator import Band
 from ...recording.recording import Recording
+from ..signals.odds import SIGNIFICANT
+from ..signals.registry import numerics
 from ..signals.signals import drive_of, response_of
 from .blows import blows_of, contact_force
 from .envelope import envelope_of
 from .force_off import force_is_silent
 
-#: The kernel of a taper so many Hz wide has fallen below a hundredth after this many of its inverses.
-_REACH = 2.0
-#: An end that moves by less than this many times its noise is at rest.
-_RESTS = 3.0
-#: Of its largest, where a blow that went through the band has ended.
-_OVER = 1e-3
+_REACH = numerics(2.0, "inverses of the taper's width", why="after which its kernel has fallen below a hundredth")
+_OVER = numerics(1e-3, "of its largest", why="where a blow that went through the band has ended: 60 dB")
 
 
 def in_band(recording: Recording, band: Band) -> Recording:
@@ -62,7 +60,7 @@ def in_band(recording: Recording, band: Band) -> Recording:
 
 
 def _rests(end: np.ndarray, noise: float) -> bool:
-    return bool(np.ptp(end) < 2 * _RESTS * noise)
+    return bool(np.ptp(end) < 2 * SIGNIFICANT * noise)
 
 
 def _through(x: np.ndarray, band: Band, fs: float, reach: int, begins: bool, ends: bool, rest: float) -> np.ndarray:

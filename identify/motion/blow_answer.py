@@ -10,10 +10,6 @@ from ...model.oscillator import QUANTITIES
 from .blows import contact_force
 from .decay import Blow
 
-#: Correlation of a response with that of a plain rig to the same blows. They are then more than a third of a cycle
-#: apart, which no filter or delay makes of a chain that is meant to show the motion.
-_AGAINST = -0.5
-
 
 def answers_against(blows: Sequence[Blow], force: np.ndarray, response: np.ndarray, period: int, quantity: str) -> bool:
     """Whether the motion that blows set going runs against them.
@@ -32,13 +28,15 @@ def answers_against(blows: Sequence[Blow], force: np.ndarray, response: np.ndarr
     struck = contact_force(force, blows, period)
     both = own = plain = 0.0
     for blow in blows:
-        before = response[max(0, blow.start - period // 4) : blow.start]
+        before = response[blow.before(period) : blow.start]
         peak = blow.start + int(np.argmax(np.abs(struck[blow.start : blow.stop])))  # a band draws a contact out
         first = slice(blow.start, peak + period)
         moved = response[first] - (np.mean(before) if before.size else 0.0)
         expected = _linear_response(struck[first], 2 * np.pi / period, quantity)
         both, own, plain = both + moved @ expected, own + moved @ moved, plain + expected @ expected
-    return bool(both < _AGAINST * np.sqrt(own * plain))
+    # at a correlation below -1/2 they are more than a third of a cycle apart, which no filter or delay makes of a chain
+    # that is meant to show the motion
+    return bool(2 * both < -np.sqrt(own * plain))
 
 
 def _linear_response(force: np.ndarray, omega: float, quantity: str) -> np.ndarray:

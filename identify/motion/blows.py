@@ -8,26 +8,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...simulate.force import Force
+from ..signals.limits import CLEAR_OF_NOISE, DECAY_PART, FEWEST_CYCLES, FLAT, SEVERAL, SHORTEST_PERIOD
+from ..signals.registry import numerics
 from .decay import Blow, Decay
-from .envelope import SHORTEST_CYCLES, Envelope
+from .envelope import Envelope
 from .force_off import runs
 
-#: A contact is over within half a cycle: the mass has its momentum before the spring takes it away (Ewins 2000, 3.4).
-_LONGEST = 0.5
-#: Contacts stand out of the force's noise by so many standard deviations, or it is no hammer.
-_STANDS_OUT = 10.0
-#: What falls back below this part of the highest peak is over but for its flanks ...
-_OVER = 0.02
-#: ... and its flanks below that are within this fraction of its length, on either side.
-_FLANK = 8
-#: The noise that ends a contact: of a thousand samples of white noise none is beyond so many standard deviations.
-_NOISE = 4.0
-#: A blow much weaker than the strongest says nothing beside the ringing.
-_WEAK = 0.05
-#: Samples whose median is the sensor's zero.
-_FEWEST_QUIET = 8
-#: So many equal samples at the range's end: two astride a smooth peak are common (`recording.clipping`).
-_FLAT = 3
+_JOIN = numerics(20, "parts of a cycle", why="noise ends a contact for less than one of them")
+_FLANK = numerics(8, "parts of a contact", why="of which one, on either side, is a flank below what ends it")
+_EQUAL = numerics(1e-9, "of the peak", why="by which samples of a converter's largest reading differ")
 
 
 def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
@@ -38,29 +27,30 @@ def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
     force = force - np.median(force)
     size = np.abs(force)
     peak = float(np.max(size))
-    noise = 1.4826 * float(np.median(size))
-    if not peak > _STANDS_OUT * noise:
+    over = max(CLEAR_OF_NOISE * 1.4826 * float(np.median(size)), DECAY_PART * peak)
+    if not peak > 2 * over:
         return ()
-    flanks = [(a, b) for a, b in runs(size > max(_NOISE * noise, _OVER * peak))]
-    join = max(2, period // 20)
+    join = max(2, period // _JOIN)
     contacts: list[tuple[int, int]] = []
-    for a, b in flanks:
+    for a, b in runs(size > over):
         if contacts and a - contacts[-1][1] <= join:
             contacts[-1] = (contacts[-1][0], b)
         else:
             contacts.append((a, b))
-    contacts = [(a, b) for a, b in contacts if np.max(size[a:b]) > _WEAK * peak]
+    # a contact begins and ends at a level, and rises to twice that at least
+    contacts = [(a, b) for a, b in contacts if np.max(size[a:b]) > 2 * over]
     contacts = [(max(0, a - (b - a) // _FLANK), min(size.size, b + (b - a) // _FLANK)) for a, b in contacts]
-    if any(b - a > _LONGEST * period for a, b in contacts):
+    # over within half a cycle: the mass has its momentum before the spring takes it away (Ewins 2000, 3.4)
+    if any(2 * (b - a) > period for a, b in contacts):
         return ()
     # not a few contacts but a train of them: a drive in pulses
-    rings = SHORTEST_CYCLES * period / 2
-    if len(contacts) > 3 and np.median(np.diff([a for a, _ in contacts])) < rings:
+    rings = FEWEST_CYCLES * period / 2
+    if len(contacts) > SEVERAL and np.median(np.diff([a for a, _ in contacts])) < rings:
         return ()
     largest = float(np.max(force)) if abs(np.max(force)) >= abs(np.min(force)) else float(np.min(force))
     blows: list[Blow] = []
     for a, b in contacts:
-        clipped = int(np.sum(np.abs(force[a:b] - largest) <= 1e-9 * peak)) >= _FLAT
+        clipped = int(np.sum(np.abs(force[a:b] - largest) <= _EQUAL * peak)) >= FLAT
         if blows and a - blows[-1].stop < rings:
             last = blows[-1]
             blows[-1] = Blow(last.start, b, last.clipped or clipped, last.contacts + 1)
@@ -81,7 +71,7 @@ def ringing(blows: tuple[Blow, ...], envelope: Envelope) -> list[Decay]:
         if stop > risen and size[risen] > 2 * floor:
             decays.append(Decay(blow.stop, stop))
     first = blows[0].start
-    if first >= SHORTEST_CYCLES * envelope.period / 2 and size[0] > 2 * floor:  # it rang before
+    if first >= FEWEST_CYCLES * envelope.period / 2 and size[0] > 2 * floor:  # it rang before
         low = np.flatnonzero(size[:first] < floor)
         decays.insert(0, Decay(0, int(low[0]) if low.size else first))
     return decays
@@ -104,7 +94,7 @@ class ContactForce(Force):
     def _contact(self) -> np.ndarray:
         """(m,) which of the pieces are of a contact."""
         size = np.abs(self.pieces[:, 0])
-        return size > _OVER * np.max(size, initial=0.0)
+        return size > DECAY_PART * np.max(size, initial=0.0)
 
     def contacts(self, n: int) -> np.ndarray:
         """(n,) which part of the interval behind each sample is of a contact."""
@@ -122,7 +112,7 @@ def contact_force(force: np.ndarray, blows: Sequence[Blow], period: int) -> np.n
     for blow in blows:
         before = force[max(0, blow.start - period) : blow.start]
         after = force[blow.stop : blow.stop + period]
-        quiet = before if before.size >= _FEWEST_QUIET else after
+        quiet = before if before.size >= SHORTEST_PERIOD else after
         zero = float(np.median(quiet)) if quiet.size else 0.0
         alone[blow.start : blow.stop] = force[blow.start : blow.stop] - zero
     return alone
@@ -139,7 +129,7 @@ def through(blows: Sequence[Blow], decays: Sequence[Decay], period: int) -> list
     parts: list[tuple[int, int, bool]] = []
     for decay in decays:
         blow = next((blow for blow in blows if blow.stop == decay.start and blow.is_known), None)
-        start = decay.start if blow is None else max(0, blow.start - period // 4)
+        start = decay.start if blow is None else blow.before(period)
         if blow is not None and parts and parts[-1][1] >= start:
             parts[-1] = (parts[-1][0], decay.stop, True)
         else:

@@ -5,7 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+from ..signals.registry import numerics
 from .mode import Mode
+
+_BEFORE = numerics(4, "parts of a cycle", why="of which one shows how a rig was before a blow")
 
 
 @dataclass(frozen=True)
@@ -40,6 +43,10 @@ class Blow:
     clipped: bool = False
     contacts: int = 1
     answered: bool = True
+
+    def before(self, period: int) -> int:
+        """First sample of the part of a cycle of so many samples before it, in which the rig is as it was."""
+        return max(0, self.start - period // _BEFORE)
 
     @property
     def is_known(self) -> bool:

@@ -10,12 +10,13 @@ import numpy as np
 
 from ...recording.fact import fact
 from ...recording.short_decay import LEAST_CYCLES, is_short_decay
-from ..signals.odds import SIGNIFICANT
+from ..signals.limits import FEWEST_CYCLES
+from ..signals.odds import ABOVE_NOISE, SIGNIFICANT
 from ..signals.signals import Signal, response_of
 from .blow_answer import answers_against
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
-from .envelope import SHORTEST_CYCLES, envelope_of
+from .envelope import envelope_of
 from .excluded_ranges import left_out
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
@@ -168,7 +169,7 @@ def _by_envelope(recording: Recording) -> FreeMotion:
         return FreeMotion((Decay(0, recording.n),) if free and is_short_decay(x, recording.fs) else ())
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):
-        swings, shortest = swings_of(x, envelope), SHORTEST_CYCLES
+        swings, shortest = swings_of(x, envelope), FEWEST_CYCLES
         decays = falling(x, envelope, swings)
         if not decays:  # few cycles between a hold and a stop: their errors decide, not their number
             shortest = LEAST_CYCLES
@@ -176,16 +177,15 @@ def _by_envelope(recording: Recording) -> FreeMotion:
             decays = [d for d in short if is_short_decay(x[d.start : d.stop], recording.fs)]
         if force is not None and np.ptp(force) > 0:
             # white noise may be a shaker's too: only a fall to the noise, or the whole record, is a free decay then
-            decays = [
-                d for d in decays if envelope.size[d.stop - 1] < 1.1 * envelope.floor or d.stop - d.start > 0.8 * x.size
-            ]
+            size, floor = envelope.size, envelope.floor
+            decays = [d for d in decays if size[d.stop - 1] < ABOVE_NOISE * floor or d.stop - d.start > TAKES * x.size]
     else:
         force = np.asarray(force, float)
         blows = tuple(Blow(*struck) for struck in recording.struck) or blows_of(force, period)
         if answers_against(blows, force, x, period, recording.quantity):
             blows = tuple(replace(blow, answered=False) for blow in blows)
         # a blow says how the motion began, which a decay must show by itself
-        shortest = LEAST_CYCLES if blows else SHORTEST_CYCLES
+        shortest = LEAST_CYCLES if blows else FEWEST_CYCLES
         decays = ringing(blows, envelope) if blows else force_off(force - zero_of(force, period)[0], envelope)
     decays = tuple(sorted((d for d in decays if d.stop - d.start >= shortest * period), key=lambda d: d.start))
     motion = FreeMotion(decays, blows)

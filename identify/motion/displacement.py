@@ -6,14 +6,16 @@ import numpy as np
 
 from ...recording.fact import fact
 from ...recording.recording import QUANTITIES, Recording
+from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of, response_of
 from .decays import find_free_motion
 
-#: What is slower than this many cycles of the slowest motion is drift of the integration. A decay is loudest at its
-#: beginning, where a spline takes most of the motion along, the more the denser its knots are ...
-TREND_CYCLES = 5.0
-#: ... while a driven record, which is long, suffers more from the drift that is left.
-DRIVEN_TREND_CYCLES = 3.5
+_TREND = numerics(
+    5.0,
+    "cycles a knot",
+    why="slower is drift of the integration; a decay begins loud, where a dense spline takes the motion along",
+)
+_DRIVEN_TREND = numerics(3.5, "cycles a knot", why="a long driven record suffers more from the drift that is left")
 
 
 @fact("response", "force", "fs", "quantity")
@@ -28,10 +30,10 @@ def displacement(recording: Recording) -> Signal:
     times = QUANTITIES.index(recording.quantity)
     if times == 0:
         return response
-    x, slowest, cycles = response.samples, response.frequency, TREND_CYCLES
+    x, slowest, cycles = response.samples, response.frequency, _TREND
     # what is struck rings at its own frequency, and has no slower motion, however low its blows reach
     if drive is not None and np.ptp(drive.samples) > 0 and not find_free_motion(recording).blows:
-        slowest, cycles = min(slowest, max(drive.band[0], 1.5 * recording.fs / x.size)), DRIVEN_TREND_CYCLES
+        slowest, cycles = min(slowest, drive.band[0]), _DRIVEN_TREND
     for _ in range(times):
         x = _integrate(x, recording.fs, slowest / cycles)
     return Signal(x, recording.fs)

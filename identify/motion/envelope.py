@@ -11,17 +11,13 @@ from ...errors import BadInput
 from ...recording.oscillation import strongest_line, without_slow
 from ...recording.smoothing import convolved
 from ..signals.hilbert import blackman, dominant_frequency
+from ..signals.limits import FEWEST_CYCLES, ROUNDING, WINDOW_CYCLES
+from ..signals.odds import HALF_AGAIN
 from ..signals.signals import response_of
+from .limits import FALLS
 
 if TYPE_CHECKING:
     from ...recording.recording import Recording
-
-#: Fewer cycles than this are no decay: its rate and its frequency could not be told from one another's change.
-SHORTEST_CYCLES = 5.0
-#: A decay ends where its envelope has come down to this many times that of the noise.
-ABOVE_FLOOR = 2.0
-#: A swing has to be seen: samples a cycle.
-_LEAST_SAMPLES = 5
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +45,10 @@ def envelope_of(recording: Recording) -> Envelope | None:
     if frequency is None:
         return None
     period = max(2, round(fs / frequency))
-    if x.size < SHORTEST_CYCLES * period or period < _LEAST_SAMPLES:
+    if x.size < FEWEST_CYCLES * period or period < FEWEST_CYCLES:
         return None
     size = _size(x, period)
-    return Envelope(size, period, ABOVE_FLOOR * _floor(noise, size, period), noise)
+    return Envelope(size, period, 2 * _floor(noise, size, period), noise)
 
 
 def motion_frequency(x: np.ndarray, fs: float) -> float | None:
@@ -65,7 +61,7 @@ def motion_frequency(x: np.ndarray, fs: float) -> float | None:
         frequency = dominant_frequency(swinging, fs)
     except BadInput:
         return None
-    if frequency * x.size / fs < SHORTEST_CYCLES:  # its ends, where something was held, tilt the whole record
+    if frequency * x.size / fs < FEWEST_CYCLES:  # its ends, where something was held, tilt the whole record
         return strongest_line(swinging) * fs / x.size
     return frequency
 
@@ -93,14 +89,14 @@ def _floor(noise: float, envelope: np.ndarray, period: int) -> float:
     white = np.sqrt(2) * noise
     # within a cycle of either end the kernel sees its own mirror image, which may be lower than any motion there is
     low = period + int(np.argmin(envelope[period:-period]))
-    level = 1.5 * float(envelope[low])
+    level = HALF_AGAIN * float(envelope[low])
     a, b = _run(envelope <= level, low)
     rest = 0.0
-    if b - a >= 8 * period and b - a < envelope.size:  # what fills the record is its motion
+    if b - a >= WINDOW_CYCLES * period and b - a < envelope.size:  # what fills the record is its motion
         first, last = np.median(envelope[a : a + 2 * period]), np.median(envelope[b - 2 * period : b])
-        if abs(first - last) < 0.25 * max(first, last):
+        if min(first, last) > FALLS * max(first, last):
             rest = float(np.median(envelope[a:b]))
-    return max(white, rest, 1e-6 * top)
+    return max(white, rest, ROUNDING * top)
 
 
 def _run(mask: np.ndarray, inside: int) -> tuple[int, int]:

@@ -7,16 +7,15 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...recording.recording import Recording
+from ..signals.odds import BY_CHANCE
+from ..signals.registry import numerics
 from ..signals.signals import drive_of
 from .decays import Decay
+from .limits import NARROW
 
-_WINDOWS = 24
-#: A line counts where white noise would make one as large anywhere in a window with this chance.
-_CHANCE = 1 / 400
-#: A line whose frequency spreads by less than this part of itself within a window is one.
-_NARROW = 0.15
-#: Less than this part of the power of a window and its neighbours is what they leave in a pause.
-_SILENT = 1e-2
+_WINDOWS = numerics(24, "windows a recording", why="in each of which a force has one frequency, or many")
+_LEAST = numerics(16, "samples", why="of a window")
+_SILENT = numerics(1e-2, "of the power of a window and its neighbours", why="less is what they leave in a pause")
 
 
 def band_of(recording: Recording) -> tuple[float, float] | None:
@@ -39,16 +38,16 @@ def kind_of(recording: Recording, decays: Sequence[Decay], noise: float = 0.0) -
         return "decay"
     if decays:
         return "bursts"
-    size = max(recording.n // _WINDOWS, 16)
+    size = max(recording.n // _WINDOWS, _LEAST)
     centres, narrow = [], 0
     for start in range(0, recording.n - size + 1, size):
         line = _line(np.asarray(force[max(0, start - size) : start + 2 * size], float), min(start, size), size, noise)
         if line is not None:
             centres.append(line[0] * recording.fs)
-            narrow += line[1] < _NARROW * line[0]
-    if not centres or narrow < 0.8 * len(centres):
+            narrow += line[1] < NARROW * line[0]
+    if not centres or narrow < (1 - NARROW) * len(centres):
         return "broadband"
-    return "sweep" if max(centres) > 1.2 * min(centres) else "sine"
+    return "sweep" if max(centres) > (1 + NARROW) * min(centres) else "sine"
 
 
 def _line(force: np.ndarray, start: int, size: int, noise: float) -> tuple[float, float] | None:
@@ -65,7 +64,7 @@ def _line(force: np.ndarray, start: int, size: int, noise: float) -> tuple[float
     taper = np.cos(0.5 * np.pi * np.clip(beside, 0.0, 1.0)) ** 2
     spectrum = np.fft.fft(taper * (force - np.mean(force)))
     frequency = np.fft.fftfreq(force.size)
-    quiet = np.abs(spectrum) ** 2 <= noise**2 * force.size * np.log(force.size / _CHANCE)
+    quiet = np.abs(spectrum) ** 2 <= noise**2 * force.size * np.log(force.size / BY_CHANCE)
     spectrum[quiet | (frequency <= 0)] = 0.0  # the power of white noise in a bin is exponentially distributed
     z, turning = (np.fft.ifft(values)[middle] for values in (spectrum, spectrum * frequency))
     power = float(np.sum(np.abs(z) ** 2))

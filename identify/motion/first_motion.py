@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-#: Initial values within this many standard errors of zero are those of a mass at rest.
-_AT_REST = 4.0
-#: The part of a cycle that a parabola follows.
-_PART = 0.15
+from ..signals.odds import BEYOND_ERRORS
+from ..signals.registry import numerics
+
+_PART = numerics(0.15, "of a cycle", why="that a parabola follows")
+_FEWEST = numerics(4, "samples", why="of a parabola and what it leaves")
 
 
 def motion_length(n: int, dt: float, pace: float) -> int:
     """Samples, of so many, from which the first motion is measured: a seventh of a cycle."""
-    return int(np.clip(_PART * 2 * np.pi / pace / dt, 4, n))
+    return int(np.clip(_PART * 2 * np.pi / pace / dt, _FEWEST, n))
 
 
 def first_motion(segment_response: np.ndarray, dt: float, pace: float) -> tuple[np.ndarray, np.ndarray]:
@@ -29,4 +30,4 @@ def first_motion(segment_response: np.ndarray, dt: float, pace: float) -> tuple[
 def starts_at_rest(response: np.ndarray, dt: float, pace: float, noise: float) -> bool:
     """Whether neither displacement nor velocity at the first sample stands out of the noise."""
     motion, spread = first_motion(response, dt, pace)
-    return bool(np.all(np.abs(motion) < _AT_REST * noise * spread))
+    return bool(np.all(np.abs(motion) < BEYOND_ERRORS * noise * spread))

@@ -6,22 +6,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..signals.limits import CLEAR_OF_NOISE, DECAY_FLOOR, FEWEST_CYCLES, ROUNDING
 from ..signals.signals import drive_of
 from .decay import Decay
-from .envelope import SHORTEST_CYCLES, Envelope
+from .envelope import Envelope
+from .limits import FALLS, ON
 
 if TYPE_CHECKING:
     from ...recording.recording import Recording
-
-#: A force whose level is above this part of its largest is on, however quiet the rest of it is.
-_ON = 0.15
-#: Quiet cycles differ in level by less than this factor.
-_QUIET = 3.0
-#: What a sensor of force resolves of its largest reading.
-_RESOLVED = 1e-6
-#: Fewer means over cycles than this do not show their own scatter: beside a level, a slope and the size of the motion
-#: two degrees of freedom are left.
-FEWEST_MEANS = 5
 
 
 def force_is_silent(recording: Recording) -> bool:
@@ -39,13 +31,13 @@ def zero_of(force: np.ndarray, period: int) -> tuple[float, float]:
     """
     mean, spread = _local(force, period)
     largest = float(np.ptp(force))
-    if np.min(spread) > _ON * np.max(spread):
+    if np.min(spread) > ON * np.max(spread):
         return float(np.median(mean)), _error_of_middle(force, period)
-    still = spread <= max(_QUIET * float(np.min(spread)), _RESOLVED * largest)
+    still = spread <= max(DECAY_FLOOR * float(np.min(spread)), ROUNDING * largest)
     nearest = float(mean[still][np.argmin(np.abs(mean[still]))])
-    if abs(nearest) > _ON * largest and np.any(nearest * mean[still] < 0):
+    if abs(nearest) > ON * largest and np.any(nearest * mean[still] < 0):
         return 0.0, abs(nearest)  # a command of two levels: between them lies a zero that is not met
-    width = _QUIET * float(np.max(spread[still])) + _RESOLVED * largest
+    width = DECAY_FLOOR * float(np.max(spread[still])) + ROUNDING * largest
     at_it = still & (np.abs(mean - nearest) <= width)
     cycles = max(1.0, np.count_nonzero(at_it) / period)
     return float(np.median(mean[at_it])), float(np.sqrt(np.mean(spread[at_it] ** 2) / cycles))
@@ -54,7 +46,7 @@ def zero_of(force: np.ndarray, period: int) -> tuple[float, float]:
 def _error_of_middle(force: np.ndarray, period: int) -> float:
     """Standard error of the middle of a force (n,), from the scatter of its means over cycles."""
     count = force.size // period
-    if count < FEWEST_MEANS:
+    if count < FEWEST_CYCLES:
         return np.inf
     means = np.mean(force[: count * period].reshape(count, period), axis=1)
     return float(np.median(np.abs(means - np.median(means)))) * 1.4826 / np.sqrt(count)
@@ -67,13 +59,13 @@ def force_off(force: np.ndarray, envelope: Envelope) -> list[Decay]:
     level = np.hypot(mean, spread)
     floor, top = float(np.min(spread)), float(np.max(level))
     # off: as quiet as the quietest cycle (which is a little below the mean noise), and far below the force itself
-    off = (spread <= min(max(_QUIET * floor, _RESOLVED * top), _ON * top)) & (level <= _ON * top)
+    off = (spread <= min(max(DECAY_FLOOR * floor, ROUNDING * top), ON * top)) & (level <= ON * top)
     decays: list[Decay] = []
     for a, b in runs(off):
-        if b - a < (SHORTEST_CYCLES - 1) * period:
+        if b - a < (FEWEST_CYCLES - 1) * period:
             continue
         quiet = force[a + period // 2 : b - period // 2]
-        centre, reach = float(np.mean(quiet)), 5 * float(np.std(quiet)) + 1e-9 * top
+        centre, reach = float(np.mean(quiet)), CLEAR_OF_NOISE * float(np.std(quiet)) + ROUNDING * top
         loud = np.abs(force - centre) > reach
         before = np.flatnonzero(loud[max(0, a - period) : a + period])
         start = max(0, a - period) + int(before[-1]) + 1 if before.size else a
@@ -84,7 +76,7 @@ def force_off(force: np.ndarray, envelope: Envelope) -> list[Decay]:
         tail = max(start, fading - period)
         # a blow strikes within a cycle: the envelope is at its height a cycle later
         begin = float(np.max(size[start : start + period]))
-        if begin > 2 * end_level and (size[tail] < 0.8 * begin):
+        if begin > 2 * end_level and size[tail] < FALLS * begin:
             decays.append(Decay(start, fading))
     return decays
 

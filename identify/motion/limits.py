@@ -57,3 +57,21 @@ ORDERS = decides(
     "of the frequencies of two modes, whose sums and differences a nonlinear joint or sensor makes",
     why="physical limit: a force of the third power makes them; those of higher orders are smaller",
 )
+
+# force_off.py
+
+ON = decides(
+    0.15,
+    "part of its largest",
+    "above which a force pushes, however quiet it is",
+    why="crosstalk of an amplifier that is switched off, and the zero of a load cell, are less",
+)
+
+# excitation.py
+
+NARROW = decides(
+    0.2,
+    "part of its frequency",
+    "by which a force of one frequency spreads in a window, and between windows",
+    why="a drive whose speed sags moves by less, a sweep by more",
+)

@@ -12,16 +12,14 @@ from dataclasses import replace
 from ...errors import BadInput
 from ...model.oscillator import Band, Oscillator
 from ...recording.recording import Recording
+from ..signals.registry import numerics, shown
 from .band import in_band
 from .mode import Mode
 from .mode_lines import modes_of
 from .without_modes import without_other_modes
 
-#: Of the way to the next mode (of the logarithm of the frequency) where a band ends at half its height.
-_EDGE = 0.72
-
-#: Other modes that a note lists.
-_TOLD = 3
+_EDGE = numerics(0.72, "of the way to the next mode", why="in logarithms, at which a band is half as high")
+_LISTED = shown(3, "modes", why="beside the one that is taken, in a note")
 
 
 def isolated(recordings: Sequence[Recording], wanted: str | None = None) -> tuple[list[Recording], Band | None, str]:
@@ -131,8 +129,8 @@ def mode_of(modes: Sequence[Mode], wanted: str | None) -> Mode:
         raise BadInput(
             f"--mode {wanted}: give the number of a mode or its frequency in Hz; there are: {there}"
         ) from None
-    if text.isdigit() and len(text) < 9 and 1 <= int(text) <= len(modes):
-        return modes[int(text) - 1]
+    if text.isdecimal() and 1 <= value <= len(modes):
+        return modes[int(value) - 1]
     near = min(modes, key=lambda mode: abs(mode.frequency - value), default=None)
     if near is None or not near.is_at(value):
         raise BadInput(f"--mode {wanted}: there is no such mode in the recordings; there are: {there}")
@@ -153,9 +151,9 @@ def band_around(mode: Mode, others: Sequence[Mode]) -> Band | None:
 
 def _listed(others: Sequence[Mode]) -> str:
     """The strongest of other modes with their shares."""
-    loud = sorted(others, key=lambda mode: -mode.share)[:_TOLD]
+    loud = sorted(others, key=lambda mode: -mode.share)[:_LISTED]
     words = ", ".join(map(str, sorted(loud, key=lambda mode: mode.frequency)))
-    return words + (f" and {len(others) - _TOLD} more" if len(others) > _TOLD else "")
+    return words + (f" and {len(others) - _LISTED} more" if len(others) > _LISTED else "")
 
 
 def _hz(frequency: float) -> str:

@@ -10,19 +10,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ..signals.limits import FEWEST_CYCLES
+from ..signals.odds import HALF_AGAIN
+from ..signals.registry import numerics
 from .decay import Blow
 from .first_motion import first_motion, motion_length
 
-#: Cycles over which a rest is looked for: a swing is told from noise there.
-_CYCLES = 3
-#: Samples that a cycle has at least, as for a Hilbert transform: a model without use may ask for fewer.
-_SAMPLES = 5
-#: A stretch of which more than this part lies about one frequency swings ...
-_SWINGS = 0.5
-#: ... so many lines wide: its own and one on either side.
-_LINE = 3
-#: Rests are as loud as the quietest, but for what so many cycles of noise scatter.
-_AS_QUIET = 1.2
+_CYCLES = numerics(3, "cycles", why="of a window in which a swing is a line beside noise")
+_LINE = numerics(3, "lines", why="of a swing: its own and one on either side")
 
 
 def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: float) -> tuple[float, float]:
@@ -40,7 +35,7 @@ def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: fl
     """
     period = round(2 * np.pi / pace / dt)
     window = _CYCLES * period
-    if not blows or period < _SAMPLES:
+    if not blows or period < FEWEST_CYCLES:
         return 0.0, 0.0
     edges = [0, *(edge for blow in blows for edge in (blow.start, blow.stop)), response.size]
     rests, swings = [], np.inf
@@ -49,14 +44,14 @@ def quiet_noise(response: np.ndarray, blows: Sequence[Blow], dt: float, pace: fl
             part = response[start : start + window]
             if np.ptp(part) == 0:
                 return 0.0, 0.0
-            if _swing(part) <= _SWINGS:
+            if 2 * _swing(part) <= 1:  # else most of it lies about one frequency
                 rests.append(part)
             else:
                 swings = min(swings, float(np.std(part)))
     quietest = min((float(np.std(part)) for part in rests), default=np.inf)
     if not quietest < 2 * swings:  # a swing is no quieter than the noise on it: there several modes ring
         return 0.0, 0.0
-    quiet = [part - np.mean(part) for part in rests if np.std(part) <= _AS_QUIET * quietest]
+    quiet = [part - np.mean(part) for part in rests if np.std(part) <= HALF_AGAIN * quietest]
     step = motion_length(window, dt, pace)
     begun = [first_motion(part[k:], dt, pace) for part in quiet for k in range(0, window - step + 1, step)]
     slow = [motion / spread for motion, spread in begun]

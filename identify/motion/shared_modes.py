@@ -16,7 +16,6 @@ import numpy as np
 from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE
 from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
-from .envelope import ABOVE_FLOOR
 from .hand import OF_MOVED, hand_leaves
 from .limits import BENT, BEYOND, KNOWN
 from .mode_shares import mode_shares
@@ -319,7 +318,7 @@ def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedMode
     """
     modes, block = found.modes, search.block
     unit, rates = fs / block, modes.zeta * modes.omega
-    floor = ABOVE_FLOOR * np.sqrt(2.0 * block) * search.noise
+    floor = 2 * np.sqrt(2.0 * block) * search.noise
     edges, moved, largest = [], np.zeros(modes.count), np.zeros(modes.count)
     last = (0, np.zeros(0))  # where it began, and its weights
     for a, b in found.pieces:

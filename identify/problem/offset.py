@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...recording.recording import Recording
-from ..motion.force_off import FEWEST_MEANS, zero_of
+from ..motion.force_off import zero_of
+from ..signals.limits import FEWEST_CYCLES
 from ..signals.odds import BEYOND_ERRORS
 from ..signals.registry import numerics
 from .normal_equations import pseudo_inverse
@@ -161,7 +162,7 @@ def drift_of(parts: Sequence[tuple[float, float, np.ndarray, np.ndarray]], omega
         times.append(time + (np.arange(count) + 0.5) * period * dt)
         means.append(np.mean(residual[cycles].reshape(count, period), axis=1))
         sizes.append(np.var(response[cycles].reshape(count, period), axis=1))
-    if sum(len(part) for part in means) < FEWEST_MEANS:
+    if sum(len(part) for part in means) < FEWEST_CYCLES:
         return None
     mean = np.concatenate(means)
     columns = np.stack([np.ones(mean.size), np.concatenate(times), np.concatenate(sizes)])

@@ -22,6 +22,10 @@ SEVERAL = decides(
     why="of two neither is the odd one",
 )
 
+# whatever clips
+
+FLAT = decides(3, "equal samples", "at the top of a swing or a blow that no noise makes", why="two are common")
+
 # weakform.py, and the regressions that use its windows
 
 CLEAR_OF_NOISE = decides(
@@ -53,13 +57,13 @@ FEWEST_CYCLES = decides(
     why="two on either side lean on the continuation of the ends",
 )
 DECAY_FLOOR = decides(
-    3, "times the quietest cycle", "where a decay has ended", why="the noise is then a tenth of the power"
+    3, "times the quietest cycle", "where a decay or a force has ended", why="the noise is then a tenth of the power"
 )
 DECAY_PART = decides(
     0.02,
-    "part of the loudest cycle",
-    "where a decay has ended at the latest",
-    why="four time constants: a rate is known from them",
+    "part of the largest",
+    "below which a motion or a blow has ended, or is held",
+    why="four time constants of a decay: a rate is known from them",
 )
 DECAY_CYCLES = decides(
     4,

@@ -34,6 +34,12 @@ ABOVE_NOISE = decides(
     "what residuals are more than noise",
     why=("physical limit: the estimate of the noise comes from the highest frequencies alone and is good to a tenth"),
 )
+HALF_AGAIN = decides(
+    1.5,
+    "times the noise",
+    "what moves, or is no noise, where its level alone is asked",
+    why="physical limit: the noise is known to a tenth; half as much again is no error of its estimate",
+)
 
 
 def is_noise(squares: np.ndarray, worth: np.ndarray) -> bool:
