@@ -20,11 +20,12 @@ from ..identify.problem.data import Data, data_of
 from ..identify.problem.offset import FoundOffset, Offset
 from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted, Structure
+from ..identify.signals.odds import HALF_AGAIN
 from ..model import Oscillator
 from ..model.terms import linear, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
-from .limits import OTHER_FREQUENCY, OTHER_MASS, POORLY_KNOWN, STRANGE
+from .limits import OTHER_FREQUENCY, OTHER_MASS, POORLY_KNOWN
 from .measuring_chain import agree, alike, drifts_and_loads, hold_of
 from .measuring_chain import drifts as drifts_of
 from .measuring_chain import zeros as zeros_of
@@ -351,12 +352,12 @@ def stranger(final: Fitted, data: Data, holdout: Data | None, left: Sequence[Lef
     ratios, training = [leftover.ratio for leftover in left], len(data.segments)
     if holdout is None:
         return None
-    if max(ratios[:training]) > STRANGE or max(ratios[training:]) < STRANGE**2:
+    if max(ratios[:training]) > HALF_AGAIN or max(ratios[training:]) < HALF_AGAIN**2:
         return None
     worst: dict[str, float] = {}
     for leftover in left[training:]:
         worst[leftover.file] = max(leftover.ratio, worst.get(leftover.file, 0.0))
-    if min(worst.values()) < STRANGE:  # another rig shows in each; one alone may jump where small changes decide
+    if min(worst.values()) < HALF_AGAIN:  # another rig shows in each; one alone may jump where small changes decide
         return None
     own = Structure(final.model, holdout).fit(settle=True)
     again = [leftover.ratio for leftover in leftovers(own, holdout)]

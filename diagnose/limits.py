@@ -57,12 +57,6 @@ OTHER_MASS = decides(
     "the same of the mass",
     why="physical limit: what is left out (mass that moves along) bends a fitted mass by some ten per cent",
 )
-STRANGE = decides(
-    1.5,
-    "times the noise",
-    "to which the model fits training recordings; held-out ones that it does not fit to the square are of another rig",
-    why="physical limit: the noise is known to a tenth; half as much again is no error of its estimate",
-)
 
 # place/equation_error.py
 

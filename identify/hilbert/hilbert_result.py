@@ -14,11 +14,11 @@ from ..motion.decays import find_free_motion
 from ..motion.displacement import displacement
 from ..motion.excitation import kind_of
 from ..motion.force_off import zero_of
-from ..signals.limits import SEVERAL
+from ..signals.limits import CLEAR_OF_NOISE, SEVERAL
 from ..signals.registry import numerics
 from ..signals.signals import Signal, drive_of
 from .instantaneous import modal_parameters
-from .limits import KERNELS_A_VALUE, LOUD
+from .limits import KERNELS_A_VALUE
 from .mass_by_laws import driven_mass
 from .modal_fit import modal_fit
 from .modal_mass import MassFit, agreed
@@ -145,7 +145,7 @@ def _between(decays: Sequence, n: int) -> list[tuple[int, int]]:
 def _pushed(drive: Signal, start: int, stop: int) -> tuple[int, int]:
     """Of these samples those from the first to the last at which the force is not its zero; none: both the same."""
     zero, _ = zero_of(drive.samples, max(2, round(drive.fs / drive.frequency)))
-    beyond = max(LOUD * drive.noise, _RESOLVED * float(np.max(np.abs(drive.samples - zero))))
+    beyond = max(CLEAR_OF_NOISE * drive.noise, _RESOLVED * float(np.max(np.abs(drive.samples - zero))))
     loud = np.flatnonzero(np.abs(drive.samples[start:stop] - zero) > beyond)
     return (start + int(loud[0]), start + int(loud[-1]) + 1) if loud.size else (start, start)
 

@@ -13,24 +13,6 @@ MOST_SHIFT = decides(
     why="beyond, the motion is all but at rest",
 )
 
-# hilbert_result.py
-
-LOUD = decides(
-    6.0,
-    "standard deviations of its noise",
-    "beyond which a force pushes",
-    why="error rate: noise alone gets there once in 5e8 samples",
-)
-
-# mass_by_laws.py
-
-CHANCE = decides(
-    1 / 400,
-    "chance",
-    "of noise to reach as far, below which a motion misses the laws, a law does not hold, a harmonic counts",
-    why="error rate: once in 400 is rarer than any of the tens that are asked",
-)
-
 # modal_fit.py
 
 LEAST_POINTS = decides(8, "points", "of how many a curve has laws fitted", why="five parameters and some more")

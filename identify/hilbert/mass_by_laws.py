@@ -12,10 +12,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...errors import BadInput
-from ..signals.odds import SIGNIFICANT
+from ..signals.odds import BY_CHANCE, SIGNIFICANT
 from ..signals.registry import budget, numerics
 from .further_harmonics import further_harmonics
-from .limits import CHANCE
 from .modal_fit import EQ17, spring_and_friction
 from .modal_mass import MassFit, Slopes, mass_fit, moving, regressed
 from .modal_stretch import Stretch
@@ -166,7 +165,7 @@ def rung_in(stretch: Stretch, mass_of: Callable[[Stretch], MassFit]) -> Stretch:
             count = max(1, round(kernels / step))
             first, window = int(np.searchsorted(noise.points, left.rung_in)), count * step
             sums = np.array([np.sum(off[a : a + count]) for a in range(first, noise.points.size - count, count)])
-            bad = window * int(np.argmin(np.append(sums, 0.0) > 2 * gammaincinv(count, 1 - CHANCE)))
+            bad = window * int(np.argmin(np.append(sums, 0.0) > 2 * gammaincinv(count, 1 - BY_CHANCE)))
         if bad == 0:
             return left
         # where more than half is off, the ringing may have misled the fit itself: as far again

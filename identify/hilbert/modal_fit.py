@@ -16,9 +16,10 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model.backbone import preload_backbone
+from ..signals.odds import BY_CHANCE
 from ..signals.registry import budget, numerics
 from .further_harmonics import further_harmonics, peak_of
-from .limits import CHANCE, LEAST_POINTS
+from .limits import LEAST_POINTS
 from .modal_mass import MassFit
 from .modal_result import LawFit, ModalFit
 from .modal_stretch import CurveNoise, Stretch, curve_noise
@@ -158,7 +159,7 @@ class _Fit:
         """Whether what the law leaves may be noise."""
         from scipy.special import gammaincinv
 
-        return bool(self.misfit * self.count < 2 * gammaincinv(self.count / 2, 1 - CHANCE))
+        return bool(self.misfit * self.count < 2 * gammaincinv(self.count / 2, 1 - BY_CHANCE))
 
     def _widened(self) -> float:
         """By how much the variance is larger than that of the sensors' noise, where the law misses by more than that.

@@ -23,9 +23,10 @@ import numpy as np
 
 from ...recording.smoothing import convolved
 from ..signals.hilbert import blackman
+from ..signals.odds import BY_CHANCE
 from ..signals.registry import budget, numerics
 from .instantaneous import free_modal_parameters
-from .limits import CHANCE, KERNELS_A_VALUE
+from .limits import KERNELS_A_VALUE
 from .modal_stretch import Stretch
 
 _MOST = budget(9, "harmonics", why="that are looked for")
@@ -136,7 +137,7 @@ def _harmonics(
     independent = max(1.0, KERNELS_A_VALUE * a.size / both.size)
     for i, order in enumerate(orders):
         degrees = independent * (1 if order == 0 else 2)
-        most = 2 * gammaincinv(degrees / 2, 1 - CHANCE) / degrees
+        most = 2 * gammaincinv(degrees / 2, 1 - BY_CHANCE) / degrees
         size = np.mean(np.abs(u[i]) ** 2) / (1 if order == 0 else 2)
         if size < most * float(np.mean(spread**2)):
             u[i] = 0.0

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...recording.clipping import clipping
+from ..signals.odds import HALF_AGAIN
 from .decay import Decay, FreeMotion
 from .envelope import Envelope
 
@@ -64,7 +65,7 @@ def _gaps(recording: Recording, envelope: Envelope, decays: tuple[Decay, ...]) -
         if b - a <= period:
             continue
         moved = inside.size > 0 and float(np.max(inside)) > 2 * envelope.floor
-        stopped = k > 0 and size[a - 1] > 1.5 * envelope.floor
+        stopped = k > 0 and size[a - 1] > HALF_AGAIN * envelope.floor
         if not moved and not stopped and k > 0:
             continue  # it faded
         what = "moved by something that was not recorded" if moved else "at rest or held"

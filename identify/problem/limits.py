@@ -27,12 +27,6 @@ NEAR_ITS_OWN = decides(
     "up to which a driven motion is paced by its rig and not by its force",
     why="an octave above, a mass moves by a third of its static displacement",
 )
-MOVES = decides(
-    1.5,
-    "times its noise",
-    "that a stretch must move to say more than that friction held the mass",
-    why="physical limit: noise is known to a tenth; half as much again is no error of its estimate",
-)
 
 # descent.py, and every other search that asks whether a step was worth its direction
 

@@ -19,9 +19,10 @@ from ..motion.first_motion import starts_at_rest
 from ..motion.force_off import zero_of
 from ..motion.quiet import quiet_noise
 from ..signals.hilbert import noise_level
+from ..signals.odds import HALF_AGAIN
 from ..signals.registry import numerics
 from ..signals.signals import response_of
-from .limits import FEWEST_SWINGS, MOVES, NEAR_ITS_OWN, WORTH_A_SLIDE, WORTH_ITS_START
+from .limits import FEWEST_SWINGS, NEAR_ITS_OWN, WORTH_A_SLIDE, WORTH_ITS_START
 
 FORCE_BAND = numerics(
     3.0, "times the natural frequency", why="force above it hardly moves the mass: by a ninth of its static effect"
@@ -170,7 +171,7 @@ def _cut(
                 driven = ContactForce(driven.pieces, driven.fine, driven.hold) if motion.blows else driven
             signal = response_of(recording).part(start, stop)
             response, noise = signal.samples, signal.noise
-            if not np.std(response) > MOVES * max(noise, quiet):
+            if not np.std(response) > HALF_AGAIN * max(noise, quiet):
                 continue
             whole = Segment(
                 recording=index,

@@ -24,6 +24,7 @@ _FREQUENCIES = numerics(
     why="a grid, finer where modes beat",
 )
 _DAMPING = numerics((0.5, 1.0, 2.0), "times that of the first mode", why="a grid: modes of one rig are damped alike")
+_LEAST_DAMPING = numerics(1e-6, "damping ratio", why="of a search, which goes by logarithms")
 _KEPT = budget(3, "places", why="of the grid that are followed to their own best")
 _STEPS = budget(20, "steps", why="the search of the simulation begins where this one ends")
 
@@ -102,7 +103,7 @@ def left_by(segments: Sequence[Segment], modes: Sequence[Mode]) -> np.ndarray:
 def _pole(mode: Mode) -> tuple[float, float]:
     """Frequency of the ringing and rate of its fall, rad/s and 1/s."""
     omega, zeta, _ = mode
-    zeta = float(np.clip(zeta, 1e-6, MOST_DAMPING))
+    zeta = float(np.clip(zeta, _LEAST_DAMPING, MOST_DAMPING))
     return omega * np.sqrt(1 - zeta**2), omega * zeta
 
 
