@@ -22,7 +22,7 @@ from ..model import Oscillator, Response
 from ..model.fit_state import FOLLOWS, LACKING, left_over, times_words
 from ..model.limits import checked_value
 from ..model.oscillator import Band
-from ..recording.checks import overlapping, reversed_force
+from ..recording.checks import no_reach, overlapping, reversed_force
 from ..recording.continuity import is_switched
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
@@ -404,10 +404,12 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     first = recordings[0]
     for problem in overlapping(recordings):
         raise BadInput(problem.sentence)
-    for recording in recordings:
-        if np.ptp(recording.response) > 0 and recording.n > 1:
-            for problem in reversed_force(recording, oscillation_of(recording)):
-                raise BadInput(problem.sentence)
+    moving = [(r, oscillation_of(r)) for r in recordings if np.ptp(r.response) > 0 and r.n > 1]
+    for problem in (problem for recording, motion in moving for problem in reversed_force(recording, motion)):
+        raise BadInput(problem.sentence)
+    unrelated = [p for recording, motion in moving for p in no_reach(recording, motion) if p.severity == "error"]
+    if len(unrelated) == len(recordings):  # else the others say what there is
+        raise BadInput("\n".join(problem.sentence for problem in unrelated))
     for other in recordings[1:]:
         if not of_one_motion(other, Response(first.quantity, first.unit)):
             raise BadInput(

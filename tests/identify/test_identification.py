@@ -268,3 +268,12 @@ def test_twenty_samples_of_noise_under_a_step_are_no_model(seed):
     noise = 1e-3 * random.standard_normal(20)
     with pytest.raises(BadInput, match="the natural frequency is not known to a third"):
         identify([Recording("noise", 20.0, noise, np.where(times > times[6], 1.0, 0.0))])
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e-2])
+def test_a_force_of_noise_alone_drives_nothing(size):
+    """A mass of a billionth of a kilogram came out, as the noise is too weak to have moved anything heavier."""
+    swept = record("sweep", seconds=4.0)
+    noise = size * np.random.default_rng(6).standard_normal(swept.n)
+    with pytest.raises(BadInput, match="the force column holds nothing but white noise"):
+        identify([replace(swept, force=noise)])
