@@ -16,12 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 from ..errors import BadInput
 from ..files.reading import content_of
+from .store import FLEET, FORMAT
 
 if TYPE_CHECKING:
     from ..model.yaml_loader import Document
     from .schema import ManifestForm, OptionsForm, RigForm
 
 _MOST_BYTES = 4_000_000
+#: Bytes in which a fleet's results say what they are.
+_HEAD = 1000
 _PATTERN = re.compile(r"[*?\[]")
 #: Options of the manifest that say how a recording is read, as ``recording.read`` has them.
 READING = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "part", "max_size", "hold")
@@ -243,10 +246,22 @@ def _searches_all(pattern: str) -> bool:
 
 
 def _matching(folder: Path, pattern: str) -> list[str]:
+    """Files that a pattern names, but for what a fleet keeps: its results are no recordings of it."""
     import glob
 
     # pathlib's refuses absolute patterns
-    return [str(folder / name) for name in glob.glob(pattern, root_dir=folder, recursive=True)]  # noqa: PTH207
+    names = glob.glob(pattern, root_dir=folder, recursive=True)  # noqa: PTH207
+    found = [folder / name for name in names if not (folder / name).is_dir()]
+    kept = {place for place in {up for file in found for up in file.parents} if _is_kept(place / FLEET)}
+    return [str(file) for file in found if kept.isdisjoint(file.parents)]
+
+
+def _is_kept(file: Path) -> bool:
+    """Whether a file is that by which a folder of results is known."""
+    if not file.is_file():
+        return False
+    with file.open("rb") as content:
+        return FORMAT.encode() in content.read(_HEAD)
 
 
 def _natural(text: str) -> list[tuple[int, int, str]]:

@@ -48,6 +48,13 @@ def test_each_file_of_a_pattern_is_an_entry_in_the_order_of_numbers(written):
     assert [(entry.name, entry.rig) for entry in entries] == [("w-run9", "w"), ("w-run10", "w")]
 
 
+@pytest.mark.parametrize(("content", "kept"), [('{"format": "dashpot-fleet-results/1"}', True), ("{}", False)])
+def test_a_pattern_finds_no_folders_and_no_results_of_a_fleet(written, tmp_path, content, kept):
+    path = written("rigs: [{recordings: '**/*.csv', each: true}]", "a.csv", "out/fleet.csv", "odd.csv/b.csv")
+    (tmp_path / "out/fleet.json").write_text(content)
+    assert {entry.name for entry in read_manifest(path).entries} == {"a", "b"} | (set() if kept else {"fleet"})
+
+
 def test_parts_are_repeats_of_one_state(written):
     path = written("defaults: {part: '1:'}\nrigs: [{name: w, recordings: a.csv, parts: ['0:5', '5:10']}]")
     first, second = read_manifest(path).entries
