@@ -45,6 +45,9 @@ def carries(recording: Recording, model: Oscillator) -> bool:
 
 def why_unused(recording: Recording, model: Oscillator) -> str:
     """A sentence that says why a recording cannot be fitted."""
+    motion = find_free_motion(recording)
+    if motion.swell is not None:
+        return motion.notes[0]
     frequency = natural_frequency([recording], model) / (2 * math.pi)
     cycles = recording.n * recording.dt * frequency
     noise = response_of(recording).noise
@@ -104,7 +107,8 @@ def _blocks(recording: Recording, model: Oscillator) -> list[_Block]:
     cycle = 2 * math.pi / pace_of([recording], natural) * recording.fs
     of_each = [_even(decay.start, decay.stop, FEWEST_CYCLES * cycle, free=True) for decay in motion.decays]
     ringing = [block for blocks in of_each for block in blocks]
-    if recording.force is None or not np.any(recording.force) or (motion.decays and force_is_silent(recording)):
+    undriven = recording.force is None or not np.any(recording.force) or motion.swell is not None
+    if undriven or (motion.decays and force_is_silent(recording)):
         return [_Block(d.start, d.stop, free=True) for d in motion.decays] if len(motion.decays) >= THIRDS else ringing
     if len(motion.blows) >= THIRDS:
         return _between(0, *(max(0, round(blow.start - cycle / 2)) for blow in motion.blows[1:]), recording.n)

@@ -17,7 +17,7 @@ from .blow_answer import answers_against
 from .blows import blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
 from .envelope import envelope_of
-from .excluded_ranges import left_out
+from .excluded_ranges import left_out, swelling
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
 from .free_motion import all_that_moves, modes_of_response, moving_in, pieces_of_rig
@@ -54,7 +54,7 @@ def find_free_motion(recording: Recording) -> FreeMotion:
         swell = _swell_beside(recording, motion.decays)
         if swell is None:
             return motion
-    return FreeMotion((), swell=swell)
+    return FreeMotion((), notes=(swelling(recording, swell),) if swell else (), swell=swell)
 
 
 def _swell_beside(recording: Recording, decays: Sequence[Decay]) -> tuple[int, int] | None:

@@ -38,6 +38,18 @@ def left_out(recording: Recording, envelope: Envelope, motion: FreeMotion) -> tu
     return tuple(sentences)
 
 
+def swelling(recording: Recording, swell: tuple[int, int]) -> str:
+    """That nothing of a recording is known to be free, as it grows between two samples without a force."""
+    force = recording.force
+    none = "there is no force" if force is None else f"the force is {force[0]:.4g} {recording.force_unit} throughout"
+    first, last = (_at(recording, sample) for sample in swell)
+    return (
+        f"{recording.name}: {none} while the response grows swing by swing from {first} to {last} s, so that "
+        "something drives it that was not recorded; was the force recorded? Record it with the response, or a release "
+        "and the ringing after it"
+    )
+
+
 def _of_blows(recording: Recording, motion: FreeMotion) -> list[str]:
     sentences = []
     twice = [_at(recording, blow.start) for blow in motion.blows if blow.contacts > 1]

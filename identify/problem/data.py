@@ -76,9 +76,9 @@ def data_of(
 
 def _nothing_to_fit(recordings: Sequence[Recording]) -> str:
     """Why there is nothing to fit in recordings, and what to record instead."""
-    swelling = [(r, motion.swell) for r in recordings if (motion := find_free_motion(r)).swell is not None]
-    if len(swelling) == len(recordings):
-        return "; ".join(_swells(recording, swell) for recording, swell in swelling)
+    motions = [find_free_motion(recording) for recording in recordings]
+    if all(motion.swell for motion in motions):
+        return "\n".join(note for motion in motions for note in motion.notes)
     names = ", ".join(recording.name for recording in recordings)
     several = "where several modes ring, --mode with the frequency of one in Hz takes that one alone"
     if all(recording.force is None or not np.ptp(recording.force) for recording in recordings):
@@ -89,17 +89,6 @@ def _nothing_to_fit(recordings: Sequence[Recording]) -> str:
     return (
         f"{names}: neither a free decay nor a stretch driven by a force that is long and loud enough to fit; "
         f"record a release and the ringing after it, or a sweep through the resonance; {several}"
-    )
-
-
-def _swells(recording: Recording, swell: tuple[int, int]) -> str:
-    force = recording.force
-    none = "there is no force" if force is None else f"the force is {force[0]:.4g} {recording.force_unit} throughout"
-    first, last = (recording.start + sample / recording.fs for sample in swell)
-    return (
-        f"{recording.name}: {none} while the response grows swing by swing from {first:.4g} to {last:.4g} s, so that "
-        "something drives it that was not recorded; was the force recorded? Record it with the response, or a release "
-        "and the ringing after it"
     )
 
 

@@ -181,7 +181,9 @@ def test_a_sweep_whose_force_is_not_there_has_no_free_motion(force, quantity, le
     assert 0 < begin < end < run.n
     assert end - begin > 5 * 300 / 20.2
     says = "there is no force" if force is None else f"the force is {force:g} N throughout"
-    with pytest.raises(BadInput, match=rf"^run: {says} while the response grows .* was the force recorded\?"):
+    (note,) = motion.notes
+    assert note.startswith(f"run: {says} while the response grows swing by swing from {begin / 300:.4g} to")
+    with pytest.raises(BadInput, match=r"^run: .* while the response grows .* was the force recorded\?"):
         identify([run])
 
 
