@@ -41,10 +41,8 @@ def tables_of_object(data: Any, name: str) -> list[Table]:
             "SEP 5 dictionaries, or a dictionary of arrays by name"
         )
     if not tables:
-        kinds = {
-            text_of_name(key): numbers_of(value).kind for key, value in data.items() if not isinstance(value, Mapping)
-        }
-        raise no_numbers(name, kinds)
+        held = data.items() if isinstance(data, Mapping) else ()
+        raise no_numbers(name, {text_of_name(k): numbers_of(v).kind for k, v in held if not isinstance(v, Mapping)})
     return tables
 
 
