@@ -63,9 +63,9 @@ def _swell_beside(recording: Recording, decays: Sequence[Decay]) -> tuple[int, i
     if envelope is None:
         return None
     cycles = [(d.stop - d.start) / (2 * np.pi / d.omega * recording.fs if d.omega else envelope.period) for d in decays]
-    if max(cycles, default=0.0) >= SHORTEST_CYCLES:
+    if max(cycles, default=0.0) >= FEWEST_CYCLES:
         return None
-    return swell_of(swings_of(np.asarray(recording.response, float), envelope), decays)
+    return swell_of(swings_of(response_of(recording).samples, envelope), decays)
 
 
 def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:

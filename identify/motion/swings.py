@@ -157,7 +157,8 @@ def swell_of(swings: Swings, decays: Sequence[Decay]) -> tuple[int, int] | None:
     best = None
     for a, b in runs(grows):
         gained = float(size[b] + size[b + 1] - size[a] - size[a + 1])
-        if b - a > max(OF_MOVED - 2, 0 if best is None else best[1] - best[0]) and gained > 2 * CLEAR_OF_NOISE * swings.noise:
+        longest = OF_MOVED - 2 if best is None else best[1] - best[0]
+        if b - a > longest and gained > 2 * CLEAR_OF_NOISE * swings.noise:
             best = (a, b)
     return None if best is None else (int(at[best[0]]), int(at[best[1] + 2]))
 
