@@ -15,8 +15,7 @@ from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.registry import budget, numerics
 from .fault import Clock, ForceGain, ForceHum, Hum, Late, ResponseGain, ZeroStep
-from .wavering import Wavering
-from .waves_of_time import waves_of_time
+from .wavering import Wavering, waves_of_time
 
 _WIDTH = numerics(16, "bins", why="what a line of hum has under its window")
 

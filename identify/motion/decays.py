@@ -13,8 +13,7 @@ from ...recording.short_decay import LEAST_CYCLES, is_short_decay
 from ..signals.limits import FEWEST_CYCLES
 from ..signals.odds import ABOVE_NOISE, SIGNIFICANT
 from ..signals.signals import Signal, response_of
-from .blow_answer import answers_against
-from .blows import blows_of, ringing
+from .blows import answers_against, blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
 from .envelope import envelope_of
 from .excluded_ranges import left_out, swelling

@@ -57,9 +57,9 @@ def _line(force: np.ndarray, start: int, size: int, noise: float) -> tuple[float
     would be as wide as the window is short, and so take a short sweep for many frequencies at once.
     """
     middle = slice(start + size // 4, start + size - size // 4)  # what lies beside it reaches over its edges
-    place = np.arange(force.size)
+    sample = np.arange(force.size)
     beside = np.maximum(
-        (middle.start - place) / max(middle.start, 1), (place - middle.stop) / (force.size - middle.stop)
+        (middle.start - sample) / max(middle.start, 1), (sample - middle.stop) / (force.size - middle.stop)
     )
     taper = np.cos(0.5 * np.pi * np.clip(beside, 0.0, 1.0)) ** 2
     spectrum = np.fft.fft(taper * (force - np.mean(force)))

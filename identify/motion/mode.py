@@ -45,20 +45,20 @@ class Mode:
         )
 
     @staticmethod
-    def of_json(told: Mapping[str, float]) -> Mode:
-        """The mode that ``as_json`` has told."""
-        at, names = told["frequency_hz"], ("frequency_hz_std", "damping_ratio_std", "share_std")
-        frequency, ratio, share = (told.get(name, 0.0) for name in names)
-        errors = (frequency, ratio, share) if names[0] in told else None
-        return Mode(at, at, at, told["share"], damping_ratio=told.get("damping_ratio"), errors=errors)
+    def of_json(numbers: Mapping[str, float]) -> Mode:
+        """The mode of numbers as ``as_json`` gives them."""
+        at, names = numbers["frequency_hz"], ("frequency_hz_std", "damping_ratio_std", "share_std")
+        frequency, ratio, share = (numbers.get(name, 0.0) for name in names)
+        errors = (frequency, ratio, share) if names[0] in numbers else None
+        return Mode(at, at, at, numbers["share"], damping_ratio=numbers.get("damping_ratio"), errors=errors)
 
     def as_json(self) -> dict[str, float]:
         """Its numbers by name, those that are known."""
-        told = {"frequency_hz": self.frequency, "share": self.share}
+        numbers = {"frequency_hz": self.frequency, "share": self.share}
         if self.damping_ratio is not None and self.errors is not None:
-            told |= {"damping_ratio": self.damping_ratio}
-            told |= dict(zip(("frequency_hz_std", "damping_ratio_std", "share_std"), self.errors, strict=True))
-        return told
+            numbers |= {"damping_ratio": self.damping_ratio}
+            numbers |= dict(zip(("frequency_hz_std", "damping_ratio_std", "share_std"), self.errors, strict=True))
+        return numbers
 
 
 def _known(value: float, error: float) -> str:

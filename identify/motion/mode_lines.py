@@ -103,8 +103,8 @@ def _tracks(x: np.ndarray, fs: float, noise: float, strongest: float, cycles: fl
     exact = np.array([_between_lines(row, k) for row, k in zip(spectra, main, strict=True)])
     tracks = [_Track(exact * line, np.array([_power(row, k) for row, k in zip(spectra, main, strict=True)]))]
     peaks = [
-        [k for k in _peaks(row, least) if row[k] > chance * _level(row, k) and not _is_harmonic(row, k, place, moved)]
-        for row, place, moved in zip(spectra, exact, _moves(exact), strict=True)
+        [k for k in _peaks(row, least) if row[k] > chance * _level(row, k) and not _is_harmonic(row, k, loud, moved)]
+        for row, loud, moved in zip(spectra, exact, _moves(exact), strict=True)
     ]
     open_tracks: list[list[tuple[int, float]]] = []
     closed: list[list[tuple[int, float]]] = []
@@ -171,7 +171,7 @@ def _moves(exact: np.ndarray) -> np.ndarray:
 
 
 def _is_harmonic(row: np.ndarray, k: int, strongest: float, moved: float) -> bool:
-    """Whether a line is a multiple of the strongest one, itself among them, or cannot be told from one.
+    """Whether a line is a multiple of the strongest one, itself among them, or cannot be distinguished from one.
 
     No harmonic is as large as its fundamental: even those of an impact are no larger, whose force is a pulse. And a
     series of harmonics falls: one twice as large as all those before it is none.

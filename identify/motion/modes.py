@@ -9,14 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 
+import numpy as np
+
 from ...errors import BadInput
 from ...model.oscillator import Band, Oscillator
 from ...recording.recording import Recording
 from ..signals.registry import numerics, shown
 from .band import in_band
+from .damped_modes import Modes
+from .decays import find_free_motion
 from .mode import Mode
 from .mode_lines import modes_of
-from .without_modes import without_other_modes
 
 _EDGE = numerics(0.72, "of the way to the next mode", why="in logarithms, at which a band is half as high")
 _LISTED = shown(3, "modes", why="beside the one that is taken, in a note")
@@ -38,24 +41,24 @@ def isolated(recordings: Sequence[Recording], wanted: str | None = None) -> tupl
         return list(recordings), None, ""
     mode = mode_of(modes, wanted)
     others = [other for other in modes if other is not mode]
-    told = f"the mode at {_hz(mode.frequency)} holds {100 * mode.share:.3g} % of the motion"
+    note = f"the mode at {_hz(mode.frequency)} holds {100 * mode.share:.3g} % of the motion"
     if others:
-        told += f" beside {_listed(others)}"
+        note += f" beside {_listed(others)}"
     if not others:
-        return list(recordings), None, f"{told}; no other was found, and nothing was taken away"
+        return list(recordings), None, f"{note}; no other was found, and nothing was taken away"
     # within an octave a law stands for one further mode, or the fit takes it beside; what is farther a band takes away
     nearest = min(max(o.frequency / mode.frequency, mode.frequency / o.frequency) for o in others)
     if wanted is None and len(others) == 1 and nearest < 2:
-        return list(recordings), None, f"{told}; both are fitted together, --mode {modes.index(mode) + 1} isolates it"
+        return list(recordings), None, f"{note}; both are fitted together, --mode {modes.index(mode) + 1} isolates it"
     band = band_around(mode, others)
     if band is None:
         if wanted is not None:
             raise BadInput(
-                f"{told}, but its frequency moves from {_hz(mode.low)} to {_hz(mode.high)} with its amplitude: a band "
+                f"{note}, but its frequency moves from {_hz(mode.low)} to {_hz(mode.high)} with its amplitude: a band "
                 "that leaves the others out would bend it; record at a lower level, or where the others move less"
             )
-        return list(recordings), None, f"{told}; they lie too near to it to be taken away"
-    return [in_band(r, band) for r in recordings], band, f"{told}; it was isolated {_between(band)}"
+        return list(recordings), None, f"{note}; they lie too near to it to be taken away"
+    return [in_band(r, band) for r in recordings], band, f"{note}; it was isolated {_between(band)}"
 
 
 def mode_alone(
@@ -93,6 +96,28 @@ def mode_by_itself(
     mode = mode_of(modes, wanted)
     say(f"note: the mode at {mode}; {_listed([other for other in modes if other is not mode])} were taken off")
     return [without_other_modes(recording, mode) for recording in recordings], None
+
+
+def without_other_modes(recording: Recording, kept: Mode) -> Recording:
+    """The recording without what all other modes show in its free pieces.
+
+    Frequencies and damping ratios are those of ``find_free_motion``; amplitudes are those of least squares in each
+    piece. No band is cut, so that modes may lie as near to each other as they are distinguished.
+    """
+    motion = find_free_motion(recording)
+    modes = [kept, *(mode for mode in motion.modes if mode.frequency != kept.frequency)]
+    if len(modes) < 2:
+        return recording
+    omega = np.array([2 * np.pi * mode.frequency / recording.fs for mode in modes])
+    zeta = np.array([mode.damping_ratio or 0.0 for mode in modes])
+    columns_of = Modes(omega, zeta, np.zeros((2 * omega.size, 2 * omega.size))).columns
+    response = np.array(recording.response, float)
+    for decay in motion.decays:
+        columns = columns_of(decay.stop - decay.start)
+        scale = np.linalg.norm(columns, axis=0)
+        weights = np.linalg.lstsq(columns / scale, response[decay.start : decay.stop])[0] / scale
+        response[decay.start : decay.stop] -= columns[:, 2:-1] @ weights[2:-1]
+    return replace(recording, response=response)
 
 
 def modes_beside(recordings: Sequence[Recording], known: Sequence[float]) -> list[Mode]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.faults.waves_of_time import waves_of_time
+from dashpot.identify.faults.wavering import waves_of_time
 from dashpot.identify.problem.segments import Segment
 
 N, DT, HERTZ = 4000, 0.0025, 6.0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.motion.blow_answer import answers_against
+from dashpot.identify.motion.blows import answers_against
 from dashpot.identify.motion.decay import Blow
 
 PERIOD, N, LENGTH = 200, 4000, 12

@@ -7,7 +7,7 @@ import pytest
 from dashpot.identify.motion.decays import find_free_motion
 from dashpot.identify.motion.mode import Mode
 from dashpot.identify.motion.mode_lines import modes_of
-from dashpot.identify.motion.without_modes import without_other_modes
+from dashpot.identify.motion.modes import without_other_modes
 from dashpot.recording.recording import Recording
 
 FS, N, NOISE = 40.0, 1200, 2e-3
