@@ -87,18 +87,6 @@ NOTABLE = decides(
 NOISE_DOUBT = decides(
     0.2, "part of its power", "to which the noise is known", why="its level is good to a tenth, twice in power"
 )
-STANDING_LINE = decides(
-    25.0,
-    "times the power around it",
-    "that a line must have to stand out of the spectrum",
-    why="error rate: by chance once in 10,000 recordings",
-)
-SAME_LINE = decides(
-    8.0,
-    "times the power around it",
-    "that it must have in the other recordings",
-    why="error rate: one frequency is asked for there and not any",
-)
 LINE_CYCLES = decides(
     80.0,
     "cycles",

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...identify.signals.odds import SIGNIFICANT
+from ...identify.signals.odds import DECISIVE, SIGNIFICANT
 from ...identify.signals.registry import numerics
 from ..limits import (
     FEWEST_IN_RANGE,
@@ -14,9 +15,7 @@ from ..limits import (
     NARROW,
     NOISE_DOUBT,
     NOTABLE,
-    SAME_LINE,
     SAMPLES_A_RANGE,
-    STANDING_LINE,
     STEADY,
 )
 from .equation_error import Stretch
@@ -126,7 +125,9 @@ def line_in(rows: Rows) -> Line | None:
         return None
     frequency, standing, _ = max(spectra, key=lambda spectrum: float(np.max(spectrum[1])))
     best = int(np.argmax(standing))
-    if standing[best] < STANDING_LINE:
+    # of noise the powers are exponentially distributed, and their median is log 2 of their mean
+    by_chance = DECISIVE / math.log(2.0)
+    if standing[best] < by_chance + math.log2(standing.size):
         return None
     beside = np.r_[
         standing[max(best - _FAR, 0) : max(best - _BESIDE, 0)], standing[best + _BESIDE + 1 : best + _FAR + 1]
@@ -136,7 +137,7 @@ def line_in(rows: Rows) -> Line | None:
     amplitudes = []
     for other, level, size in spectra:
         near = np.abs(other - frequency[best]) < _SAME * (other[2] - other[0])
-        if not np.any(near) or np.max(level[near]) < SAME_LINE:
+        if not np.any(near) or np.max(level[near]) < by_chance:  # one frequency is asked for there, and not any
             return None
         amplitudes.append(float(np.max(size[near])))
     steady = min(amplitudes) > STEADY * max(amplitudes)

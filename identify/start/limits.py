@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..signals.registry import decides
+from ..signals.registry import budget, decides
 
 # further_laws.py
 
@@ -24,11 +24,10 @@ MOST_DAMPING = decides(
 
 # measured_motion.py and fit/likeliest_modes.py
 
-HALF = decides(
+HALF = budget(
     0.5,
-    "part of what can be gained",
-    "that a law on the measured motion, or linear modes, must promise to be searched on",
-    why="far from the truth a promise is of first order: a trade of time for safety",
+    "of the largest gain",
+    why="that a law or a mode must promise to be tried: far from the truth a promise is of first order",
 )
 
 # start.py
