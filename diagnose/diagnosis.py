@@ -88,5 +88,6 @@ def find(case: Case, progress: Progress, until: float = math.inf) -> Found:
     Raises BadInput where no model of the family simulates along the recordings.
     """
     family, data, holdout = first_fit(case.data, case.judged, case.family.model)
-    laws = [law for law in KNOWN.values() if case.family.zeros_are_shared or law.effect != _SENSOR_OFFSET]
+    # what a sensor shows at zero is no physics of the rig
+    laws = [law for law in KNOWN.values() if law.effect != _SENSOR_OFFSET]
     return Search(data, holdout, laws, lambda what, part: progress(what, 0.05 + 0.8 * part), until).find(family)

@@ -15,23 +15,26 @@ from ..identify.faults.stranger_among import KEPT
 from ..identify.fit.from_prediction import keeps_step, memories
 from ..identify.fit.hold import held_as
 from ..identify.fit.likelihood import maximum_likelihood
+from ..identify.fit.mismatch import gain_of_mismatch
 from ..identify.identification import LEADS_NOWHERE, Identification, identify
 from ..identify.problem.data import Data, data_of
 from ..identify.problem.offset import FoundOffset, Offset
 from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted, Structure
-from ..identify.signals.odds import HALF_AGAIN
+from ..identify.signals.odds import DECISIVE, HALF_AGAIN
 from ..model import Oscillator
-from ..model.terms import linear, without_hold
+from ..model.terms import linear, with_term, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .limits import OTHER_FREQUENCY, OTHER_MASS, POORLY_KNOWN
-from .measuring_chain import agree, alike, drifts_and_loads, hold_of
+from .measuring_chain import agree, drifts_and_loads, hold_of
 from .measuring_chain import drifts as drifts_of
 from .measuring_chain import zeros as zeros_of
 from .result import ChainFact
 from .search.residual_test import Leftover, leftovers
 from .search.search import best_of_family
+
+_LOAD = "constant-force"
 
 _log = logging.getLogger(__name__)
 
@@ -44,7 +47,6 @@ class Family:
         model: with the values found.
         memory: how far it predicts, in cycles; see ``identify.prediction``.
         recordings, holdout: less what their sensors show at zero, with the hold of their force.
-        zeros_are_shared: whether the recordings show the same at zero, so that a law may stand for it.
         free_zeros: whether each recording's zero is free in every fit.
         drifts: of the training recordings' sensors, taken off and free in every fit: what a family took for a drift
             may be what it lacks.
@@ -57,7 +59,6 @@ class Family:
     memory: float
     recordings: tuple[Recording, ...]
     holdout: tuple[Recording, ...]
-    zeros_are_shared: bool
     free_zeros: bool
     drifts: tuple[Offset, ...]
     notes: tuple[str, ...]
@@ -108,20 +109,14 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     chain += drifts_and_loads(recordings, taken)
     drifts = _drifts(recordings, identification.fit.offsets)
     shown = {o.recording: o.value for o in identification.fit.offsets if o.channel == "response"}
-    # of a single recording nothing but the motion says what is its zero and what a load; of several that show the same
-    # a law is the shorter answer
-    single = len(recordings) == 1
-    elsewhere = _offsets(best, holdout) if shown or single else {}
-    every = [*shown.values(), *elsewhere.values()]
-    whole = len(every) == len(recordings) + len(holdout)
-    if not single and (not shown or _one_cause(identification) or (whole and alike(every))):
-        return Family(best, memory, tuple(recordings), tuple(holdout), True, False, drifts, tuple(notes), tuple(chain))
+    if len(recordings) > 1 and (not shown or _is_loaded(identification)):
+        return Family(best, memory, tuple(recordings), tuple(holdout), False, drifts, tuple(notes), tuple(chain))
+    elsewhere = _offsets(best, holdout)
     return Family(
         best,
         memory,
         tuple(_less(r, shown.get(i, 0.0)) for i, r in enumerate(recordings)),
         tuple(_less(r, elsewhere.get(i, 0.0)) for i, r in enumerate(holdout)),
-        False,
         True,
         drifts,
         tuple(notes),
@@ -184,10 +179,29 @@ def _left(identification: Identification) -> float:
     return float(np.mean([np.log(max(s.nrmse, 1e-300)) for s in identification.fit.segments]))
 
 
-def _one_cause(identification: Identification) -> bool:
-    """Whether every recording shows the same at zero: a load or a sensor that sits elsewhere, and no matter of each."""
-    used = {s.segment.recording for s in identification.fit.segments}
-    return len(used) > 1 and agree([o for o in identification.fit.offsets if o.channel == "response"], len(used))
+def _is_loaded(identification: Identification) -> bool:
+    """Whether a load explains decisively more than what the sensors may show at zero: the motion itself shows it.
+
+    Where it explains no more, a law in the place of zeros would take what is missing.
+    """
+    fit, model = identification.fit, identification.oscillator
+    found = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
+    if model.response.quantity != "displacement" or found.keys() < {s.segment.recording for s in fit.segments}:
+        return False
+    start = with_term(model, _LOAD, {"load": model.omega0.value**2 * float(np.mean([*found.values()]))})
+    try:
+        loaded = identify(identification.recordings, start=start, doubted=False, near=True).fit
+    except BadInput:
+        return False
+    if [s.segment.start for s in fit.segments] != [s.segment.start for s in loaded.segments]:
+        return False
+    # the one that tells less may have lost the last swings
+    shorter = [min(a.segment, b.segment, key=lambda s: s.n) for a, b in zip(fit.segments, loaded.segments, strict=True)]
+    before, after = (
+        [s.response - fitted.simulated[: s.n] for s, fitted in zip(shorter, some.segments, strict=True)]
+        for some in (fit, loaded)
+    )
+    return bool(gain_of_mismatch(before, after, shorter)[0][0] > DECISIVE)
 
 
 def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, float]:

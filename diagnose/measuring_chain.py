@@ -8,7 +8,7 @@ import numpy as np
 
 from ..identify.fit.hold import hold_note
 from ..identify.problem.offset import FoundOffset
-from ..identify.signals.odds import BEYOND_ERRORS, BY_CHANCE
+from ..identify.signals.odds import BEYOND_ERRORS
 from ..identify.signals.signals import response_of
 from ..model import Oscillator
 from ..model.oscillator import HOLDS
@@ -87,15 +87,3 @@ def agree(offsets: Sequence[FoundOffset], count: int) -> bool:
     errors = np.array([max(offset.std, 1e-300) for offset in offsets])
     mean = np.average(values, weights=errors**-2)
     return bool(np.all(np.abs(values - mean) < BEYOND_ERRORS * errors))
-
-
-def alike(values: Sequence[float]) -> bool:
-    """Whether what sensors show at zero lies too near together for chance.
-
-    What a family lacks shows at zero too, by more than its errors and by nearly as much in each recording. Of sensors
-    that are set anew for each recording a further one comes as near to the common value by chance as rarely as that
-    nearness is small beside the value.
-    """
-    middle = float(np.median(values))
-    apart = np.sort(np.abs(np.asarray(values) - middle))[1:]  # the nearest one says where the others may lie
-    return bool(np.prod(apart) < BY_CHANCE * abs(middle) ** apart.size)

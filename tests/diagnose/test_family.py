@@ -158,14 +158,13 @@ def test_a_zero_is_told_of_where_it_exceeds_the_noise(times, said):
     assert bool(zeros(training()[:1], {0: times * response_of(training()[0]).noise})) == said
 
 
-def test_one_zero_in_all_recordings_is_left_to_the_laws():
-    """A load, a sensor that sits elsewhere: a constant force or an offset that the model itself may have."""
+def test_one_zero_in_all_recordings_is_taken_off_as_well():
+    """A law in its place, a load or a sensor that sits elsewhere, would take what is missing."""
     given = training(3e-3, 3e-3)
     family = family_of(MODEL, given, held(3e-3))
-    assert not family.free_zeros
-    assert all(np.array_equal(a.response, b.response) for a, b in zip(family.recordings, given, strict=True))
-    assert not family.shown
-    assert cut_for(family, family.recordings, family.model).offsets == ()
+    assert family.free_zeros
+    taken = [a.response - b.response for a, b in zip([*given, *held(3e-3)], _all(family), strict=True)]
+    assert [float(t[0]) for t in taken] == pytest.approx([3e-3] * 3, abs=1e-6)
 
 
 def test_of_a_single_recording_it_is_taken_off():
@@ -288,7 +287,7 @@ def test_the_zero_of_a_single_load_cell_is_taken_off():
 
 
 def family(**changed):
-    plain = {"recordings": tuple(training()), "holdout": (), "zeros_are_shared": False, "free_zeros": True}
+    plain = {"recordings": tuple(training()), "holdout": (), "free_zeros": True}
     return Family(**{"model": MODEL, "memory": 8.0, "drifts": (), "notes": (), **plain, **changed})
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.diagnose.family import family_of
-from dashpot.diagnose.measuring_chain import agree, alike, drifts, drifts_and_loads, hold_of, known_faults, zeros
+from dashpot.diagnose.measuring_chain import agree, drifts, drifts_and_loads, hold_of, known_faults, zeros
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.offset import FoundOffset
 from dashpot.identify.signals.signals import response_of
@@ -81,10 +81,3 @@ def test_zeros_within_as_many_errors_of_their_mean_as_settle_it_have_one_cause(a
     found = [FoundOffset(i, "response", value, 1.0) for i, value in enumerate((5.0, 5.0 + apart))]
     assert agree(found, 2) is same
     assert not agree(found, 3)  # a recording without one has none
-
-
-@pytest.mark.parametrize(("apart", "near"), [(0.031, True), (0.032, False)])
-def test_zeros_that_are_nearer_together_than_by_chance_have_one_cause(apart, near):
-    """Of two others as near as a part of the value each: by chance once in the square of that, a thousandth."""
-    assert alike([5.0, 5.0 * (1 + apart), 5.0 * (1 - apart)]) is near
-    assert not alike([5.0, 5.0 * (1 + apart)])
