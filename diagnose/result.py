@@ -9,8 +9,11 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..files.computed_once import computed_once
+from ..identify.hilbert.hilbert_result import HilbertAnalysis, analysis_or_none
 from ..identify.signals.registry import shown
 from ..model import Oscillator, Parameter, Response
+from ..recording.recording import Recording
 from ..simulate.work import Work
 
 SURE = shown(
@@ -192,6 +195,7 @@ class Diagnosis:
         notes: what a user should know.
         chain: what the measuring chain does, which is no physics of the rig.
         work: how often the recordings were simulated for it, and how long that took.
+        recordings: all that it was judged by, whole, less what the measuring chain does.
     """
 
     verdict: Verdict
@@ -208,9 +212,15 @@ class Diagnosis:
     notes: tuple[str, ...]
     chain: tuple[ChainFact, ...] = ()
     work: Work | None = None
+    recordings: tuple[Recording, ...] = ()
 
     def __repr__(self) -> str:
         return f"<Diagnosis: {self.verdict}. {self.sentence}>"
+
+    @computed_once
+    def measured(self) -> HilbertAnalysis:
+        """What FREEVIB and FORCEVIB say of the recordings, without any model; empty, with a note, where nothing."""
+        return analysis_or_none(self.recordings)
 
     @property
     def mended(self) -> bool:

@@ -116,6 +116,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
         latent=latent,
         notes=(*case.notes, *remarks),
         chain=case.chain,
+        recordings=case.uncut if case.in_pieces else (*case.recordings, *case.holdout),
     )
 
 

@@ -39,7 +39,7 @@ from .fit.likelihood import maximum_likelihood
 from .fit.limits import AMISS, FREE_OF_FRICTION, GAIN_RATIO, QUIET
 from .fit.plainest import plainest
 from .fit.reported_result import Fit, SegmentFit
-from .hilbert.hilbert_result import HilbertAnalysis, hilbert_analysis
+from .hilbert.hilbert_result import HilbertAnalysis, analysis_or_none
 from .motion.excitation import kind_of
 from .motion.modes import modes_beside
 from .problem.data import Data, data_of
@@ -98,10 +98,7 @@ class Identification:
     @computed_once
     def measured(self) -> HilbertAnalysis:
         """What FREEVIB and FORCEVIB say of the same recordings; empty, with a note, where they cannot be used."""
-        try:
-            return hilbert_analysis(self.recordings)
-        except BadInput as problem:
-            return HilbertAnalysis((), None, None, (str(problem),))
+        return analysis_or_none(self.recordings)
 
     @property
     def useless(self) -> str | None:

@@ -1,8 +1,9 @@
-"""Backbone and damping curve of the given and of the mended model."""
+"""Backbone and damping curve of the given and of the mended model, beside what the recordings show of them."""
 
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,25 +14,35 @@ from ..model.describing import natural_motion
 from ..model.display import scale_of
 from ..model.library import KNOWN
 from .blocks import Section, Text, picture
-from .chart import Chart
-from .style import AFTER, BEFORE
+from .chart import Chart, Dash
+from .style import AFTER, BEFORE, MEASURED
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..diagnose.result import Diagnosis
+    from ..identify.hilbert.modal_result import ModalCurve
     from ..model import Oscillator
 
 _POINTS = 160
 #: A model that states no range is drawn over two decades below the largest motion.
 _DECADES = 100.0
+#: Into how many steps of amplitude measured curves are gathered, and from how many values on.
+_STEPS, _FEWEST = 24, 8
+#: How the curves of each method are drawn.
+_METHODS: dict[str, tuple[Dash, str]] = {
+    "freevib": ("-.", "measured, decays (FREEVIB)"),
+    "forcevib": (":", "measured, driven (FORCEVIB)"),
+}
 #: Narrower than this part of its frequency a backbone is drawn straight.
 _STRAIGHT = 0.002
 
 
 def curves_section(diagnosis: Diagnosis) -> Section:
     """The picture, or why there is none."""
-    reach = _reach(diagnosis)
+    amplitudes, measured = _amplitudes(diagnosis), diagnosis.measured.curves
     title = "Backbone and damping curve"
-    if reach is None:
+    if amplitudes is None:
         return Section(title, (Text("No picture here: no amplitude of the motion is known.", "note"),))
     outside = [e.law for e in diagnosis.effects if e.law in KNOWN and KNOWN[e.law].force is None]
     outside += [e.law for e in diagnosis.effects if e.path == "environment" and e.law not in outside]
@@ -45,10 +56,17 @@ def curves_section(diagnosis: Diagnosis) -> Section:
         "Natural frequency and damping over amplitude, as a free decay or a slow sweep shows them (describing "
         f"functions): {'before (dashed) and after (full line)' if after else 'the model'}.{note}"
     )
-    return Section(title, (picture(lambda: curves_figure(diagnosis.before, after, *reach), caption),))
+    if measured:
+        caption += (
+            " Grey: as measured, by the Hilbert transform and without a model; a band holds 95 % of the values of all "
+            "recordings at that amplitude. Where a model's line leaves it physics is missing, or a sweep was too fast "
+            "for a backbone."
+        )
+    draw = partial(curves_figure, diagnosis.before, after, *amplitudes, measured)
+    return Section(title, (picture(draw, caption),))
 
 
-def _reach(diagnosis: Diagnosis) -> tuple[float, float] | None:
+def _amplitudes(diagnosis: Diagnosis) -> tuple[float, float] | None:
     """Least and largest amplitude to draw, in the displacement's unit."""
     model = diagnosis.model
     for valid in (model.amplitude, diagnosis.before.amplitude):
@@ -62,13 +80,19 @@ def _reach(diagnosis: Diagnosis) -> tuple[float, float] | None:
 
 
 def curves_figure(
-    before: Oscillator, after: Oscillator | None, low: float, top: float, key: str = "mended-curves"
+    before: Oscillator,
+    after: Oscillator | None,
+    low: float,
+    top: float,
+    measured: Sequence[ModalCurve] = (),
+    key: str = "mended-curves",
 ) -> Chart:
     """Chart of amplitude over natural frequency, and of damping over amplitude.
 
     Args:
         before, after: the models; one only where ``after`` is None.
         low, top: amplitudes, in the displacement's unit.
+        measured: backbones and damping curves of the recordings.
         key: name of the chart within its page.
 
     Raises:
@@ -91,19 +115,53 @@ def curves_figure(
     title = f"Natural frequency in Hz and damping in 1/s over amplitude in {scale.unit}, before and after"
     chart = Chart(key, title)
     backbone, curve = chart.row(1, 1, height=290)
+    seen, heights = [frequency for frequency, _, _ in lines], [damping for _, damping, _ in lines]
+    for method, (dash, label) in _METHODS.items():
+        if not (curves := [curve for curve in measured if curve.method == method]):
+            continue
+        at, values = gathered(curves)
+        look = {"color": MEASURED, "label": label, "dash": dash, "width": 2.0}
+        for panel, (less, middle, more), across in ((backbone, values[0], True), (curve, values[1], False)):
+            panel.band(at * scale.factor, less, more, MEASURED, alpha=0.25, across=across)
+            panel.line(*((middle, at * scale.factor) if across else (at * scale.factor, middle)), **look)
+        seen.append(values[0][1])
+        heights.append(values[1][1])
     for frequency, damping, style in lines:
         backbone.line(frequency, shown, **style)
         curve.line(shown, damping, **style)
-    seen = np.concatenate([frequency for frequency, _, _ in lines])
-    lowest, highest = float(np.nanmin(seen)), float(np.nanmax(seen))
+    lowest, highest = (float(end(np.concatenate(seen))) for end in (np.nanmin, np.nanmax))
     margin = 0.06 * (highest - lowest) + _STRAIGHT * highest
     backbone.x.set(label="Frequency [Hz]", low=lowest - margin, high=highest + margin)
     backbone.y.set(label=scale.label("Amplitude"), low=0.0)
     backbone.title = "Backbone"
-    heights = np.concatenate([damping for _, damping, _ in lines])
-    if np.nanmin(heights) >= 0:
-        curve.y.set(low=0.0, high=1.1 * float(np.nanmax(heights)) or 1.0)
+    lowest, highest = (float(end(np.concatenate(heights))) for end in (np.nanmin, np.nanmax))
+    margin = 0.1 * (highest - min(lowest, 0.0)) or 1.0
     curve.x.set(log=True, label=scale.label("Amplitude"))
-    curve.y.set(label="Damping h [1/s]")
+    curve.y.set(label="Damping h [1/s]", low=lowest - margin if lowest < 0 else 0.0, high=highest + margin)
     curve.title = "Damping curve"
     return chart
+
+
+def gathered(curves: Sequence[ModalCurve]) -> tuple[np.ndarray, np.ndarray]:
+    """Measured curves of one method as one.
+
+    Args:
+        curves: of all recordings, one at least.
+
+    Returns:
+        Amplitudes (n,), and of frequency in Hz and of damping in 1/s the 0.025, 0.5 and 0.975 quantile of the values
+        there, (2, 3, n); NaN where there are too few.
+    """
+    amplitude = np.concatenate([curve.amplitude for curve in curves])
+    values = np.stack(
+        [np.concatenate([c.omega0 for c in curves]) / (2 * np.pi), np.concatenate([c.damping for c in curves])]
+    )
+    edges = np.geomspace(amplitude.min(), amplitude.max(), _STEPS + 1)
+    step = np.clip(np.searchsorted(edges, amplitude, side="right") - 1, 0, _STEPS - 1)
+    at, found = np.sqrt(edges[1:] * edges[:-1]), np.full((2, 3, _STEPS), np.nan)
+    for i in range(_STEPS):
+        here = step == i
+        if np.count_nonzero(here) >= _FEWEST:
+            at[i] = np.median(amplitude[here])
+            found[..., i] = np.quantile(values[:, here], (0.025, 0.5, 0.975), axis=1).T
+    return at, found

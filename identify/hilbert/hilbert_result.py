@@ -127,6 +127,14 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
     )
 
 
+def analysis_or_none(recordings: Sequence[Recording]) -> HilbertAnalysis:
+    """The same; empty, with a note, where nothing can be evaluated."""
+    try:
+        return hilbert_analysis(recordings)
+    except BadInput as problem:
+        return HilbertAnalysis((), None, None, (str(problem),))
+
+
 @dataclass(frozen=True, eq=False)
 class _Evaluated:
     """A stretch with its curve; with its mass where it is driven."""

@@ -49,6 +49,7 @@ def test_a_concealed_effect_is_named_and_mended(rig, drag, effect, tmp_path):
             assert record.nrmse_after < 1.15 * floor
             assert record.nrmse_after < record.nrmse_before
     assert loads(dumps(diagnosis.model)).values() == diagnosis.model.values()
+    assert [r.name for r in diagnosis.recordings] == [r.name for r in (*case.training, *case.holdout)]
 
 
 @pytest.mark.parametrize("noise", ["white", long("ar1"), long("quantised")])
@@ -102,6 +103,7 @@ def test_without_held_out_recordings_stretches_of_each_are_held_out(rig, kind, t
     diagnosis = diagnose(case.model, case.training, fmu=fmu)
     assert any("no recording was held out" in note for note in diagnosis.notes)
     assert any(record.holdout for record in diagnosis.records)
+    assert [(r.name, r.n) for r in diagnosis.recordings] == [(r.name, r.n) for r in case.training]  # none is cut
     assert fmu.exists() == (kind != ("none",)) == (FITTED_TO_ALL in diagnosis.notes)
     if kind == ("none",):  # the model is then that of the whole recordings, and no longer of the stretches
         assert diagnosis.effects == ()
