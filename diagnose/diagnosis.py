@@ -17,6 +17,7 @@ from typing import Any
 from ..identify.fit.hold import held_as
 from ..identify.signals.registry import budget
 from ..model import Oscillator
+from ..model.display import full_stop
 from ..model.library import KNOWN
 from ..recording.given import recordings_of
 from ..recording.recording import Recording
@@ -24,6 +25,7 @@ from ..simulate.work import Meter
 from .case import Case, Progress, prepare
 from .delivery import hold_beside
 from .family import first_fit
+from .odd_blocks import odd_blocks, without
 from .result import Diagnosis
 from .search.found import Found
 from .search.search import Search
@@ -62,14 +64,21 @@ def diagnose(
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
     meter, until = Meter(), time.monotonic() + SEARCHING * seconds
-    case = prepare(model, recordings, holdout, progress)
+    given, left_out = (recordings_of(recordings), recordings_of(holdout)), []
+    case = prepare(model, *given, progress)
     found = find(case, progress, until)
     if all(recording.hold is None for recording in case.given):
         hold = hold_beside(found.fitted, case.model, case.recordings, found.weighing.data.memory)
         if hold != case.family.model.hold:  # every law is asked anew
-            recordings, holdout = (held_as(recordings_of(group), hold) for group in (recordings, holdout))
-            case = prepare(model, recordings, holdout, progress)
+            given = held_as(given[0], hold), held_as(given[1], hold)
+            case = prepare(model, *given, progress)
             found = find(case, progress, until)
+    while (odd := odd_blocks(found)) and time.monotonic() < until:
+        left_out += odd
+        _log.info("again, without %s", "; ".join(map(str, odd)))
+        given = without(given[0], odd), without(given[1], odd)
+        case = prepare(model, *given, progress).noted(*(block.sentence for block in left_out))
+        found = find(case, progress, until)
     if found.untried:
         case = case.noted(
             f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "
@@ -77,6 +86,9 @@ def diagnose(
         )
     found = simplify(case, found, progress)
     diagnosis = tell(case, found, fmu, progress)
+    if left_out:
+        said = f"{full_stop(diagnosis.sentence)} Left out, as no law explains it: {'; '.join(map(str, left_out))}."
+        diagnosis = replace(diagnosis, sentence=said)
     diagnosis = replace(diagnosis, work=meter.read(sum(recording.n for recording in case.given)))
     _log.info("%s", diagnosis.work)
     return diagnosis

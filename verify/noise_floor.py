@@ -8,8 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..identify.motion.decays import Decay, find_free_motion, force_is_silent
+from ..identify.problem.limits import WORTH_ITS_START
 from ..identify.problem.offset import zero_of_load_cell
 from ..identify.problem.replay import force_of, natural_frequency, replay
+from ..identify.problem.segments import known_parts
 from ..identify.signals.signals import noise_levels
 from ..model import Oscillator
 from ..recording.fact import changed
@@ -51,9 +53,10 @@ def pieces(recording: Recording) -> list[Piece]:
     motion, (sensor, level) = find_free_motion(recording), noise_levels(recording)  # which more samples tell better
     decays, blows = motion.decays, motion.blows
     if recording.force is None or not np.any(recording.force) or (decays and force_is_silent(recording)):
-        return [_free(recording, decay, sensor) for decay in decays]
+        parts = [part for decay in decays for part in _known(recording, decay.start, decay.stop)]
+        return [_free(recording, Decay(*part), sensor) for part in parts]
     if all(blow.is_known for blow in blows):
-        return [_driven(recording, 0, recording.n, decays, sensor, level)]
+        return [_driven(recording, *part, decays, sensor, level) for part in _known(recording, 0, recording.n)]
     known = {blow.stop: blow for blow in blows if blow.is_known}
     before = round(np.pi / 2 / natural_frequency(recording) * recording.fs)
     return [
@@ -62,6 +65,15 @@ def pieces(recording: Recording) -> list[Piece]:
         else _free(recording, decay, sensor)
         for decay in decays
     ]
+
+
+def _known(recording: Recording, start: int, stop: int) -> list[tuple[int, int]]:
+    """Parts of a stretch along which what drives it is known, but for those that say no more than how they begin."""
+    parts = known_parts(recording, start, stop)
+    if len(parts) < 2:
+        return parts
+    shortest = WORTH_ITS_START * 2 * np.pi / natural_frequency(recording) * recording.fs
+    return [(a, b) for a, b in parts if b - a >= shortest]
 
 
 def _free(recording: Recording, decay: Decay, sensor: float) -> Piece:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
@@ -13,6 +14,7 @@ from ...identify.problem.data import Data, likelihood
 from ...identify.problem.linearised import Linearised
 from ...identify.problem.offset import FEELER
 from ...identify.problem.output_error import State
+from ...identify.problem.segments import Segment
 from ...identify.problem.settle import settled
 from ...identify.problem.structure import Fitted, Structure
 from ...identify.signals.registry import budget
@@ -79,13 +81,20 @@ def foretold(
 
 def stretches_of(data: Data) -> Data:
     """The same recordings, each segment cut in stretches that are simulated from initial states of their own."""
+
+    def count(segment: Segment) -> int:
+        return THIRDS if segment.n * segment.dt * segment.pace / (2 * np.pi) >= THIRDS * STRETCH_CYCLES else 1
+
+    return in_stretches(data, count)
+
+
+def in_stretches(data: Data, count: Callable[[Segment], int]) -> Data:
+    """The same, each segment cut in as many."""
     stretches, places = [], []
     for place, segment in enumerate(data.segments):
-        cycles = segment.n * segment.dt * segment.pace / (2 * np.pi)
-        count = THIRDS if cycles >= THIRDS * STRETCH_CYCLES else 1
-        edges = np.linspace(0, segment.n, count + 1).round().astype(int).tolist()
+        edges = np.linspace(0, segment.n, count(segment) + 1).round().astype(int).tolist()
         stretches += [segment.part(a, b) for a, b in pairwise(edges)]
-        places += [place] * count
+        places += [place] * (len(edges) - 1)
     sensor, force = (tuple(levels[place] for place in places) for levels in (data.sensor, data.force))
     return replace(data, segments=tuple(stretches), sensor=sensor, force=force)
 

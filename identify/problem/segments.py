@@ -154,7 +154,7 @@ def _cut(
         elif force is not None and np.any(force) and not (motion.swell or (decays and force_is_silent(recording))):
             edges = [0, *(edge for decay in decays for edge in (decay.start, decay.stop)), recording.n]
             ends, force = _pushed(ends, edges, shortest, np.asarray(force, float), period)
-        ends = [(a, b, forced) for start, stop, forced in ends for a, b in _known(recording, start, stop)]
+        ends = [(a, b, forced) for start, stop, forced in ends for a, b in known_parts(recording, start, stop)]
         blank = blank_of(recording)
         highest = force_band * pace / (2 * np.pi)
         quiet, slow = quiet_noise(response_of(recording).samples, motion.blows, recording.dt, pace)
@@ -218,7 +218,7 @@ def _pushed(
     return made, alone
 
 
-def _known(recording: Recording, start: int, stop: int) -> list[tuple[int, int]]:
+def known_parts(recording: Recording, start: int, stop: int) -> list[tuple[int, int]]:
     """Parts of a stretch along which what drives it is known."""
     gaps = [(max(a, start), min(b, stop)) for a, b in recording.unknown if b > start and a < stop]
     edges = [start, *(edge for gap in gaps for edge in gap), stop]
