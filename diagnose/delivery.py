@@ -91,7 +91,7 @@ def hold_beside(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recordi
     the structure is fitted without the delay under each hold. Arguments as for ``with_errors``.
     """
     delay = fitted.model.values().get(f"{_DELAY}.delay", np.inf)
-    if not abs(delay) < max(recording.dt for recording in recordings if recording.force is not None):
+    if not abs(delay) < max((recording.dt for recording in recordings if recording.force is not None), default=0.0):
         return hold_of_recordings(recordings)
     model, shapes = without_term(fitted.model, _DELAY), [n for n in fitted.model.parameters() if n not in fitted.free]
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from dashpot.diagnose import diagnose
+from dashpot.diagnose.delivery import hold_beside
 from dashpot.examples.force import chirp, multisine
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
@@ -72,3 +75,10 @@ def test_half_a_sample_late_is_a_hold_beside_a_drag():
     assert diagnosis.model.hold == "zero"
     drag = diagnosis.model.parameters()["quadratic-drag.coefficient"]
     assert drag.value == pytest.approx(6.0, abs=3.5 * drag.std)
+
+
+def test_decays_alone_have_no_force_that_is_held():
+    """Nor has a model of them a delay that could say so."""
+    model = Oscillator.from_values({k: v for k, v in TRUTH.items() if k != "mass"})
+    decays = [Recording("decay", 1000.0, np.cos(np.arange(1000) / 20.0))]
+    assert hold_beside(SimpleNamespace(model=model, free=()), model, decays, 8.0) == "smooth"
