@@ -63,9 +63,11 @@ def diagnose(
     Raises:
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
-    meter, until = Meter(), time.monotonic() + SEARCHING * seconds
+    begun = time.monotonic()
+    meter, until = Meter(), begun + SEARCHING * seconds
     given, left_out = (recordings_of(recordings), recordings_of(holdout)), []
     case = prepare(model, *given, progress)
+    taken = time.monotonic() - begun
     found = find(case, progress, until)
     if all(recording.hold is None for recording in case.given):
         hold = hold_beside(found.fitted, case.model, case.recordings, found.weighing.data.memory)
@@ -73,7 +75,11 @@ def diagnose(
             given = held_as(given[0], hold), held_as(given[1], hold)
             case = prepare(model, *given, progress)
             found = find(case, progress, until)
-    while (odd := odd_blocks(found)) and time.monotonic() < until:
+    while odd := odd_blocks(found):
+        if time.monotonic() + taken > until:
+            instead = f"again without what no law explains ({', '.join(map(str, odd))})"
+            found = replace(found, untried=(*found.untried, instead))
+            break
         left_out += odd
         _log.info("again, without %s", "; ".join(map(str, odd)))
         given = without(given[0], odd), without(given[1], odd)

@@ -114,3 +114,11 @@ def test_a_diagnosis_names_what_is_missing_without_an_odd_block():
     assert diagnosis.verdict == "consistent"  # Eq. 17 has the cubic
     assert all(record.nrmse_after < 1.1 * record.noise_floor for record in diagnosis.records)
     assert diagnosis.model.values()["cubic"] == pytest.approx(VALUES["cubic"], rel=0.02)
+
+
+@pytest.mark.long
+def test_an_odd_block_that_time_does_not_allow_to_leave_out_is_stated():
+    recordings = three([5.3])
+    diagnosis = diagnose(LINEAR, recordings[1:], recordings[:1], seconds=1e-6)
+    assert "Left out" not in diagnosis.sentence
+    assert any("again without what no law explains (decay 2, " in note for note in diagnosis.notes)
