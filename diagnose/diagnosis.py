@@ -25,7 +25,7 @@ from ..simulate.work import Meter
 from .case import Case, Progress, prepare
 from .delivery import hold_beside
 from .family import first_fit
-from .odd_blocks import odd_blocks, without
+from .odd_blocks import OddBlock, odd_blocks, without
 from .result import Diagnosis
 from .search.found import Found
 from .search.search import Search
@@ -63,9 +63,33 @@ def diagnose(
     Raises:
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
-    begun = time.monotonic()
-    meter, until = Meter(), begun + SEARCHING * seconds
-    given, left_out = (recordings_of(recordings), recordings_of(holdout)), []
+    meter = Meter()
+    case, found, left_out = _searched(model, (recordings_of(recordings), recordings_of(holdout)), progress, seconds)
+    found = simplify(case, found, progress)
+    diagnosis = tell(case, found, fmu, progress)
+    if left_out:
+        said = f"{full_stop(diagnosis.sentence)} Left out, as no law explains it: {'; '.join(map(str, left_out))}."
+        diagnosis = replace(diagnosis, sentence=said)
+    diagnosis = replace(diagnosis, work=meter.read(sum(recording.n for recording in case.given)))
+    _log.info("%s", diagnosis.work)
+    return diagnosis
+
+
+def _searched(
+    model: Oscillator, given: tuple[list[Recording], list[Recording]], progress: Progress, seconds: float
+) -> tuple[Case, Found, list[OddBlock]]:
+    """What the recordings speak for: again under the hold that they ask for, and without blocks that no law explains.
+
+    Args:
+        model: as ``diagnose`` has it.
+        given: recordings to fit to, and held out.
+        progress, seconds: as ``diagnose`` has them.
+
+    Returns:
+        The case of the last search, what it ended with, and what was left out.
+    """
+    begun, left_out = time.monotonic(), []
+    until = begun + SEARCHING * seconds
     case = prepare(model, *given, progress)
     taken = time.monotonic() - begun
     found = find(case, progress, until)
@@ -80,9 +104,12 @@ def diagnose(
             instead = f"again without what no law explains ({', '.join(map(str, odd))})"
             found = replace(found, untried=(*found.untried, instead))
             break
+        rest = without(given[0], odd), without(given[1], odd)
+        if rest == given:
+            break
+        given = rest
         left_out += odd
         _log.info("again, without %s", "; ".join(map(str, odd)))
-        given = without(given[0], odd), without(given[1], odd)
         case = prepare(model, *given, progress).noted(*(block.sentence for block in left_out))
         found = find(case, progress, until)
     if found.untried:
@@ -90,14 +117,7 @@ def diagnose(
             f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "
             "allow more with --seconds"
         )
-    found = simplify(case, found, progress)
-    diagnosis = tell(case, found, fmu, progress)
-    if left_out:
-        said = f"{full_stop(diagnosis.sentence)} Left out, as no law explains it: {'; '.join(map(str, left_out))}."
-        diagnosis = replace(diagnosis, sentence=said)
-    diagnosis = replace(diagnosis, work=meter.read(sum(recording.n for recording in case.given)))
-    _log.info("%s", diagnosis.work)
-    return diagnosis
+    return case, found, left_out
 
 
 def find(case: Case, progress: Progress, until: float = math.inf) -> Found:

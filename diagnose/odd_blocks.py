@@ -148,11 +148,11 @@ def without(recordings: Sequence[Recording], odd: Sequence[OddBlock]) -> list[Re
     """Recordings along which it is not known what acted in these blocks."""
     made = []
     for recording in recordings:
-        runs = list(recording.unknown)
+        runs = set(recording.unknown)
         for block in odd:
             # a stretch of a recording is named for it
             if block.file == recording.name or block.file.startswith(f"{recording.name}, "):
                 first, last = (round((t - recording.start) * recording.fs) for t in (block.begin, block.end))
-                runs.append((max(first, 0), min(last, recording.n)))
-        made.append(changed(recording, unknown=tuple(sorted(runs))) if runs != list(recording.unknown) else recording)
+                runs.add((max(first, 0), min(last, recording.n)))
+        made.append(changed(recording, unknown=tuple(sorted(runs))) if runs > set(recording.unknown) else recording)
     return made
