@@ -13,7 +13,7 @@ TAKES = decides(
     why="the ends of either are that vague; what leaves out more is the small end of a motion that glides",
 )
 
-# shared_modes.py
+# shared_modes.py and rig_pieces.py
 
 KNOWN = decides(
     1 / 3,
@@ -27,6 +27,8 @@ BENT = decides(
     "what modes may leave of it where they do not reach the noise",
     why="physical limit: a clock that jitters, steps of a converter and a weak curvature of the spring bend as much",
 )
+#: What a rig may leave of the motion beside its noise: nothing, or where nothing is explained so, what bends it.
+SHARES = (0.0, BENT)
 BEYOND = decides(
     2.0,
     "standard deviations",

@@ -16,7 +16,7 @@ from ...recording.recording import QUANTITIES
 from ..signals.odds import BY_CHANCE, DECISIVE, SIGNIFICANT
 from ..signals.registry import budget, numerics
 from .hand import OF_MOVED
-from .limits import BENT, KNOWN
+from .limits import KNOWN, SHARES
 from .rig_fit import (
     ALL,
     LEAST_NOISE,
@@ -49,7 +49,6 @@ _FASTEST = numerics(1.6, "rad a sample", why="four samples a cycle")
 _COARSE = numerics(0.15, "of its power", why="what a sine may leave of a window from which a fit finds its way")
 _MOST_DAMPED = numerics(0.9, "damping ratio", why="of a sine at which a search begins")
 _MOVED = numerics(1e-6, "of a unit", why="of a difference quotient")
-_SHARES = (0.0, BENT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +82,7 @@ def rig_pieces(x: np.ndarray, fs: float, noise: float, period: float, quantity: 
     """
     unit = float(np.ptp(x)) / 2
     found: list[_Found] = []
-    for share in _SHARES:
+    for share in SHARES:
         for seed, record in _seeds(x, noise, quantity, max(LEAST_SAMPLES, round(_ASKING[-1] * period)), share):
             if not any(one.has(record, seed) for one in found):
                 one = _all_pieces(record, seed, share, x)

@@ -17,7 +17,7 @@ from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE
 from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
 from .hand import OF_MOVED, hand_leaves
-from .limits import BENT, BEYOND, KNOWN
+from .limits import BEYOND, KNOWN, SHARES
 from .mode_shares import mode_shares
 from .subspace import poles_of_windows
 
@@ -36,7 +36,6 @@ _SAME = numerics(0.003, "of ln omega and zeta", why="nearer modes lead to the sa
 _NEAR = numerics(0.1, "rad", why="windows of a cycle that differ by less show one set of modes")
 _INSIDE = numerics((1 / 8, 1 / 4), "of a run, of a cycle", why="so far from its ends a run is free")
 _SMALL = numerics(1e-9, "of the largest", why="columns, and a noise, that are none")
-_SHARES = (0.0, BENT)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +74,7 @@ def shared_modes(x: np.ndarray, fs: float, noise: float, periods: Sequence[float
         search = _Search.of(x, noise, max(1, int(period / _A_CYCLE)))
         if search is None:
             continue
-        for share in _SHARES:
+        for share in SHARES:
             for start in search.starts(period / search.block, share):
                 # with a hundredth to spare several modes explain a hand's way too
                 left = share if start.count == 1 else 0.0

@@ -100,7 +100,7 @@ def test_the_ringing_is_left_out_and_no_more(stretches: tuple[Stretch, Stretch])
     whole, later = (rung_in(stretch, mass_fit) for stretch in stretches)
     # exp(-2.5 t) is a thousandth, the noise beside the motion, after 2.8 s
     assert 1.5 < whole.rung_in / RATE < 4.0
-    assert later.rung_in / RATE < 0.5  # one window at most, which noise alone leaves out once in 400
+    assert later.rung_in / RATE < 0.5  # one window at most, which noise alone leaves out once in a thousand
 
 
 def test_what_is_left_is_noise(stretches: tuple[Stretch, Stretch]):
