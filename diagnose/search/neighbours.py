@@ -12,7 +12,7 @@ from ...model.law import Law
 from ...model.terms import with_term
 from .candidate import Candidate, key
 from .race import PATIENCE, Entry, Start
-from .starts import generalised, without
+from .starts import generalised, without, without_anew
 
 
 def kept(fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
@@ -23,9 +23,10 @@ def kept(fitted: Fitted, model: Oscillator) -> tuple[str, ...]:
     return tuple(name for name in model.parameters() if name in fixed or name in new)
 
 
-def dropped(leader: Candidate, data: Data, *, afresh: bool) -> list[Entry]:
-    """The leader with one law less; ``afresh``: also as a fit finds it that knows nothing (``starts.without``)."""
+def dropped(leader: Candidate, data: Data, names: Sequence[str], *, anew: bool = False) -> list[Entry]:
+    """The leader with one law less, each of some; ``anew``: as a fit finds it that knows nothing."""
     assert leader.fit is not None
+    begun = without_anew if anew else without
     return [
         Entry(
             key([law for law in leader.laws if law != name]),
@@ -35,8 +36,8 @@ def dropped(leader: Candidate, data: Data, *, afresh: bool) -> list[Entry]:
             kept(leader.fit, model),
             patience=PATIENCE,
         )
-        for name in leader.laws
-        for model, initial in without(leader.fit, data, name, afresh=afresh)
+        for name in names
+        for model, initial in begun(leader.fit, data, name)
     ]
 
 

@@ -38,7 +38,7 @@ from .measure import Measure, measure_by
 from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
 from .starts import Proposal, by_motion, by_score, unseen_in_motion
-from .weigh import judged
+from .weigh import foreseen_loss, judged
 
 _ALIKE = budget(2, "laws", why="for which a law is exchanged at least: those that act most like it")
 _MOST_ALIKE = budget(4, "laws", why="the same where more act nearly as much like it")
@@ -180,11 +180,25 @@ class Search:
         assert leader.fit is not None
         self.progress("what the best could do without", 0.0)
         at_noise = self._at_noise(leader, ())
-        afresh = len(leader.laws) > 1 and at_noise
-        entries = [*dropped(leader, self.data, afresh=afresh), *self._exchanged(leader)]
+        entries = [*dropped(leader, self.data, leader.laws), *self._exchanged(leader)]
         starts = self._started(entries, beside_noise=at_noise)
         self._race(starts, leader.fit)
+        if at_noise and len(leader.laws) > 1:
+            doubted = [law for law in leader.laws if self._rests_low(leader, law, starts)]
+            anew = self._started(dropped(leader, self.data, doubted, anew=True), beside_noise=True)
+            self._race(anew, leader.fit)
+            starts += anew
         return starts
+
+    def _rests_low(self, leader: Candidate, law: str, starts: Sequence[Start]) -> bool:
+        """Whether the leader without a law may rest on a low summit: it loses more than a linearised response does."""
+        assert leader.fit is not None
+        others, measure = key([name for name in leader.laws if name != law]), self._measures[0]
+        for start in starts:
+            start.measured_by(measure)
+        reached = max((start.ceiling for start in starts if start.laws == others), default=-np.inf)
+        lost = measure.value(leader.fit.residuals) - reached
+        return lost > foreseen_loss(leader.fit, self.data, law, measure) + DECISIVE
 
     def _moved(self, leader: Candidate) -> list[Start]:
         """The leader with one law more, where the measured motion puts it, or its score where that is blind; raced."""

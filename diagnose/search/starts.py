@@ -76,26 +76,29 @@ def unseen_in_motion(law: Law) -> bool:
     return law.record is not None or (law.force is not None and along_of(law).constant)
 
 
-def without(
-    fitted: Fitted, data: Data, law: str, *, afresh: bool = False
-) -> list[tuple[Oscillator, np.ndarray | None]]:
+def without(fitted: Fitted, data: Data, law: str) -> list[tuple[Oscillator, np.ndarray | None]]:
     """A fitted model with one law less: the family doing what it can of it, and what the measured motion then asks for.
 
-    Where the path depends on the smallest change the likelihood has many summits, and a law may seem to be needed
-    because the model without it rests on a lower one. ``afresh``: also as a fit finds it that knows nothing, from
-    prediction to simulation; without initial states.
+    With initial states.
     """
-    smaller, initial = without_term(fitted.model, law), without_states(fitted, law)
+    guess, initial = Regression(data, without_term(fitted.model, law)).family(), without_states(fitted, law)
+    starts: list[tuple[Oscillator, np.ndarray | None]] = [(handed_down(fitted, data, law), initial)]
+    return starts if guess is None else [*starts, (guess.put_into(without_term(fitted.model, law)), initial)]
+
+
+def without_anew(fitted: Fitted, data: Data, law: str) -> list[tuple[Oscillator, np.ndarray | None]]:
+    """The same as a fit finds it that knows nothing, from prediction to simulation; nothing where none simulates.
+
+    Where the path depends on the smallest change the likelihood has many summits, and a law may seem to be needed
+    because the model without it rests on a lower one.
+    """
+    smaller = without_term(fitted.model, law)
     guess = Regression(data, smaller).family()
     guessed = smaller if guess is None else guess.put_into(smaller)
-    starts: list[tuple[Oscillator, np.ndarray | None]] = [(handed_down(fitted, data, law), initial)]
-    if guess is not None:
-        starts.append((guessed, initial))
-    if afresh:
-        fixed = [name for name in smaller.parameters() if name not in fitted.free]
-        with suppress(BadInput):  # nothing simulates from there
-            starts.append((maximum_likelihood(guessed, data.recordings, fixed, data, doubted=False).oscillator, None))
-    return starts
+    fixed = [name for name in smaller.parameters() if name not in fitted.free]
+    with suppress(BadInput):  # nothing simulates from there
+        return [(maximum_likelihood(guessed, data.recordings, fixed, data, doubted=False).oscillator, None)]
+    return []
 
 
 def handed_down(fitted: Fitted, data: Data, law: str) -> Oscillator:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...identify.fit.evidence import Marginal, Prior, cross_validated, evidence, marginalised, predictive
 from ...identify.problem.data import Data, likelihood
-from ...identify.problem.linearised import Linearised
+from ...identify.problem.linearised import Linearised, Sums
 from ...identify.problem.offset import FEELER
 from ...identify.problem.output_error import State
 from ...identify.problem.segments import Segment
@@ -60,6 +60,30 @@ def evidence_of(fitted: Fitted, data: Data, measure: Measure) -> tuple[float, Ma
     training = _marginal(fitted, data, fitted.free, measure)
     values = np.array([fitted.model.values()[name] for name in fitted.free])
     return evidence(training, values, shared_prior(fitted.model, fitted.free, data.scales)), training
+
+
+def foreseen_loss(fitted: Fitted, data: Data, law: str, measure: Measure) -> float:
+    """What the linearised response loses of log-likelihood where a law has no strength or lag, all else fitted along.
+
+    Zero for one that neither takes away, of which nothing is foreseen.
+
+    Args:
+        fitted: to the training recordings, with the law.
+        data: training recordings.
+        law: its name.
+        measure: in which structures are compared on these.
+    """
+    own = next(term.law for term in fitted.model.terms if term.effect == law)
+    lags = len(own.parameters) == 1 and own.parameters[0].unit == "s"
+    sizes = [f"{law}.{parameter.name}" for parameter in own.parameters if parameter.strength or lags]
+    if not sizes or not set(sizes) <= set(fitted.free):
+        return 0.0
+    places = np.array([fitted.free.index(name) for name in sizes])
+    told = _marginal(fitted, data, fitted.free, measure)
+    others = np.setdiff1d(np.arange(len(fitted.free)), places)
+    sums = Sums(told.information, told.gradient, 0.0, data.points).without(others)
+    values = np.array([fitted.model.values()[name] for name in sizes])
+    return 0.5 * float(values @ sums.normal @ values)
 
 
 def foretold(

@@ -223,20 +223,25 @@ def test_each_law_is_dropped_and_exchanged(proposing, monkeypatch):
 
 
 @pytest.mark.parametrize(
-    ("laws", "times", "asked"),
+    ("laws", "times", "foreseen", "asked"),
     [
-        (("quadratic-drag", "stribeck"), 1.0, True),
-        (("quadratic-drag", "stribeck"), 10.0, False),  # far from the noise there is no summit yet
-        (("quadratic-drag",), 1.0, False),  # the given family was fitted afresh when all began
+        (("quadratic-drag", "stribeck"), 1.0, 0.0, True),
+        (("quadratic-drag", "stribeck"), 1.0, np.inf, False),  # it loses what was to be foreseen
+        (("quadratic-drag", "stribeck"), 10.0, 0.0, False),  # far from the noise there is no summit yet
+        (("quadratic-drag",), 1.0, 0.0, False),  # the given family was fitted afresh when all began
     ],
 )
-def test_what_does_without_one_of_several_laws_is_also_fitted_afresh(proposing, monkeypatch, laws, times, asked):
+def test_what_loses_more_without_one_of_several_laws_is_also_fitted_afresh(
+    proposing, monkeypatch, laws, times, foreseen, asked
+):
     search, leader = leading(*laws, times=times)
     proposing({})
     said = []
-    monkeypatch.setattr("dashpot.diagnose.search.neighbours.without", lambda *_, afresh: said.append(afresh) or [])
+    monkeypatch.setattr("dashpot.diagnose.search.neighbours.without", lambda *_: [])
+    monkeypatch.setattr("dashpot.diagnose.search.neighbours.without_anew", lambda *asked: said.append(asked[-1]) or [])
+    monkeypatch.setattr("dashpot.diagnose.search.search.foreseen_loss", lambda *_: foreseen)
     search._as_long_or_shorter(leader)
-    assert said == [asked] * len(laws)
+    assert said == (list(laws) if asked else [])
 
 
 def test_a_law_becomes_the_more_general_one_where_that_is_not_there(proposing):

@@ -11,6 +11,7 @@ import pytest
 from dashpot.diagnose.search.measure import Measure
 from dashpot.diagnose.search.weigh import (
     evidence_of,
+    foreseen_loss,
     foretold,
     foretold_by_the_others,
     forget,
@@ -26,6 +27,7 @@ from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.equations import equations
 from dashpot.model.law import Scales
+from dashpot.model.terms import with_term
 
 FS, NOISE = 500.0, 1e-5
 #: Damped and linear, so that the motion has a closed form.
@@ -207,6 +209,30 @@ def test_a_model_that_is_off_foretells_worse(decays):
         foretold(fitted, told, training, judged(model, holdout), holdout, Measure()) for model in (fitted.model, off)
     )
     assert good > bad + 100.0
+
+
+def test_what_a_law_is_worth_is_foreseen_where_one_step_takes_it_away(decays):
+    """Against a fit without it, where all that speaks for it is chance."""
+    with_drag, plain = (
+        Structure(model, decays, KEPT).fit(tolerance=1e-9)
+        for model in (with_term(MODEL, "quadratic-drag", {"coefficient": 0.1}), MODEL)
+    )
+    lost = Measure().value(with_drag.residuals) - Measure().value(plain.residuals)
+    assert lost > 0.01
+    assert foreseen_loss(with_drag, decays, "quadratic-drag", Measure()) == pytest.approx(lost, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("law", "size", "foreseen"),
+    [("sensor-lag", {"time": 1e-3}, True), ("actuator-saturation", {"limit": 1.0}, False)],
+)
+def test_of_what_no_strength_takes_away_nothing_is_foreseen(decays, law, size, foreseen):
+    model = with_term(MODEL, law, size)
+    structure = Structure(model, decays, KEPT)
+    state = structure.state(None)
+    free = structure.free if law == "sensor-lag" else (*structure.free, f"{law}.limit")
+    fitted = Fitted(model, state.initial, structure.problem.residuals(state), 0.0, free, state.offsets)
+    assert (foreseen_loss(fitted, decays, law, Measure()) > 0.0) == foreseen
 
 
 @pytest.mark.parametrize(("cycles", "count"), [(5.95, 1), (6.05, 3), (20.0, 3)])
