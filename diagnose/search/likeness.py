@@ -62,8 +62,8 @@ def _as_moved(fitted: Fitted, data: Data) -> Data:
     moved = [np.zeros(recording.n) for recording in data.recordings]
     for i, segment in enumerate(data.segments):
         moved[segment.recording][segment.start : segment.stop] = structure.problem.states(i, state)[:, 0]
-    shown = {"quantity": "displacement", "unit": fitted.model.response.displacement_unit}
-    recordings = [changed(r, response=x, **shown) for r, x in zip(data.recordings, moved, strict=True)]
+    unit, pairs = fitted.model.response.displacement_unit, zip(data.recordings, moved, strict=True)
+    recordings = [changed(r, response=x, quantity="displacement", unit=unit) for r, x in pairs]
     noise = tuple(sigma / s.pace**s.order for sigma, s in zip(data.sensor, data.segments, strict=True))
     return replace(data, recordings=tuple(recordings), sensor=noise)
 
