@@ -14,6 +14,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from ..errors import BadInput
 from ..identify.fit.hold import held_as
 from ..identify.signals.registry import budget
 from ..model import Oscillator
@@ -107,10 +108,12 @@ def _searched(
         rest = without(given[0], odd), without(given[1], odd)
         if rest == given:
             break
-        given = rest
-        left_out += odd
+        try:
+            again = prepare(model, *rest, progress).noted(*(block.sentence for block in (*left_out, *odd)))
+        except BadInput:  # the rest carries no diagnosis
+            break
         _log.info("again, without %s", "; ".join(map(str, odd)))
-        case = prepare(model, *given, progress).noted(*(block.sentence for block in left_out))
+        given, case, left_out = rest, again, [*left_out, *odd]
         found = find(case, progress, until)
     if found.untried:
         case = case.noted(
