@@ -179,8 +179,9 @@ def _leaves_noise(fit: Fit) -> bool:
 def stand(fit: Fit, before: Fit) -> bool:
     """Whether the modes of a fit are there, held against a fit of fewer."""
     modes, errors = modes_of_fit(fit.oscillator), _errors(fit.oscillator)
-    left, least = (max(part.over_noise for part in some.segments) for some in (fit, before))
-    if not (odds(fit, before) > DECISIVE and (_leaves_noise(fit) or (left < least and _foretell(modes, before)))):
+    worst, worst_before = (max(part.over_noise for part in some.segments) for some in (fit, before))
+    explains = _leaves_noise(fit) or (worst < worst_before and _foretell(modes, before))
+    if not (odds(fit, before) > DECISIVE and explains):
         return False
     if any(not zeta < _RINGS for _, zeta, _ in modes) or any(map(_is_a_tone, fit.oscillator.terms)):
         return False

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..signals.registry import budget, decides
+from ..signals.registry import decides
 
 # further_laws.py
 
@@ -24,10 +24,11 @@ MOST_DAMPING = decides(
 
 # measured_motion.py and fit/likeliest_modes.py
 
-HALF = budget(
+HALF = decides(
     0.5,
-    "of the largest gain",
-    why="that a law or a mode must promise to be tried: far from the truth a promise is of first order",
+    "part of what can be gained",
+    "that a law or a mode must promise to be tried, and a mode must foretell to be taken where more than noise is left",
+    why="far from the truth a promise is of first order; of what imitates a mode most is lost where the motion is other",
 )
 
 # start.py
