@@ -10,6 +10,7 @@ import numpy as np
 from ...model.oscillator import QUANTITIES
 from ...simulate.force import Force
 from ..signals.limits import CLEAR_OF_NOISE, DECAY_PART, FEWEST_CYCLES, FLAT, SEVERAL, SHORTEST_PERIOD
+from ..signals.noise_beside_edges import OF_MEDIAN
 from ..signals.registry import numerics
 from .decay import Blow, Decay
 from .envelope import Envelope
@@ -28,7 +29,7 @@ def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
     force = force - np.median(force)
     size = np.abs(force)
     peak = float(np.max(size))
-    over = max(CLEAR_OF_NOISE * 1.4826 * float(np.median(size)), DECAY_PART * peak)
+    over = max(CLEAR_OF_NOISE * OF_MEDIAN * float(np.median(size)), DECAY_PART * peak)
     if not peak > 2 * over:
         return ()
     join = max(2, period // _JOIN)

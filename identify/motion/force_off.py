@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..signals.limits import CLEAR_OF_NOISE, DECAY_FLOOR, FEWEST_CYCLES, ROUNDING
+from ..signals.noise_beside_edges import OF_MEDIAN
 from ..signals.signals import drive_of
 from .decay import Decay
 from .envelope import Envelope
@@ -49,7 +50,7 @@ def _error_of_middle(force: np.ndarray, period: int) -> float:
     if count < FEWEST_CYCLES:
         return np.inf
     means = np.mean(force[: count * period].reshape(count, period), axis=1)
-    return float(np.median(np.abs(means - np.median(means)))) * 1.4826 / np.sqrt(count)
+    return float(np.median(np.abs(means - np.median(means)))) * OF_MEDIAN / np.sqrt(count)
 
 
 def force_off(force: np.ndarray, envelope: Envelope) -> list[Decay]:

@@ -11,11 +11,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...simulate.sides import Sides
+from ..signals.noise_beside_edges import OF_MEDIAN
 from ..signals.odds import BEYOND_ERRORS
-from ..signals.registry import numerics
 from .segments import Segment
-
-_OF_MEDIAN = numerics(1.4826, "times its median size", why="the standard deviation of normal noise")
 
 
 def nearer_sides(segment: Segment, response: np.ndarray, sides: Sides) -> np.ndarray:
@@ -30,7 +28,7 @@ def nearer_sides(segment: Segment, response: np.ndarray, sides: Sides) -> np.nda
         return sides.at
     left = np.abs(segment.response[: response.size] - response)
     # the jumps themselves are in the highest frequencies too, from which the noise is measured
-    noise = min(segment.noise, _OF_MEDIAN * float(np.median(left)))
+    noise = min(segment.noise, OF_MEDIAN * float(np.median(left)))
     # nearer, noise alone is as likely a cause, and a choice that follows it would bend the size of the jump
     apart = np.abs(segment.response[sides.at] - sides.shown)
     nearer = np.flatnonzero((left[sides.at] > BEYOND_ERRORS * noise) & (apart < left[sides.at]))

@@ -26,6 +26,7 @@ _FEWEST = numerics(64, "samples", why="of a block, so that its level is good to 
 _QUIETEST = numerics(0.25, "part of the samples", why="from which the level is found: as many lie beside no edge")
 _OF_NORMAL = numerics(0.31864, "standard deviations", why="below which so many absolute values of normal variables lie")
 _SETTLED = numerics(1e-3, "part of the level", why="far below its error")
+OF_MEDIAN = numerics(1.4826, "times the median size", why="the standard deviation of normal noise")
 
 
 def noise_beside_edges(x: np.ndarray) -> float:

@@ -28,7 +28,7 @@ HALF = decides(
     0.5,
     "part of what can be gained",
     "that a law or a mode must promise to be tried, and a mode must foretell to be taken where more than noise is left",
-    why="far from the truth a promise is of first order; of what imitates a mode most is lost where the motion is other",
+    why="far from the truth a promise is of first order; what imitates a mode loses most where the motion is other",
 )
 
 # start.py
