@@ -261,6 +261,20 @@ def test_a_process_that_outlives_the_fmu_is_not_waited_for(hostile, here, detach
     assert threading.active_count() == threads  # none is left that reads
 
 
+def hears_interrupts() -> None:
+    """As a command at a terminal does; one of a job in the background ignores them, and so would this one."""
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+
+
+def ended_by(command: subprocess.Popen[bytes], number: signal.Signals) -> None:
+    """Send a signal, and wait for the end; a command that does not heed it is killed, and does not hang the tests."""
+    command.send_signal(number)
+    try:
+        command.wait(30)
+    finally:
+        command.kill()
+
+
 def test_what_is_found_is_written_before_the_fmu_is_ended(hostile, here, detached, monkeypatch):
     """Its last words may take for ever; a signal meanwhile ends the command."""
     write_sweep(400)
@@ -271,8 +285,7 @@ def test_what_is_found_is_written_before_the_fmu_is_ended(hostile, here, detache
             assert command.poll() is None, command.stderr.read()
             time.sleep(0.01)
         assert json.loads(Path("out.json").read_text())["pass"] in (True, False)
-        command.send_signal(signal.SIGTERM)
-        command.wait(30)
+        ended_by(command, signal.SIGTERM)
     detached()
     assert command.returncode in (0, 1, 130)
 
@@ -283,12 +296,13 @@ def test_a_command_that_waits_for_an_fmu_hears_a_signal(hostile, here, detached,
     line = [sys.executable, "-P", "-m", "dashpot", "verify", str(hostile), "sweep.csv", "--time-limit", "600"]
     for number in (signal.SIGINT, signal.SIGTERM):
         Path(os.environ["DETACHED"]).unlink(missing_ok=True)
-        with subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as command:
+        with subprocess.Popen(
+            line, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, preexec_fn=hears_interrupts
+        ) as command:
             while not Path(os.environ["DETACHED"]).exists() or not Path(os.environ["DETACHED"]).read_text():
                 assert command.poll() is None
                 time.sleep(0.01)
-            command.send_signal(number)
-            command.wait(30)
+            ended_by(command, number)
         left = detached()
         assert command.returncode == 130
         if number == signal.SIGINT:
