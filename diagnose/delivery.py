@@ -16,12 +16,9 @@ from ..identify.problem.structure import Fitted, renamed
 from ..identify.provenance import with_provenance
 from ..model import Oscillator
 from ..model.library import find
-from ..model.terms import without_term
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .search.judgement import names_of
-
-_DELAY = "time-delay"
 
 
 def finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) -> Oscillator:
@@ -31,10 +28,10 @@ def finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) 
     """
     shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
     data = data_of(recordings, cut_by, coarse=False)
-    return delivered(fitted.model, data, shapes, initial=_begun(fitted, data), doubted=False).oscillator
+    return delivered(fitted.model, data, shapes, initial=begun(fitted, data), doubted=False).oscillator
 
 
-def _begun(fitted: Fitted, data: Data) -> np.ndarray | None:
+def begun(fitted: Fitted, data: Data) -> np.ndarray | None:
     """The initial states of a search; None where its recordings, their zeros taken off since, are cut elsewhere."""
     return fitted.initial if len(fitted.initial) == len(data.segments) else None
 
@@ -62,8 +59,8 @@ def with_errors(
 
     def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
         data = data_of(recordings, cut_by, coarse=False)
-        begun = _begun(fitted, data)
-        return delivered(known or fitted.model, data, shapes, initial=begun, memory=memory, doubted=doubted)
+        initial = begun(fitted, data)
+        return delivered(known or fitted.model, data, shapes, initial=initial, memory=memory, doubted=doubted)
 
     try:
         if hold_is_free:
@@ -82,28 +79,6 @@ def with_errors(
         hold=hold_of_recordings(recordings),
     )
     return model, list(fit.notes)
-
-
-def hold_beside(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording], memory: float) -> str:
-    """The hold that driven recordings ask for beside a structure whose delay lies within a sample; else theirs.
-
-    What is held from sample to sample comes half a sample late. The loss that goes with it no delay explains, so that
-    the structure is fitted without the delay under each hold. Arguments as for ``with_errors``.
-    """
-    delay = fitted.model.values().get(f"{_DELAY}.delay", np.inf)
-    if not abs(delay) < max((recording.dt for recording in recordings if recording.force is not None), default=0.0):
-        return hold_of_recordings(recordings)
-    model, shapes = without_term(fitted.model, _DELAY), [n for n in fitted.model.parameters() if n not in fitted.free]
-
-    def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
-        data = data_of(recordings, cut_by, coarse=False)
-        return delivered(known or model, data, shapes, initial=_begun(fitted, data), memory=memory, doubted=doubted)
-
-    recordings = [changed(recording, hold=None) for recording in recordings]
-    try:
-        return with_hold(answer(recordings, None, doubted=False), recordings, answer, doubted=False)[0].oscillator.hold
-    except BadInput:  # nothing simulates without the delay
-        return hold_of_recordings(recordings)
 
 
 def named(fitted: Fitted, laws: Sequence[str]) -> Fitted:

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import BadInput
-from ..identify.fit.hold import held_as
 from ..identify.signals.registry import budget
 from ..model import Oscillator
 from ..model.display import full_stop
@@ -23,8 +22,8 @@ from ..model.library import KNOWN
 from ..recording.given import recordings_of
 from ..recording.recording import Recording
 from ..simulate.work import Meter
+from .asked_again import asked_again
 from .case import Case, Progress, prepare
-from .delivery import hold_beside
 from .family import first_fit
 from .odd_blocks import OddBlock, odd_blocks, without
 from .result import Diagnosis
@@ -94,26 +93,25 @@ def _searched(
     case = prepare(model, *given, progress)
     taken = time.monotonic() - begun
     found = find(case, progress, until)
-    if all(recording.hold is None for recording in case.given):
-        hold = hold_beside(found.fitted, case.model, case.recordings, found.weighing.data.memory)
-        if hold != case.family.model.hold:  # every law is asked anew
-            given = held_as(given[0], hold), held_as(given[1], hold)
-            case = prepare(model, *given, progress)
-            found = find(case, progress, until)
-    while odd := odd_blocks(found):
+    while True:
+        odd: list[OddBlock] = []
+        if change := asked_again(case, found):
+            rest = change.of(given[0]), change.of(given[1])
+        else:
+            odd = odd_blocks(found)
+            rest = without(given[0], odd), without(given[1], odd)
+            if rest == given:
+                break
+        why = str(change) if change else f"without what no law explains ({', '.join(map(str, odd))})"
         if time.monotonic() + taken > until:
-            instead = f"again without what no law explains ({', '.join(map(str, odd))})"
-            found = replace(found, untried=(*found.untried, instead))
-            break
-        rest = without(given[0], odd), without(given[1], odd)
-        if rest == given:
+            found = replace(found, untried=(*found.untried, f"again {why}"))
             break
         try:
-            again = prepare(model, *rest, progress).noted(*(block.sentence for block in (*left_out, *odd)))
+            searched = prepare(model, *rest, progress).noted(*(block.sentence for block in (*left_out, *odd)))
         except BadInput:  # the rest carries no diagnosis
             break
-        _log.info("again, without %s", "; ".join(map(str, odd)))
-        given, case, left_out = rest, again, [*left_out, *odd]
+        _log.info("again %s", why)
+        given, case, left_out = rest, searched, [*left_out, *odd]
         found = find(case, progress, until)
     if found.untried:
         case = case.noted(

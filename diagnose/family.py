@@ -14,6 +14,7 @@ from ..identify.faults.spread import differing, is_let_go, with_spread
 from ..identify.faults.stranger_among import KEPT
 from ..identify.fit.from_prediction import keeps_step, memories
 from ..identify.fit.hold import held_as
+from ..identify.fit.likeliest_modes import odds
 from ..identify.fit.likelihood import maximum_likelihood
 from ..identify.fit.mismatch import gain_of_mismatch
 from ..identify.identification import LEADS_NOWHERE, Identification, identify
@@ -133,19 +134,24 @@ def _as_they_differ(
 
     Those that are held out are judged with it too: a rig whose frequency moved between two blows lacks no physics.
     """
-    if not holdout or not all(is_let_go(s.segment) for s in identification.fit.segments):
+    asked = any(recording.differs for recording in recordings)
+    if asked or not holdout or not all(is_let_go(s.segment) for s in identification.fit.segments):
         return identification, _with_what_differs(recordings, identification.recordings), holdout
     every, fit = [*recordings, *holdout], identification.fit
     how = {"fixed": [name for name in fit.oscillator.parameters() if name not in fit.names], "doubted": False}
     try:
-        found = differing(maximum_likelihood(fit.oscillator, every, **how, near=True), every)
+        alike = maximum_likelihood(fit.oscillator, every, **how, near=True)
+        found = differing(alike, every)
         if found is None:
             return identification, _with_what_differs(recordings, identification.recordings), holdout
-        every, mean = found
-        words = with_spread(maximum_likelihood(mean, every, **how, near=True), every)[1]
+        each, mean = found
+        apart = maximum_likelihood(mean, each, **how, near=True)
+        if not odds(apart, alike) > DECISIVE:
+            return identification, recordings, holdout
+        words = with_spread(apart, each)[1]
     except BadInput:  # not all of them simulate
         return identification, recordings, holdout
-    recordings, holdout = every[: len(recordings)], every[len(recordings) :]
+    recordings, holdout = each[: len(recordings)], each[len(recordings) :]
     return replace(_from(mean, recordings) or identification, differs=words), recordings, holdout
 
 

@@ -267,6 +267,11 @@ class Law:
         return _BRACES.sub(lambda match: shown(match.group(1)), self.equation)
 
     @property
+    def lags(self) -> bool:
+        """Whether all that it does is to come late, by its one parameter."""
+        return self.force is None and len(self.parameters) == 1 and self.parameters[0].unit == "s"
+
+    @property
     def effect(self) -> str:
         """The effect's name, without the variant."""
         return self.name if self.learnt else self.name.partition("/")[0]

@@ -74,8 +74,7 @@ def foreseen_loss(fitted: Fitted, data: Data, law: str, measure: Measure) -> flo
         measure: in which structures are compared on these.
     """
     own = next(term.law for term in fitted.model.terms if term.effect == law)
-    lags = len(own.parameters) == 1 and own.parameters[0].unit == "s"
-    sizes = [f"{law}.{parameter.name}" for parameter in own.parameters if parameter.strength or lags]
+    sizes = [f"{law}.{parameter.name}" for parameter in own.parameters if parameter.strength or own.lags]
     if not sizes or not set(sizes) <= set(fitted.free):
         return 0.0
     places = np.array([fitted.free.index(name) for name in sizes])
