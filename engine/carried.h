@@ -45,16 +45,18 @@ static void dp_carry_crossing(const dp_engine *e, const struct dp_line *l, doubl
 static void dp_carry_breaking(const dp_engine *e, const struct dp_line *l, double tau);
 static void dp_carry_after(const dp_engine *e, const struct dp_line *l, double tau);
 
+/* A run without derivatives has no block of unknowns, and is that of an engine without them, to the bit. */
+#define DP_WITH(e, done) (DP_CARRIED(e)->blocks ? (void)(done) : (void)0)
 #define DP_STAGE(e, i, z) memcpy(DP_CARRIED(e)->stage[i], z, sizeof DP_CARRIED(e)->stage[i])
 #define DP_STAGES(e, tau, h) DP_CARRIED(e)->stage_tau = tau, DP_CARRIED(e)->stage_h = h
-#define DP_FLOWN(e, l, tau, h, k1) dp_carry_flow(e, l, tau, h, k1)
-#define DP_CROSSING(e, l, tau, surface) dp_carry_crossing(e, l, tau, surface)
-#define DP_BREAKING(e, l, tau) dp_carry_breaking(e, l, tau)
-#define DP_BEFORE(e, l, tau) dp_carry_before(e, l, tau, 0)
-#define DP_AFTER(e, l, tau) dp_carry_after(e, l, tau)
-#define DP_SHOWN(e, given, u, shown, i) dp_carry_shown(e, given, u, shown, i)
-#define DP_CORRECTING(e, gain, u, i) dp_carry_correction(e, gain, u, i)
-#define DP_BESIDE(e, last, given, u, shown, out) dp_carry_beside(e, last, given, u, shown, out)
-#define DP_ON(e) dp_carry_on(e)
+#define DP_FLOWN(e, l, tau, h, k1) DP_WITH(e, dp_carry_flow(e, l, tau, h, k1))
+#define DP_CROSSING(e, l, tau, surface) DP_WITH(e, dp_carry_crossing(e, l, tau, surface))
+#define DP_BREAKING(e, l, tau) DP_WITH(e, dp_carry_breaking(e, l, tau))
+#define DP_BEFORE(e, l, tau) DP_WITH(e, dp_carry_before(e, l, tau, 0))
+#define DP_AFTER(e, l, tau) DP_WITH(e, dp_carry_after(e, l, tau))
+#define DP_SHOWN(e, given, u, shown, i) DP_WITH(e, dp_carry_shown(e, given, u, shown, i))
+#define DP_CORRECTING(e, gain, u, i) DP_WITH(e, dp_carry_correction(e, gain, u, i))
+#define DP_BESIDE(e, last, given, u, shown, out) DP_WITH(e, dp_carry_beside(e, last, given, u, shown, out))
+#define DP_ON(e) DP_WITH(e, dp_carry_on(e))
 
 #endif

@@ -33,6 +33,11 @@ static void dp_outputs_under(const dp_engine *e, const signed char *kept, double
 #ifndef DP_CARRIES /* else: derivatives of the motion `last` under signs given; the motion goes on to the next sample */
 #define DP_BESIDE(e, last, given, u, shown, out)
 #define DP_ON(e)
+typedef dp_engine dp_whole;
+#define DP_ENGINE(e) (&(e))
+#else
+typedef dp_carried dp_whole;
+#define DP_ENGINE(e) (&(e).engine)
 #endif
 
 /* What samples beside a jump are on its other side, one after another: which sample, its output there, and behind that
@@ -246,13 +251,14 @@ DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, 
     dp_start(&c.engine, r->p, r->z0, r->t0, r->max_step);
     return dp_record_by(&c.engine, r);
 }
-#else
-DP_EXPORT long dp_record(const dp_recording *r) {
-    dp_engine e;
-    dp_start(&e, r->p, r->z0, r->t0, r->max_step);
-    return dp_record_by(&e, r);
-}
 #endif
+
+DP_EXPORT long dp_record(const dp_recording *r) {
+    dp_whole e;
+    memset(&e, 0, sizeof e);
+    dp_start(DP_ENGINE(e), r->p, r->z0, r->t0, r->max_step);
+    return dp_record_by(DP_ENGINE(e), r);
+}
 
 DP_EXPORT void dp_sides_done(dp_sides_shown *sides) {
     free(sides->at);
@@ -261,9 +267,10 @@ DP_EXPORT void dp_sides_done(dp_sides_shown *sides) {
 
 /* The right-hand side at the present signs, for tests that hold the renderings against one another. */
 DP_EXPORT void dp_rates(const double *p, const double *z, double t, double u, double *f) {
-    dp_engine e;
+    dp_whole e;
     const dp_line line = {{u, 0.0, 0.0, 0.0}, t};
-    dp_start(&e, p, z, t, 1.0);
-    dp_find_modes(&e, &line);
-    dp_field_at(&e, &line, 0.0, z, f);
+    memset(&e, 0, sizeof e);
+    dp_start(DP_ENGINE(e), p, z, t, 1.0);
+    dp_find_modes(DP_ENGINE(e), &line);
+    dp_field_at(DP_ENGINE(e), &line, 0.0, z, f);
 }

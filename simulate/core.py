@@ -58,14 +58,20 @@ _Lanes = tuple[int, np.ndarray, np.ndarray, np.ndarray]
 
 
 class Core:
-    """The compiled equations of one model structure; parameters are an argument, so one core serves a whole fit."""
+    """The compiled equations of one model structure; parameters are an argument, so one core serves a whole fit.
 
-    def __init__(self, oscillator: Oscillator) -> None:
+    Args:
+        oscillator: has the structure.
+        carried: whether it is compiled with what derivatives need at once, for all that is asked of it: that takes
+            three times as long, and less than one compilation without it and one with it.
+    """
+
+    def __init__(self, oscillator: Oscillator, *, carried: bool = False) -> None:
         self.equations = equations(oscillator)
         self.quantity = oscillator.response.quantity
         self.parameter_names = self.equations.parameter_names
         self.states = len(self.equations.state_names)
-        self._library = self._built(carried=False)
+        self._library, self._carries = self._built(carried), carried
         self._record = self._library.dp_record
         self._record.restype = ctypes.c_long
         self._record.argtypes = [ctypes.POINTER(_Recording)]
@@ -93,7 +99,7 @@ class Core:
     @computed_once
     def _carried(self) -> Any:
         """``dp_record_carried``, compiled where it is first asked for."""
-        record = self._built(carried=True).dp_record_carried
+        record = (self._library if self._carries else self._built(carried=True)).dp_record_carried
         record.restype = ctypes.c_long
         record.argtypes = [
             ctypes.POINTER(_Recording),
@@ -408,11 +414,14 @@ def _linearised(structure: Structure) -> tuple[Equations, Expression, Expression
     return eq, jacobian, ca.Function("reaches", [eq.p], [eq.reaches])
 
 
-def core_of(oscillator: Oscillator) -> Core:
-    """The core for the structure of ``oscillator`` (which laws, which response), built at first use."""
+def core_of(oscillator: Oscillator, *, carried: bool = False) -> Core:
+    """The core for the structure of ``oscillator`` (which laws, which response), built at first use.
+
+    ``carried`` says that derivatives will be asked of it, see ``Core``.
+    """
     key = structure_of(oscillator)
     if key not in _cores:
-        _cores[key] = Core(oscillator)
+        _cores[key] = Core(oscillator, carried=carried)
     return _cores[key]
 
 

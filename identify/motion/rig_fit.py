@@ -65,7 +65,7 @@ class Piece:
 
 @cache
 def _core() -> Core:
-    return core_of(Oscillator.from_values(dict.fromkeys(NAMES, 0.0) | {"omega0": 1.0}))
+    return core_of(Oscillator.from_values(dict.fromkeys(NAMES, 0.0) | {"omega0": 1.0}), carried=True)
 
 
 @dataclass(frozen=True, eq=False)

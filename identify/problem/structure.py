@@ -156,7 +156,7 @@ class Structure:
         if not driven:  # free motion says nothing of the mass, nor of what else is measured by the force
             kept |= {"mass", *(name for name, p in laws if "Q" in factors(p.unit))}
         self.free = tuple(name for name in names if name not in kept)
-        core = core_of(model)
+        core = core_of(model, carried=True)
         scales = data.scales
         inner = [_SMALL * scales.of(state.unit) for state in core.equations.inner]
         length = scales.length
