@@ -11,11 +11,14 @@ import numpy as np
 from ..errors import BadInput, printable
 
 if TYPE_CHECKING:
+    from ..identify.motion.decay import FreeMotion
     from ..recording import Recording
     from ..recording.table import Table
 
 _BLOCKS = "▁▂▃▄▅▆▇█"
 _WIDTH = 60  # characters of a picture
+_MARKS = {"free": "━", "struck": "╍", "driven": "┄"}  # under it, where a fit would take what moves
+_NAMED = 4  # pieces of a kind are named with their times
 _OPTIONS = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold")
 
 
@@ -70,15 +73,16 @@ def _roles(table: Table, response: str | None, how: Mapping[str, Any]) -> dict[s
 
 
 def _facts(recording: Recording) -> dict[str, Any]:
-    from ..identify.motion.decays import find_decays
+    from ..identify.motion.decays import find_free_motion
     from ..identify.motion.excitation import kind_of
     from ..identify.motion.mode_lines import modes_of
 
+    free = find_free_motion(recording)
     signals = [("response", recording.response, recording.unit)]
     if recording.force is not None:
         signals.append(("force", recording.force, recording.force_unit))
     return {
-        "motion": kind_of(recording, find_decays(recording)),
+        "motion": kind_of(recording, free.decays),
         "quantity": recording.quantity,
         "fs": recording.fs,
         "samples": recording.n,
@@ -89,9 +93,34 @@ def _facts(recording: Recording) -> dict[str, Any]:
             | {"picture": sparkline(signal)}
             for role, signal, unit in signals
         ],
+        "pieces": _pieces(recording, free),
         "modes": [mode.as_json() for mode in modes_of([recording])],
-        "notes": list(recording.notes),
+        "notes": list(dict.fromkeys([*recording.notes, *free.notes])),
     }
+
+
+def _pieces(recording: Recording, free: FreeMotion) -> list[dict[str, Any]]:
+    """What a fit would take of a recording, in order: of what kind, and from where to where in s."""
+    from ..identify.motion.blows import ContactForce
+    from ..identify.problem.segments import cut
+    from ..identify.signals.hilbert import dominant_frequency
+
+    known = [decay.omega for decay in free.decays if decay.omega]
+    try:
+        omega = (
+            known[0] if known else 2 * np.pi * dominant_frequency(np.asarray(recording.response, float), recording.fs)
+        )
+        taken = cut([recording], omega)
+    except BadInput:  # nothing moves
+        return []
+    return [
+        {
+            "kind": "struck" if isinstance(piece.force, ContactForce) else "free" if piece.force is None else "driven",
+            "start": recording.start + piece.start / recording.fs,
+            "stop": recording.start + piece.stop / recording.fs,
+        }
+        for piece in sorted(taken, key=lambda piece: piece.start)
+    ]
 
 
 def _rms(signal: np.ndarray) -> float:
@@ -137,4 +166,23 @@ def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
     for signal in recording["signals"]:
         lines.append(f"  {signal['role']:<10} {signal['picture']}")
         lines.append(f"             {signal['min']:.4g} to {signal['max']:.4g} {signal['unit']}")
+    lines += _taken(recording)
     return [*lines, *(f"  note       {note}" for note in recording["notes"])]
+
+
+def _taken(recording: Mapping[str, Any]) -> list[str]:
+    """What a fit would take, under the pictures of the signals, and when that is."""
+    pieces, begin, fs = recording["pieces"], recording["start"], recording["fs"]
+    marks = np.full(recording["samples"], " ")
+    for piece in pieces:
+        first, last = (round((piece[edge] - begin) * fs) for edge in ("start", "stop"))
+        marks[first:last] = _MARKS[piece["kind"]]
+    parts = np.array_split(marks, min(_WIDTH, marks.size))
+    row = "".join(max(_MARKS.values(), key=list(part).count) if np.any(part != " ") else " " for part in parts)
+    said = []
+    for kind, mark in _MARKS.items():
+        spans = [f"{piece['start']:.4g} to {piece['stop']:.4g} s" for piece in pieces if piece["kind"] == kind]
+        more = f" and {len(spans) - _NAMED} more" if len(spans) > _NAMED else ""
+        said += [f"{mark} {kind} {', '.join(spans[:_NAMED])}{more}"] if spans else []
+    rest = ["the rest is left"] if said and np.any(marks == " ") else []
+    return [f"  taken      {row}".rstrip(), f"             {'; '.join([*said, *rest]) or 'nothing'}"]
