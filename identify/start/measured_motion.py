@@ -210,7 +210,12 @@ class Regression:
         return sorted((guess for guess in solved if guess is not None), key=lambda guess: guess.misfit)
 
     def _refined(self, law: Law, guess: Guess, tries: int) -> Guess:
-        """The best place around a guess: onsets, speeds and times move by factors (Nelder and Mead 1965)."""
+        """The best place around a guess: onsets, speeds and times move by factors (Nelder and Mead 1965).
+
+        Strengths follow from each place by linear regression, so that one to three numbers are left, along which the
+        misfit has corners. There steps by a gradient (BFGS) took a third more places and ended 1 % or more higher for
+        five of 29 laws, the method of Powell a tenth more, and for one.
+        """
         from scipy.optimize import minimize
 
         placed = [p for p in law.parameters if not (p.strength or p.shape or p.scale)]
