@@ -10,19 +10,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 from ..errors import BadInput
-from ..identify.faults.spread import ALIKE
+from ..identify.faults.spread import alike
 from ..identify.fit.hold import hold_of_recordings, with_hold
-from ..identify.fit.reported_result import Fit, delivered
-from ..identify.problem.data import data_of
+from ..identify.fit.reported_result import Fit
 from ..model import Oscillator
 from ..model.fit_state import LACKING
+from ..model.oscillator import HOLDS
 from ..model.terms import without_term
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .case import Case
-from .delivery import begun
+from .delivery import refitted
 from .search.found import Found
 from .search.residual_test import leftovers
 
@@ -41,15 +42,13 @@ class Change:
 
     def of(self, recordings: Sequence[Recording]) -> list[Recording]:
         """The recordings with it."""
-        made = list(recordings)
         if self.hold is not None:
-            made = [changed(recording, hold=self.hold) for recording in made]
-        return [changed(recording, differs=ALIKE) for recording in made] if self.alike else made
+            recordings = [changed(recording, hold=self.hold) for recording in recordings]
+        return alike(recordings) if self.alike else list(recordings)
 
     def __str__(self) -> str:
-        return (
-            "as recordings of one rig, of which nothing differs" if self.alike else f"with a force of hold {self.hold}"
-        )
+        held = "" if self.hold is None else f"with a force that is {HOLDS[self.hold]}"
+        return "as recordings of a rig in which nothing differs" if self.alike else held
 
 
 def asked_again(case: Case, found: Found) -> Change | None:
@@ -64,16 +63,18 @@ def asked_again(case: Case, found: Found) -> Change | None:
 
 
 def _are_alike(case: Case, found: Found) -> bool:
-    """Whether recordings that differ beside the family leave no more than before where they do not."""
-    if not any(recording.differs not in ((), ALIKE) for recording in case.recordings):
+    """Whether recordings that differ beside the family leave no more at their worst, or only noise, where none does.
+
+    Beside a structure that lacks much, odds by samples would say of any two of them that they differ.
+    """
+    if not any(size for recording in case.recordings for _, size in recording.differs):
         return False
-    model = found.fitted.model
-    apart, alike = (
-        _fitted(case, found, recordings, model)
-        for recordings in (case.recordings, Change(alike=True).of(case.recordings))
+    fit = partial(refitted, found.fitted, case.model, memory=found.weighing.data.memory)
+    apart, same = (
+        max(part.over_noise for part in fit(recordings).segments)
+        for recordings in (case.recordings, alike(case.recordings))
     )
-    worst = [max(part.over_noise for part in fit.segments) for fit in (apart, alike)]
-    return worst[1] <= max(worst[0], LACKING)
+    return same <= max(apart, LACKING)
 
 
 def _hold(case: Case, found: Found) -> str | None:
@@ -90,18 +91,9 @@ def _hold(case: Case, found: Found) -> str | None:
     if len(model.terms) == len(found.fitted.model.terms) and not max(part.ratio for part in left) > LACKING:
         return None
     free = [changed(recording, hold=None) for recording in case.recordings]
+    fit = partial(refitted, found.fitted, case.model, memory=found.weighing.data.memory)
 
     def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
-        return _fitted(case, found, recordings, known or model, doubted=doubted)
+        return fit(recordings, known or model, doubted=doubted)
 
-    return hold_of_recordings(with_hold(answer(free, None, doubted=False), free, answer, doubted=False)[1])
-
-
-def _fitted(
-    case: Case, found: Found, recordings: Sequence[Recording], model: Oscillator, *, doubted: bool = False
-) -> Fit:
-    """A structure fitted finely to recordings, from where the search has left it."""
-    shapes = [name for name in found.fitted.model.parameters() if name not in found.fitted.free]
-    data = data_of(recordings, case.model, coarse=False)
-    how = {"initial": begun(found.fitted, data), "memory": found.weighing.data.memory}
-    return delivered(model, data, [name for name in shapes if name in model.parameters()], **how, doubted=doubted)
+    return hold_of_recordings(with_hold(fit(free, model), free, answer, doubted=False)[1])

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-
-import numpy as np
+from functools import partial
 
 from ..errors import BadInput
 from ..identify.faults.spread import with_spread
 from ..identify.fit.hold import hold_of_recordings, with_hold
 from ..identify.fit.reported_result import Fit, delivered
-from ..identify.problem.data import Data, data_of
+from ..identify.problem.data import data_of
+from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted, renamed
 from ..identify.provenance import with_provenance
 from ..model import Oscillator
@@ -21,19 +21,34 @@ from ..recording.recording import Recording
 from .search.judgement import names_of
 
 
-def finely(fitted: Fitted, cut_by: Oscillator, recordings: Sequence[Recording]) -> Oscillator:
-    """A structure of a search as it would be delivered, but for what predictions say otherwise.
+def refitted(
+    fitted: Fitted,
+    cut_by: Oscillator,
+    recordings: Sequence[Recording],
+    known: Oscillator | None = None,
+    *,
+    memory: float = FREE,
+    doubted: bool = False,
+) -> Fit:
+    """A structure of a search, whose simulations are coarser, fitted finely to recordings from where it was left.
 
-    Raises BadInput where a finer simulation does not run.
+    Args:
+        fitted: of a search.
+        cut_by: the model by whose frequency the recordings are cut.
+        recordings: to fit it to.
+        known: the structure elsewhere, or less one of its laws; None: as it was left.
+        memory: how far it predicts, in cycles.
+        doubted: whether its errors hold what predictions say otherwise.
+
+    Raises:
+        BadInput: a finer simulation does not run.
     """
-    shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
+    model = known or fitted.model
+    shapes = [name for name in model.parameters() if name not in fitted.free]
     data = data_of(recordings, cut_by, coarse=False)
-    return delivered(fitted.model, data, shapes, initial=begun(fitted, data), doubted=False).oscillator
-
-
-def begun(fitted: Fitted, data: Data) -> np.ndarray | None:
-    """The initial states of a search; None where its recordings, their zeros taken off since, are cut elsewhere."""
-    return fitted.initial if len(fitted.initial) == len(data.segments) else None
+    # those whose zeros were taken off since may be cut elsewhere
+    initial = fitted.initial if len(fitted.initial) == len(data.segments) else None
+    return delivered(model, data, shapes, initial=initial, memory=memory, doubted=doubted)
 
 
 def with_errors(
@@ -55,17 +70,11 @@ def with_errors(
         named: whether it is delivered, and its errors hold what predictions say otherwise, or only compared with.
         hold_is_free: whether the recordings' hold was found beside a family that lacks something, and is asked anew.
     """
-    shapes = [name for name in fitted.model.parameters() if name not in fitted.free]
-
-    def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
-        data = data_of(recordings, cut_by, coarse=False)
-        initial = begun(fitted, data)
-        return delivered(known or fitted.model, data, shapes, initial=initial, memory=memory, doubted=doubted)
-
+    answer = partial(refitted, fitted, cut_by, memory=memory)
     try:
         if hold_is_free:
             recordings = [changed(recording, hold=None) for recording in recordings]
-        fit = answer(recordings, None, doubted=named)
+        fit = answer(recordings, doubted=named)
         if hold_is_free:
             fit, recordings, _ = with_hold(fit, recordings, answer, doubted=named)
     except BadInput as problem:  # a finer simulation may turn over where a coarser did not

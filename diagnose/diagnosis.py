@@ -95,7 +95,8 @@ def _searched(
     found = find(case, progress, until)
     while True:
         odd: list[OddBlock] = []
-        if change := asked_again(case, found):
+        change = asked_again(case, found) if time.monotonic() < until else None
+        if change:
             rest = change.of(given[0]), change.of(given[1])
         else:
             odd = odd_blocks(found)

@@ -40,7 +40,7 @@ from ..model import Oscillator
 from ..model.library import find
 from ..model.terms import with_term, without_term
 from .case import Case, Progress
-from .delivery import finely
+from .delivery import refitted
 from .family import cut_for
 from .limits import ALIKE, GROUP
 from .search.candidate import Candidate, key
@@ -71,7 +71,7 @@ def simplify(case: Case, found: Found, progress: Progress) -> Found:
     weighing, several = found.weighing, len(found.selected.laws) > 1
     if weighing.data.memory == FREE and several and not leaves_mismatch(found.selected, weighing.parts):
         progress("whether all laws are needed", 0.85)
-        found = without_needless(found, lambda fitted: finely(fitted, case.model, case.recordings))
+        found = without_needless(found, lambda fitted: refitted(fitted, case.model, case.recordings).oscillator)
     found = with_plainer_laws(found)
     if len(found.selected.laws) > 1:
         whole = cut_for(case.family, case.uncut, case.model)

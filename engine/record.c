@@ -34,10 +34,8 @@ static void dp_outputs_under(const dp_engine *e, const signed char *kept, double
 #define DP_BESIDE(e, last, given, u, shown, out)
 #define DP_ON(e)
 typedef dp_engine dp_whole;
-#define DP_ENGINE(e) (&(e))
 #else
-typedef dp_carried dp_whole;
-#define DP_ENGINE(e) (&(e).engine)
+typedef dp_carried dp_whole; /* an engine stands first in it */
 #endif
 
 /* What samples beside a jump are on its other side, one after another: which sample, its output there, and behind that
@@ -254,10 +252,11 @@ DP_EXPORT long dp_record_carried(const dp_recording *r, int blocks, long count, 
 #endif
 
 DP_EXPORT long dp_record(const dp_recording *r) {
-    dp_whole e;
-    memset(&e, 0, sizeof e);
-    dp_start(DP_ENGINE(e), r->p, r->z0, r->t0, r->max_step);
-    return dp_record_by(DP_ENGINE(e), r);
+    dp_whole whole;
+    dp_engine *e = (dp_engine *)&whole;
+    memset(&whole, 0, sizeof whole);
+    dp_start(e, r->p, r->z0, r->t0, r->max_step);
+    return dp_record_by(e, r);
 }
 
 DP_EXPORT void dp_sides_done(dp_sides_shown *sides) {
@@ -267,10 +266,11 @@ DP_EXPORT void dp_sides_done(dp_sides_shown *sides) {
 
 /* The right-hand side at the present signs, for tests that hold the renderings against one another. */
 DP_EXPORT void dp_rates(const double *p, const double *z, double t, double u, double *f) {
-    dp_whole e;
+    dp_whole whole;
+    dp_engine *e = (dp_engine *)&whole;
     const dp_line line = {{u, 0.0, 0.0, 0.0}, t};
-    memset(&e, 0, sizeof e);
-    dp_start(DP_ENGINE(e), p, z, t, 1.0);
-    dp_find_modes(DP_ENGINE(e), &line);
-    dp_field_at(DP_ENGINE(e), &line, 0.0, z, f);
+    memset(&whole, 0, sizeof whole);
+    dp_start(e, p, z, t, 1.0);
+    dp_find_modes(e, &line);
+    dp_field_at(e, &line, 0.0, z, f);
 }

@@ -51,9 +51,6 @@ from .unlike_parts import spread_of_scores
 
 #: What may differ between recordings, and what a sentence calls it.
 KINDS = {"omega0": "natural frequency", "viscous": "viscous damping", "dry": "dry friction"}
-_NOTHING = numerics(0.0, "rad/s", why="a difference of nothing, which is known and not asked for")
-#: What is said of recordings in which nothing differs.
-ALIKE = (("omega0", _NOTHING),)
 _FEELER = numerics(1e-2, "of a parameter", why="size for finite differences")
 _STEPS = budget(20, "steps", why="a search takes ten to twenty")
 _SLOPES = numerics(41, "slopes", why="of laws by the amplitude, a twentieth of the steepest apart")
@@ -129,6 +126,11 @@ def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording
         for i, recording in enumerate(recordings)
     ]
     return made, mean
+
+
+def alike(recordings: Sequence[Recording]) -> list[Recording]:
+    """The recordings as of a rig in which nothing differs: a difference of nothing is known, and not asked for."""
+    return [changed(recording, differs=tuple((name, 0.0) for name in KINDS)) for recording in recordings]
 
 
 def _by_amplitude(

@@ -15,7 +15,7 @@ from dashpot.diagnose.asked_again import Change, asked_again
 from dashpot.diagnose.search.weigh import judged
 from dashpot.examples.force import chirp
 from dashpot.identify import identify
-from dashpot.identify.faults.spread import ALIKE
+from dashpot.identify.faults.spread import alike
 from dashpot.identify.problem.data import data_of
 from dashpot.model import Oscillator
 from dashpot.model.terms import with_term
@@ -69,8 +69,10 @@ def test_what_differs_beside_the_family_alone_differs_no_more():
     recordings = [decay(1, 0.1), changed(decay(2, 0.06), differs=(("viscous", 0.02),))]
     change = beside(DRAG, recordings)
     assert change == Change(alike=True)
-    assert [r.differs for r in change.of(recordings)] == [ALIKE, ALIKE]
-    assert str(change) == "as recordings of one rig, of which nothing differs"
+    assert [r.differs for r in change.of(recordings)] == [r.differs for r in alike(recordings)]
+    assert all(size == 0.0 for recording in change.of(recordings) for _, size in recording.differs)
+    assert str(change) == "as recordings of a rig in which nothing differs"
+    assert beside(DRAG, change.of(recordings)) is None
 
 
 def test_what_differs_beside_the_best_structure_too_still_does():
@@ -87,6 +89,7 @@ def test_a_lag_of_half_a_sample_is_a_hold(parameter):
     late = with_term(DRIVEN, law, {name: 0.5 / FS})
     change = beside(late, recordings)
     assert change == Change("zero")
+    assert str(change) == "with a force that is held from sample to sample"
     assert {r.hold for r in change.of(recordings)} == {"zero"}
     assert beside(late, recordings, given=[changed(r, hold="smooth") for r in recordings]) is None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.diagnose.delivery import finely
+from dashpot.diagnose.delivery import refitted
 from dashpot.identify.problem.structure import Fitted
 from dashpot.model import oscillator_with
 from dashpot.recording import Recording
@@ -21,6 +21,6 @@ def test_a_search_with_other_segments_leaves_the_values_alone(segments):
     values = {"mass": 1.0, "omega0": 1.01 * omega, "viscous": 2.0 * rate, "cubic": 0.0, "preload": 0.0, "dry": 0.0}
     model = oscillator_with(values, effects=())
     fitted = Fitted(model, np.tile([1.0, 0.0], (segments, 1)), (), 0.0, tuple(values))
-    found = finely(fitted, model, [Recording(name="decay", fs=fs, response=response)])
+    found = refitted(fitted, model, [Recording(name="decay", fs=fs, response=response)]).oscillator
     assert found.omega0.value == pytest.approx(omega, abs=5 * found.omega0.std)
     assert found.omega0.std < 1e-3
