@@ -15,7 +15,9 @@ from functools import partial
 from ..errors import BadInput
 from ..identify.faults.spread import alike
 from ..identify.fit.hold import hold_of_recordings, with_hold
+from ..identify.fit.likeliest_modes import odds
 from ..identify.fit.reported_result import Fit
+from ..identify.signals.odds import DECISIVE
 from ..model import Oscillator
 from ..model.fit_state import LACKING
 from ..model.oscillator import HOLDS
@@ -63,18 +65,17 @@ def asked_again(case: Case, found: Found) -> Change | None:
 
 
 def _are_alike(case: Case, found: Found) -> bool:
-    """Whether recordings that differ beside the family leave no more at their worst, or only noise, where none does.
+    """Whether recordings that differ beside the family leave no more at their worst where none does.
 
-    Beside a structure that lacks much, odds by samples would say of any two of them that they differ.
+    Where only noise is left so, the odds decide. Beside a structure that lacks much these would say of any two
+    recordings that they differ.
     """
     if not any(size for recording in case.recordings for _, size in recording.differs):
         return False
     fit = partial(refitted, found.fitted, case.model, memory=found.weighing.data.memory)
-    apart, same = (
-        max(part.over_noise for part in fit(recordings).segments)
-        for recordings in (case.recordings, alike(case.recordings))
-    )
-    return same <= max(apart, LACKING)
+    apart, same = fit(case.recordings), fit(alike(case.recordings))
+    left, left_so = (max(part.over_noise for part in one.segments) for one in (apart, same))
+    return left_so <= left if left_so > LACKING else not odds(apart, same) > DECISIVE
 
 
 def _hold(case: Case, found: Found) -> str | None:
