@@ -100,7 +100,10 @@ def _facts(recording: Recording) -> dict[str, Any]:
 
 
 def _pieces(recording: Recording, free: FreeMotion) -> list[dict[str, Any]]:
-    """What a fit would take of a recording, in order: of what kind, and from where to where in s."""
+    """What a fit would take of a recording, in order: of what kind, from where to where in s from the first sample.
+
+    That is what ``--part`` takes.
+    """
     from ..identify.motion.blows import ContactForce
     from ..identify.problem.segments import cut
     from ..identify.signals.hilbert import dominant_frequency
@@ -116,8 +119,8 @@ def _pieces(recording: Recording, free: FreeMotion) -> list[dict[str, Any]]:
     return [
         {
             "kind": "struck" if isinstance(piece.force, ContactForce) else "free" if piece.force is None else "driven",
-            "start": recording.start + piece.start / recording.fs,
-            "stop": recording.start + piece.stop / recording.fs,
+            "start": piece.start / recording.fs,
+            "stop": piece.stop / recording.fs,
         }
         for piece in sorted(taken, key=lambda piece: piece.start)
     ]
@@ -172,11 +175,12 @@ def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
 
 def _taken(recording: Mapping[str, Any]) -> list[str]:
     """What a fit would take, under the pictures of the signals, and when that is."""
-    pieces, begin, fs = recording["pieces"], recording["start"], recording["fs"]
+    pieces, fs = recording["pieces"], recording["fs"]
+    if not pieces:
+        return ["  taken      nothing"]
     marks = np.full(recording["samples"], " ")
     for piece in pieces:
-        first, last = (round((piece[edge] - begin) * fs) for edge in ("start", "stop"))
-        marks[first:last] = _MARKS[piece["kind"]]
+        marks[round(piece["start"] * fs) : round(piece["stop"] * fs)] = _MARKS[piece["kind"]]
     parts = np.array_split(marks, min(_WIDTH, marks.size))
     row = "".join(max(_MARKS.values(), key=list(part).count) if np.any(part != " ") else " " for part in parts)
     said = []
@@ -184,5 +188,6 @@ def _taken(recording: Mapping[str, Any]) -> list[str]:
         spans = [f"{piece['start']:.4g} to {piece['stop']:.4g} s" for piece in pieces if piece["kind"] == kind]
         more = f" and {len(spans) - _NAMED} more" if len(spans) > _NAMED else ""
         said += [f"{mark} {kind} {', '.join(spans[:_NAMED])}{more}"] if spans else []
-    rest = ["the rest is left"] if said and np.any(marks == " ") else []
-    return [f"  taken      {row}".rstrip(), f"             {'; '.join([*said, *rest]) or 'nothing'}"]
+    said += ["the rest is left"] if np.any(marks == " ") else []
+    since = " (from the first sample)" if recording["start"] else ""
+    return [f"  taken      {row}".rstrip(), f"             {'; '.join(said)}{since}"]

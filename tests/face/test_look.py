@@ -61,7 +61,8 @@ def taken(capsys, path):
     lines = out.splitlines()
     (at,) = (i for i, line in enumerate(lines) if line.startswith("  taken"))
     _, out, _ = run(capsys, "look", path, "--json")
-    return lines[at][13:], lines[at + 1].strip(), json.loads(out)[0]["recordings"][0]["pieces"]
+    words = lines[at + 1].strip() if at + 1 < len(lines) else ""
+    return lines[at][13:], words, json.loads(out)[0]["recordings"][0]["pieces"]
 
 
 def test_what_a_fit_would_take_stands_under_the_pictures(capsys, tmp_path):
@@ -84,8 +85,16 @@ def test_what_a_fit_would_take_stands_under_the_pictures(capsys, tmp_path):
 def test_what_does_not_move_is_not_taken(capsys, tmp_path):
     still = np.column_stack([np.arange(2000) / 1000.0, 5e-3 + 1e-6 * np.random.default_rng(1).standard_normal(2000)])
     np.savetxt(tmp_path / "still.csv", still, delimiter=",", header="t_s,x_mm", comments="")
-    row, words, pieces = taken(capsys, tmp_path / "still.csv")
-    assert (row.strip(), words, pieces) == ("", "nothing", [])
+    row, _, pieces = taken(capsys, tmp_path / "still.csv")
+    assert (row, pieces) == ("nothing", [])
+
+
+def test_times_are_those_of_part_where_stamps_are_of_an_epoch(capsys, tmp_path):
+    table = np.column_stack([1.7e9 + T, 1e3 * X])
+    np.savetxt(tmp_path / "epoch.csv", table, delimiter=",", header="t_s,x_mm", comments="", fmt="%.6f")
+    _, words, pieces = taken(capsys, tmp_path / "epoch.csv")
+    assert words == "━ free 0 to 2 s (from the first sample)"
+    assert [(piece["start"], piece["stop"]) for piece in pieces] == [(0.0, 2.0)]
 
 
 def test_what_a_force_drives_is_taken_whole(capsys, tmp_path):
