@@ -1,7 +1,7 @@
 # Every daily command. Each one first sets up .venv when that is needed; see .ci/setup.
 
 .DEFAULT_GOAL := help
-.PHONY: help demo test test-all nightly durations check docs proof golden installed benchmark gallery setup clean distclean
+.PHONY: help demo test test-all test-long nightly durations check docs proof golden installed benchmark gallery setup clean distclean
 
 # Folders that another workspace put on Python's path must not reach into .venv.
 # Python may keep what it compiled: the tests' own modules take longest to compile, see clean.
@@ -25,9 +25,13 @@ test: ## set up, then run the tests of the fast lane, five minutes on two cores
 	@sh .ci/setup dev
 	@$(PYTEST) $(ARGS)
 
-test-all: ## set up, then run these and the long ones, as continuous integration does
+test-all: ## set up, then run these and the long ones
 	@sh .ci/setup dev
 	@$(PYTEST) -m "not nightly" $(ARGS)
+
+test-long: ## set up, then run the long ones alone (ARGS="--within 600": begin none after ten minutes)
+	@sh .ci/setup dev
+	@$(PYTEST) -m long $(ARGS)
 
 nightly: ## set up, then run what continuous integration leaves out: every law everywhere, a longer proof, all recordings
 	@sh .ci/setup dev

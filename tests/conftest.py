@@ -281,11 +281,14 @@ def unless_refused() -> Callable[..., Any]:
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--write-durations", action="store_true", help="write what tests cost to tests/durations.json")
+    parser.addoption("--within", type=float, metavar="SECONDS", help="begin no test after so many seconds")
     parser.addoption("--write-sentences", action="store_true", help="write what tests read to tests/sentences.yaml")
 
 
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(lanes.Lanes(), "lanes")
+    if config.getoption("--within") is not None:
+        config.pluginmanager.register(lanes.Within(config.getoption("--within")), "within")
     config.pluginmanager.register(lanes.Measured(config.getoption("--write-durations")), "measured")
     texts = sentences.Sentences(config.getoption("--write-sentences"), lanes.exists)
     config.pluginmanager.register(texts, "sentences")

@@ -6,7 +6,7 @@ measures it. A test that the file does not name costs next to nothing or is new:
 end of a run names those of them that cost more than a test of the fast lane may.
 
 - fast (`make test`): what costs at most ``FAST``, and what ``ALWAYS`` names;
-- long (`make test-all`, which is what continuous integration runs): all of those, and what costs at most ``LONG``;
+- long (`make test-all`; CI runs as many as its time allows): those, and what costs at most ``LONG``;
 - nightly (`make nightly`): the rest.
 
 Where functions of a file each go through the library of laws, the fast lane takes a law of each kind once and each
@@ -20,6 +20,7 @@ from __future__ import annotations
 import json
 import os
 import re
+import time
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
@@ -188,6 +189,21 @@ class Lanes:
                 item.own_markers[:] = [mark for mark in item.own_markers if mark.name not in LANES]
             if found != "fast":
                 item.add_marker(found)
+
+
+# --- the time that there is ---
+
+
+class Within:
+    """Leaves out the tests that have not begun when the time is over: a slow machine says how far it came."""
+
+    def __init__(self, seconds: float) -> None:
+        self.seconds, self.ends = seconds, time.monotonic() + seconds
+
+    @pytest.hookimpl(tryfirst=True)
+    def pytest_runtest_setup(self) -> None:
+        if time.monotonic() > self.ends:
+            pytest.skip(f"not begun within {self.seconds:g} s: this machine is too slow for all tests")
 
 
 # --- measuring ---

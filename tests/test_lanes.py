@@ -162,3 +162,13 @@ def test_a_new_test_that_takes_long_is_named_at_the_end(lanes):
     run = lanes.Measured(write=False)
     run.before, run.seconds = {"old": 5.0}, {"old": 5.0, "new": 5.0, "cheap": 0.5 * lanes.FAST}
     assert run.unknown() == {"new": 5.0}
+
+
+@pytest.mark.parametrize(("seconds", "begun"), [(0.0, 0), (60.0, 2)])
+def test_when_the_time_is_over_no_test_begins(lanes, tmp_path, seconds, begun):
+    file = tmp_path / f"test_begun_{begun}.py"
+    file.write_text("def test_one(): pass\n\ndef test_other(): pass\n")
+    within, run = lanes.Within(seconds), lanes.Measured(write=False)
+    given = ["-q", "-c", "/dev/null", "-p", "no:cacheprovider", str(file)]
+    assert pytest.main(given, plugins=[within, run]) == 0
+    assert len(run.seconds) == begun
