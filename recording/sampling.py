@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from datetime import UTC, datetime
 
 import numpy as np
 
 from ..errors import BadInput
 from .continuity import edges_of, is_switched
+from .time_stamps import EARLIEST, LATEST
 
 SAME_RATE = 1e-3  # relative: two statements of one rate; rates are often quoted to four digits
 NEGLIGIBLE = 0.01  # intervals: time stamps this close to a uniform grid are that grid
@@ -23,6 +25,8 @@ _MEDIAN = 0.6745  # of the sizes of Gaussian numbers of unit standard deviation
 _OF_A_SPLINE = 4
 #: Samples of a recording that may be missing for each that is there: where most are, it is several recordings.
 _MOST_LOST = 11
+#: Durations: four digits of a time that is larger leave more than a hundredth of the recording.
+_A_CLOCK = 10.0
 #: Hz, physical limit: nothing is sampled more slowly than once in a century, or faster than light swings.
 RATES = (3e-10, 1e15)
 
@@ -31,6 +35,7 @@ RATES = (3e-10, 1e15)
 class Sampling:
     """Uniform sampling: `fs` in Hz, `start` in s, `columns` (n, k) on the uniform grid, and what was noticed.
 
+    `start` is the first time stamp, or 0 where that is one of a clock that has run for long (an epoch, say).
     Columns are not a number where a sample is missing.
     """
 
@@ -97,7 +102,17 @@ def uniform_sampling(where: str, time: np.ndarray | None, fs: float | None, colu
             f"{where}: --fs says {fs:g} Hz but the time column says {rate:.6g} Hz; leave --fs out, "
             "or check the unit of the time column"
         )
+    if abs(start) > _A_CLOCK * (time[-1] - time[0]):
+        notes.append(f"{where}: the time stamps begin at {_as_read(start)}; counted from the first sample")
+        start = 0.0
     return Sampling(_rate(where, rate, "the unit of the time column"), start, columns, tuple(notes))
+
+
+def _as_read(start: float) -> str:
+    """A time stamp, s, in words: as a date where it counts the seconds since 1970."""
+    if not EARLIEST <= start <= LATEST:
+        return f"{start:.10g} s"
+    return f"{start:.10g} s since 1970 ({datetime.fromtimestamp(start, UTC):%Y-%m-%d %H:%M:%S} UTC)"
 
 
 def _rate(where: str, rate: float, source: str) -> float:

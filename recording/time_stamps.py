@@ -7,7 +7,7 @@ import numpy as np
 from ..errors import BadInput
 
 #: Seconds of the years 2001 to 2096 since 1970: ticks of which fraction of a second fall there says what they are.
-_EARLIEST, _LATEST = 1e9, 4e9
+EARLIEST, LATEST = 1e9, 4e9
 _TICKS = {"milliseconds": 1e-3, "microseconds": 1e-6, "nanoseconds": 1e-9}
 #: Days of the years 2000 to 2100 as spreadsheets count them, from the end of 1899, where one stamp follows another
 #: within a tenth of a second: taken for seconds the same are a rate above a megahertz.
@@ -45,7 +45,7 @@ def in_seconds(
             )
         return stamps, ()
     for name, tick in _TICKS.items():
-        if _EARLIEST <= first * tick <= _LATEST:
+        if EARLIEST <= first * tick <= LATEST:
             return (stamps - stamps[0]) * tick, (
                 f"{where}: the time column {label} holds {name} since 1970; counted from the first sample",
             )

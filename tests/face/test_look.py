@@ -89,11 +89,12 @@ def test_what_does_not_move_is_not_taken(capsys, tmp_path):
     assert (row, pieces) == ("nothing", [])
 
 
-def test_times_are_those_of_part_where_stamps_are_of_an_epoch(capsys, tmp_path):
-    table = np.column_stack([1.7e9 + T, 1e3 * X])
-    np.savetxt(tmp_path / "epoch.csv", table, delimiter=",", header="t_s,x_mm", comments="", fmt="%.6f")
-    _, words, pieces = taken(capsys, tmp_path / "epoch.csv")
-    assert words == "━ free 0 to 2 s (from the first sample)"
+@pytest.mark.parametrize(("first", "since"), [(7.5, " (from the first sample)"), (1.7e9, "")])
+def test_times_are_those_of_part_whatever_the_first_stamp(capsys, tmp_path, first, since):
+    table = np.column_stack([first + T, 1e3 * X])
+    np.savetxt(tmp_path / "stamped.csv", table, delimiter=",", header="t_s,x_mm", comments="", fmt="%.6f")
+    _, words, pieces = taken(capsys, tmp_path / "stamped.csv")
+    assert words == f"━ free 0 to 2 s{since}"
     assert [(piece["start"], piece["stop"]) for piece in pieces] == [(0.0, 2.0)]
 
 

@@ -114,6 +114,22 @@ def test_a_gap_of_ages_takes_no_memory():
         sample(np.append(GRID, 1e16))
 
 
+@pytest.mark.parametrize(
+    ("first", "said"),
+    [
+        (12.0, None),
+        (86400.0, "the time stamps begin at 86400 s; counted"),
+        (1.7e9, "begin at 1700000000 s since 1970 (2023-11-14 22:13:20 UTC); counted"),
+        (3.9e11, "begin at 3.9e+11 s; counted"),
+    ],
+)
+def test_times_count_from_the_first_sample_where_the_clock_has_run_for_long(first, said):
+    found = uniform_sampling("a.csv", first + np.arange(2000) / 1000.0, None, np.zeros((2000, 1)))
+    assert found.fs == pytest.approx(1000.0, rel=1e-4)
+    assert found.start == (0.0 if said else first)
+    assert (said in found.notes[-1]) if said else not found.notes
+
+
 @pytest.mark.parametrize(("part", "taken"), [(0.0095, True), (0.0105, False)])
 def test_jitter_that_is_little_of_a_cycle_is_no_guess(part, taken):
     """A logger of 250 Hz that wavers by more than a quarter of a step, beside a cycle that is slow enough."""
