@@ -104,7 +104,6 @@ def _pieces(recording: Recording, free: FreeMotion) -> list[dict[str, Any]]:
 
     That is what ``--part`` takes.
     """
-    from ..identify.motion.blows import ContactForce
     from ..identify.problem.segments import cut
     from ..identify.signals.hilbert import dominant_frequency
 
@@ -118,7 +117,7 @@ def _pieces(recording: Recording, free: FreeMotion) -> list[dict[str, Any]]:
         return []
     return [
         {
-            "kind": "struck" if isinstance(piece.force, ContactForce) else "free" if piece.force is None else "driven",
+            "kind": piece.kind,
             "start": piece.start / recording.fs,
             "stop": piece.stop / recording.fs,
         }

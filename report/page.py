@@ -21,9 +21,9 @@ from .comparison import Comparison, comparisons
 from .modal_table import modal_table
 from .parameters import correlation_table, equation_blocks, machine_table, parameter_table
 from .provenance import files_text, recordings_table
-from .time_history import recording_figure
+from .time_history import SHADES, Taken, recording_figure
 from .usage import usage_section
-from .used import used_table
+from .used import left, taken, used_table
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
@@ -159,14 +159,23 @@ def _recordings(identification: Identification) -> list[Block]:
     head = ("Recording", "Kind", "Length", "Sampled at", "Largest response", "Largest force", "Free decays")
     blocks: list[Block] = [Table(head, tuple(rows), (2, 3, 4, 5, 6)), *used_table(identification)]
     for i, r in enumerate(identification.recordings):
-        decays = identification.hilbert.decays[i]
-        caption = f"{plain_text(r.name)} as recorded."
-        if decays:
-            caption += " Shaded: the free decays that were found in it and evaluated by FREEVIB."
-        if r.notes:
-            caption += " " + " ".join(r.notes)
-        blocks.append(picture(lambda r=r, d=decays, i=i: recording_figure(r, d, f"recording-{i + 1}"), caption))
+        stretches = taken(identification, i)
+        caption = f"{plain_text(r.name)} as recorded. {_shaded(stretches)}"
+        where, why, _ = left(identification, i)
+        if where:
+            caption += f" Left: {where}. {full_stop(why[:1].upper() + why[1:])}"
+        notes = [note for note in r.notes if note.removeprefix(f"{r.name}: ") not in why]
+        caption += "".join(f" {note}" for note in notes)
+        blocks.append(picture(lambda r=r, t=stretches, i=i: recording_figure(r, t, f"recording-{i + 1}"), caption))
     return blocks
+
+
+def _shaded(stretches: Sequence[Taken]) -> str:
+    """What the colours of what was fitted stand for."""
+    kinds = [kind for kind in SHADES if any(kind == found for found, _, _ in stretches)]
+    if not kinds:
+        return "Nothing of it was fitted."
+    return f"Shaded: what was fitted, {', '.join(f'{SHADES[kind][0]} where it is {kind}' for kind in kinds)}."
 
 
 def _certainty(identification: Identification) -> list[Block]:

@@ -90,7 +90,8 @@ def _history(recording: Recording, decays: Sequence[Decay], key: str) -> Block:
     caption = "Force and displacement as recorded, by their envelopes where there are too many cycles to see."
     if decays:
         caption += " Shaded: the free decays that FREEVIB evaluates."
-    return picture(lambda: recording_figure(recording, decays, key), caption)
+    taken = [("free", decay.start, decay.stop) for decay in decays]
+    return picture(lambda: recording_figure(recording, taken, key), caption)
 
 
 def _backbones(analysis: HilbertAnalysis, recordings: Sequence[Recording]) -> list[Block]:

@@ -12,18 +12,28 @@ from ..model.display import Scale, scale_of
 from .chart import Box, Chart, Panel
 from .comparison import Comparison
 from .decimate import envelope
-from .style import EXACT, FREE, MEASURED, MODEL
+from .style import EXACT, FORCED, FREE, LIGHT, MEASURED, MODEL, RESPONSE
 
 if TYPE_CHECKING:
-    from ..identify.motion.decays import Decay
     from ..recording.recording import Recording
 
+#: Kind of a stretch that was taken, its first sample and the one behind its last.
+Taken = tuple[str, int, int]
+#: How each kind is shaded, in words and as a colour, and how strongly.
+SHADES = {"free": ("blue", LIGHT), "struck": ("purple", RESPONSE), "driven": ("green", FORCED)}
+_SHADE = 0.22
 #: Cycles of the close view.
 _CYCLES = 7.0
 
 
-def recording_figure(recording: Recording, decays: Sequence[Decay] = (), key: str = "recording") -> Chart:
-    """Chart of force and response over time, free decays shaded; ``key`` names it within its page."""
+def recording_figure(recording: Recording, taken: Sequence[Taken] = (), key: str = "recording") -> Chart:
+    """Chart of force and response over time, with what was taken of it shaded by its kind.
+
+    Args:
+        recording: as it was recorded.
+        taken: kind, first sample and the one behind the last of each stretch; kinds as in ``SHADES``.
+        key: name of the chart within its page.
+    """
     name = plain_text(recording.name)
     time, response = recording.time, np.asarray(recording.response, float)
     shown = [(response, recording.unit, recording.quantity.capitalize(), FREE)]
@@ -32,14 +42,15 @@ def recording_figure(recording: Recording, decays: Sequence[Decay] = (), key: st
     chart = Chart(key, linked=True)
     for signal, unit, what, color in shown:
         (panel,) = chart.row(1, height=170 if len(shown) > 1 else 220)
-        for decay in decays:
-            start, stop = (recording.start + i / recording.fs for i in (decay.start, decay.stop))
-            panel.marks.append(Box((start, stop), None))
+        for kind, start, stop in taken:
+            first, last = (recording.start + i / recording.fs for i in (start, stop))
+            panel.marks.append(Box((first, last), None, SHADES[kind][1], _SHADE))
         scale = scale_of(unit, signal)
         panel.line(time, signal * scale.factor, color, width=0.9)
         panel.y.set(label=scale.label(what))
         panel.x.set(label="Time [s]", tight=True)
-    note = f", {_count(len(decays), 'free decay')} shaded" if decays else ""
+    free = sum(kind == "free" for kind, _, _ in taken)
+    note = f", {_count(free, 'free decay')} shaded" if free else ""
     chart.panels[0].title = name + note
     what = "force and response" if len(shown) > 1 else "response"
     chart.title = f"{name}: measured {what} over {recording.duration:.4g} s{note}"

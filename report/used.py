@@ -12,7 +12,9 @@ from .blocks import Block, Table
 
 if TYPE_CHECKING:
     from ..identify.identification import Identification
+    from ..identify.problem.segments import Segment
     from ..recording.recording import Recording
+    from .time_history import Taken
 
 #: Words of the notes that say why something was not used.
 _WHY = ("left out", "left aside", "not used", "is not used", "too short", "clipped", "noise alone")
@@ -25,19 +27,40 @@ _DRIVEN = "left to the sides of jumps and damage, or too short to simulate"
 def used_table(identification: Identification) -> list[Block]:
     """A row a recording: how much of it was fitted, where the rest lies, and why it was not."""
     rows = []
-    notes = (*identification.notes, *(note for r in identification.recordings for note in r.notes))
     for i, recording in enumerate(identification.recordings):
-        gaps = unused(recording, [(s.segment.start, s.segment.stop) for s in identification.fit.segments
-                                  if s.segment.recording == i])  # fmt: skip
-        lost = sum(stop - start for start, stop in gaps)
+        where, why, lost = left(identification, i)
         share = f"{number(100 * (1 - lost / recording.n), 3)} %"
-        why = _why(recording, notes) if lost else ""
-        rows.append((recording.name, share, _spans(recording, gaps) if lost else "nothing", why))
+        rows.append((recording.name, share, where or "nothing", why))
     caption = (
         "What no stretch of the fit covers says nothing of the parameters. Where a recording is missing here that was "
         "given, it was refused when it was read."
     )
     return [Table(("Recording", "Fitted", "Not used", "Why"), tuple(rows), (1,), caption)]
+
+
+def taken(identification: Identification, i: int) -> list[Taken]:
+    """What the fit takes of recording ``i``, in order; stretches of a kind that follow one another are one."""
+    found: list[Taken] = []
+    for segment in sorted(_segments(identification, i), key=lambda segment: segment.start):
+        if found and found[-1][0] == segment.kind and segment.start <= found[-1][2]:
+            found[-1] = (segment.kind, found[-1][1], max(segment.stop, found[-1][2]))
+        else:
+            found.append((segment.kind, segment.start, segment.stop))
+    return found
+
+
+def left(identification: Identification, i: int) -> tuple[str, str, int]:
+    """What the fit leaves of recording ``i``: its times and the reason, in words, and how many samples; or nothing."""
+    recording = identification.recordings[i]
+    gaps = unused(recording, [(segment.start, segment.stop) for segment in _segments(identification, i)])
+    if not gaps:
+        return "", "", 0
+    notes = (*identification.notes, *(note for r in identification.recordings for note in r.notes))
+    return _spans(recording, gaps), _why(recording, notes), sum(stop - start for start, stop in gaps)
+
+
+def _segments(identification: Identification, i: int) -> list[Segment]:
+    return [part.segment for part in identification.fit.segments if part.segment.recording == i]
 
 
 def unused(recording: Recording, used: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:

@@ -33,6 +33,8 @@ COARSE_FORCE_BAND = numerics(
     "times the natural frequency",
     why="what only compares laws may interpolate the force to 1e-5 up to the resonance, to 1e-4 at twice that",
 )
+#: What may move a stretch that is fitted.
+KINDS = ("free", "struck", "driven")
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,6 +83,11 @@ class Segment:
     def n(self) -> int:
         """Number of samples."""
         return self.stop - self.start
+
+    @property
+    def kind(self) -> str:
+        """What moves it: "free", "struck" by a hammer, or "driven" by the recorded force; see ``KINDS``."""
+        return "free" if self.force is None else "struck" if isinstance(self.force, ContactForce) else "driven"
 
     @property
     def cycle(self) -> int:

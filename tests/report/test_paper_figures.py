@@ -41,7 +41,8 @@ def test_fig_1_is_the_preloaded_spring_and_its_backbone():
 def test_fig_3_has_four_bursts_and_four_decays():
     bursts = read(recordings("paper-stand")["bursts"])
     decays = find_decays(bursts)
-    force, displacement = time_history.recording_figure(bursts, decays).panels
+    free = [("free", decay.start, decay.stop) for decay in decays]
+    force, displacement = time_history.recording_figure(bursts, free).panels
     shaded = sorted(mark.x[0] for mark in force.marks if isinstance(mark, Box) and mark.x)
     np.testing.assert_allclose(shaded, [1.5, 6.5, 11.5, 16.5], atol=0.01)
     assert reach(force) == pytest.approx(1.15, rel=0.01)  # N

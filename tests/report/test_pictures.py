@@ -19,6 +19,7 @@ from dashpot.report.d3_chart import as_json
 from dashpot.report.levels import sine_level, sine_levels
 from dashpot.report.residual import spectrum_figure
 from dashpot.report.time_history import agreement_figure, recording_figure
+from dashpot.report.used import taken
 
 
 def pictures(identification: Identification, verified: Callable[..., object] | None = None) -> Iterator[Chart]:
@@ -28,8 +29,8 @@ def pictures(identification: Identification, verified: Callable[..., object] | N
         yield distance_figure(identification, proof)  # pyright: ignore[reportArgumentType]
     yield stiffness_figure(identification)
     yield friction_figure(identification)
-    for i, (r, decays) in enumerate(zip(identification.recordings, identification.hilbert.decays, strict=True)):
-        yield recording_figure(r, decays, f"recording-{i}")
+    for i, r in enumerate(identification.recordings):
+        yield recording_figure(r, taken(identification, i), f"recording-{i}")
     for i, c in enumerate(comparisons(identification, proof)):  # pyright: ignore[reportArgumentType]
         yield agreement_figure(c, "displacement", identification.oscillator.response.unit, f"agreement-{i}")
         yield spectrum_figure(c, 12.0, identification.oscillator.response.unit, f"spectrum-{i}")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -15,8 +16,10 @@ from dashpot.model.oscillator import Range
 from dashpot.model.physical import AMID, machine
 from dashpot.model.show import as_json, describe
 from dashpot.recording import Recording
+from dashpot.report.chart import Box
 from dashpot.report.page import identification_page
-from dashpot.report.used import unused, used_table
+from dashpot.report.time_history import recording_figure
+from dashpot.report.used import left, taken, unused, used_table
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +42,29 @@ def test_the_stretch_before_it_is_let_go_is_not_used_and_why(found):
     assert 40 < float(share.removesuffix(" %")) < 76
     assert re.match(r"0 to (0\.9|1\.0|1 )", where)
     assert "left out" in why
+
+
+def test_the_picture_shades_what_was_taken_and_its_caption_says_what_was_left_and_why(found, held):
+    ((kind, start, stop),) = taken(found, 0)
+    assert kind == "free"
+    assert 450 < start < 600
+    where, why, lost = left(found, 0)
+    assert lost == held.n - (stop - start)
+    (panel,) = recording_figure(held, taken(found, 0)).panels
+    boxes = [mark.x for mark in panel.marks if isinstance(mark, Box)]
+    assert boxes == [(pytest.approx(start / held.fs), pytest.approx(stop / held.fs))]
+    page = identification_page(found).html
+    assert "what was fitted, blue where it is free" in page
+    assert f"Left: {where}. {why[0].upper()}{why[1:]}" in page
+
+
+def test_stretches_of_a_kind_that_follow_one_another_are_shaded_as_one():
+    parts = [("free", 0, 50), ("driven", 50, 90), ("free", 300, 400), ("driven", 90, 200), ("driven", 210, 300)]
+    fit = SimpleNamespace(
+        segments=[SimpleNamespace(segment=SimpleNamespace(recording=0, kind=k, start=a, stop=b)) for k, a, b in parts]
+    )
+    expected = [("free", 0, 50), ("driven", 50, 200), ("driven", 210, 300), ("free", 300, 400)]
+    assert taken(SimpleNamespace(fit=fit), 0) == expected  # pyright: ignore[reportArgumentType]
 
 
 def test_what_no_stretch_covers():
@@ -120,7 +146,7 @@ def test_amid_the_recorded_amplitudes_frequency_and_damping_are_known_best():
     assert values["frequency_amid"].std == pytest.approx(error, rel=1e-2)
     assert values["natural_frequency"].std > 500 * error
     assert "natural frequency at 0.004 m, amid the recorded amplitudes" in describe(rig)
-    for left, told in ((0.29, True), (0.31, False)):  # by a model that has lost the motion nothing is said of it
-        recordings = ({"file": "decay.csv", "nrmse": left, "over_noise": 3.0},)
+    for part, told in ((0.29, True), (0.31, False)):  # by a model that has lost the motion nothing is said of it
+        recordings = ({"file": "decay.csv", "nrmse": part, "over_noise": 3.0},)
         fitted = replace(rig, identified=replace(rig.identified, recordings=recordings))
         assert ("frequency_amid" in machine(fitted)) is told
