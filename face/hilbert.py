@@ -139,7 +139,7 @@ def _each_mode(
     entries: list[dict[str, Any]] = []
     words: list[str] = []
     left = 1.0
-    for number, mode in enumerate(modes_of(recordings, whole=True), 1):
+    for number, mode in enumerate(modes_of(recordings, whole=True, struck=True), 1):
         entry: dict[str, Any] = {"mode": number, **mode.as_json()}
         title = f"Mode {number}, {mode}"
         try:

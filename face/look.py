@@ -94,7 +94,7 @@ def _facts(recording: Recording) -> dict[str, Any]:
             for role, signal, unit in signals
         ],
         "pieces": _pieces(recording, free),
-        "modes": [mode.as_json() for mode in modes_of([recording])],
+        "modes": [mode.as_json() for mode in modes_of([recording], struck=True)],
         "notes": list(dict.fromkeys([*recording.notes, *free.notes])),
     }
 

@@ -280,6 +280,7 @@ def identify(
         recordings=tuple(recordings),
         notes=(
             *([] if leading else [LEADS_NOWHERE]),
+            *([] if wanted is None else _of_another_mode(oscillator, wanted)),
             *hilbert.notes,
             *([hold_note("zero")] if switched else []),
             *chain,
@@ -293,6 +294,18 @@ def identify(
         modes_left=_modes_left(fit, recordings),
         differs=spread,
     )
+
+
+def _of_another_mode(oscillator: Oscillator, wanted: float) -> list[str]:
+    """That the model is of another mode than the wanted one, in Hz, which stands beside it."""
+    own, *others = (omega / (2 * np.pi) for omega, _, _ in modes_of_fit(oscillator))
+    nearest = min((own, *others), key=lambda frequency: abs(np.log(frequency / wanted)))
+    if nearest == own:
+        return []
+    return [
+        f"the sensor shows the mode at {nearest:.4g} Hz against the force, as no mass moves: the model is of the mode "
+        f"at {own:.4g} Hz, and that one stands beside it as a further mode"
+    ]
 
 
 def _out_of_a_well(fit: Fit, answer: Callable[[Oscillator], Fit]) -> Fit:

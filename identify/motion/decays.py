@@ -56,6 +56,23 @@ def find_free_motion(recording: Recording) -> FreeMotion:
     return FreeMotion((), notes=(swelling(recording, swell),) if swell else (), swell=swell)
 
 
+def linear_modes(recording: Recording, *, struck: bool = False) -> tuple[Mode, ...]:
+    """The modes that all free pieces of a recording share, the strongest first; none where one is all.
+
+    ``struck``: whether behind a hammer's blows too, which takes a second or two.
+    """
+    motion = find_free_motion(recording)
+    return _modes_behind_blows(recording) if struck and motion.blows else motion.modes
+
+
+@fact("name", "motion", "force", "fs", "start", "free", "quantity")
+def _modes_behind_blows(recording: Recording) -> tuple[Mode, ...]:
+    """There the pieces are known, and modes may lie as near to one another as the pieces are long."""
+    pieces = [(decay.start, decay.stop) for decay in find_free_motion(recording).decays]
+    shared = modes_of_response(response_of(recording), pieces)
+    return () if shared is None else _modes_of(shared, recording.fs)
+
+
 def _swell_beside(recording: Recording, decays: Sequence[Decay]) -> tuple[int, int] | None:
     """The samples between which the response swells beside decays; None where one of these has many cycles."""
     envelope = envelope_of(recording)

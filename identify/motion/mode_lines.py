@@ -22,7 +22,7 @@ from ..signals.limits import BELOW_NYQUIST, SEVERAL
 from ..signals.odds import ABOVE_NOISE, DECISIVE
 from ..signals.registry import numerics
 from ..signals.signals import response_of
-from .decays import find_decays, find_free_motion
+from .decays import find_decays, linear_modes
 from .limits import FALLS, ORDERS, SAME_MODE
 from .mode import Mode
 
@@ -41,14 +41,15 @@ _BETWEEN = numerics(0.25, "lines", why="by which a parabola through logarithms i
 _AGREES = _BETWEEN / _WINDOWS[1]
 
 
-def modes_of(recordings: Sequence[Recording], *, whole: bool = False) -> list[Mode]:
+def modes_of(recordings: Sequence[Recording], *, whole: bool = False, struck: bool = False) -> list[Mode]:
     """Modes that the free motion of recordings shows, in order of frequency: those of a linear rig with their errors.
 
     Args:
         recordings: of one rig.
         whole: whether recordings without free motion are looked at as a whole.
+        struck: whether modes of a linear rig are looked for behind a hammer's blows, which takes a second or two.
     """
-    linear = max((find_free_motion(recording).modes for recording in recordings), key=len, default=())
+    linear = max((linear_modes(recording, struck=struck) for recording in recordings), key=len, default=())
     if linear:
         return sorted(linear, key=lambda mode: mode.frequency)
     stretches: list[tuple[np.ndarray, float, float]] = []

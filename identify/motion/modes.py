@@ -17,7 +17,7 @@ from ...recording.recording import Recording
 from ..signals.registry import numerics, shown
 from .band import in_band
 from .damped_modes import Modes
-from .decays import find_free_motion
+from .decays import find_free_motion, linear_modes
 from .mode import Mode
 from .mode_lines import modes_of
 
@@ -77,12 +77,12 @@ def mode_beside(
     recordings: Sequence[Recording], wanted: str | None, model: Oscillator | None, say: Callable[[str], None]
 ) -> tuple[list[Recording], Band | None, float | None]:
     """As ``mode_alone``, and the frequency in Hz of the mode that is fitted beside others; None where it is alone."""
-    modes = modes_of(recordings) if wanted is not None or model is None else []
+    modes = modes_of(recordings, struck=wanted is not None) if wanted is not None or model is None else []
     if not _are_linear(modes):
         return *mode_alone(recordings, wanted, model, say), None
     mode = mode_of(modes, wanted)
     others = [other for other in modes if other is not mode]
-    say(f"note: the model is of the mode at {mode}, and beside it are fitted {_listed(others)}")
+    say(f"note: of the mode at {mode}, with which are fitted {_listed(others)}")
     return list(recordings), None, mode.frequency
 
 
@@ -90,7 +90,7 @@ def mode_by_itself(
     recordings: Sequence[Recording], wanted: str | None, say: Callable[[str], None]
 ) -> tuple[list[Recording], Band | None]:
     """As ``mode_alone``; of a linear rig the other modes are taken off as they are fitted, without a band."""
-    modes = modes_of(recordings)
+    modes = modes_of(recordings, struck=True)
     if not _are_linear(modes):
         return mode_alone(recordings, wanted, None, say)
     mode = mode_of(modes, wanted)
@@ -101,11 +101,11 @@ def mode_by_itself(
 def without_other_modes(recording: Recording, kept: Mode) -> Recording:
     """The recording without what all other modes show in its free pieces.
 
-    Frequencies and damping ratios are those of ``find_free_motion``; amplitudes are those of least squares in each
-    piece. No band is cut, so that modes may lie as near to each other as they are distinguished.
+    Frequencies and damping ratios are those of ``linear_modes``; amplitudes are those of least squares in each piece.
+    No band is cut, so that modes may lie as near to each other as they are distinguished.
     """
     motion = find_free_motion(recording)
-    modes = [kept, *(mode for mode in motion.modes if mode.frequency != kept.frequency)]
+    modes = [kept, *(mode for mode in linear_modes(recording, struck=True) if mode.frequency != kept.frequency)]
     if len(modes) < 2:
         return recording
     omega = np.array([2 * np.pi * mode.frequency / recording.fs for mode in modes])

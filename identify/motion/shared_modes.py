@@ -63,10 +63,21 @@ class SharedModes:
     errors: np.ndarray
 
 
-def shared_modes(x: np.ndarray, fs: float, noise: float, periods: Sequence[float]) -> SharedModes | None:
-    """The free pieces of a response (n,) with so much white noise; None if there are none.
+def shared_modes(
+    x: np.ndarray,
+    fs: float,
+    noise: float,
+    periods: Sequence[float],
+    free: Sequence[tuple[int, int]] | None = None,
+) -> SharedModes | None:
+    """The free pieces of a response (n,) with so much white noise, and their modes; None if there are none.
 
-    ``periods``: samples a cycle that it may have.
+    Args:
+        x: samples.
+        fs: their rate, Hz.
+        noise: standard deviation of its white noise.
+        periods: samples a cycle that it may have.
+        free: start and stop of each piece, in samples, where they are known; None where they are to be found.
     """
     best: tuple[_Search, _Found] | None = None
     followed: list[tuple[float, Modes]] = []  # in radians a sample: what two lengths of window show is asked once
@@ -80,7 +91,7 @@ def shared_modes(x: np.ndarray, fs: float, noise: float, periods: Sequence[float
                 left = share if start.count == 1 else 0.0
                 if any(left == of and _is_near(start, modes, search.block) for of, modes in followed):
                     continue
-                found = search.followed(start, left)
+                found = search.followed(start, left, free)
                 modes = start if found is None else found.modes
                 followed.append((left, replace(modes, omega=modes.omega / search.block)))
                 if found is not None and (best is None or found.evidence > best[1].evidence):
@@ -93,7 +104,7 @@ def shared_modes(x: np.ndarray, fs: float, noise: float, periods: Sequence[float
     if finer is not None:  # edges as fine as the modes allow, and pieces that the first search was too coarse for
         ratio = finer.block / search.block
         modes = replace(found.modes, omega=found.modes.omega * ratio, drift=found.modes.drift * ratio)
-        again = finer.followed(modes, found.share)
+        again = finer.followed(modes, found.share, free)
         if again is not None:
             search, found = finer, again
     return _in_samples(search, found, x.size, fs)
@@ -147,13 +158,13 @@ class _Search:
                 starts += [s for s in _agreed(some, cycles) if self.block == 1 or np.max(s.omega) < _FASTEST]
         return starts
 
-    def followed(self, modes: Modes, share: float) -> _Found | None:
-        """Pieces that modes explain, the modes that these share, and once more."""
-        pieces: list[tuple[int, int]] = []
-        for _ in range(_ROUNDS):
-            pieces = [
-                edges for run in self._runs(modes, share) if (edges := self._edges(modes, run, share)) is not None
-            ]
+    def followed(self, modes: Modes, share: float, free: Sequence[tuple[int, int]] | None = None) -> _Found | None:
+        """Pieces that modes explain, the modes that these share, and once more; of known pieces the modes alone."""
+        pieces = [(-(-a // self.block), b // self.block) for a, b in free or ()]
+        for _ in range(_ROUNDS if free is None else 1):
+            if free is None:
+                runs = self._runs(modes, share)
+                pieces = [edges for run in runs if (edges := self._edges(modes, run, share)) is not None]
             if not pieces:
                 return None
             modes = fit_modes(

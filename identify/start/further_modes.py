@@ -15,7 +15,7 @@ from ...model import Oscillator
 from ...model.laws import MODES
 from ...model.terms import with_term, without_term
 from ...recording.recording import Recording
-from ..motion.decays import find_free_motion
+from ..motion.decays import linear_modes
 
 #: Natural frequency, rad/s, damping ratio, and answer to the force, one over its modal mass; 0 where it is not known.
 Mode = tuple[float, float, float]
@@ -26,7 +26,8 @@ def ringing_modes(recordings: Sequence[Recording], wanted: float | None = None) 
 
     The first is that which moves most, or the one nearest to ``wanted``, in Hz.
     """
-    modes = max((find_free_motion(recording).modes for recording in recordings), key=len, default=())
+    struck = wanted is not None
+    modes = max((linear_modes(recording, struck=struck) for recording in recordings), key=len, default=())
     if wanted is not None:
         modes = sorted(modes, key=lambda mode: abs(np.log(mode.frequency / wanted)))
     return tuple((2 * np.pi * mode.frequency, mode.damping_ratio or 0.0, 0.0) for mode in modes)
