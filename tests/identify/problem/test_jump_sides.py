@@ -65,10 +65,20 @@ def test_what_does_not_jump_is_as_it_is():
 @pytest.mark.parametrize(("noise", "asked"), [(2.0 / 3.6, False), (2.0 / 3.8, True), (1e-3, True)])
 def test_the_other_side_is_taken_where_a_sample_is_decisively_off(noise, asked):
     """By odds of a thousand: 3.7 standard deviations."""
-    measured = crossed(4)
-    rest = np.where(np.arange(10) == 5, 0.0, 10.0)  # what is left elsewhere is no less than the noise
-    response = nearer(shown(measured + rest, noise), crossed(5), beside(5))
+    measured = crossed(4, 2000)
+    rest = np.where(np.arange(2000) == 5, 0.0, 10.0)  # what is left elsewhere is no less than the noise
+    response = nearer(shown(measured + rest, noise), crossed(5, 2000), beside(5))
     assert bool(response[5] == measured[5]) is asked
+
+
+@pytest.mark.parametrize("n", [18, 400])
+def test_where_the_noise_is_larger_than_the_jump_no_sample_chooses_its_side(n):
+    """Of few samples no noise is measured (zero): what is left is it, and it is known the less, the fewer they are."""
+    noise = np.random.default_rng(1).standard_normal((200, n))
+    sides = Sides()
+    sides.at, sides.shown = np.arange(n), np.full(n, 1.5)
+    taken = [nearer_sides(shown(measured, 0.0), np.zeros(n), sides).size for measured in noise]
+    assert np.mean(np.array(taken) > 0) < 0.03
 
 
 def test_what_is_left_elsewhere_is_the_noise_where_that_is_less():
