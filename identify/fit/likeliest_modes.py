@@ -19,15 +19,14 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...model.laws import MODES
 from ...model.oscillator import Term
+from ..motion.limits import RINGS
 from ..problem.segments import Segment
 from ..signals.odds import DECISIVE, SIGNIFICANT, is_noise
-from ..signals.registry import numerics
 from ..start.further_modes import Mode, with_modes
 from ..start.limits import HALF
 from ..start.linear_modes import fitted_modes, left_by, one_mode_more
 from .reported_result import Fit, SegmentFit
 
-_RINGS = numerics(0.5**0.5, "damping ratio", why="what is damped more has no resonance (the peak is at zero)")
 #: What a linear rig does without.
 MEMBERS = ("cubic", "preload", "dry")
 
@@ -183,7 +182,7 @@ def stand(fit: Fit, before: Fit) -> bool:
     explains = _leaves_noise(fit) or (worst < worst_before and _foretell(modes, before))
     if not (odds(fit, before) > DECISIVE and explains):
         return False
-    if any(not zeta < _RINGS for _, zeta, _ in modes) or any(map(_is_a_tone, fit.oscillator.terms)):
+    if any(not zeta < RINGS for _, zeta, _ in modes) or any(map(_is_a_tone, fit.oscillator.terms)):
         return False
     return all(
         any(abs(a[k] - b[k]) > SIGNIFICANT * np.hypot(d[k], e[k]) for k in (0, 1))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..signals.registry import decides
+from ..signals.registry import decides, numerics
 
 # decays.py
 
@@ -29,6 +29,8 @@ BENT = decides(
 )
 #: What a rig may leave of the motion beside its noise: nothing, or where nothing is explained so, what bends it.
 SHARES = (0.0, BENT)
+#: Of a mode beside others: what is damped more has no resonance (its peak is at zero), and fits how a hand lets go.
+RINGS = numerics(0.5**0.5, "damping ratio", why="where the resonance of a linear rig has its peak at zero")
 BEYOND = decides(
     2.0,
     "standard deviations",

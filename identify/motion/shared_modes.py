@@ -17,7 +17,7 @@ from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE
 from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
 from .hand import OF_MOVED, hand_leaves
-from .limits import BEYOND, KNOWN, SHARES
+from .limits import BEYOND, KNOWN, RINGS, SHARES
 from .mode_shares import mode_shares
 from .subspace import poles_of_windows
 
@@ -271,7 +271,7 @@ def _known(modes: Modes) -> bool:
     spread = np.sqrt(np.diag(modes.covariance))
     falls = spread[modes.count :] < KNOWN * modes.zeta
     # beside another mode, what is over within one sample is a sample of what was before, and no motion
-    lasts = modes.count == 1 or bool(np.all(modes.zeta * modes.omega < 1.0))
+    lasts = modes.count == 1 or bool(np.all((modes.zeta * modes.omega < 1.0) & (modes.zeta < RINGS)))
     known = lasts and np.any(falls) and np.all(spread[: modes.count] < KNOWN)
     return bool(known and np.all(modes.zeta > -spread[modes.count :]))
 
@@ -329,7 +329,7 @@ def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedMode
     modes, block = found.modes, search.block
     unit, rates = fs / block, modes.zeta * modes.omega
     floor = 2 * np.sqrt(2.0 * block) * search.noise
-    edges, moved, largest = [], np.zeros(modes.count), np.zeros(modes.count)
+    edges, largest = [], np.zeros(modes.count)
     last = (0, np.zeros(0))  # where it began, and its weights
     for a, b in found.pieces:
         columns = modes.columns(b - a)
@@ -341,18 +341,18 @@ def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedMode
         if goes_on or (not loud.size and len(found.pieces) > 1):
             continue
         last = (a, weights)
-        moved, largest = moved + sizes**2 * (b - a), np.maximum(largest, sizes)
+        largest = np.maximum(largest, sizes)
         stop = n if b >= search.means.size else b * block
         audible = stop if not loud.size or loud[-1] == b - a - 1 else (a + int(loud[-1]) + 1) * block
         edges.append((a * block, stop, audible))
     if not edges:
         return None
-    main = int(np.argmax(moved))
+    pieces = [search.means[a:b] for a, b in found.pieces]
+    share, share_std = mode_shares(pieces, modes, [search.deviation(a, b, found.share) for a, b in found.pieces])
+    main = int(np.argmax(np.nan_to_num(share)))  # not by its size at first: what is over at once has moved little
     rate_std = float(np.sqrt(modes.covariance[modes.count + main, modes.count + main]) * modes.omega[main]) * unit
     seen = (largest > floor) | (np.arange(modes.count) == main)
     omega, zeta, rate = modes.omega[seen] * unit, modes.zeta[seen], float(rates[main]) * unit
     main = int(np.count_nonzero(seen[:main]))
-    pieces = [search.means[a:b] for a, b in found.pieces]
-    share, share_std = mode_shares(pieces, modes, [search.deviation(a, b, found.share) for a, b in found.pieces])
     errors = np.vstack([np.sqrt(np.diag(modes.covariance)).reshape(2, -1), share_std])[:, seen]
     return SharedModes(tuple(edges), omega, zeta, main, rate, rate_std, found.evidence, share[seen], errors)

@@ -180,3 +180,14 @@ def test_a_hold_that_nobody_knows_widens_the_bound_of_the_mass():
     loss = LINEAR["mass"] * (np.pi / samples) ** 2 / 3
     assert known < 0.1 * loss
     assert bound(replace(loud, noise=1e-4), names)[0, 0] > 0.3 * loss
+
+
+@pytest.mark.parametrize(
+    "seed",
+    [
+        pytest.param(777095, id="a hand lets go as no mode beside another does"),
+        pytest.param(777136, id="of few samples a cycle none chooses its side of a jump"),
+    ],
+)
+def test_what_went_wrong_once_is_right(seed):
+    assert score(seed).outcome == "right"
