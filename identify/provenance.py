@@ -85,7 +85,7 @@ def _as_covariance(matrix: np.ndarray) -> np.ndarray:
     """The nearest (k, k) correlations that can be, with the same variances: rounding makes others of unknown values."""
     if not matrix.size:  # all parameters were given
         return matrix
-    std = np.sqrt(np.diag(matrix))
+    std = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     scale = np.where(std > 0, std, 1.0)
     sizes, axes = np.linalg.eigh(matrix / scale[:, None] / scale)
     if sizes[0] >= -np.finfo(float).eps * len(matrix):

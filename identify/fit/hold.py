@@ -234,7 +234,7 @@ def _point(fit: Fit, recordings: Sequence[Recording]) -> tuple[OutputError, Stat
 def with_hold_unknown(fit: Fit, spread: np.ndarray | float) -> Fit:
     """The fit with what not knowing the hold adds to its covariance and standard errors."""
     covariance = fit.covariance + spread
-    errors = dict(zip(fit.names, np.sqrt(np.diag(covariance)), strict=True))
+    errors = dict(zip(fit.names, np.sqrt(np.maximum(np.diag(covariance), 0.0)), strict=True))
     known = fit.oscillator.parameters()
     wider = {n: replace(p, std=float(errors[n])) for n, p in known.items() if p.std is not None and n in errors}
     return replace(fit, covariance=covariance, oscillator=fit.oscillator.with_parameters(wider))
