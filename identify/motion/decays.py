@@ -95,8 +95,8 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     most = all_that_moves(response, linear or by_envelope.decays)
     rig = None if most else pieces_of_rig(response, recording.quantity)
     # of several modes each may look like a bent one for a few cycles
-    less = shared is None or (shared.omega.size == 1 and not is_linear)
-    if rig is not None and (less or rig.evidence > shared.evidence):
+    rival = None if shared is None or (shared.omega.size == 1 and not is_linear) else shared
+    if rig is not None and (rival is None or rig.evidence > rival.evidence):
         decays = [Decay(start, stop, rig.omega, rig.rate, rig.values) for start, stop in rig.pieces]
         takes, takes_linear = (np.sum(moving_in(response, some, rig.omega)) for some in (decays, linear))
         if takes > takes_linear > 0 or _holds(decays, response, by_envelope.decays, rig.omega):
