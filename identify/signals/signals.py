@@ -36,10 +36,13 @@ class Signal:
     def noise(self) -> float:
         """Standard deviation of its white noise: see ``noise_level``, and ``noise_beside_edges``.
 
-        A force in steps leaps, and with it an acceleration; so do both at a release, and a velocity at a blow.
+        A force in steps leaps, and with it an acceleration; so do both at a release, and a velocity at a blow. Of a few
+        dozen samples a spectrum tells nothing: zero.
         """
         shown, least = noise_level(self.samples, self.fs), noise_beside_edges(self.samples)
-        return shown if shown <= ABOVE_NOISE * least else max(least, converter_step(self.samples) / STEP_NOISE)
+        if 0.0 < shown <= ABOVE_NOISE * least or not np.isfinite(least):
+            return shown
+        return max(least, converter_step(self.samples) / STEP_NOISE)
 
     @computed_once
     def frequency(self) -> float:

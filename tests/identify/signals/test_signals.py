@@ -84,6 +84,17 @@ def test_noise_and_largest_line():
     assert signal.frequency == pytest.approx(7.0, rel=1e-4)
 
 
+@pytest.mark.parametrize("n", [24, 30, 38])
+def test_of_a_few_dozen_samples_differences_tell_the_noise(n):
+    """A spectrum of so few tells nothing; a release of two cycles left a million times its noise."""
+    time = np.arange(n) / 12.0
+    motion = np.exp(-0.3 * time) * np.cos(2 * np.pi * time)
+    rng = np.random.default_rng(3)
+    levels = [Signal(motion + 1e-3 * rng.standard_normal(n), 12.0).noise for _ in range(200)]
+    assert np.median(levels) == pytest.approx(1e-3, rel=0.25)
+    assert Signal(np.full(n, 2.0), 12.0).noise == 0.0
+
+
 @pytest.mark.parametrize(("part", "silent"), [(0.6, True), (1.4, False)])
 def test_a_signal_that_is_noise_for_its_greater_part_is_silent(part, silent):
     # noise over all is 1 / sqrt(1 + part²) of the signal: 0.86 and 0.58
