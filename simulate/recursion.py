@@ -20,6 +20,8 @@ def recursion(matrix: np.ndarray, inputs: np.ndarray) -> np.ndarray:
         inputs: (n, states).
     """
     n, states = inputs.shape
+    if states == 1:
+        return _of_one_state(matrix[0, 0], inputs[:, 0])[:, None]
     blocks = -(-n // _BLOCK)
     made = np.zeros((blocks, _BLOCK, states), np.result_type(matrix, inputs))
     made.reshape(-1, states)[:n] = inputs
@@ -33,6 +35,18 @@ def recursion(matrix: np.ndarray, inputs: np.ndarray) -> np.ndarray:
             ends = ends @ matrix.T
             made[1:, place] += ends
     return made.reshape(-1, states)[:n]
+
+
+def _of_one_state(pole: complex, inputs: np.ndarray) -> np.ndarray:
+    """(n,) of one state: a triangular system of two diagonals, which the linear algebra solves sample by sample."""
+    from scipy.linalg import get_blas_funcs
+
+    if not inputs.size:
+        return np.zeros(0, np.result_type(pole, inputs))
+    diagonals = np.empty((2, inputs.size), np.result_type(pole, inputs), order="F")
+    diagonals[0], diagonals[1] = 1.0, -pole
+    solved = get_blas_funcs("tbsv", (diagonals,))(1, diagonals, inputs.astype(diagonals.dtype), lower=1, diag=1)
+    return np.asarray(solved)
 
 
 def driven_by_lines(system: tuple[np.ndarray, ...], force: np.ndarray, dt: float) -> np.ndarray:
