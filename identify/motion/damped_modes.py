@@ -54,7 +54,7 @@ class Modes:
 
     def columns(self, n: int) -> np.ndarray:
         """(n, 2K + 1) cosine and sine of each mode, and a constant, over a piece of n samples."""
-        return _columns(self.omega, self.zeta, np.arange(n, dtype=float))[0]
+        return _columns(_waves(_poles(self.omega, self.zeta), np.arange(n, dtype=float)))
 
 
 def fit_modes(pieces: Sequence[np.ndarray], start: Modes, deviation: Sequence[float]) -> tuple[Modes, np.ndarray]:
@@ -99,34 +99,43 @@ def _linearised(
     """Normal equations of ln omega, zeta and drift, the unknowns of each piece eliminated, and what is left of each."""
     count = unknown.size // 2
     omega, zeta, drift = np.exp(unknown[:count]), unknown[count:-1], unknown[-1]
+    poles = _poles(omega, zeta)
+    slopes = np.concatenate([poles, -omega * (1.0 + 1j * zeta / np.sqrt(1 - zeta**2))])  # by ln omega and by zeta
     normal, gradient, rss = np.zeros((unknown.size, unknown.size)), np.zeros(unknown.size), np.zeros(len(pieces))
     for k, (piece, spread) in enumerate(zip(pieces, deviation, strict=True)):
         times = np.arange(piece.size, dtype=float)
-        columns, moving = _columns(omega, zeta, times)
+        waves = _waves(poles, times)
+        columns = _columns(waves)
         scale = np.linalg.norm(columns, axis=0)
         basis, triangle = np.linalg.qr(columns / scale)
         steady = piece - drift * times
         seen = basis.T @ steady
         residual = steady - basis @ seen
-        weights = (np.linalg.lstsq(triangle, seen)[0] / scale)[: 2 * count].reshape(count, 2)
-        jacobian = np.einsum("nmcp,mc->npm", moving, weights).reshape(piece.size, -1)
-        jacobian = np.concatenate([jacobian, times[:, None]], axis=1)
-        jacobian = jacobian - basis @ (basis.T @ jacobian)
+        weights = (np.linalg.lstsq(triangle, seen)[0] / scale)[: 2 * count]
+        moving = times[:, None] * waves * (weights[0::2] - 1j * weights[1::2])  # by the poles
+        jacobian = np.empty((piece.size, unknown.size))
+        jacobian[:, :-1] = np.real(np.concatenate([moving, moving], axis=1) * slopes)
+        jacobian[:, -1] = times
+        jacobian -= basis @ (basis.T @ jacobian)
         normal += jacobian.T @ jacobian / spread**2
         gradient += jacobian.T @ residual / spread**2
         rss[k] = residual @ residual
     return normal, gradient, rss
 
 
-def _columns(omega: np.ndarray, zeta: np.ndarray, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(n, 2K + 1) columns, and (n, K, 2, 2) what each mode's cosine and sine change with its ln omega and its zeta."""
-    t = times[:, None]
-    root = np.sqrt(1 - zeta**2)
-    size = np.exp(-np.clip(zeta * omega * t, -_GONE, _GONE))
-    cosine, sine = size * np.cos(omega * root * t), size * np.sin(omega * root * t)
-    faster, slower = -zeta * omega * t, -omega * t  # of the envelope's logarithm, by ln omega and by zeta
-    turn, back = omega * root * t, -omega * zeta / root * t
-    of_cosine = np.stack([faster * cosine - turn * sine, slower * cosine - back * sine], axis=-1)
-    of_sine = np.stack([faster * sine + turn * cosine, slower * sine + back * cosine], axis=-1)
-    columns = np.stack([cosine, sine], axis=-1).reshape(times.size, -1)
-    return np.concatenate([columns, np.ones_like(t)], axis=1), np.stack([of_cosine, of_sine], axis=2)
+def _poles(omega: np.ndarray, zeta: np.ndarray) -> np.ndarray:
+    """(K,) of damped modes, by the sample."""
+    return omega * (-zeta + 1j * np.sqrt(1 - zeta**2))
+
+
+def _waves(poles: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """(n, K) one as it rings with each pole."""
+    along = times[:, None] * poles
+    return np.exp(np.clip(along.real, -_GONE, _GONE)) * np.exp(1j * along.imag)
+
+
+def _columns(waves: np.ndarray) -> np.ndarray:
+    """(n, 2 K + 1) cosine and sine of each, and a constant."""
+    columns = np.ones((len(waves), 2 * waves.shape[1] + 1))
+    columns[:, 0:-1:2], columns[:, 1:-1:2] = waves.real, waves.imag
+    return columns

@@ -85,8 +85,8 @@ def shared_modes(
         search = _Search.of(x, noise, max(1, int(period / _A_CYCLE)))
         if search is None:
             continue
-        for share in SHARES:
-            for start in search.starts(period / search.block, share):
+        for share, starts in zip(SHARES, search.starts(period / search.block), strict=True):
+            for start in starts:
                 # with a hundredth to spare several modes explain a hand's way too
                 left = share if start.count == 1 else 0.0
                 if any(left == of and _is_near(start, modes, search.block) for of, modes in followed):
@@ -137,9 +137,9 @@ class _Search:
         means = x[: count * block].reshape(count, block).mean(axis=1)
         return cls(means - np.median(means), max(noise / np.sqrt(block), _SMALL * float(np.ptp(x))), block)
 
-    def starts(self, period: float, share: float) -> list[Modes]:
-        """Sets of modes that windows show: of each length those that most others agree with."""
-        starts: list[Modes] = []
+    def starts(self, period: float) -> list[list[Modes]]:
+        """Sets of modes that windows show: for each of ``SHARES``, of each length those that most others agree with."""
+        starts: list[list[Modes]] = [[] for _ in SHARES]
         for cycles in _SHOWING[::-1]:
             length = round(cycles * period)
             thin = max(1, min(length // _POINTS, int(period * _FASTEST / (2 * np.pi))))
@@ -152,10 +152,10 @@ class _Search:
                 ).astype(int)
             )
             windows = self.means[places[:, None] + np.arange(length)].reshape(places.size, -1, thin).mean(axis=2)
-            shown = poles_of_windows(windows, self.noise / np.sqrt(thin), share)
-            for count in {omega.size for omega, _ in shown}:
-                some = [(omega / thin, zeta) for omega, zeta in shown if omega.size == count]
-                starts += [s for s in _agreed(some, cycles) if self.block == 1 or np.max(s.omega) < _FASTEST]
+            for found, shown in zip(starts, poles_of_windows(windows, self.noise / np.sqrt(thin), SHARES), strict=True):
+                for count in {omega.size for omega, _ in shown}:
+                    some = [(omega / thin, zeta) for omega, zeta in shown if omega.size == count]
+                    found += [s for s in _agreed(some, cycles) if self.block == 1 or np.max(s.omega) < _FASTEST]
         return starts
 
     def followed(self, modes: Modes, share: float, free: Sequence[tuple[int, int]] | None = None) -> _Found | None:
