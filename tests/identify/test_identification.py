@@ -266,7 +266,7 @@ def test_a_simulation_has_lost_the_motion_where_it_leaves_three_tenths(monkeypat
 def test_twenty_samples_of_noise_under_a_step_are_no_model(seed):
     random, times = np.random.default_rng(seed), 0.05 * np.arange(20)
     noise = 1e-3 * random.standard_normal(20)
-    with pytest.raises(BadInput, match="the natural frequency is not known to a third"):
+    with pytest.raises(BadInput, match="neither a free decay nor a stretch driven by a force"):
         identify([Recording("noise", 20.0, noise, np.where(times > times[6], 1.0, 0.0))])
 
 
