@@ -45,8 +45,8 @@ def _of_one_state(pole: complex, inputs: np.ndarray) -> np.ndarray:
         return np.zeros(0, np.result_type(pole, inputs))
     diagonals = np.empty((2, inputs.size), np.result_type(pole, inputs), order="F")
     diagonals[0], diagonals[1] = 1.0, -pole
-    solved = get_blas_funcs("tbsv", (diagonals,))(1, diagonals, inputs.astype(diagonals.dtype), lower=1, diag=1)
-    return np.asarray(solved)
+    (solve,) = get_blas_funcs(("tbsv",), (diagonals,))
+    return np.asarray(solve(1, diagonals, inputs.astype(diagonals.dtype), lower=1, diag=1))
 
 
 def driven_by_lines(system: tuple[np.ndarray, ...], force: np.ndarray, dt: float) -> np.ndarray:

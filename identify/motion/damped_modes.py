@@ -131,11 +131,11 @@ def _poles(omega: np.ndarray, zeta: np.ndarray) -> np.ndarray:
 def _waves(poles: np.ndarray, times: np.ndarray) -> np.ndarray:
     """(n, K) one as it rings with each pole."""
     along = times[:, None] * poles
-    return np.exp(np.clip(along.real, -_GONE, _GONE)) * np.exp(1j * along.imag)
+    return np.exp(np.clip(np.real(along), -_GONE, _GONE)) * np.exp(1j * np.imag(along))
 
 
 def _columns(waves: np.ndarray) -> np.ndarray:
     """(n, 2 K + 1) cosine and sine of each, and a constant."""
     columns = np.ones((len(waves), 2 * waves.shape[1] + 1))
-    columns[:, 0:-1:2], columns[:, 1:-1:2] = waves.real, waves.imag
+    columns[:, 0:-1:2], columns[:, 1:-1:2] = np.real(waves), np.imag(waves)
     return columns

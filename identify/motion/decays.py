@@ -95,11 +95,10 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     most = all_that_moves(response, linear or by_envelope.decays)
     rig = None if most else pieces_of_rig(response, recording.quantity)
     # of several modes each may look like a bent one for a few cycles
-    rival = None if shared is None or (shared.omega.size == 1 and not is_linear) else shared
-    if rig is not None and (rival is None or rig.evidence > rival.evidence):
+    is_one = shared is None or shared.omega.size == 1
+    if rig is not None and is_one and (shared is None or not is_linear or rig.evidence > shared.evidence):
         decays = [Decay(start, stop, rig.omega, rig.rate, rig.values) for start, stop in rig.pieces]
-        takes, takes_linear = (np.sum(moving_in(response, some, rig.omega)) for some in (decays, linear))
-        if takes > takes_linear > 0 or _holds(decays, response, by_envelope.decays, rig.omega):
+        if _holds(decays, response, by_envelope.decays, rig.omega):
             return _described(recording, decays)
     if shared is not None and is_linear:
         motion = _described(recording, linear)

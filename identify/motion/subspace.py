@@ -56,11 +56,11 @@ def _shown_by(space: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
     """The modes of a signal subspace (rows, rank); None where it has others than they and a constant."""
     poles = np.linalg.eigvals(np.linalg.lstsq(space[:-1], space[1:])[0])
     logs = np.log(poles[np.abs(poles) > 0].astype(complex))
-    pairs = logs[logs.imag > 0]
+    pairs = logs[np.imag(logs) > 0]
     if space.shape[1] - 2 * pairs.size > 1 or not pairs.size:
         return None
     omega = np.abs(pairs)
-    zeta = -pairs.real / omega
+    zeta = -np.real(pairs) / omega
     order = np.argsort(omega)
     if not np.all((zeta > _LEAST) & (zeta < _MOST) & (omega < np.pi)):
         return None
