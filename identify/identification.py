@@ -298,9 +298,9 @@ def identify(
 
 def _of_another_mode(oscillator: Oscillator, wanted: float) -> list[str]:
     """That the model is of another mode than the wanted one, in Hz, which stands beside it."""
-    own, *others = (omega / (2 * np.pi) for omega, _, _ in modes_of_fit(oscillator))
-    nearest = min((own, *others), key=lambda frequency: abs(np.log(frequency / wanted)))
-    if nearest == own:
+    modes = [(omega / (2 * np.pi), gain) for omega, _, gain in modes_of_fit(oscillator)]
+    own, (nearest, gain) = modes[0][0], min(modes, key=lambda mode: abs(np.log(mode[0] / wanted)))
+    if nearest == own or not gain < 0.0:
         return []
     return [
         f"the sensor shows the mode at {nearest:.4g} Hz against the force, as no mass moves: the model is of the mode "

@@ -22,7 +22,7 @@ from ..signals.odds import BEYOND_ERRORS
 from ..signals.registry import numerics
 from .segments import Segment
 
-_OF_MEDIAN = numerics(0.37, "of the samples", why="whose deviation is known as well as the median tells that of all")
+_EFFICIENCY = numerics(0.37, "of the samples", why="whose deviation is known as well as the median tells that of all")
 
 
 @lru_cache(maxsize=1024)
@@ -30,7 +30,7 @@ def _beyond(n: int) -> float:
     """So many deviations, by the median of n sizes, are as rare as ``BEYOND_ERRORS`` of known ones."""
     from scipy.special import ndtr, stdtrit
 
-    return float(stdtrit(max(_OF_MEDIAN * n, 1.0), ndtr(BEYOND_ERRORS)))
+    return float(stdtrit(max(_EFFICIENCY * n, 1.0), ndtr(BEYOND_ERRORS)))
 
 
 def nearer_sides(segment: Segment, response: np.ndarray, sides: Sides) -> np.ndarray:

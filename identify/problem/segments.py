@@ -33,8 +33,6 @@ COARSE_FORCE_BAND = numerics(
     "times the natural frequency",
     why="what only compares laws may interpolate the force to 1e-5 up to the resonance, to 1e-4 at twice that",
 )
-#: What may move a stretch that is fitted.
-KINDS = ("free", "struck", "driven")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +84,7 @@ class Segment:
 
     @property
     def kind(self) -> str:
-        """What moves it: "free", "struck" by a hammer, or "driven" by the recorded force; see ``KINDS``."""
+        """What moves it: "free", "struck" by a hammer, or "driven" by the recorded force."""
         return "free" if self.force is None else "struck" if isinstance(self.force, ContactForce) else "driven"
 
     @property
