@@ -11,12 +11,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...simulate.recursion import powers
 from ..signals.registry import budget, numerics
 
 _STEPS = budget(10, "steps", why="of a search that begins near its end")
 _CONVERGED = numerics(1e-5, "part of what is left", why="gained by a step, below which the search has converged")
 _DAMPED, _STUCK = numerics((1e-3, 1e6), "of the diagonal", why="Marquardt's damping at first, and at most")
-_GONE = numerics(50.0, "nepers", why="e to the minus fifty is nothing beside any noise")
+_GROWN = numerics(50.0, "nepers", why="over a piece: what grows by more is not looked at")
 _TURN = numerics(0.3, "of ln omega and zeta", why="a step is at most that long")
 _FASTEST, _GROWS, _OVER = numerics((3.1, -0.5, 0.99), "rad, ratios", why="the half turn, growth and critical damping")
 
@@ -54,7 +55,7 @@ class Modes:
 
     def columns(self, n: int) -> np.ndarray:
         """(n, 2K + 1) cosine and sine of each mode, and a constant, over a piece of n samples."""
-        return _columns(_waves(_poles(self.omega, self.zeta), np.arange(n, dtype=float)))
+        return _columns(_waves(_poles(self.omega, self.zeta), n))
 
 
 def fit_modes(pieces: Sequence[np.ndarray], start: Modes, deviation: Sequence[float]) -> tuple[Modes, np.ndarray]:
@@ -104,7 +105,7 @@ def _linearised(
     normal, gradient, rss = np.zeros((unknown.size, unknown.size)), np.zeros(unknown.size), np.zeros(len(pieces))
     for k, (piece, spread) in enumerate(zip(pieces, deviation, strict=True)):
         times = np.arange(piece.size, dtype=float)
-        waves = _waves(poles, times)
+        waves = _waves(poles, piece.size)
         columns = _columns(waves)
         scale = np.linalg.norm(columns, axis=0)
         basis, triangle = np.linalg.qr(columns / scale)
@@ -128,14 +129,13 @@ def _poles(omega: np.ndarray, zeta: np.ndarray) -> np.ndarray:
     return omega * (-zeta + 1j * np.sqrt(1 - zeta**2))
 
 
-def _waves(poles: np.ndarray, times: np.ndarray) -> np.ndarray:
+def _waves(poles: np.ndarray, n: int) -> np.ndarray:
     """(n, K) one as it rings with each pole."""
-    along = times[:, None] * poles
-    return np.exp(np.clip(np.real(along), -_GONE, _GONE)) * np.exp(1j * np.imag(along))
+    return powers(np.minimum(np.real(poles), _GROWN / n) + 1j * np.imag(poles), n)
 
 
 def _columns(waves: np.ndarray) -> np.ndarray:
     """(n, 2 K + 1) cosine and sine of each, and a constant."""
     columns = np.ones((len(waves), 2 * waves.shape[1] + 1))
-    columns[:, 0:-1:2], columns[:, 1:-1:2] = np.real(waves), np.imag(waves)
+    columns[:, :-1] = waves.view(float)
     return columns

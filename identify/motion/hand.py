@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from ..signals.registry import budget, numerics
@@ -16,31 +14,55 @@ _OF_HELD = numerics(2, "parameters", why="of a sensor that drifts where the rig 
 def hand_leaves(piece: np.ndarray) -> float:
     """What a hand leaves of a piece (n,) in units of its noise, with what it costs to state its parameters.
 
-    It holds still while the sensor drifts, or goes a smooth way, before or after which it may hold still.
+    It holds still while the sensor drifts, or goes a smooth way, before or after which it may hold still. What a
+    polynomial leaves of all samples before a place follows from the triangular factors of the parts up to there.
     """
     n = piece.size
-    best = min(_smooth(piece, _OF_HELD), _smooth(piece, OF_MOVED))
-    low, high = 1, n - 1
+    rows = np.column_stack([np.vander(np.linspace(-1, 1, n), OF_MOVED, increasing=True), piece])
+    whole = _factors(rows[None])[0]
+    best = min(_cost(whole, _OF_HELD, n), _cost(whole, OF_MOVED, n))
+    low, high, before, after = 1, n - 1, _factors(rows[None, :1])[0], _factors(rows[None, n - 1 :])[0]
     while high > low:  # where it stopped or began, ever finer about the best
         edges = np.unique(np.linspace(low, high, _STOPS).astype(int))
-        costs = [min(_way(piece[:edge], piece[edge:]), _way(piece[edge:], piece[:edge])) for edge in edges]
-        best, k = min(best, *costs), int(np.argmin(costs))
+        upto, beyond = _to_edges(rows, edges, before, after)
+        ways = [
+            _cost(first, count, edges) + _cost(then, OF_MOVED + _OF_HELD - count, n - edges)
+            for first, then in [(upto, beyond)]
+            for count in (OF_MOVED, _OF_HELD)
+        ]
+        costs = np.minimum(*ways) + np.log(n)
+        k = int(np.argmin(costs))
+        best = min(best, float(costs[k]))
         if edges.size < _STOPS:
             break
-        low, high = int(edges[max(k - 1, 0)]), int(edges[min(k + 1, edges.size - 1)])
+        first, last = max(k - 1, 0), min(k + 1, edges.size - 1)
+        low, high, before, after = int(edges[first]), int(edges[last]), upto[first], beyond[last]
     return best
 
 
-def _way(way: np.ndarray, rest: np.ndarray) -> float:
-    return _smooth(way, OF_MOVED) + _smooth(rest, _OF_HELD) + np.log(way.size + rest.size)
+def _to_edges(
+    rows: np.ndarray, edges: np.ndarray, before: np.ndarray, after: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Factors of all rows before each edge, and of all from there on: known before the first and after the last."""
+    lengths = np.diff(edges)
+    parts = np.zeros((lengths.size, int(np.max(lengths)), rows.shape[1]))
+    for part, a, b in zip(parts, edges, edges[1:], strict=False):
+        part[: b - a] = rows[a:b]
+    parts = _factors(parts)
+    both = np.empty((2, edges.size, *before.shape))
+    both[:, 0] = before, after
+    for k in range(lengths.size):
+        both[:, k + 1] = _factors(np.concatenate([both[:, k], parts[[k, -1 - k]]], axis=1))
+    return both[0], both[1, ::-1]
 
 
-def _smooth(way: np.ndarray, parameters: int) -> float:
-    count = min(parameters, way.size)
-    smooth = _polynomials(way.size, count)
-    return float(np.sum((way - smooth @ (smooth.T @ way)) ** 2)) + count * np.log(way.size)
+def _factors(parts: np.ndarray) -> np.ndarray:
+    """(B, 7, 7) triangular factors of powers of time and samples, (B, n, 7); rows of zeros change nothing."""
+    width = parts.shape[2]
+    short = max(width - parts.shape[1], 0)
+    return np.linalg.qr(np.pad(parts, [(0, 0), (0, short), (0, 0)]) if short else parts, mode="r")
 
 
-@lru_cache(maxsize=512)
-def _polynomials(n: int, count: int) -> np.ndarray:
-    return np.linalg.qr(np.vander(np.linspace(-1, 1, n), count))[0]
+def _cost(factor: np.ndarray, parameters: int, n: int | np.ndarray) -> float | np.ndarray:
+    """What a polynomial of so many parameters leaves of n samples (..., 7, 7), and what these cost to state."""
+    return np.sum(factor[..., parameters:, -1] ** 2, axis=-1) + np.minimum(parameters, n) * np.log(n)

@@ -79,23 +79,7 @@ def shared_modes(
         periods: samples a cycle that it may have.
         free: start and stop of each piece, in samples, where they are known; None where they are to be found.
     """
-    best: tuple[_Search, _Found] | None = None
-    followed: list[tuple[float, Modes]] = []  # in radians a sample: what two lengths of window show is asked once
-    for period in periods:
-        search = _Search.of(x, noise, max(1, int(period / _A_CYCLE)))
-        if search is None:
-            continue
-        for share, starts in zip(SHARES, search.starts(period / search.block), strict=True):
-            for start in starts:
-                # with a hundredth to spare several modes explain a hand's way too
-                left = share if start.count == 1 else 0.0
-                if any(left == of and _is_near(start, modes, search.block) for of, modes in followed):
-                    continue
-                found = search.followed(start, left, free)
-                modes = start if found is None else found.modes
-                followed.append((left, replace(modes, omega=modes.omega / search.block)))
-                if found is not None and (best is None or found.evidence > best[1].evidence):
-                    best = search, found
+    best = _likeliest(x, noise, periods, free)
     if best is None:
         return None
     search, found = best
@@ -110,6 +94,36 @@ def shared_modes(
     return _in_samples(search, found, x.size, fs)
 
 
+def _likeliest(
+    x: np.ndarray, noise: float, periods: Sequence[float], free: Sequence[tuple[int, int]] | None
+) -> tuple[_Search, _Found] | None:
+    """The set of modes with the most evidence, of all that windows show; what takes all that moves is looked for first.
+
+    With a hundredth of the motion to spare several modes explain a hand's way too.
+    """
+    best: tuple[_Search, _Found] | None = None
+    every = _Search.of(x, noise, 1)
+    followed: list[tuple[float, Modes]] = []  # in radians a sample: what two lengths of window show is asked once
+    for period in periods:
+        search = _Search.of(x, noise, max(1, int(period / _A_CYCLE)))
+        if search is None:
+            continue
+        for share, starts in zip(SHARES, search.starts(period / search.block), strict=True):
+            for start in starts:
+                left = share if start.count == 1 else 0.0
+                if any(left == of and _is_near(start, modes, search.block) for of, modes in followed):
+                    continue
+                found = search.followed(start, left, free)
+                for modes in (start,) if found is None else (start, found.modes):
+                    followed.append((left, replace(modes, omega=modes.omega / search.block)))
+                if found is not None and (best is None or found.evidence > best[1].evidence):
+                    best = search, found
+                    by_sample = found.by(search.block)
+                    if found.share == 0.0 and every is not None and every.is_explained(by_sample, search.block):
+                        return best
+    return best
+
+
 @dataclass(frozen=True, eq=False)
 class _Found:
     """Modes by the block mean, their pieces, the evidence for them, and what share of the motion they may leave."""
@@ -118,6 +132,11 @@ class _Found:
     pieces: list[tuple[int, int]]
     evidence: float
     share: float
+
+    def by(self, block: int) -> _Found:
+        """By the sample, where this is by means of so many."""
+        modes = replace(self.modes, omega=self.modes.omega / block, drift=self.modes.drift / block)
+        return replace(self, modes=modes, pieces=[(a * block, b * block) for a, b in self.pieces])
 
 
 @dataclass(frozen=True, eq=False)
@@ -248,13 +267,31 @@ class _Search:
         """Logarithm of the odds that these modes made a piece and not a hand; minus infinity where neither did."""
         from scipy.special import chdtri
 
-        piece, n = self._steady(modes, a, b), b - a
         spread = self.deviation(a, b, share)
-        columns = _orthonormal(modes.columns(n))
-        left = float(np.sum((piece - columns @ (columns.T @ piece)) ** 2)) / spread**2
-        if n <= columns.shape[1] or left > float(chdtri(n - columns.shape[1], BY_CHANCE / n)) * ABOVE_NOISE**2:
+        left, freedom = self._left(modes, a, b)
+        n, left = b - a, left / spread**2
+        if freedom <= 0 or left > float(chdtri(freedom, BY_CHANCE / n)) * ABOVE_NOISE**2:
             return -np.inf
-        return 0.5 * (hand_leaves(piece / spread) - left - columns.shape[1] * np.log(n))
+        return 0.5 * (hand_leaves(self._steady(modes, a, b) / spread) - left - (n - freedom) * np.log(n))
+
+    def _left(self, modes: Modes, a: int, b: int) -> tuple[float, int]:
+        """Sum of squares that modes leave of the block means from a to b, and its degrees of freedom."""
+        piece, columns = self._steady(modes, a, b), _orthonormal(modes.columns(b - a))
+        return float(np.sum((piece - columns @ (columns.T @ piece)) ** 2)), b - a - columns.shape[1]
+
+    def is_explained(self, found: _Found, within: int) -> bool:
+        """Whether modes leave of their pieces what the noise would, and nothing moves beside these and their edges."""
+        from scipy.special import chdtri
+
+        beside, left, freedom = np.ones(self.means.size - 1, bool), 0.0, 0
+        for a, b in found.pieces:
+            own, free = self._left(found.modes, a, b)
+            left, freedom = left + own / self.noise**2, freedom + free
+            beside[max(a - 1 - within, 0) : b + within] = False
+        steps = np.diff(self.means)[beside]
+        moved = float(np.sum(steps**2)) / (2.0 * self.noise**2)
+        still = not steps.size or moved < float(chdtri(steps.size, BY_CHANCE)) * ABOVE_NOISE**2
+        return still and freedom > 0 and left < float(chdtri(freedom, BY_CHANCE))
 
     def goes_on(self, modes: Modes, begun: int, weights: np.ndarray, a: int, b: int, share: float) -> bool:
         """Whether the block means from a to b are those of the motion that began before them, with such weights."""
