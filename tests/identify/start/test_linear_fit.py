@@ -7,7 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from dashpot.identify.problem.segments import Segment
-from dashpot.identify.start.linear_fit import LinearFit, Signal, _free_places, _peaks, _solve, linear_fit
+from dashpot.identify.start.linear_fit import LinearFit, _free_places, _peaks, linear_fit
+from dashpot.identify.start.linear_response import Signal, linear_response
 from dashpot.simulate.force import staircase, straight_lines
 from scipy.signal import cont2discrete
 
@@ -186,6 +187,5 @@ def test_a_segment_that_stands_still_spoils_nothing():
 def test_what_falls_within_a_sample_is_no_column_to_divide_by():
     """A sine begins at zero, and of one that is over at the next sample nothing is left."""
     signal = Signal(free(1e-3, 4000))
-    solved = _solve([signal], 1e7, 1e7)
-    (rest,) = solved.rests
+    (rest,) = linear_response([signal], np.log([1e7, 1e7])).rests
     assert np.sum(rest**2) == pytest.approx(np.sum((signal.measured - np.mean(signal.measured)) ** 2), rel=2e-2)
