@@ -20,7 +20,7 @@ def hand_leaves(piece: np.ndarray) -> float:
     n = piece.size
     rows = np.column_stack([np.vander(np.linspace(-1, 1, n), OF_MOVED, increasing=True), piece])
     whole = _factors(rows[None])[0]
-    best = min(_cost(whole, _OF_HELD, n), _cost(whole, OF_MOVED, n))
+    best = min(float(_cost(whole, _OF_HELD, n)), float(_cost(whole, OF_MOVED, n)))
     low, high, before, after = 1, n - 1, _factors(rows[None, :1])[0], _factors(rows[None, n - 1 :])[0]
     while high > low:  # where it stopped or began, ever finer about the best
         edges = np.unique(np.linspace(low, high, _STOPS).astype(int))
@@ -60,9 +60,9 @@ def _factors(parts: np.ndarray) -> np.ndarray:
     """(B, 7, 7) triangular factors of powers of time and samples, (B, n, 7); rows of zeros change nothing."""
     width = parts.shape[2]
     short = max(width - parts.shape[1], 0)
-    return np.linalg.qr(np.pad(parts, [(0, 0), (0, short), (0, 0)]) if short else parts, mode="r")
+    return np.asarray(np.linalg.qr(np.pad(parts, [(0, 0), (0, short), (0, 0)]) if short else parts, mode="r"))
 
 
-def _cost(factor: np.ndarray, parameters: int, n: int | np.ndarray) -> float | np.ndarray:
+def _cost(factor: np.ndarray, parameters: int, n: int | np.ndarray) -> np.ndarray:
     """What a polynomial of so many parameters leaves of n samples (..., 7, 7), and what these cost to state."""
-    return np.sum(factor[..., parameters:, -1] ** 2, axis=-1) + np.minimum(parameters, n) * np.log(n)
+    return np.asarray(np.sum(factor[..., parameters:, -1] ** 2, axis=-1) + np.minimum(parameters, n) * np.log(n))

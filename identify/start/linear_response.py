@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -132,8 +133,8 @@ class LinearResponse:
         """(samples, 2 K) derivatives of all that is left by ``theta``, the linear unknowns free."""
         count = self.poles.size
         moves = np.zeros((count, 2), complex)  # of each pole by the logarithms
-        moves[:, 0], moves[:, 1] = 1j * self.poles.imag, self.poles.real
-        capped = np.exp(self.theta[1::2]) > -self.poles.real
+        moves[:, 0], moves[:, 1] = 1j * np.imag(self.poles), np.real(self.poles)
+        capped = np.exp(self.theta[1::2]) > -np.real(self.poles)
         moves[capped] = np.column_stack([self.poles, 0.0 * self.poles])[capped]
         changes, seen = [], np.zeros((count, 2 * count))
         for signal, waves, basis, forced, own in zip(
@@ -212,10 +213,11 @@ def followed(
             last = linear_response(signals, theta.copy(), drifts=drifts)
         return last
 
+    slopes: Any = lambda theta: at(theta).jacobian()  # noqa: E731 - whose type SciPy guesses from its default
     outcome = least_squares(
         lambda theta: np.concatenate(at(theta).rests),
         theta,
-        jac=lambda theta: at(theta).jacobian(),
+        jac=slopes,
         bounds=bounds,
         max_nfev=steps,
     )
