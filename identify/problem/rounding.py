@@ -2,14 +2,15 @@
 
 The error of rounding is white where a signal crosses many levels from sample to sample, or where noise of half a step
 lies on it (Widrow and Kollar 2008, chapters 7 and 19); as such it is part of the noise. Of a sine of few levels it is
-a sine too, that counts for a larger or smaller force throughout: no residual shows that, and it goes into the mass.
-How much it is depends on where the peaks lie between two levels, which nobody knows to better than a step. So the
-signal is rounded again, its size changed by up to half a step at its peak, and what that does is in the errors.
+a sine too, that counts for a larger or smaller force throughout, and of a mass at rest it is a place: no residual shows
+that, and it goes into the parameters. How much it is depends on where the signal lies between two levels, which nobody
+knows to better than a step. So the signal is rounded again, its size changed by up to half a step at its peak and its
+zero by as much, and what that does beyond white noise is in the errors.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,6 +27,7 @@ from .limits import DITHERS
 from .normal_equations import products
 from .output_error import OutputError, State
 
+_SINGULAR = numerics(1e-12, "of the largest", why="directions of the parameters that the motion does not tell")
 _BELOW = numerics(2.0, "times its highest frequency", why="a signal lies below, and its rounding mostly above")
 
 
@@ -56,15 +58,16 @@ class Rounding:
     def error(self, random: np.random.Generator, within: slice = slice(None)) -> np.ndarray:
         """What rounding may have done to the samples ``within``, of which there is one for each: a draw."""
         size = 1.0 + self.step * random.uniform(-0.5, 0.5) / self._peak
-        before = self._middle + size * (self.smooth[within] - self._middle) - self.level
+        zero = self.level + self.step * random.uniform(-0.5, 0.5)
+        before = self._middle + size * (self.smooth[within] - self._middle) - zero
         before = before + self.noise * random.standard_normal(before.size)
         return self.step * np.round(before / self.step) - before
 
 
 def rounding_of(signal: Signal) -> Rounding | None:
-    """The rounding of a signal that keeps step with it; None where it has levels enough, or noise."""
+    """The rounding of a signal that keeps step with it; None where its noise is half a step."""
     samples, step = signal.samples, converter_step(signal.samples)
-    if not step or float(np.ptp(samples)) >= LEVELS * step:
+    if not step:
         return None
     of_rounding = step**2 / 12.0
     noise = np.sqrt(max(signal.noise**2 - of_rounding, 0.0))
@@ -81,7 +84,9 @@ def _of_response(recording: Recording) -> Rounding | None:
 @fact("force", "fs")
 def _of_force(recording: Recording) -> Rounding | None:
     drive = drive_of(recording)
-    return None if drive is None else rounding_of(drive)
+    made = None if drive is None else rounding_of(drive)
+    # each draw of a force is simulated; what a rig passes on of a rounding of many levels is as good as noise
+    return None if made is None or float(np.ptp(made.smooth)) >= LEVELS * made.step else made
 
 
 def measure_rounding(recording: Recording) -> None:
@@ -129,15 +134,34 @@ def scatter_of_rounding(
     if shown is None and driven is None:
         return 0.0
 
-    def score(draw: int) -> np.ndarray:
-        random = np.random.default_rng([seed, i, draw, 1])
-        error = np.zeros(segment.n)
-        if shown is not None:
-            error += shown.error(random, within)
-        if driven is not None and force is not None:
-            error += problem.simulate(i, state, added=driven.error(random, within)) - base
-        return products(weighted, error)
+    def scores(error_of: Callable[[np.random.Generator], np.ndarray]) -> np.ndarray:
+        random = (np.random.default_rng([seed, i, draw, 1]) for draw in range(draws))
+        found = np.array(problem.map(lambda one: products(weighted, error_of(one)), random))
+        return found[np.all(np.isfinite(found), axis=1)]
 
-    scores = np.array(problem.map(score, range(draws)))
-    scores = scores[np.all(np.isfinite(scores), axis=1)]
-    return scores.T @ scores / len(scores) if len(scores) else 0.0
+    total = np.zeros((len(weighted), len(weighted)))
+    if shown is not None:
+        total += _beyond_white(scores(lambda random: shown.error(random, within)), shown.step, weighted)
+    if driven is not None and force is not None:
+        drawn = scores(lambda random: problem.simulate(i, state, added=driven.error(random, within)) - base)
+        total += drawn.T @ drawn / max(len(drawn), 1)
+    return total
+
+
+def _beyond_white(scores: np.ndarray, step: float, weighted: np.ndarray) -> np.ndarray:
+    """(k, k) scatter of scores (draws, k) beyond what white noise of rounding would make, which is in what is left.
+
+    In directions in which the draws scatter by more than white noise does by chance (Marchenko and Pastur 1967).
+    """
+    if not len(scores):
+        return np.zeros((len(weighted), len(weighted)))
+    white = step**2 / 12.0 * products(weighted, weighted)
+    size = np.sqrt(np.maximum(np.diag(white), np.finfo(float).tiny))
+    values, vectors = np.linalg.eigh(white / np.outer(size, size))
+    known = values > _SINGULAR * values[-1]
+    root = size[:, None] * vectors[:, known] * np.sqrt(values[known])
+    unit = scores / size @ (vectors[:, known] / np.sqrt(values[known]))
+    times, turned = np.linalg.eigh(unit.T @ unit / len(scores))
+    by_chance = (1.0 + np.sqrt(times.size / len(scores))) ** 2
+    beyond = root @ (turned * np.sqrt(np.where(times > by_chance, times - 1.0, 0.0)))
+    return beyond @ beyond.T

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS
 from dashpot.identify.fit.likelihood import maximum_likelihood
-from dashpot.identify.problem.rounding import Rounding, rounding_of
+from dashpot.identify.problem.rounding import Rounding, _beyond_white, rounding_of
 from dashpot.identify.signals.signals import Signal
 from dashpot.model import Oscillator
 from scipy.special import j1
@@ -28,8 +28,9 @@ def test_of_a_sine_it_makes_one_of_another_size_by_its_closed_form():
     drawn = [2 * np.mean(rounding.error(random) * np.sin(TURN)) for _ in range(300)]
     # Fourier series of the saw that rounding adds, along a sine (Widrow and Kollar 2008)
     sizes, k = np.linspace(size - step / 2, size + step / 2, 400)[:, None], np.arange(1, 200)
-    made = np.sum((-1.0) ** k * 2 * step / (np.pi * k) * j1(2 * np.pi * k * sizes / step), axis=1)
-    assert np.sqrt(np.mean(np.square(drawn))) == pytest.approx(np.sqrt(np.mean(made**2)), rel=0.1)
+    made = 2 * step / (np.pi * k) * j1(2 * np.pi * k * sizes / step)  # times the cosine of where zero lies in a step
+    expected = np.sqrt(np.mean(np.sum(made**2, axis=1)) / 2)
+    assert np.sqrt(np.mean(np.square(drawn))) == pytest.approx(expected, rel=0.1)
     assert np.std(rounding.error(random)) == pytest.approx(step / np.sqrt(12), rel=0.1)
 
 
@@ -41,9 +42,16 @@ def test_the_signal_before_is_known_to_a_small_part_of_a_step():
     assert rounding.noise < 1e-3 * rounding.step
 
 
-@pytest.mark.parametrize(("levels", "keeps_step"), [(250, True), (262, False)])
-def test_with_levels_enough_it_is_as_good_as_noise(levels, keeps_step):
-    assert (rounding_of(Signal(rounded(np.sin(TURN), 2 / levels), FS)) is not None) == keeps_step
+def test_of_a_signal_that_crosses_many_levels_it_is_as_good_as_noise():
+    """Nothing is counted twice; of one that stays between two levels for long, what its place there does is counted."""
+    step, rows = 2e-3, np.vstack([np.cos(TURN), np.ones(N)])
+    crosses, rests = (
+        [Rounding(step, 0.0, smooth, 0.0).error(np.random.default_rng(draw)) for draw in range(60)]
+        for smooth in (np.sin(TURN) * (1 + 0.3 * np.sin(0.17 * TURN)), np.zeros(N))
+    )
+    assert not np.any(_beyond_white(np.array(crosses) @ rows.T, step, rows))
+    scatter = _beyond_white(np.array(rests) @ rows.T, step, rows)
+    assert np.sqrt(scatter[1, 1]) == pytest.approx(N * step / np.sqrt(12), rel=0.15)
 
 
 @pytest.mark.parametrize(("noise", "keeps_step"), [(0.4, True), (0.6, False)])
