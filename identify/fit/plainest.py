@@ -121,7 +121,7 @@ def plainest(fit: Fit, again: Callable[[Oscillator, Sequence[str]], Fit]) -> Fit
         without = _without(fit, absent, again)
         if without is None:
             return fit
-    covariance = _given(fit, absent.names) + absent.spread
+    covariance = at_least(_given(fit, absent.names), without.covariance) + absent.spread
     errors = dict(zip(without.names, np.sqrt(np.diag(covariance)), strict=True))
     known = without.oscillator.parameters()
     wider = {n: replace(known[n], std=float(e)) for n, e in errors.items() if known[n].std is not None}
@@ -163,6 +163,17 @@ def _given(fit: Fit, names: Sequence[str]) -> np.ndarray:
     precision = np.linalg.pinv(fit.covariance[np.ix_(gone, gone)] / np.outer(scale, scale), hermitian=True)
     across = fit.covariance[np.ix_(kept, gone)] / scale
     return fit.covariance[np.ix_(kept, kept)] - across @ precision @ across.T
+
+
+def at_least(covariance: np.ndarray, own: np.ndarray) -> np.ndarray:
+    """A covariance whose variances are those of another where these are larger.
+
+    What rounding does to a fit, which keeps step with the motion, may be more where fewer parameters take it.
+    """
+    least = np.sqrt(
+        np.maximum(np.diag(own), np.diag(covariance)) / np.maximum(np.diag(covariance), np.finfo(float).tiny)
+    )
+    return covariance * np.outer(least, least)
 
 
 def _sentence(names: Sequence[str]) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.identify import identify
-from dashpot.identify.fit.plainest import likely_absent
+from dashpot.identify.fit.plainest import at_least, likely_absent
 from dashpot.recording.recording import Recording
 
 NAMES = ("omega0", "cubic", "viscous")
@@ -82,3 +82,9 @@ def test_a_step_to_one_side_does_not_tell_the_mass_from_a_preload():
     mass = identify([Recording("step", 500.0, x, force)], every=False).oscillator.mass
     assert abs(mass.value - 2.0) < 3.5 * mass.std
     assert 0.002 < mass.std / mass.value < 0.03
+
+
+def test_errors_are_those_of_the_fit_without_where_these_are_larger():
+    """Correlations stay."""
+    covariance, own = np.array([[4.0, 1.0], [1.0, 1.0]]), np.array([[1.0, 0.2], [0.2, 9.0]])
+    np.testing.assert_allclose(at_least(covariance, own), [[4.0, 3.0], [3.0, 9.0]])
