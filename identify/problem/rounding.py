@@ -135,7 +135,7 @@ def scatter_of_rounding(
         return 0.0
 
     def scores(error_of: Callable[[np.random.Generator], np.ndarray]) -> np.ndarray:
-        random = (np.random.default_rng([seed, i, draw, 1]) for draw in range(draws))
+        random = [np.random.default_rng([seed, i, draw, 1]) for draw in range(draws)]
         found = np.array(problem.map(lambda one: products(weighted, error_of(one)), random))
         return found[np.all(np.isfinite(found), axis=1)]
 
