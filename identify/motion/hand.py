@@ -25,12 +25,9 @@ def hand_leaves(piece: np.ndarray) -> float:
     while high > low:  # where it stopped or began, ever finer about the best
         edges = np.unique(np.linspace(low, high, _STOPS).astype(int))
         upto, beyond = _to_edges(rows, edges, before, after)
-        ways = [
-            _cost(first, count, edges) + _cost(then, OF_MOVED + _OF_HELD - count, n - edges)
-            for first, then in [(upto, beyond)]
-            for count in (OF_MOVED, _OF_HELD)
-        ]
-        costs = np.minimum(*ways) + np.log(n)
+        stopped = _cost(upto, OF_MOVED, edges) + _cost(beyond, _OF_HELD, n - edges)
+        began = _cost(upto, _OF_HELD, edges) + _cost(beyond, OF_MOVED, n - edges)
+        costs = np.minimum(stopped, began) + np.log(n)
         k = int(np.argmin(costs))
         best = min(best, float(costs[k]))
         if edges.size < _STOPS:

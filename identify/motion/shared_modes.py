@@ -97,7 +97,7 @@ def shared_modes(
 def _likeliest(
     x: np.ndarray, noise: float, periods: Sequence[float], free: Sequence[tuple[int, int]] | None
 ) -> tuple[_Search, _Found] | None:
-    """The set of modes with the most evidence, of all that windows show; what takes all that moves is looked for first.
+    """The set of modes with the most evidence, of all that windows show, or the first that leaves nothing to explain.
 
     With a hundredth of the motion to spare several modes explain a hand's way too.
     """

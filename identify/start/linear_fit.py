@@ -72,9 +72,9 @@ def linear_fit(segments: Sequence[Segment]) -> LinearFit | None:
         return None
     inside = [np.clip(np.log(place), low + _EDGE, high - _EDGE) for place in places]
     costs = [linear_response(fewer, theta).cost for theta in inside]
-    nearest = [followed(fewer, inside[i], (low, high), _STEPS) for i in np.argsort(costs)[:_KEPT]]
-    best = min(nearest, key=lambda response: response.cost)
-    best = followed(signals, np.clip(best.theta, low, high), (low, high), _STEPS)
+    nearest = [followed(fewer, inside[i], (low, high), _STEPS).theta for i in np.argsort(costs)[:_KEPT]]
+    best = min(nearest, key=lambda theta: linear_response(signals, theta).cost)  # of fewer an alias leaves no more
+    best = followed(signals, best, (low, high), _STEPS)
     (pole,) = best.poles.tolist()
     initial = []
     for own, segment in zip(best.own, segments, strict=True):

@@ -44,18 +44,19 @@ def one_mode_more(segments: Sequence[Segment], modes: Sequence[Mode]) -> tuple[M
         starts.append(start)
     around = np.pad(costs, 1, constant_values=np.inf)
     lowest = [i for i in np.argsort(costs) if costs[i] <= min(around[i], around[i + 2])][:_KEPT]
-    best = min((_followed(fewer, starts[i], low, high) for i in lowest), key=lambda response: response.cost)
-    return _fitted(segments, best.theta, modes)
+    return _fitted(segments, [_followed(fewer, starts[i], low, high).theta for i in lowest], modes)
 
 
 def fitted_modes(segments: Sequence[Segment], modes: Sequence[Mode]) -> tuple[Mode, ...]:
     """The modes, all fitted anew from where they are; that is the first which is nearest to the one before."""
-    return _fitted(segments, _logarithms(modes), modes)
+    return _fitted(segments, [_logarithms(modes)], modes)
 
 
-def _fitted(segments: Sequence[Segment], theta: np.ndarray, modes: Sequence[Mode]) -> tuple[Mode, ...]:
+def _fitted(segments: Sequence[Segment], places: Sequence[np.ndarray], modes: Sequence[Mode]) -> tuple[Mode, ...]:
+    """From the best of the places: of fewer samples an alias leaves no more than what it is one of."""
     signals = [Signal(segment, by_means=True) for segment in segments]
-    best = _followed(signals, theta, *_bounds(segments))
+    nearest = min(places, key=lambda theta: linear_response(signals, theta, drifts=True).cost)
+    best = _followed(signals, nearest, *_bounds(segments))
     found = [(abs(p), -p.real / abs(p), gain) for p, gain in zip(best.poles.tolist(), best.gains.tolist(), strict=True)]
     # a model has a mass above zero; where the sensor shows a mode against the force, that mode is a further one
     first = min(found, key=lambda mode: (mode[2] < 0.0, abs(np.log(mode[0] / modes[0][0]))))

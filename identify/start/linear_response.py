@@ -62,27 +62,31 @@ class Signal:
         """(size, K) one as it rings with each pole (K,) in 1/s, in units of the response."""
         return powers(poles * (self.dt * self.stride), self.size) / self.unit
 
-    def driven(self, pole: complex, by: complex = 0.0) -> np.ndarray:
-        """(size,) response from rest of a mass of one, in the same units; or its change where the pole moves ``by``.
-
-        Between two samples of the response all points of the force are taken at once.
-        """
+    def driven(self, pole: complex) -> np.ndarray:
+        """(size,) response from rest of a mass of one, in the same units."""
         assert self.force is not None
-        omega, steps = pole.imag, self.size - 1
-        pushes = self._pushed(self._pushes(pole))
-        turn = np.exp(pole * self.step * self.every)
-        moved = np.append(0.0, recursion(np.array([[turn]]), pushes[:, None]))
-        response = np.imag(pole**self.order * moved) / omega
-        if by:
-            h = _MOVED * abs(pole)
-            slope = (self._pushes(pole + h) - self._pushes(pole - h)) / (2 * h)
-            pushes = self._pushed(slope) + self.every * self.step * turn * moved[:steps]
-            slopes = np.append(0.0, recursion(np.array([[turn]]), pushes[:, None]))
-            change = self.order * pole ** (self.order - 1) * moved + pole**self.order * slopes
-            response = (np.imag(change * by) - by.imag * response) / omega
-        elif self.order == 2:
-            response = response + self.force[: steps * self.every + 1 : self.every]
+        response = np.imag(pole**self.order * self._moved(pole)) / pole.imag
+        if self.order == 2:
+            response += self.force[: (self.size - 1) * self.every + 1 : self.every]
         return response / self.unit
+
+    def driven_slopes(self, pole: complex, moves: np.ndarray) -> np.ndarray:
+        """(size, 2) derivatives of that where the pole moves by each of these (2,)."""
+        moved, h = self._moved(pole), _MOVED * abs(pole)
+        pushes = (self._pushes(pole + h) - self._pushes(pole - h)) / (2 * h)
+        turned = self.every * self.step * np.exp(pole * self.step * self.every) * moved[:-1]
+        change = pole**self.order * self._from_rest(pole, self._pushed(pushes) + turned)
+        change += self.order * pole ** (self.order - 1) * moved
+        still = np.imag(pole**self.order * moved) / pole.imag
+        return (np.imag(change[:, None] * moves) - still[:, None] * np.imag(moves)) / pole.imag / self.unit
+
+    def _moved(self, pole: complex) -> np.ndarray:
+        return self._from_rest(pole, self._pushed(self._pushes(pole)))
+
+    def _from_rest(self, pole: complex, pushes: np.ndarray) -> np.ndarray:
+        """(size,) one complex state, that what is pushed from sample to sample (size - 1,) moves."""
+        turn = np.exp(pole * self.step * self.every)
+        return np.append(0.0, recursion(np.array([[turn]]), pushes[:, None]))
 
     def _pushes(self, pole: complex) -> np.ndarray:
         """(every + 1,) what each point of the force from one sample to the next leaves at the end."""
@@ -93,7 +97,7 @@ class Signal:
         return (whole - last) * turns + last * np.append(0.0, turns[:-1])
 
     def _pushed(self, pushes: np.ndarray) -> np.ndarray:
-        """(size - 1,) what the force leaves at the end of each step."""
+        """(size - 1,) what the force leaves at the end of each step, all its points in between at once."""
         assert self.force is not None
         end = (self.size - 1) * self.every
         within = self.force[:end].reshape(-1, self.every) @ pushes[:-1].view(float).reshape(-1, 2)
@@ -144,9 +148,8 @@ class LinearResponse:
             moving = (signal.time[:, None] * waves * weights)[:, :, None] * moves
             change = np.real(moving).reshape(signal.size, 2 * count)
             if signal.force is not None:
-                for k, pole in enumerate(self.poles):
-                    for j in np.flatnonzero(moves[k]):
-                        change[:, 2 * k + j] += self.gains[k] * signal.driven(complex(pole), complex(moves[k, j]))
+                for k, pole in enumerate(self.poles.tolist()):
+                    change[:, 2 * k : 2 * k + 2] += self.gains[k] * signal.driven_slopes(pole, moves[k])
             change -= basis @ (basis.T @ change)
             changes.append(change)
             seen += forced.T @ change
@@ -177,7 +180,7 @@ def linear_response(signals: Sequence[Signal], theta: np.ndarray, *, drifts: boo
         rest = signal.measured - basis @ (basis.T @ signal.measured)
         made = np.zeros((signal.size, 0))
         if signal.force is not None:
-            made = np.column_stack([signal.driven(complex(pole)) for pole in poles])
+            made = np.column_stack([signal.driven(pole) for pole in poles.tolist()])
         driven.append(made)
         part = made - basis @ (basis.T @ made) if made.size else np.zeros((signal.size, count))
         forced.append(part)

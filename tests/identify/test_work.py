@@ -47,7 +47,7 @@ KINDS = {
     "decay and sweep": (lambda: [decay(), sweep()], 45),
     "a sensor off zero": (lambda: [sweep(offset=3e-4)], 67),
     "three releases": (lambda: releases(dry=0.02), 26),
-    "releases, drag concealed": (lambda: releases(drag=20.0), 310),
+    "releases, drag concealed": (lambda: releases(drag=20.0), 290),
 }
 
 

@@ -189,3 +189,11 @@ def test_what_falls_within_a_sample_is_no_column_to_divide_by():
     signal = Signal(free(1e-3, 4000))
     (rest,) = linear_response([signal], np.log([1e7, 1e7])).rests
     assert np.sum(rest**2) == pytest.approx(np.sum((signal.measured - np.mean(signal.measured)) ** 2), rel=2e-2)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_no_alias_of_the_samples_that_places_are_compared_by_is_taken(seed):
+    """A sine and its alias leave the same of every seventh sample; the last digits, here of seeds 0 and 2, decide."""
+    decay = free(2 * np.pi / OMEGA0 / 56, 40 * 56, begin=(1e-3, 0.0))
+    noise = 1e-6 * np.random.default_rng(seed).standard_normal(decay.n)
+    assert fit(replace(decay, response=decay.response + noise)).omega0 == pytest.approx(OMEGA0, rel=1e-4)
