@@ -9,6 +9,7 @@ import numpy as np
 
 from ..errors import BadInput
 from .continuity import edges_of, is_switched
+from .resolution import converter_step
 from .time_stamps import EARLIEST, LATEST
 
 SAME_RATE = 1e-3  # relative: two statements of one rate; rates are often quoted to four digits
@@ -17,7 +18,7 @@ TOLERABLE = 0.25  # intervals, rms of the steps: beyond it a spline between the 
 WITHIN_CYCLE = 0.01  # ... but not where it is a smaller part of the fastest channel's cycle
 NEARLY_ALL = 0.99  # of a channel's power: what is faster is a tenth of its size at most, and noise
 LONE = 0.01  # of the steps: rarer odd ones are lost samples, not a rate that the rounding cannot show
-HALF = 0.5  # intervals: between one step and two, or of all stamps
+HALF = 0.5  # of an interval, between one step and two; of all stamps; of what the steps of a converter err by
 _STEADY = 4.0  # standard deviations of the steps: what jitter does in one of fifteen thousand
 _HALVINGS = 30  # of an interval in which the rate lies: to a billionth of it
 _MEDIAN = 0.6745  # of the sizes of Gaussian numbers of unit standard deviation
@@ -266,17 +267,21 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
         return made
     if np.any(np.isinf(columns)):
         return columns  # the check for numbers reports these; a spline would only spread them
-    made, switched, edges = np.empty((len(grid), columns.shape[1])), [], np.zeros(0, int)
+    made, edges = np.empty((len(grid), columns.shape[1])), np.zeros(0, int)
+    switched: list[int] = []
+    coarse: list[int] = []
     for k, column in enumerate(columns.T):
         there = np.isfinite(column)
         if is_switched(column[there]):  # a spline would ring at its edges
-            made[:, k] = column[there][np.rint(np.interp(grid, time[there], np.arange(there.sum()))).astype(int)]
+            made[:, k] = _nearest(time[there], column[there], grid)
             switched.append(k)
             edges = np.union1d(edges, edges_of(made[:, k]))
     for k, column in enumerate(columns.T):
         there = np.isfinite(column)
         if k not in switched:
-            made[:, k] = _between_edges(time[there], column[there], grid, grid[edges])
+            own = (time[there], column[there], grid)
+            coarse += [k] if _steps_hide(column[there], (time - grid[nearest])[there] / interval) else []
+            made[:, k] = _nearest(*own) if k in coarse else _between_edges(*own, grid[edges])
         at = np.searchsorted(time[there], grid)
         before, after = time[there][np.maximum(at - 1, 0)], time[there][np.minimum(at, np.count_nonzero(there) - 1)]
         lost = after - before > np.median(step) + max(HALF * np.median(step), _STEADY * jitter)
@@ -285,8 +290,24 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
         notes.append(
             f"{where}: the time steps jitter by {100 * jitter / interval:.1f} % (rms); "
             f"resampled by cubic spline at {1 / interval:.6g} Hz"
+            + (", a signal in steps larger than that moves it by the nearest stamp" if coarse else "")
         )
     return made
+
+
+def _nearest(time: np.ndarray, column: np.ndarray, grid: np.ndarray) -> np.ndarray:
+    """(m,) the sample (n,) whose stamp is nearest to each time of the grid."""
+    return np.asarray(column[np.rint(np.interp(grid, time, np.arange(time.size))).astype(int)])
+
+
+def _steps_hide(column: np.ndarray, off: np.ndarray) -> bool:
+    """Whether the steps of a converter hide what its stamps are off by: (n,) samples, and sample intervals.
+
+    Between such steps a spline would show a signal without any, and as quiet as if it were known better. What moves it
+    by half of what a step errs by adds an eighth to that.
+    """
+    moved = float(np.sqrt(np.mean(np.diff(column) ** 2) * np.mean(off**2))) if column.size > 1 else 0.0
+    return moved < HALF * converter_step(column) / np.sqrt(12.0)
 
 
 def _between_edges(time: np.ndarray, column: np.ndarray, grid: np.ndarray, edges: np.ndarray) -> np.ndarray:

@@ -70,6 +70,18 @@ def test_moderate_jitter_is_resampled_onto_the_grid():
     assert np.abs(sampling.columns - signal(GRID)).max() < 0.01 * raw
 
 
+@pytest.mark.parametrize(("step", "kept"), [(0.015, True), (1e-4, False)])
+def test_a_converter_s_steps_stay_where_they_are_larger_than_what_the_stamps_move(step, kept):
+    """Between large steps a spline would show none; between small ones it is nearer to the signal than a sample."""
+    random = np.random.default_rng(1)
+    time = GRID + np.concatenate([[0.0], random.uniform(-0.15, 0.15, N - 2), [0.0]]) / 250
+    sampling = uniform_sampling("rig.csv", time, None, step * np.round(signal(time, 1) / step))
+    made = sampling.columns[:, 0]
+    assert bool(np.all(np.abs(made / step - np.round(made / step)) < 1e-9)) is kept
+    assert ("by the nearest stamp" in sampling.notes[0]) is kept
+    assert np.std(made - signal(GRID, 1)[:, 0]) < (1.13 if kept else 1.42) * step / np.sqrt(12)
+
+
 @pytest.mark.parametrize("lost", [[500], [500, 501], [37, 500, 501, 903, 1800], list(range(700, 1500))])
 def test_where_stamps_are_missing_the_samples_are_none(lost):
     sampling = sample(np.delete(GRID, lost), frequency=6)
