@@ -78,8 +78,7 @@ def _size(x: np.ndarray, period: int) -> np.ndarray:
     kernel = np.maximum(blackman(2 * period)[0], 0)
     half = kernel.size // 2
     padded = np.pad(x - np.median(x), half, mode="symmetric")
-    mean = np.convolve(padded, kernel, mode="valid")
-    square = np.convolve(padded**2, kernel, mode="valid")
+    mean, square = convolved(np.stack([padded, padded**2]), kernel, "valid")
     return np.sqrt(2 * np.maximum(square - mean**2, 0))
 
 
