@@ -153,7 +153,7 @@ def swell_of(swings: Swings, decays: Sequence[Decay]) -> tuple[int, int] | None:
     size, at = swings.size, swings.at
     grows = size[2:] >= size[:-2]
     for decay in decays:
-        grows &= (at[1:-2] < decay.start) | (at[2:-1] >= decay.stop)
+        grows &= (at[3:] <= decay.start) | (at[:-3] >= decay.stop)
     best = None
     for a, b in runs(grows):
         gained = float(size[b] + size[b + 1] - size[a] - size[a + 1])

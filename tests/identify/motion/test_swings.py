@@ -297,3 +297,12 @@ def test_what_grows_within_a_decay_is_its_beat():
     swings = turns(np.concatenate([falling(10), 1.1 ** np.arange(20), falling(10)]))
     assert swell_of(swings, (Decay(0, 60 * EVERY),)) is None
     assert swell_of(swings, (Decay(0, 8 * EVERY),)) is not None
+
+
+def test_releases_ever_larger_do_not_swell():
+    """Each release is a piece of its own: what lies between two of them is too short to have been driven."""
+    swings = turns(np.exp(0.05 * np.arange(40)))
+    pieces = tuple(Decay(k * EVERY + 5, (k + 1) * EVERY + 5) for k in range(2, 38, 5))
+    assert swell_of(swings, ()) is not None
+    assert swell_of(swings, pieces) is None
+    assert swell_of(swings, pieces[:4]) == (19 * EVERY, 40 * EVERY)
