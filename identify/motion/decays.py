@@ -106,8 +106,7 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     shared = modes_of_response(response, settled=settled)
     rig = rig_of() if asked else None
     if rig is not None and (shared is None or rig.evidence > shared.evidence) and settled(0.0, 0):
-        whole = all_that_moves(response, by_envelope.decays)
-        return by_envelope if whole else _described(recording, _of_rig(rig))
+        return _described(recording, _of_rig(rig))
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
     is_linear = shared is not None and (few or _explains(shared, response, by_envelope.decays))
