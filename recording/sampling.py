@@ -278,6 +278,9 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
             edges = np.union1d(edges, edges_of(made[:, k]))
     for k, column in enumerate(columns.T):
         there = np.isfinite(column)
+        if not np.any(there):  # the check for numbers reports it
+            made[:, k] = np.nan
+            continue
         if k not in switched:
             own = (time[there], column[there], grid)
             coarse += [k] if _steps_hide(column[there], (time - grid[nearest])[there] / interval) else []

@@ -82,6 +82,12 @@ def test_a_converter_s_steps_stay_where_they_are_larger_than_what_the_stamps_mov
     assert np.std(made - signal(GRID, 1)[:, 0]) < (1.13 if kept else 1.42) * step / np.sqrt(12)
 
 
+def test_a_channel_without_a_number_is_left_to_the_check_for_numbers():
+    time = GRID + np.random.default_rng(1).uniform(-0.15, 0.15, N) / 250
+    columns = np.column_stack([signal(time)[:, 0], np.full(N, np.nan)])
+    assert np.flatnonzero(np.all(np.isnan(uniform_sampling("rig.csv", time, None, columns).columns), axis=0)) == [1]
+
+
 @pytest.mark.parametrize("lost", [[500], [500, 501], [37, 500, 501, 903, 1800], list(range(700, 1500))])
 def test_where_stamps_are_missing_the_samples_are_none(lost):
     sampling = sample(np.delete(GRID, lost), frequency=6)
