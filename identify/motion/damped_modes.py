@@ -7,7 +7,7 @@ and linear, so that only the former are searched for (Golub and Pereyra 1973, wi
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -52,6 +52,10 @@ class Modes:
     def unknown(self) -> float:
         """Standard deviation of ln omega and zeta together, the mean over the modes."""
         return float(np.sqrt(np.trace(self.covariance) / self.count))
+
+    def by_blocks(self, ratio: float) -> Modes:
+        """The same modes by means of so many times as many samples."""
+        return replace(self, omega=self.omega * ratio, drift=self.drift * ratio)
 
     def columns(self, n: int) -> np.ndarray:
         """(n, 2K + 1) cosine and sine of each mode, and a constant, over a piece of n samples."""

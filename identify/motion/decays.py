@@ -22,6 +22,7 @@ from .force_off import force_is_silent, force_off, zero_of
 from .free_motion import all_that_moves, modes_of_response, moving_in, pieces_of_rig
 from .limits import TAKES
 from .mode import Mode
+from .rig_pieces import RigPieces
 from .shared_modes import SharedModes
 from .swings import swell_of, swings_of
 
@@ -87,23 +88,46 @@ def _swell_beside(recording: Recording, decays: Sequence[Decay]) -> tuple[int, i
 def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     """What one rig explains of a recording without a force, or what the envelope shows."""
     response = response_of(recording)
-    shared = modes_of_response(response)
+    asked: list[RigPieces | None] = []
+
+    def rig_of() -> RigPieces | None:
+        if not asked:
+            asked.append(pieces_of_rig(response, recording.quantity))
+        return asked[0]
+
+    def settled(evidence: float, count: int) -> bool:
+        """Whether one mode, bent or not, leaves only noise of what no two look like, so many cycles in a piece."""
+        rig = rig_of()
+        if rig is None or rig.share > 0.0 or not (rig.is_bent if rig.evidence > evidence else count == 1):
+            return False
+        longest = max(stop - start for start, stop in rig.pieces) / recording.fs * rig.omega / (2 * np.pi)
+        return longest >= FEWEST_CYCLES and _holds(_of_rig(rig), response, by_envelope.decays, rig.omega)
+
+    shared = modes_of_response(response, settled=settled)
+    rig = rig_of() if asked else None
+    if rig is not None and (shared is None or rig.evidence > shared.evidence) and settled(0.0, 0):
+        whole = all_that_moves(response, by_envelope.decays)
+        return by_envelope if whole else _described(recording, _of_rig(rig))
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
     is_linear = shared is not None and (few or _explains(shared, response, by_envelope.decays))
     linear = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))] if shared and is_linear else []
     most = all_that_moves(response, linear or by_envelope.decays)
-    rig = None if most else pieces_of_rig(response, recording.quantity)
+    rig = None if most else rig_of()
     # of several modes each may look like a bent one for a few cycles
     is_one = shared is None or shared.omega.size == 1
     if rig is not None and is_one and (shared is None or not is_linear or rig.evidence > shared.evidence):
-        decays = [Decay(start, stop, rig.omega, rig.rate, rig.values) for start, stop in rig.pieces]
+        decays = _of_rig(rig)
         if _holds(decays, response, by_envelope.decays, rig.omega):
             return _described(recording, decays)
     if shared is not None and is_linear:
         motion = _described(recording, linear)
         return replace(motion, modes=_modes_of(shared, recording.fs))
     return by_envelope
+
+
+def _of_rig(rig: RigPieces) -> list[Decay]:
+    return [Decay(start, stop, rig.omega, rig.rate, rig.values) for start, stop in rig.pieces]
 
 
 def _rings_out(shared: SharedModes, n: int) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
@@ -21,13 +21,17 @@ _FEW = budget((1.0, 2.0, 4.0), "cycles a record", why="where no line of a spectr
 _LEAST = numerics(4.0, "samples a cycle", why="of the fourth differences fewer leave little but the noise")
 
 
-def modes_of_response(response: Signal, free: Sequence[tuple[int, int]] | None = None) -> SharedModes | None:
+def modes_of_response(
+    response: Signal,
+    free: Sequence[tuple[int, int]] | None = None,
+    settled: Callable[[float, int], bool] | None = None,
+) -> SharedModes | None:
     """The pieces of a response that the modes of one linear rig explain; None where there are none.
 
-    ``free``: start and stop of each piece, in samples, where they are known.
+    ``free``: start and stop of each piece, in samples, where they are known; ``settled``: see ``shared_modes``.
     """
     x = response.samples
-    return shared_modes(x, response.fs, still_noise(response), periods_of(x), free) if np.ptp(x) > 0 else None
+    return shared_modes(x, response.fs, still_noise(response), periods_of(x), free, settled) if np.ptp(x) > 0 else None
 
 
 def all_that_moves(response: Signal, decays: Sequence[Decay]) -> bool:

@@ -16,7 +16,7 @@ from ...simulate.core import Core, core_of
 from ...simulate.sides import Sides
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE, SIGNIFICANT
 from ..signals.registry import budget, numerics
-from .hand import hand_leaves
+from .hand import hand_leaves, to_state
 
 NAMES: tuple[str, ...] = ("omega0", "cubic", "preload", "viscous", "dry")
 OWN, ALL = numerics((4, 9), "unknowns", why="displacement, velocity, constant and drift; with the rig's")
@@ -47,6 +47,7 @@ class Piece:
     """From sample a to b: the rig and own unknowns (4,) at a, the covariance of all, what is left over the noise.
 
     ``turns``: sum of squares of what neighbours of what is left differ by, over its own; about two where it is white.
+    ``told``: how many of the unknowns the piece tells, the others being as before it was looked at.
     """
 
     a: int
@@ -56,6 +57,7 @@ class Piece:
     left: float
     spread: float
     turns: float
+    told: float
 
     @property
     def rig(self) -> Rig:
@@ -186,7 +188,7 @@ def fit_piece(record: Record, a: int, b: int, start: np.ndarray, share: float, r
     covariance = np.linalg.pinv(normal / np.outer(scale, scale), hermitian=True) / np.outer(scale, scale)
     rest = float(left @ left) / spread**2
     turns = float(np.sum(np.diff(left) ** 2) / max(float(left @ left), np.finfo(float).tiny))
-    return Piece(a, b, at, covariance, rest, spread, turns)
+    return Piece(a, b, at, covariance, rest, spread, turns, ALL - float(np.sum(known * covariance)))
 
 
 def is_white(piece: Piece) -> bool:
@@ -197,10 +199,10 @@ def is_white(piece: Piece) -> bool:
     return piece.turns > 2.0 / ABOVE_NOISE**2 - SIGNIFICANT * 2.0 / np.sqrt(piece.b - piece.a)
 
 
-def odds_of(record: Record, piece: Piece, unknowns: int) -> float:
-    """Logarithm of the odds that a rig with so many unknowns made a piece and not a hand."""
+def odds_of(record: Record, piece: Piece) -> float:
+    """Logarithm of the odds that a rig made a piece and not a hand: what the piece tells of either has its price."""
     shown = record.x[piece.a : piece.b] / piece.spread
-    return 0.5 * (hand_leaves(shown) - piece.left - unknowns * np.log(shown.size))
+    return 0.5 * (hand_leaves(shown) - piece.left - piece.told * to_state(shown))
 
 
 def holds(piece: Piece | None) -> bool:

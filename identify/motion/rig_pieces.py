@@ -15,14 +15,12 @@ import numpy as np
 from ...recording.recording import QUANTITIES
 from ..signals.odds import BY_CHANCE, DECISIVE, SIGNIFICANT
 from ..signals.registry import budget, numerics
-from .hand import OF_MOVED
+from .hand import OF_MOVED, to_place
 from .limits import KNOWN, SHARES
 from .rig_fit import (
-    ALL,
     LEAST_NOISE,
     LEAST_SAMPLES,
     NAMES,
-    OWN,
     Piece,
     Record,
     Rig,
@@ -60,6 +58,7 @@ class RigPieces:
         values: the parameters of Eq. 17 in SI.
         omega, rate: frequency, rad/s, and rate of fall, 1/s, at half the largest amplitude.
         evidence: logarithm of the odds that the pieces are free and not a hand's ways.
+        share: of the motion that it was allowed to leave beside the noise.
     """
 
     pieces: tuple[tuple[int, int], ...]
@@ -67,6 +66,12 @@ class RigPieces:
     omega: float
     rate: float
     evidence: float
+    share: float
+
+    @property
+    def is_bent(self) -> bool:
+        """Whether a member of Eq. 17 is there that makes the rig another than a linear one."""
+        return any(self.values[name] != 0.0 for name in ("cubic", "preload", "dry"))
 
 
 @np.errstate(over="ignore", invalid="ignore")  # a trial that grows beyond bounds is none
@@ -89,7 +94,7 @@ def rig_pieces(x: np.ndarray, fs: float, noise: float, period: float, quantity: 
                 if one.evidence > DECISIVE and all(map(is_white, one.pieces)):
                     found.append(one)
         if found:
-            return _in_si(max(found, key=lambda one: one.evidence), x.size, fs, unit)
+            return _in_si(max(found, key=lambda one: one.evidence), x.size, fs, unit, share)
     return None
 
 
@@ -116,14 +121,14 @@ def _seeds(x: np.ndarray, noise: float, quantity: str, shortest: int, share: flo
         size = length // thinned.thin
         for a, start, record in _starts(thinned, size):
             piece = fit_piece(record, a, a + size, start, share)
-            if piece is not None and holds(piece) and (odds := odds_of(record, piece, ALL)) > -DECISIVE:
+            if piece is not None and holds(piece) and (odds := odds_of(record, piece)) > -DECISIVE:
                 seeds.append((odds, piece, record))
         length = int(length / _SHORTER)
     seeds.sort(key=lambda seed: -seed[0])
     return [(piece, record) for _, piece, record in seeds[:_TRIED]]
 
 
-def _in_si(found: _Found, n: int, fs: float, unit: float) -> RigPieces | None:
+def _in_si(found: _Found, n: int, fs: float, unit: float, share: float) -> RigPieces | None:
     """Pieces by the sample of the recording, as far as they are heard; None where little is known of their rig."""
     record, order = found.record, QUANTITIES.index(found.record.quantity)
     rig = _plain(found.pieces[-1].rig)  # which knows what all before it have told
@@ -142,7 +147,7 @@ def _in_si(found: _Found, n: int, fs: float, unit: float) -> RigPieces | None:
     units = np.array([pace, pace**2 / length**2, pace**2 * length, pace, pace**2 * length])
     values = dict(zip(NAMES, (rig.values * units).tolist(), strict=True))
     omega, fall = (part * pace for part in _amid(rig.values, size))
-    return RigPieces(tuple(sorted(edges)), values, omega, fall / 2, found.evidence)
+    return RigPieces(tuple(sorted(edges)), values, omega, fall / 2, found.evidence, share)
 
 
 def _size(record: Record, pieces: Sequence[Piece]) -> float:
@@ -193,7 +198,7 @@ def _all_pieces(record: Record, seed: Piece, share: float, x: np.ndarray) -> _Fo
     record, piece = _finer(record, piece, x, share)
     n = record.x.size
     piece = grown(record, piece, share, (0, n))
-    pieces, evidence = [piece], odds_of(record, piece, ALL)
+    pieces, evidence = [piece], odds_of(record, piece) - to_place(n)
     for cycles in _ASKING:
         rig = pieces[-1].rig
         omega, fall = _amid(rig.values, _size(record, pieces))
@@ -205,14 +210,14 @@ def _all_pieces(record: Record, seed: Piece, share: float, x: np.ndarray) -> _Fo
                 continue
             start = np.concatenate([rig.values, _sine(record, a, b, omega, ratio)[5:]])
             found = fit_piece(record, a, b, start, share, pieces[-1].rig)
-            if found is None or not holds(found) or odds_of(record, found, OWN) < DECISIVE:
+            if found is None or not holds(found) or odds_of(record, found) - to_place(n) < DECISIVE:
                 continue
             limits = (
                 max((p.b for p in pieces if p.b <= a), default=0),
                 min((p.a for p in pieces if p.a >= b), default=n),
             )
             found = grown(record, found, share, limits, pieces[-1].rig)
-            evidence += odds_of(record, found, OWN)
+            evidence += odds_of(record, found) - to_place(n)
             pieces.append(found)
     return _Found(record, pieces, evidence)
 

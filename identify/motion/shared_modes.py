@@ -8,7 +8,7 @@ pieces. Nothing is asked of the number of cycles or of what stands around a piec
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ import numpy as np
 from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE
 from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
-from .hand import OF_MOVED, hand_leaves
+from .hand import OF_MOVED, hand_leaves, to_place, to_state
 from .limits import BEYOND, KNOWN, RINGS, SHARES
 from .mode_shares import mode_shares
 from .subspace import poles_of_windows
@@ -29,12 +29,14 @@ _SHOWING = budget(
 _ASKING = budget((8.0, 2.0, 0.5), "cycles", why="of windows that ask for modes, those that tell most first")
 _WINDOWS, _POINTS = budget((32, 48), "windows, points", why="of each length")
 _FOLLOWED = budget(2, "sets of modes", why="that windows of a length agree on")
+_PATIENT = budget(6, "sets of modes", why="after which it is asked whether the matter is settled otherwise")
 _ROUNDS = budget(2, "rounds", why="pieces and modes follow from one another; the best once more")
 _MOST_MEANS = budget(2**16, "block means", why="whose windows are asked in a second")
 _LEAST_SAMPLES = numerics(8, "samples", why="of a window beside those that its amplitudes take")
 _SAME = numerics(0.003, "of ln omega and zeta", why="nearer modes lead to the same pieces")
 _NEAR = numerics(0.1, "rad", why="windows of a cycle that differ by less show one set of modes")
 _INSIDE = numerics((1 / 8, 1 / 4), "of a run, of a cycle", why="so far from its ends a run is free")
+_GROWING = budget(8, "steps", why="of a piece that grows by as much again in each")
 _SMALL = numerics(1e-9, "of the largest", why="columns, and a noise, that are none")
 
 
@@ -69,6 +71,7 @@ def shared_modes(
     noise: float,
     periods: Sequence[float],
     free: Sequence[tuple[int, int]] | None = None,
+    settled: Callable[[float, int], bool] | None = None,
 ) -> SharedModes | None:
     """The free pieces of a response (n,) with so much white noise, and their modes; None if there are none.
 
@@ -78,31 +81,34 @@ def shared_modes(
         noise: standard deviation of its white noise.
         periods: samples a cycle that it may have.
         free: start and stop of each piece, in samples, where they are known; None where they are to be found.
+        settled: whether beside such evidence for so many modes no more need be sought.
     """
-    best = _likeliest(x, noise, periods, free)
+    best = _likeliest(x, noise, periods, free, settled)
     if best is None:
         return None
     search, found = best
     block = max(1, int(2 * np.pi / np.max(found.modes.omega) * search.block / _A_CYCLE))
     finer = _Search.of(x, noise, min(block, search.block))
     if finer is not None:  # edges as fine as the modes allow, and pieces that the first search was too coarse for
-        ratio = finer.block / search.block
-        modes = replace(found.modes, omega=found.modes.omega * ratio, drift=found.modes.drift * ratio)
-        again = finer.followed(modes, found.share, free)
+        again = finer.followed(found.modes.by_blocks(finer.block / search.block), found.share, free)
         if again is not None:
             search, found = finer, again
     return _in_samples(search, found, x.size, fs)
 
 
 def _likeliest(
-    x: np.ndarray, noise: float, periods: Sequence[float], free: Sequence[tuple[int, int]] | None
+    x: np.ndarray,
+    noise: float,
+    periods: Sequence[float],
+    free: Sequence[tuple[int, int]] | None,
+    settled: Callable[[float, int], bool] | None,
 ) -> tuple[_Search, _Found] | None:
     """The set of modes with the most evidence, of all that windows show, or the first that leaves nothing to explain.
 
     With a hundredth of the motion to spare several modes explain a hand's way too.
     """
     best: tuple[_Search, _Found] | None = None
-    every = _Search.of(x, noise, 1)
+    every, tried = _Search.of(x, noise, 1), 0
     followed: list[tuple[float, Modes]] = []  # in radians a sample: what two lengths of window show is asked once
     for period in periods:
         search = _Search.of(x, noise, max(1, int(period / _A_CYCLE)))
@@ -113,9 +119,15 @@ def _likeliest(
                 left = share if start.count == 1 else 0.0
                 if any(left == of and _is_near(start, modes, search.block) for of, modes in followed):
                     continue
+                so_far = (best[1].evidence, best[1].modes.count) if best else (0.0, 0)
+                if settled is not None and tried % _PATIENT == _PATIENT - 1 and settled(*so_far):
+                    return best
+                tried += 1
                 found = search.followed(start, left, free)
                 for modes in (start,) if found is None else (start, found.modes):
-                    followed.append((left, replace(modes, omega=modes.omega / search.block)))
+                    followed.append((left, modes.by_blocks(1 / search.block)))
+                if found is not None and best is not None and found.modes.count > best[1].modes.count:
+                    found = search.as_few(found, *best)
                 if found is not None and (best is None or found.evidence > best[1].evidence):
                     best = search, found
                     by_sample = found.by(search.block)
@@ -135,7 +147,7 @@ class _Found:
 
     def by(self, block: int) -> _Found:
         """By the sample, where this is by means of so many."""
-        modes = replace(self.modes, omega=self.modes.omega / block, drift=self.modes.drift / block)
+        modes = self.modes.by_blocks(1 / block)
         return replace(self, modes=modes, pieces=[(a * block, b * block) for a, b in self.pieces])
 
 
@@ -186,9 +198,7 @@ class _Search:
                 pieces = [edges for run in runs if (edges := self._edges(modes, run, share)) is not None]
             if not pieces:
                 return None
-            modes = fit_modes(
-                [self.means[a:b] for a, b in pieces], modes, [self.deviation(a, b, share) for a, b in pieces]
-            )[0]
+            modes = self._fitted(pieces, modes, share)
         evidence, kept = -modes.count * float(np.log(self.means.size)), []  # what the modes take to state
         for a, b in pieces:
             odds = self._odds(modes, a, b, share)
@@ -196,8 +206,44 @@ class _Search:
                 evidence, kept = evidence + odds, [*kept, (a, b)]
         if evidence < DECISIVE:
             return None
-        modes = fit_modes([self.means[a:b] for a, b in kept], modes, [self.deviation(a, b, share) for a, b in kept])[0]
+        modes = self._fit(kept, modes, share)
         return _Found(modes, kept, evidence, share) if _known(modes) else None
+
+    def as_few(self, found: _Found, search: _Search, fewer: _Found) -> _Found:
+        """What explains pieces likelier: the modes that were found, or the fewer that explain others of their own.
+
+        An edge one block further on tells more than a mode: modes are weighed by the same samples.
+        """
+        pieces = [(a * self.block, b * self.block) for a, b in found.pieces]
+        again = self.followed(fewer.modes.by_blocks(self.block / search.block), fewer.share, pieces)
+        return found if again is None or again.evidence < found.evidence else again
+
+    def _fitted(self, pieces: list[tuple[int, int]], modes: Modes, share: float) -> Modes:
+        """The modes of pieces together; where they explain some alone, of those; none, of that which tells most.
+
+        The other pieces are a hand's, or are none: they are asked again of better known modes.
+        """
+        fitted = self._fit(pieces, modes, share)
+        theirs = [(a, b) for a, b in pieces if self._is_theirs(fitted, a, b, share)]
+        if len(theirs) == len(pieces) or len(pieces) == 1:
+            return fitted
+        if theirs:
+            return self._fit(theirs, fitted, share)
+        alone = [self._fit([piece], modes, share) for piece in pieces]
+        odds = [self._odds(own, a, b, share) for own, (a, b) in zip(alone, pieces, strict=True)]
+        return alone[int(np.argmax(odds))]
+
+    def _fit(self, pieces: list[tuple[int, int]], modes: Modes, share: float) -> Modes:
+        parts = [self.means[a:b] for a, b in pieces]
+        return fit_modes(parts, modes, [self.deviation(a, b, share) for a, b in pieces])[0]
+
+    def _is_theirs(self, modes: Modes, a: int, b: int, share: float) -> bool:
+        """Whether modes leave no more of a piece than they may."""
+        from scipy.special import chdtri
+
+        left, freedom = self._left(modes, a, b)
+        most = float(chdtri(freedom, BY_CHANCE / (b - a))) if freedom > 0 else 0.0
+        return freedom > 0 and left <= most * (ABOVE_NOISE * self.deviation(a, b, share)) ** 2
 
     def _steady(self, modes: Modes, a: int, b: int) -> np.ndarray:
         return self.means[a:b] - modes.drift * np.arange(b - a)
@@ -239,25 +285,68 @@ class _Search:
     def _edges(self, modes: Modes, run: tuple[int, int], share: float) -> tuple[int, int] | None:
         """First and last block mean of a run that its own fit explains; None where it explains too few.
 
-        A block mean beyond two standard deviations is likelier something else's, where more such than others follow
-        towards the edge; one more is left out, for what begins is smaller than the noise at first.
+        Where it explains few, the run holds more than one motion, for nearly known modes are asked for nearly only:
+        the piece then grows from the part that the modes explain best, by as much again in a step.
         """
         a, b = run
-        n, shy = b - a, round(min(_INSIDE[0] * (b - a), _INSIDE[1] * modes.cycle))
+        shy = round(min(_INSIDE[0] * (b - a), _INSIDE[1] * modes.cycle))
+        edges = self._ends(modes, run, (a + shy, b - shy), share)
+        seed = None if edges else self._seed(modes, run, share)
+        for _ in range(_GROWING if seed else 0):
+            assert seed is not None
+            reach = (seed[1] - seed[0]) // 2
+            around = (max(a, seed[0] - reach), min(b, seed[1] + reach))
+            edges = self._ends(modes, around, seed, share)
+            if edges is None or edges[1] - edges[0] <= seed[1] - seed[0]:
+                break
+            seed = edges
+        return edges
+
+    def _seed(self, modes: Modes, run: tuple[int, int], share: float) -> tuple[int, int] | None:
+        """The short part of a run of which modes leave the smallest share; None where the run is as short."""
+        length = max(round(_ASKING[-1] * modes.cycle), 2 * modes.count + _LEAST_SAMPLES)
+        if length >= run[1] - run[0]:
+            return None
+        firsts = np.unique(np.linspace(run[0], run[1] - length, _WINDOWS).astype(int))
+        windows = self.means[firsts[:, None] + np.arange(length)]
+        basis = _orthonormal(np.column_stack([modes.columns(length), np.arange(length)]))
+        left = np.sum((windows - (windows @ basis) @ basis.T) ** 2, axis=1)
+        varied = np.sum((windows - np.mean(windows, axis=1, keepdims=True)) ** 2, axis=1)
+        k = int(np.argmin(left / np.maximum(varied, length * self.noise**2)))
+        return int(firsts[k]), int(firsts[k]) + length
+
+    def _ends(
+        self, modes: Modes, run: tuple[int, int], inside: tuple[int, int], share: float
+    ) -> tuple[int, int] | None:
+        """First and last block mean of a run that a fit to its inside explains; None where it explains too few.
+
+        A block mean beyond two standard deviations is likelier something else's, where more such than others follow
+        towards the edge; one more is left out, for what begins is smaller than the noise at first. By as much as the
+        modes are unknown, what they make of the inside may turn or fall as time goes on.
+        """
+        a, b = run
+        n, spread = b - a, self.deviation(*inside, share)
+        first, last = inside[0] - a, inside[1] - a
         columns, steady = modes.columns(n), self._steady(modes, a, b)
         if modes.drift == 0.0:  # not known yet
             columns = np.column_stack([columns, np.arange(n)])
-        columns = columns / np.linalg.norm(columns, axis=0)
-        basis, triangle = np.linalg.qr(columns[shy : n - shy])
+        size = 2 * float(np.std(steady[first:last]))
+        omega = np.repeat(modes.omega, 2) * modes.unknown * size
+        turning = modes.columns(n)[:, :-1] * (np.arange(n) - (first + last) / 2)[:, None] * omega / spread
+        peaks = np.max(np.abs(modes.columns(n)[first:last, :-1]), axis=0)
+        scale = np.linalg.norm(columns, axis=0)
+        columns = np.hstack([columns / scale, turning / peaks])
+        few = columns.shape[1] - scale.size
+        known = np.hstack([np.zeros((few, scale.size)), np.eye(few)])
+        basis, triangle = np.linalg.qr(np.vstack([columns[first:last], known]))
         if np.min(np.abs(np.diag(triangle))) < _SMALL:
             return None
-        spread = np.linalg.solve(triangle.T, columns.T)  # what the fit to the inside does not know of the edges
-        off = steady - spread.T @ (basis.T @ steady[shy : n - shy])
-        gain = BEYOND**2 - off**2 / (1.0 + np.sum(spread**2, axis=0)) / self.deviation(a, b, share) ** 2
-        middle = n // 2
+        wide = np.linalg.solve(triangle.T, columns.T)  # what the fit to the inside does not know of the edges
+        off = steady - wide.T @ (basis[: last - first].T @ steady[first:last])
+        gain = BEYOND**2 - off**2 / (1.0 + np.sum(wide**2, axis=0)) / spread**2
+        middle = (first + last) // 2
         before, after = np.cumsum(gain[middle::-1]), np.cumsum(gain[middle:])
-        first, last = middle - int(np.argmax(before)), middle + int(np.argmax(after)) + 1
-        first, last = a + first, a + last
+        first, last = a + middle - int(np.argmax(before)), a + middle + int(np.argmax(after)) + 1
         first += first > 0
         last -= last < self.means.size
         least = 2 * modes.count + 4
@@ -265,14 +354,13 @@ class _Search:
 
     def _odds(self, modes: Modes, a: int, b: int, share: float) -> float:
         """Logarithm of the odds that these modes made a piece and not a hand; minus infinity where neither did."""
-        from scipy.special import chdtri
-
+        if not self._is_theirs(modes, a, b, share):
+            return -np.inf
         spread = self.deviation(a, b, share)
         left, freedom = self._left(modes, a, b)
-        n, left = b - a, left / spread**2
-        if freedom <= 0 or left > float(chdtri(freedom, BY_CHANCE / n)) * ABOVE_NOISE**2:
-            return -np.inf
-        return 0.5 * (hand_leaves(self._steady(modes, a, b) / spread) - left - (n - freedom) * np.log(n))
+        piece = self._steady(modes, a, b) / spread
+        odds = 0.5 * (hand_leaves(piece) - left / spread**2 - (b - a - freedom) * to_state(piece))
+        return odds - to_place(self.means.size)
 
     def _left(self, modes: Modes, a: int, b: int) -> tuple[float, int]:
         """Sum of squares that modes leave of the block means from a to b, and its degrees of freedom."""
@@ -388,6 +476,10 @@ def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedMode
     share, share_std = mode_shares(pieces, modes, [search.deviation(a, b, found.share) for a, b in found.pieces])
     main = int(np.argmax(np.nan_to_num(share)))  # not by its size at first: what is over at once has moved little
     rate_std = float(np.sqrt(modes.covariance[modes.count + main, modes.count + main]) * modes.omega[main]) * unit
+    if (
+        not rate_std < KNOWN * rates[main] * unit
+    ):  # what does not fall by itself may be driven, whatever rings beside it
+        return None
     seen = (largest > floor) | (np.arange(modes.count) == main)
     omega, zeta, rate = modes.omega[seen] * unit, modes.zeta[seen], float(rates[main]) * unit
     main = int(np.count_nonzero(seen[:main]))

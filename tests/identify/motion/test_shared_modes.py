@@ -53,6 +53,21 @@ def test_releases_begin_and_end_where_they_do(zeta, cycles):
     assert modes.rate == pytest.approx(zeta * 3 * np.pi, abs=4 * modes.rate_std)
 
 
+def test_parts_of_a_cycle_between_a_hand_s_ways_are_found():
+    """No piece is a cycle long, and the hand's ways between them are as long: the rig is in what the pieces share."""
+    sizes = (1.0, -0.8, 0.6, 0.9)
+    rung = [ringing(0.5, (a, 1.5, 0.02)) for a in sizes]
+    parts = [p for a, own in zip(sizes, rung, strict=True) for p in (way(0, a, 0.7), np.full(40, a), own)]
+    joined = [np.concatenate([part, way(part[-1], 0, 0.6)]) if len(part) == 100 else part for part in parts]
+    modes = found(*joined, noise=1e-4)
+    assert modes is not None
+    begun = 180 + 400 * np.arange(4)
+    assert len(modes.pieces) >= 3
+    assert all(np.any((start >= begun) & (stop <= begun + 102)) for start, stop, _ in modes.pieces)
+    assert modes.omega == pytest.approx([3 * np.pi], rel=2e-3)
+    assert modes.rate == pytest.approx(0.06 * np.pi, abs=4 * modes.rate_std)
+
+
 def test_modes_three_per_cent_apart_are_two_modes_of_each_piece():
     pulled = [ringing(3.0, (a, 1.5, 0.004), (b, 1.545, 0.006)) for a, b in ((1.0, 0.5), (0.8, -0.5), (0.6, 0.4))]
     modes = found(np.full(50, 1.5), pulled[0], np.full(40, 0.3), pulled[1], np.full(40, 1.0), pulled[2])
