@@ -96,8 +96,11 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
         return asked[0]
 
     def settled(evidence: float, count: int) -> bool:
-        """Whether one mode, bent or not, leaves only noise of what no two look like, so many cycles in a piece."""
-        rig = rig_of()
+        """Whether one mode, bent or not, leaves only noise of what no two look like, so many cycles in a piece.
+
+        Where the envelope's decays hold all that moves, a bent one's pieces would not take their place.
+        """
+        rig = None if all_that_moves(response, by_envelope.decays) else rig_of()
         if rig is None or rig.share > 0.0 or not (rig.is_bent if rig.evidence > evidence else count == 1):
             return False
         longest = max(stop - start for start, stop in rig.pieces) / recording.fs * rig.omega / (2 * np.pi)

@@ -445,6 +445,16 @@ def _is_near(start: Modes, found: Modes, block: int) -> bool:
     return bool(np.all(np.abs(apart) < spread))
 
 
+def _falls_otherwise(modes: Modes, seen: np.ndarray, main: int) -> bool:
+    """Whether another mode has the frequency of the main one: drag and friction bend the fall of one mode so.
+
+    Two exponentials follow it, with frequencies that differ by the square of a damping ratio.
+    """
+    swings = modes.omega * np.sqrt(np.maximum(1.0 - modes.zeta**2, _SMALL))
+    apart = np.abs(np.log(swings / swings[main])) / np.maximum(modes.zeta, modes.zeta[main]) ** 2
+    return bool(np.any(apart[seen & (np.arange(modes.count) != main)] < 1.0))
+
+
 def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedModes | None:
     """Pieces and modes by the sample and the second.
 
@@ -476,11 +486,11 @@ def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedMode
     share, share_std = mode_shares(pieces, modes, [search.deviation(a, b, found.share) for a, b in found.pieces])
     main = int(np.argmax(np.nan_to_num(share)))  # not by its size at first: what is over at once has moved little
     rate_std = float(np.sqrt(modes.covariance[modes.count + main, modes.count + main]) * modes.omega[main]) * unit
-    if (
-        not rate_std < KNOWN * rates[main] * unit
-    ):  # what does not fall by itself may be driven, whatever rings beside it
+    if not rate_std < KNOWN * rates[main] * unit:  # it may be driven, whatever rings beside it
         return None
     seen = (largest > floor) | (np.arange(modes.count) == main)
+    if _falls_otherwise(modes, seen, main):
+        return None
     omega, zeta, rate = modes.omega[seen] * unit, modes.zeta[seen], float(rates[main]) * unit
     main = int(np.count_nonzero(seen[:main]))
     errors = np.vstack([np.sqrt(np.diag(modes.covariance)).reshape(2, -1), share_std])[:, seen]

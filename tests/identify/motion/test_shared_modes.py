@@ -175,3 +175,13 @@ def test_the_last_held_sample_before_a_pluck_is_no_mode(seed: int) -> None:
     assert shared.omega == pytest.approx([omega], rel=1e-4)
     assert shared.zeta == pytest.approx([zeta], rel=2e-3)
     assert [60 <= start <= 62 or 331 <= start <= 333 for start, _, _ in shared.pieces] == [True, True]
+
+
+def test_a_fall_that_drag_bends_is_not_two_modes():
+    """Two exponentials of one frequency follow it nearly to the noise; two modes at different ones stay two."""
+    fs, t = 400.0, np.arange(2000) / 400.0
+    noise = 1e-3 * np.random.default_rng(4).standard_normal(t.size)
+    bent = 2 * np.exp(-0.5 * t) / (1 + 0.6 * (1 - np.exp(-0.5 * t))) * np.cos(16 * np.pi * t) + noise
+    assert find_free_motion(Recording("drag", fs, bent, None)).modes == ()
+    near = np.exp(-0.5 * t) * np.cos(16 * np.pi * t) + 0.2 * np.exp(-1.5 * t) * np.cos(16.3 * np.pi * t) + noise
+    assert len(find_free_motion(Recording("two", fs, near, None)).modes) == 2
