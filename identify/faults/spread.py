@@ -25,7 +25,7 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...recording.fact import changed
 from ...recording.recording import Recording
-from ..fit.from_prediction import from_prediction
+from ..fit.from_prediction import from_prediction, keeps_step
 from ..fit.limits import CYCLES
 from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import over_noise
@@ -105,10 +105,11 @@ def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording
     laws = _by_amplitude(problem, state, fit, kinds, used)
     if not above and not _decisive(*_own_values(own, point, fit, recordings, kinds, first, len(used)), laws):
         return None
-    try:
-        point = from_prediction(own, point)[0]
-    except BadInput:
-        return None
+    if not keeps_step(problem.segments, problem.residuals(state)):
+        try:
+            point = from_prediction(own, point)[0]
+        except BadInput:
+            return None
     point = search(own, point, tolerance=0.1, most=_STEPS, informed=False).state
     if not all(bool(np.all(np.isfinite(residual))) for residual in own.residuals(point)):
         return None
