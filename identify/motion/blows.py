@@ -15,6 +15,7 @@ from ..signals.registry import numerics
 from .decay import Blow, Decay
 from .envelope import Envelope
 from .force_off import runs
+from .limits import BEYOND
 
 _JOIN = numerics(20, "parts of a cycle", why="noise ends a contact for less than one of them")
 _FLANK = numerics(8, "parts of a contact", why="of which one, on either side, is a flank below what ends it")
@@ -45,6 +46,8 @@ def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
     # over within half a cycle: the mass has its momentum before the spring takes it away (Ewins 2000, 3.4)
     if any(2 * (b - a) > period for a, b in contacts):
         return ()
+    noise = BEYOND * OF_MEDIAN * float(np.median(size))
+    contacts = [(a - _falls(force[:a][::-1], b - a, noise), b + _falls(force[b:], b - a, noise)) for a, b in contacts]
     # not a few contacts but a train of them: a drive in pulses
     rings = FEWEST_CYCLES * period / 2
     if len(contacts) > SEVERAL and np.median(np.diff([a for a, _ in contacts])) < rings:
@@ -59,6 +62,16 @@ def blows_of(force: np.ndarray, period: int) -> tuple[Blow, ...]:
         else:
             blows.append(Blow(a, b, clipped))
     return tuple(blows)
+
+
+def _falls(force: np.ndarray, most: int, noise: float) -> int:
+    """How many samples beside a contact, so many at most, fall on from one to the next, above the noise.
+
+    A crystal or a soft tip lets go slowly: a thousandth of the momentum is in what is below a level.
+    """
+    side = force[:most] * np.sign(force[:1])
+    on = (side > noise) & (np.diff(side, prepend=np.inf) < 0)
+    return int(np.argmin(on)) if not np.all(on) else side.size
 
 
 def ringing(blows: tuple[Blow, ...], envelope: Envelope) -> list[Decay]:

@@ -19,7 +19,7 @@ from .envelope import envelope_of
 from .excluded_ranges import left_out, swelling
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import all_that_moves, modes_of_response, moving_in, pieces_of_rig
+from .free_motion import all_that_moves, breaks_off, modes_of_response, moving_in, pieces_of_rig
 from .limits import TAKES
 from .mode import Mode
 from .rig_pieces import RigPieces
@@ -115,7 +115,7 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
     is_linear = shared is not None and (few or _explains(shared, response, by_envelope.decays))
     linear = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))] if shared and is_linear else []
-    most = all_that_moves(response, linear or by_envelope.decays)
+    most = all_that_moves(response, linear or _ended(_whole(shared), response, by_envelope.decays))
     rig = None if most else rig_of()
     # of several modes each may look like a bent one for a few cycles
     is_one = shared is None or shared.omega.size == 1
@@ -140,9 +140,22 @@ def _rings_out(shared: SharedModes, n: int) -> bool:
 
 
 def _holds(decays: Sequence[Decay], response: Signal, others: Sequence[Decay], omega: float) -> bool:
-    """Whether decays hold about all the time in which the response moves in others; the rest may be a hand's."""
-    theirs = moving_in(response, others, omega)
+    """Whether decays hold about all the time in which the response moves in others; the rest may be a hand's.
+
+    What stopped it at the end is not asked for.
+    """
+    theirs = moving_in(response, _ended(decays, response, others), omega)
     return bool(np.sum(moving_in(response, decays, omega) & theirs) >= TAKES * np.sum(theirs))
+
+
+def _ended(decays: Sequence[Decay], response: Signal, others: Sequence[Decay]) -> list[Decay]:
+    """The others, each up to where the last of the decays in it breaks off, which is where something stopped it."""
+    stops = {d.stop: breaks_off(response, d) for d in decays}
+    ended = []
+    for other in others:
+        last = max((stop for stop in stops if other.start < stop < other.stop), default=other.stop)
+        ended.append(replace(other, stop=last) if stops.get(last) else other)
+    return ended
 
 
 def _explains(shared: SharedModes, response: Signal, decays: Sequence[Decay]) -> bool:
@@ -151,7 +164,8 @@ def _explains(shared: SharedModes, response: Signal, decays: Sequence[Decay]) ->
     What is missing from them may be a hand's. Where a frequency glides with the amplitude, they take a part.
     """
     taken = [Decay(start, audible) for start, _, audible in shared.pieces]
-    mine, theirs = (moving_in(response, some, float(shared.omega[shared.main])) for some in (taken, decays))
+    ended = _ended(_whole(shared), response, decays)
+    mine, theirs = (moving_in(response, some, float(shared.omega[shared.main])) for some in (taken, ended))
     return bool(np.sum(mine) >= TAKES * np.sum(theirs))
 
 
@@ -181,6 +195,14 @@ def _modes_of(shared: SharedModes, fs: float) -> tuple[Mode, ...]:
         )
         for k in order
     )
+
+
+def _whole(shared: SharedModes | None) -> list[Decay]:
+    """The pieces with what is below their noise; none of none."""
+    if shared is None:
+        return []
+    omega = float(shared.omega[shared.main])
+    return [Decay(start, stop, omega, shared.rate) for start, stop, _ in shared.pieces]
 
 
 def _shared_decay(shared: SharedModes, which: int, fs: float) -> Decay:

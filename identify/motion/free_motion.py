@@ -9,7 +9,7 @@ import numpy as np
 from ..signals.registry import budget, numerics
 from ..signals.signals import Signal
 from .decay import Decay
-from .limits import BEYOND, TAKES
+from .limits import BEYOND, KNOWN, TAKES
 from .rig_pieces import RigPieces, rig_pieces
 from .shared_modes import SharedModes, shared_modes
 
@@ -18,6 +18,7 @@ _LINES = budget(2, "lines", why="of the motion and of its derivative, that a rig
 _WEAK = budget(0.1, "part of the largest amplitude", why="a weaker line is not where the rig moves most")
 _APART = budget(0.2, "of the logarithm", why="nearer periods show the same windows")
 _FEW = budget((1.0, 2.0, 4.0), "cycles a record", why="where no line of a spectrum tells them")
+_LEAST_SAMPLES = numerics(4, "samples", why="of a part that a damped sine and a constant are fitted to")
 _LEAST = numerics(4.0, "samples a cycle", why="of the fourth differences fewer leave little but the noise")
 
 
@@ -51,6 +52,28 @@ def moving_in(response: Signal, decays: Sequence[Decay], omega: float) -> np.nda
     bent = np.abs(np.convolve(means, curvature, "valid")) > BEYOND * np.linalg.norm(curvature) * noise
     moves = np.convolve(bent, curvature**2, "same") > 0  # what swings is straight where it is fastest
     return moves & _inside(decays, moves.size, block)
+
+
+def breaks_off(response: Signal, decay: Decay) -> bool:
+    """Whether what follows a decay of known frequency and rate is another motion: something stopped it.
+
+    Within a cycle it is off by a third and more of how the rig would swing on. Where a law is missing, it is off by
+    little more than the noise so soon behind the place where that was first seen.
+    """
+    if decay.omega is None or decay.rate is None:
+        return False
+    cycle = max(int(2 * np.pi / decay.omega * response.fs), _LEAST_SAMPLES)
+    first, last = max(decay.start, decay.stop - cycle), min(decay.stop + cycle, response.samples.size)
+    t = np.arange(first - decay.stop, last - decay.stop) / response.fs
+    turn = np.sqrt(max(decay.omega**2 - decay.rate**2, 0.0))
+    swing = np.exp(-decay.rate * t)[:, None] * np.column_stack([np.cos(turn * t), np.sin(turn * t)])
+    columns, x = np.column_stack([swing, np.ones(t.size)]), response.samples[first:last]
+    inside = decay.stop - first
+    if last - decay.stop < _LEAST_SAMPLES or inside < _LEAST_SAMPLES:
+        return False
+    weights = np.linalg.lstsq(columns[:inside], x[:inside])[0]
+    off = np.mean((x - columns @ weights)[inside:] ** 2)
+    return bool(off > KNOWN**2 * np.mean((swing @ weights[:2])[inside:] ** 2) + BEYOND**2 * response.noise**2)
 
 
 def _means(response: Signal, period: float) -> tuple[np.ndarray, float, int]:

@@ -221,3 +221,17 @@ def test_a_blow_goes_on_with_what_rang_before():
     assert through(blows, whole, PERIOD) == [(0, 5000, True)]
     rested = (Decay(0, 900), Decay(1020, 2000), Decay(3020, 5000))
     assert through(blows, rested, PERIOD) == [(0, 900, False), (975, 2000, True), (2975, 5000, True)]
+
+
+# What is in them -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_the_momentum_below_a_level_is_in_the_contact(noise):
+    """A soft tip lets go slowly: what lies below a fiftieth of the peak is a thousandth of the momentum."""
+    t = np.arange(4000) - 1000.0
+    force = np.exp(-0.5 * (t / 6.0) ** 2) + noise * np.random.default_rng(0).standard_normal(t.size)
+    blows = blows_of(force, PERIOD)
+    assert len(blows) == 1
+    kept = np.sum(contact_force(force, blows, PERIOD)) / (6.0 * np.sqrt(2 * np.pi))
+    assert kept == pytest.approx(1.0, abs=1e-5 + noise * 5 * np.sqrt(60) / 15)
