@@ -117,8 +117,8 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     linear = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))] if shared and is_linear else []
     most = all_that_moves(response, linear or _ended(_whole(shared), response, by_envelope.decays))
     rig = None if most else rig_of()
-    # of several modes each may look like a bent one for a few cycles
-    is_one = shared is None or shared.omega.size == 1
+    # of several modes each may look like a bent one for a few cycles, but not where there is ten times as much
+    is_one = shared is None or shared.omega.size == 1 or (rig and shared.evidence < (1 - TAKES) * rig.evidence)
     if rig is not None and is_one and (shared is None or not is_linear or rig.evidence > shared.evidence):
         decays = _of_rig(rig)
         if _holds(decays, response, by_envelope.decays, rig.omega):
