@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE
+from ..signals.odds import ABOVE_NOISE, BY_CHANCE, DECISIVE, SIGNIFICANT
 from ..signals.registry import budget, numerics
 from .damped_modes import Modes, fit_modes
 from .hand import OF_MOVED, hand_leaves, to_place, to_state
@@ -446,13 +446,16 @@ def _is_near(start: Modes, found: Modes, block: int) -> bool:
 
 
 def _falls_otherwise(modes: Modes, seen: np.ndarray, main: int) -> bool:
-    """Whether another mode has the frequency of the main one: drag and friction bend the fall of one mode so.
+    """Whether another mode is not told from the main one by its frequency: drag and friction bend a fall so.
 
-    Two exponentials follow it, with frequencies that differ by the square of a damping ratio.
+    Two exponentials follow it, of one frequency but for what their damping takes off it.
     """
-    swings = modes.omega * np.sqrt(np.maximum(1.0 - modes.zeta**2, _SMALL))
-    apart = np.abs(np.log(swings / swings[main])) / np.maximum(modes.zeta, modes.zeta[main]) ** 2
-    return bool(np.any(apart[seen & (np.arange(modes.count) != main)] < 1.0))
+    apart = np.abs(np.log(modes.omega / modes.omega[main]))
+    damped = np.abs(modes.zeta**2 - modes.zeta[main] ** 2)
+    of_frequencies = modes.covariance[: modes.count, : modes.count]
+    own = np.diag(of_frequencies)
+    error = np.sqrt(np.maximum(own + own[main] - 2 * of_frequencies[main], 0.0))
+    return bool(np.any((apart < damped + SIGNIFICANT * error)[seen & (np.arange(modes.count) != main)]))
 
 
 def _in_samples(search: _Search, found: _Found, n: int, fs: float) -> SharedModes | None:
