@@ -19,8 +19,8 @@ from .envelope import envelope_of
 from .excluded_ranges import left_out, swelling
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import all_that_moves, breaks_off, modes_of_response, moving_in, pieces_of_rig
-from .limits import TAKES
+from .free_motion import all_that_moves, modes_of_response, moving_in, off_behind, pieces_of_rig
+from .limits import KNOWN, TAKES
 from .mode import Mode
 from .rig_pieces import RigPieces
 from .shared_modes import SharedModes
@@ -150,12 +150,19 @@ def _holds(decays: Sequence[Decay], response: Signal, others: Sequence[Decay], o
 
 def _ended(decays: Sequence[Decay], response: Signal, others: Sequence[Decay]) -> list[Decay]:
     """The others, each up to where the last of the decays in it breaks off, which is where something stopped it."""
-    stops = {d.stop: breaks_off(response, d) for d in decays}
     ended = []
     for other in others:
-        last = max((stop for stop in stops if other.start < stop < other.stop), default=other.stop)
-        ended.append(replace(other, stop=last) if stops.get(last) else other)
+        inside = [d for d in decays if other.start < d.stop < other.stop]
+        last = max(inside, key=lambda d: d.stop, default=other)
+        ended.append(replace(other, stop=last.stop) if _breaks_off(response, last) else other)
     return ended
+
+
+def _breaks_off(response: Signal, decay: Decay) -> bool:
+    if decay.omega is None or decay.rate is None:
+        return False
+    off = off_behind(response, (decay.start, decay.stop), np.array([decay.omega]), np.array([decay.rate]))
+    return off is not None and off[0] > KNOWN
 
 
 def _explains(shared: SharedModes, response: Signal, decays: Sequence[Decay]) -> bool:
@@ -163,6 +170,12 @@ def _explains(shared: SharedModes, response: Signal, decays: Sequence[Decay]) ->
 
     What is missing from them may be a hand's. Where a frequency glides with the amplitude, they take a part.
     """
+    order = np.argsort(np.arange(shared.omega.size) != shared.main, kind="stable")
+    omega, rate = shared.omega[order], (shared.zeta * shared.omega)[order]
+    for start, stop, audible in shared.pieces:
+        off = off_behind(response, (start, stop), omega, rate)
+        if audible == stop and off is not None and off[1] and off[0] < KNOWN:
+            return False  # it goes on, nearly so: what is linear ends in its noise, or is stopped
     taken = [Decay(start, audible) for start, _, audible in shared.pieces]
     ended = _ended(_whole(shared), response, decays)
     mine, theirs = (moving_in(response, some, float(shared.omega[shared.main])) for some in (taken, ended))

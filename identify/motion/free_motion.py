@@ -9,7 +9,7 @@ import numpy as np
 from ..signals.registry import budget, numerics
 from ..signals.signals import Signal
 from .decay import Decay
-from .limits import BEYOND, KNOWN, TAKES
+from .limits import BEYOND, TAKES
 from .rig_pieces import RigPieces, rig_pieces
 from .shared_modes import SharedModes, shared_modes
 
@@ -54,26 +54,32 @@ def moving_in(response: Signal, decays: Sequence[Decay], omega: float) -> np.nda
     return moves & _inside(decays, moves.size, block)
 
 
-def breaks_off(response: Signal, decay: Decay) -> bool:
-    """Whether what follows a decay of known frequency and rate is another motion: something stopped it.
+def off_behind(
+    response: Signal, piece: tuple[int, int], omega: np.ndarray, rate: np.ndarray
+) -> tuple[float, bool] | None:
+    """By what part of how modes would swing on a response is off in the cycle behind a piece; None where nothing is.
 
-    Within a cycle it is off by a third and more of how the rig would swing on. Where a law is missing, it is off by
-    little more than the noise so soon behind the place where that was first seen.
+    Beyond twice the noise; and whether a whole cycle was recorded. What stops a motion is soon off by as much as it
+    swings; where a law is missing, it is off by little so soon behind the place where that was first seen.
+
+    Args:
+        response: of the rig.
+        piece: start and stop, in samples.
+        omega, rate: (K,) natural frequencies, rad/s, and rates of fall, 1/s, of its modes, the main one first.
     """
-    if decay.omega is None or decay.rate is None:
-        return False
-    cycle = max(int(2 * np.pi / decay.omega * response.fs), _LEAST_SAMPLES)
-    first, last = max(decay.start, decay.stop - cycle), min(decay.stop + cycle, response.samples.size)
-    t = np.arange(first - decay.stop, last - decay.stop) / response.fs
-    turn = np.sqrt(max(decay.omega**2 - decay.rate**2, 0.0))
-    swing = np.exp(-decay.rate * t)[:, None] * np.column_stack([np.cos(turn * t), np.sin(turn * t)])
-    columns, x = np.column_stack([swing, np.ones(t.size)]), response.samples[first:last]
-    inside = decay.stop - first
-    if last - decay.stop < _LEAST_SAMPLES or inside < _LEAST_SAMPLES:
-        return False
+    cycle = max(int(2 * np.pi / omega[0] * response.fs), _LEAST_SAMPLES)
+    start, stop = piece
+    first, last = max(start, stop - omega.size * cycle), min(stop + cycle, response.samples.size)
+    if last - stop < _LEAST_SAMPLES or stop - first < _LEAST_SAMPLES * omega.size:
+        return None
+    t = np.arange(first - stop, last - stop)[:, None] / response.fs
+    turn = np.sqrt(np.maximum(omega**2 - rate**2, 0.0))
+    swing = np.hstack([np.exp(-rate * t) * np.cos(turn * t), np.exp(-rate * t) * np.sin(turn * t)])
+    columns, x, inside = np.column_stack([swing, np.ones(len(t))]), response.samples[first:last], stop - first
     weights = np.linalg.lstsq(columns[:inside], x[:inside])[0]
-    off = np.mean((x - columns @ weights)[inside:] ** 2)
-    return bool(off > KNOWN**2 * np.mean((swing @ weights[:2])[inside:] ** 2) + BEYOND**2 * response.noise**2)
+    off = np.mean((x - columns @ weights)[inside:] ** 2) - (BEYOND * response.noise) ** 2
+    size = np.mean((swing @ weights[:-1])[inside:] ** 2)
+    return float(np.sqrt(max(off, 0.0) / size)) if size > 0 else np.inf, last == stop + cycle
 
 
 def _means(response: Signal, period: float) -> tuple[np.ndarray, float, int]:

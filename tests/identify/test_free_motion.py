@@ -261,3 +261,17 @@ def test_a_decay_of_few_cycles_gives_a_frequency_and_a_damping_with_their_errors
     assert abs(model.omega0.value - omega) < spread
     assert abs(model.viscous.value - viscous) < 4 * model.viscous.std
     assert model.omega0.std < 0.2 * omega
+
+
+@pytest.mark.parametrize("zeta", [0.06, 0.2])
+@pytest.mark.parametrize("cycles", [2.15, 3.2])
+def test_a_hand_that_stops_a_swing_at_once_is_not_in_the_decay(cycles, zeta):
+    """Within half a cycle: the envelope falls on as if the motion were free."""
+    t, k = np.arange(700) / 400.0, round(cycles * 80)
+    rate, turn = zeta * W, W * np.sqrt(1 - zeta**2)
+    x = 5e-3 * np.exp(-rate * t) * (np.cos(turn * t) + rate / turn * np.sin(turn * t))
+    s = np.clip((np.arange(700) - k) / 40, 0, 1)
+    x = np.where(s > 0, x[k] * (1 - s) ** 3 * (1 + 3 * s), x)
+    ((start, stop),) = spans(recorded(np.concatenate([np.full(300, 5e-3), x]), 400.0, 1e-6))
+    assert start == pytest.approx(0.75, abs=0.02)
+    assert stop == pytest.approx(0.75 + k / 400, abs=0.02)
