@@ -13,6 +13,7 @@ from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
 from dashpot.identify.motion.decay import Decay
 from dashpot.identify.motion.decays import _explains, find_decays, find_free_motion
+from dashpot.identify.motion.free_motion import off_behind
 from dashpot.identify.motion.shared_modes import SharedModes
 from dashpot.identify.signals.signals import Signal
 from dashpot.recording.recording import Recording
@@ -139,8 +140,10 @@ def test_a_fall_by_six_per_cent_is_a_decay_where_it_is_known(noise):
 def test_modes_are_believed_that_take_about_what_an_envelope_does(pieces, believed):
     mode = {"share": np.ones(1), "errors": np.zeros((3, 1))}
     shared = SharedModes(tuple(pieces), np.array([1.0]), np.array([0.01]), 0, 0.01, 1e-4, 100.0, **mode)
-    swings = Signal(np.cos(np.arange(2000) / 8.0), 8.0)  # 1 rad/s
-    assert _explains(shared, swings, [Decay(0, 1000)]) is believed
+    swings = np.cos(np.arange(2000) / 8.0)  # 1 rad/s
+    for _, stop, _ in pieces if believed else ():
+        swings[stop:] *= -1  # let go again
+    assert _explains(shared, Signal(swings, 8.0), [Decay(0, 1000)]) is believed
 
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
@@ -195,3 +198,25 @@ def test_what_is_let_go_after_a_drive_is_free_all_the_same():
     decays = find_free_motion(both).decays
     assert decays
     assert all(decay.start >= run.n for decay in decays)
+
+
+def test_what_is_behind_a_piece_goes_on_or_is_another_motion():
+    """Two modes go on as they would; what a hand stops is off by as much as it swung, and what bends by little."""
+    t = np.arange(1000) / 100.0
+    omega, rate = np.array([6.0, 9.0]), np.array([0.3, 0.2])
+    turn = np.sqrt(omega**2 - rate**2)
+    x = (np.exp(-rate * t[:, None]) * np.cos(turn * t[:, None])) @ [1.0, 0.3] + 0.2
+    noise = 1e-4 * np.random.default_rng(6).standard_normal(t.size)
+
+    def behind(x, stop):
+        return off_behind(Signal(x + noise, 100.0), (100, stop), omega, rate)
+
+    off, whole = behind(x, 500)
+    assert off < 0.01
+    assert whole
+    held = np.where(t < 5.0, x, x[499])
+    assert behind(held, 500)[0] > 1.0
+    slower = np.where(t < 5.0, x, np.interp(5.0 + 0.97 * (t - 5.0), t, x))
+    assert 0.01 < behind(slower, 500)[0] < 1 / 3
+    assert behind(x, 999) is None
+    assert not behind(x, 980)[1]
