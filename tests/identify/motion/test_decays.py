@@ -47,11 +47,16 @@ def test_switch_off_is_found_in_the_force(burst, noise, offset):
 
 
 @pytest.mark.parametrize("noise", [0.0, 1.0, 10.0])
-def test_the_corner_is_found_without_the_force(burst, noise):
+def test_the_corner_is_found_without_the_force(burst, rigs, noise):
+    """Within two cycles after the switch-off, or before it where what the force does by then is twice the noise.
+
+    It comes down to zero along a straight line: F' t³ / 6 m.
+    """
     case = burst.noisy(noise * 1e-6, 0, 3)
     decays = find_decays(Recording("burst", 1000.0, case.x))
+    hidden = 1000.0 * (6 * 2 * noise * 1e-6 * rigs.reference.mass / (2 * np.pi * 13.0)) ** (1 / 3)
     for d, off in zip(decays, (1000, 5000, 9000), strict=True):
-        assert -5 <= d.start - off < 160  # within two cycles after the switch-off; just before, the force is about none
+        assert -max(hidden, 2.0) <= d.start - off < 160
 
 
 def test_driven_steady_state_is_left_out(rigs):
