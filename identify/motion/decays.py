@@ -88,6 +88,7 @@ def _swell_beside(recording: Recording, decays: Sequence[Decay]) -> tuple[int, i
 def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     """What one rig explains of a recording without a force, or what the envelope shows."""
     response = response_of(recording)
+    whole = all_that_moves(response, by_envelope.decays)
     asked: list[RigPieces | None] = []
 
     def rig_of() -> RigPieces | None:
@@ -100,7 +101,7 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
 
         Where the envelope's decays hold all that moves, a bent one's pieces would not take their place.
         """
-        rig = None if all_that_moves(response, by_envelope.decays) else rig_of()
+        rig = None if whole else rig_of()
         if rig is None or rig.share > 0.0 or not (rig.is_bent if rig.evidence > evidence else count == 1):
             return False
         longest = max(stop - start for start, stop in rig.pieces) / recording.fs * rig.omega / (2 * np.pi)
@@ -109,8 +110,7 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     shared = modes_of_response(response, settled=settled)
     rig = rig_of() if asked else None
     if rig is not None and (shared is None or rig.evidence > shared.evidence) and settled(0.0, 0):
-        whole = all_that_moves(response, by_envelope.decays)
-        return by_envelope if whole else _described(recording, _of_rig(rig))
+        return _described(recording, _of_rig(rig))
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
     is_linear = shared is not None and (few or _explains(shared, response, by_envelope.decays))
