@@ -7,6 +7,7 @@ Draws recordings (`first_population.py`), identifies each as a user does from it
     right      every stated parameter within 3.5 of its errors, no error above 1.5 times the Cramér-Rao bound
     wide       within 3.5 errors, but an error above 1.5 times the bound
     told       a parameter beyond 3.5 errors, and the command ends with a word on what is left (exit code 1)
+    noted      the same, with a note on what is left and that errors may not hold (exit code 0)
     wrong      the same without a word
     refused    rightly, where the bound says that frequency or damping is not known to a third of itself
     not taken  refused although the bound says that both are
@@ -37,6 +38,7 @@ import numpy as np
 from dashpot.errors import DashpotError
 from dashpot.face.commands import identify
 from dashpot.face.model import Model
+from dashpot.model.fit_state import left_over
 from first_bound import bound, plain_errors
 from first_population import DRIVEN, FREE, NAMES, Case, case
 
@@ -46,7 +48,7 @@ FAR, WIDE = 3.5, 1.5
 KNOWN = 1 / 3
 #: Seconds that a command may take, and the bound of one recording.
 LIMIT = 30.0
-OUTCOMES = ("right", "wide", "told", "wrong", "refused", "not taken", "late", "failed")
+OUTCOMES = ("right", "wide", "told", "noted", "wrong", "refused", "not taken", "late", "failed")
 
 
 class Late(BaseException):
@@ -81,10 +83,10 @@ class Score:
 
 @dataclass(frozen=True)
 class Stated:
-    """What a command stated: value and error by name, and whether it ended with a word on what is left."""
+    """What a command stated: value and error by name, and what it is where one is far off: told, noted or wrong."""
 
     values: Mapping[str, tuple[float, float]]
-    has_word: bool
+    far: str
 
 
 def judged(
@@ -105,7 +107,7 @@ def judged(
             over[name] = error / least[name]
     far = any(abs(score) > FAR for score in z.values())
     wide = any(ratio > WIDE for ratio in over.values())
-    outcome = ("told" if stated.has_word else "wrong") if far else "wide" if wide else "right"
+    outcome = stated.far if far else "wide" if wide else "right"
     return outcome, z, over
 
 
@@ -115,11 +117,12 @@ def refusal(known: Sequence[float]) -> str:
 
 
 def stated_by(model: Model) -> Stated:
-    """Parameters with a standard error, and whether the command ends with exit code 1."""
+    """Parameters with a standard error, and whether the command ends with exit code 1 or has a note."""
     values = {name: (p.value, p.std) for name, p in model.parameters.items() if p.std is not None and name in NAMES}
     found = model.identification
-    words = found is not None and (found.useless or found.faults or found.modes_left or found.unexplained)
-    return Stated(values, bool(words))
+    if found is not None and (found.useless or found.faults or found.modes_left or found.unexplained):
+        return Stated(values, "told")
+    return Stated(values, "noted" if left_over(model.oscillator) else "wrong")
 
 
 def mode_taken(found: Case, stated: Stated) -> int:
@@ -169,7 +172,7 @@ def score(seed: int, kind: str | None = None) -> Score:
     if stated is not None:
         mode = mode_taken(drawn, stated)
         if len(drawn.modes) > 1:
-            stated = Stated({n: v for n, v in stated.values.items() if n in ("omega0", "viscous")}, stated.has_word)
+            stated = Stated({n: v for n, v in stated.values.items() if n in ("omega0", "viscous")}, stated.far)
         outcome, z, over = judged(stated, drawn.modes[mode], least)
     outcome = outcome or refusal(known)
     return Score(seed, drawn.kind, drawn.words, outcome, z, over, known, seconds, work, said)

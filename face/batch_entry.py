@@ -157,7 +157,8 @@ def _identified(entry: Entry, key: str) -> tuple[Outcome, Callable[[Path], None]
     )
     model = found.oscillator
     most = how["max_left"]
-    more = left_over(model) if most is None else beyond(model, parse_most_left(most))
+    unexplained = [] if found.unexplained is None else [found.unexplained]
+    more = [*left_over(model), *unexplained] if most is None else beyond(model, parse_most_left(most))
     unfit = bool(more or found.useless or found.modes_left)
     page, without = _page(how["report"], lambda: identification_page(found, files=(MODEL,)).html)
     picture, left = _picture(found)
@@ -195,13 +196,8 @@ def _page(wanted: bool, make: Callable[[], str]) -> tuple[str | None, list[str]]
 
 
 def _sentence(found: Identification, more: list[str]) -> str:
-    if found.useless:
-        return found.useless
-    if found.faults:
-        return found.faults[0]
-    if found.modes_left:
-        return found.modes_left
-    return more[0] if more else "the model leaves no more than it may"
+    said = (found.useless, *found.faults, found.modes_left, *more)
+    return next(filter(None, said), "the model leaves no more than it may")
 
 
 def _diagnosed(entry: Entry, place: Path, before: Outcome) -> tuple[Outcome, Callable[[Path], None]]:

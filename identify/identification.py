@@ -31,6 +31,7 @@ from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import explain_residual
 from .faults.spread import differing, with_spread
 from .fit.frequency_known import refuse_unknown
+from .fit.friction_that_pushes import friction_that_pushes
 from .fit.given_start import leads, with_shared
 from .fit.hold import held_as, hold_note, hold_of_recordings, with_hold
 from .fit.likeliest_modes import Modes, modes_of_fit, odds, stand, with_more_modes
@@ -115,13 +116,17 @@ class Identification:
 
     @property
     def unexplained(self) -> str | None:
-        """A sentence on the recording of which the model leaves the most, where that is more than noise and much of the
-        motion; None where it is not, or where the model is ``useless`` anyway.
+        """A sentence on what says that the parameters may be off by more than their errors.
+
+        That is the recording of which the model leaves the most, where that is more than noise and much of the motion;
+        else a friction that would give energy. None without either, or where the model is ``useless`` anyway.
         """
         left = [s for s in self.fit.segments if s.over_noise > LACKING and not _is_quiet(s.segment.response, self.fit)]
         worst = max(left, key=lambda s: s.nrmse, default=None)
-        if worst is None or self.useless or not _beside_noise(worst) > AMISS:
+        if self.useless:
             return None
+        if worst is None or not _beside_noise(worst) > AMISS:
+            return friction_that_pushes(self.fit.oscillator)
         name = self.recordings[worst.segment.recording].name
         return (
             f"its simulation leaves {100 * worst.nrmse:.2g} % of the motion in {name}, "

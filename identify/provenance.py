@@ -87,8 +87,9 @@ def _as_covariance(matrix: np.ndarray) -> np.ndarray:
         return matrix
     std = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     scale = np.where(std > 0, std, 1.0)
-    sizes, axes = np.linalg.eigh(matrix / scale[:, None] / scale)
-    if sizes[0] >= -np.finfo(float).eps * len(matrix):
+    alike, rounding = matrix / scale[:, None] / scale, np.finfo(float).eps * len(matrix)
+    sizes, axes = np.linalg.eigh(0.5 * (alike + alike.T))
+    if sizes[0] >= -rounding and np.max(np.abs(alike)) <= 1.0 + rounding:
         return matrix
     made = (axes * np.maximum(sizes, 0.0)) @ axes.T
     own = np.sqrt(np.maximum(np.diag(made), np.finfo(float).tiny))

@@ -80,15 +80,15 @@ def _lead(
     recordings = dict.fromkeys(r.name.partition("#")[0] for r in identification.recordings)
     again = f"dashpot diagnose {shlex.join([yaml, *recordings])} -o diagnosis"
     left = lacking(model)
-    useless = identification.useless
-    if left or useless:
+    told = identification.useless or identification.unexplained
+    if left or told:
         worst = max(left, key=lambda one: one.times, default=None)
         words = "" if worst is None else f"It leaves {worst.of_noise} in {worst.file}, {worst.of_motion}. "
-        if useless:
-            words += full_stop(f"{useless[0].upper()}{useless[1:]}") + " "
+        if told and (identification.useless or not left):
+            words += full_stop(f"{told[0].upper()}{told[1:]}") + " "
         words += "The recordings hold something that the model does not, and the standard errors below may not hold."
         ask = Code("What is missing (with the options that the recordings were read with):", again)
-        warning = Text(words, "warn", "▲ More than noise is left.")
+        warning = Text(words, "warn", "▲ More than noise is left." if left else "▲ No rig has such a friction.")
         return [*([verdict(shown)] if verified else []), warning, ask]
     if verified:
         return [verdict(shown)]

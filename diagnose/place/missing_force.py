@@ -48,7 +48,7 @@ def latent_forces(before: Fitted, data: Data, named: Oscillator | None) -> tuple
         effects = tuple(term for term in named.terms if term.effect not in own)
         family = replace(named, terms=tuple(term for term in named.terms if term.effect in own))
     power = [
-        float(np.sum(np.square(residual))) / max(sensor, 1e-300) ** 2
+        float(np.sum(np.square(residual / max(sensor, np.finfo(float).tiny))))
         for residual, sensor in zip(before.residuals, data.sensor, strict=True)
     ]
     candidates: list[tuple[float, int, LatentForce]] = []

@@ -8,6 +8,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...model.fit_state import LACKING
+from ...model.show import STRONG
 from ...recording.recording import Recording
 from ..motion.limits import KNOWN
 from ..problem.data import displacement_amplitude
@@ -22,8 +23,9 @@ def refuse_unknown(fit: Fit, recordings: Sequence[Recording]) -> None:
     """Refuse a fit of which frequency or damping amid the recorded amplitudes is not known to a third.
 
     A frequency to a third of itself or of the motion's, a damping ratio to a third of itself or of the critical: a
-    small one may well be none. Where the model explains the motion in part and leaves more than noise, other physics
-    widens the errors; what is left is said, and a diagnosis may begin with it. What slides has no frequency.
+    small one may well be none. Nor is a frequency known that moves with a mass that is not: over such an error what
+    follows from it is no longer straight. Where the model explains the motion in part and leaves more than noise, other
+    physics widens the errors; what is left is said, and a diagnosis may begin with it. What slides has no frequency.
 
     Args:
         fit: with the covariance of its free parameters.
@@ -53,14 +55,27 @@ def refuse_unknown(fit: Fit, recordings: Sequence[Recording]) -> None:
     spread = np.sqrt(np.maximum(np.diag(slopes.T @ fit.covariance @ slopes), 0.0))
     omega = np.sqrt(max(abs(stiffness), pace**2))
     known = (spread[0] <= 2 * KNOWN * omega**2, spread[1] <= 2 * KNOWN * omega * max(1.0, abs(damping) / (2 * omega)))
+    names = ", ".join(dict.fromkeys(recordings[s.recording].name for s in segments))
+    if _moves_with_a_mass_that_is_unknown(fit, errors):
+        raise BadInput(
+            f"{names}: mass and natural frequency cannot be told apart: for each mass there is a frequency that "
+            "explains as much; record a force of other frequencies, or a release beside it"
+        )
     if all(known):
         return
     what = "the damping ratio" if known[0] else "the natural frequency"
-    names = ", ".join(dict.fromkeys(recordings[s.recording].name for s in segments))
     raise BadInput(
         f"{names}: {what} is not known to a third of itself; record more cycles or less noise: "
         "a release and the ringing after it, or a force that excites the resonance"
     )
+
+
+def _moves_with_a_mass_that_is_unknown(fit: Fit, errors: np.ndarray) -> bool:
+    if fit.oscillator.mass is None or not {"mass", "omega0"} <= set(fit.names):
+        return False
+    mass, omega0 = fit.names.index("mass"), fit.names.index("omega0")
+    both = abs(fit.covariance[mass, omega0]) > STRONG * errors[mass] * errors[omega0]
+    return bool(both and errors[mass] > KNOWN * fit.oscillator.mass.value)
 
 
 def _explains(fit: Fit) -> bool:

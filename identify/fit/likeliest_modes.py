@@ -3,7 +3,9 @@
 A mode is a linear oscillator. What Eq. 17 lacks leaves lines too, that a mode only imitates, with a frequency and a
 damping that are others where the motion is others. So another mode is taken where it is decisively likelier, where it
 leaves no more than noise or the modes of either half of the motion explain the other half, where each of them rings,
-and where each is another one than the others.
+and where each is another one than the others. Two that ring within each other's bandwidth hardly beat: their sum is one
+swing whose damping is another where it is small, which one mode with a drag has too. There the drag has to be less
+likely.
 """
 
 from __future__ import annotations
@@ -19,6 +21,7 @@ from ...errors import BadInput
 from ...model import Oscillator
 from ...model.laws import MODES
 from ...model.oscillator import Term
+from ...model.terms import with_term
 from ..motion.limits import RINGS
 from ..problem.segments import Segment
 from ..signals.odds import DECISIVE, SIGNIFICANT, is_noise
@@ -63,6 +66,8 @@ def with_more_modes(first: Modes, answer: Answer, modes: Sequence[Mode] = (), *,
         segments = [s.segment for s in best.fit.segments]
         lines = fitted_modes(segments, modes) if len(modes) > len(known) else one_mode_more(segments, known)
         other = _beside(best.fit, lines, answer) if _promises(best.fit, known, lines) else None
+        if other is not None and _bends(other[0], best.fit, answer):
+            break
         if other is None or not stand(other[0], best.fit):
             more = None if other is None or not odds(other[0], best.fit) > DECISIVE else Modes(*other)
             break
@@ -80,6 +85,18 @@ def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer) -> tuple[Fit, tuple
     except BadInput:
         return None
     return (freed, ()) if odds(freed, plain) > DECISIVE else (plain, MEMBERS)
+
+
+def _bends(fit: Fit, before: Fit, answer: Answer) -> bool:
+    """Whether modes within each other's bandwidth are no likelier than one mode fewer, and drag."""
+    near = any(abs(a - b) < a * y + b * z for (a, y, _), (b, z, _) in combinations(modes_of_fit(fit.oscillator), 2))
+    if not near or not odds(fit, before) > DECISIVE:
+        return False
+    try:
+        bent = answer(before, with_term(before.oscillator, "quadratic-drag", {"coefficient": 0.0}), doubted=False)
+    except BadInput:
+        return False
+    return odds(bent, fit) > 0.0
 
 
 def _promises(fit: Fit, known: Sequence[Mode], more: Sequence[Mode]) -> bool:

@@ -80,18 +80,19 @@ def test_what_is_cut_away_is_not_known():
 
 
 @pytest.mark.parametrize(
-    ("values", "has_word", "least", "outcome"),
+    ("values", "far", "least", "outcome"),
     [
-        ({"omega0": (20.3, 0.1), "viscous": (0.7, 0.1)}, False, {"omega0": 0.09, "viscous": 0.09}, "right"),
-        ({"omega0": (20.3, 0.1), "viscous": (0.7, 0.1)}, False, {"omega0": 0.05, "viscous": 0.09}, "wide"),
-        ({"omega0": (20.4, 0.1), "viscous": (0.7, 0.1)}, False, {"omega0": 0.05}, "wrong"),
-        ({"omega0": (20.4, 0.1), "viscous": (0.7, 0.1)}, True, {}, "told"),
-        ({"omega0": (20.0, 0.0), "viscous": (0.8, 0.1)}, False, {}, "right"),
-        ({"omega0": (20.1, 0.0), "viscous": (0.8, 0.1)}, False, {}, "wrong"),
+        ({"omega0": (20.3, 0.1), "viscous": (0.7, 0.1)}, "wrong", {"omega0": 0.09, "viscous": 0.09}, "right"),
+        ({"omega0": (20.3, 0.1), "viscous": (0.7, 0.1)}, "wrong", {"omega0": 0.05, "viscous": 0.09}, "wide"),
+        ({"omega0": (20.4, 0.1), "viscous": (0.7, 0.1)}, "wrong", {"omega0": 0.05}, "wrong"),
+        ({"omega0": (20.4, 0.1), "viscous": (0.7, 0.1)}, "told", {}, "told"),
+        ({"omega0": (20.4, 0.1), "viscous": (0.7, 0.1)}, "noted", {}, "noted"),
+        ({"omega0": (20.0, 0.0), "viscous": (0.8, 0.1)}, "wrong", {}, "right"),
+        ({"omega0": (20.1, 0.0), "viscous": (0.8, 0.1)}, "wrong", {}, "wrong"),
     ],
 )
-def test_an_answer_is_judged_by_its_own_errors_and_by_the_bound(values, has_word, least, outcome):
-    assert judged(Stated(values, has_word), TRUE, least)[0] == outcome
+def test_an_answer_is_judged_by_its_own_errors_and_by_the_bound(values, far, least, outcome):
+    assert judged(Stated(values, far), TRUE, least)[0] == outcome
 
 
 def test_a_refusal_is_right_where_nobody_could_know():
@@ -102,8 +103,8 @@ def test_a_refusal_is_right_where_nobody_could_know():
 
 def test_of_two_modes_the_nearest_is_compared():
     two = ringing(400, 1e-6, (LINEAR, LINEAR | {"omega0": 30.0}))
-    assert mode_taken(two, Stated({"omega0": (29.0, 1.0)}, False)) == 1
-    assert mode_taken(two, Stated({"omega0": (21.0, 1.0)}, False)) == 0
+    assert mode_taken(two, Stated({"omega0": (29.0, 1.0)}, "wrong")) == 1
+    assert mode_taken(two, Stated({"omega0": (21.0, 1.0)}, "wrong")) == 0
 
 
 def _answers(outcome):

@@ -44,6 +44,15 @@ def test_it_goes_into_the_file_and_comes_back(fit, recording):
     assert loads(dumps(model)).identified.recordings == model.identified.recordings
 
 
+def test_a_covariance_whose_halves_differ_by_rounding_can_be_read_again(fit, recording):
+    """Where mass and frequency move as one their correlation is one up to the last digits, and either half its own."""
+    std = np.sqrt(np.diag(fit.covariance))
+    rounded = np.outer(std, std) * (1.0 - 1e-5 * (np.eye(std.size) < 1))
+    rounded[np.triu_indices(std.size, 1)] *= 1.00002
+    model = with_provenance(replace(fit, covariance=rounded), [recording])
+    assert np.array(loads(dumps(model)).identified.covariance) == pytest.approx(rounded, rel=2e-5)
+
+
 def test_of_several_stretches_it_is_the_whole(fit):
     """Each by its samples: a second one twice as far off and three times as loud."""
     (first,) = fit.segments

@@ -72,6 +72,28 @@ def test_one_nonlinear_mode_is_not_two():
     assert len(modes_of_fit(identify([Recording("one", 60.0, x)], doubted=False).oscillator)) == 1
 
 
+@pytest.mark.parametrize(
+    ("hertz", "zeta", "more", "cycles"), [(0.25, 0.008, 0.5, 25), (2.0, 0.005, 0.3, 60), (12.5, 0.03, 1.0, 40)]
+)
+def test_one_mode_with_drag_is_not_two(hertz, zeta, more, cycles):
+    """Its damping falls as it swings less; two modes within their bandwidth imitate it, with far too little damping.
+
+    The drag damps ``more`` times as much as the rest where it begins, and half as much at half of that.
+    """
+    omega, peak = 2 * np.pi * hertz, 3e-3
+    drag = more * zeta * 0.75 * np.pi / peak
+    times = np.arange(0.0, cycles / hertz, 0.01 / hertz)
+
+    def rates(_, z):
+        return [z[1], -2 * zeta * omega * z[1] - omega**2 * z[0] - drag * abs(z[1]) * z[1]]
+
+    x = solve_ivp(rates, (0, times[-1]), [-peak, 0.0], "DOP853", times, rtol=1e-9, atol=1e-12).y[0]
+    noisy = x + 1e-3 * peak * np.random.default_rng(45).standard_normal(times.size)
+    found = identify([Recording("drag", 100 * hertz, noisy)])
+    assert len(modes_of_fit(found.oscillator)) == 1
+    assert any("may be off by more than their errors" in note for note in found.notes)
+
+
 def test_two_driven_modes():
     """Both answer the recorded force, each with a modal mass of its own."""
     fs, random = 200.0, np.random.default_rng(4)
