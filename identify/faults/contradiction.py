@@ -37,8 +37,8 @@ class Contradiction:
         part: the shortest without which no more than noise is left.
         other: one apart from it that might as well be left out; None where there is none.
         shifts: (free,) each, by how much the parameters move without it, and without the other where there is one.
-        reached: whether the rest moves as far, and is driven as hard at the same frequencies, so that it would show
-            physics that the family lacks as well.
+        reached: whether the rest moves as far and as little, and is driven as hard at the same frequencies, so that it
+            would show physics that the family lacks as well.
         state: of the fitted problem (``fitted_problem``) without the part.
         left: what is left of each segment (n,) there, in the part too.
         levels: of the noise of each segment, as its response shows it.
@@ -141,18 +141,22 @@ def covering(fit: Fit, shifts: Sequence[np.ndarray]) -> Fit:
 def _reached(
     problem: OutputError, residuals: Sequence[np.ndarray], part: Part, recordings: Sequence[Recording]
 ) -> bool:
-    """Whether the rest moves as far as a part does, and where that is driven, as hard at the same frequencies.
+    """Whether the rest moves as far and as little as a part does, and where that is driven, as hard at the same
+    frequencies.
 
-    A drive that saturates shows at resonance alone, so that its own recording is no witness for it.
+    What friction or a clearance does shows where the motion is small. A drive that saturates shows at resonance alone,
+    so that its own recording is no witness for it.
     """
-    farthest = [0.0, 0.0]
+    sizes: tuple[list[float], list[float]] = ([], [])  # of each cycle of the rest and of the part
     for segment, residual in zip(problem.segments, residuals, strict=True):
         inside = part.holds(segment)
         moved = np.abs(segment.response - residual - np.mean(segment.response - residual))
-        for index, mask in enumerate((~inside, inside)):
-            if np.any(mask):
-                farthest[index] = max(farthest[index], float(np.max(moved[mask])) / segment.pace**segment.order)
-    if farthest[1] > ALIKE * farthest[0]:
+        cycle = max(1, round(2 * np.pi / (segment.pace * segment.dt)))
+        for first in range(0, segment.n, cycle):
+            size = float(np.max(moved[first : first + cycle])) / segment.pace**segment.order
+            sizes[bool(np.any(inside[first : first + cycle]))].append(size)
+    rest, own = sizes
+    if not rest or max(own) > ALIKE * max(rest) or min(rest) > ALIKE * min(own):
         return False
     if not any(s.force is not None and np.any(part.holds(s)) for s in problem.segments):
         return True

@@ -193,13 +193,13 @@ def in_words(found: Contradiction, recordings: Sequence[Recording]) -> str:
         )
     if found.reached:
         return (
-            f"{words}; the rest moves as far and is driven as hard, so no lack of physics does that: the measuring "
-            "chain or the rig changed; look there, and use what is sound (--part FROM:TO)"
+            f"{words}; the rest moves as far and as little and is driven as hard, so no lack of physics does that: the "
+            "measuring chain or the rig changed; look there, and use what is sound (--part FROM:TO)"
         )
     return (
-        f"{words}; nothing else moves as far or is driven as hard, so either the measuring chain or the rig changed, "
-        "or physics is missing that shows there alone (dashpot diagnose asks for it); the standard errors cover what "
-        "it does to the parameters"
+        f"{words}; nothing else moves as far and as little and is driven as hard, so either the measuring chain or the "
+        "rig changed, or physics is missing that shows there alone (dashpot diagnose asks for it); the standard errors "
+        "cover what it does to the parameters"
     )
 
 

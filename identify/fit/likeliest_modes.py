@@ -5,7 +5,8 @@ damping that are others where the motion is others. So another mode is taken whe
 leaves no more than noise or the modes of either half of the motion explain the other half, where each of them rings,
 and where each is another one than the others. Two that ring within each other's bandwidth hardly beat: their sum is one
 swing whose damping is another where it is small, which one mode with a drag has too. There the drag has to be less
-likely.
+likely, and the frequencies have to differ by more than what damping takes off them: friction of any other law bends a
+fall so.
 """
 
 from __future__ import annotations
@@ -89,14 +90,27 @@ def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer) -> tuple[Fit, tuple
 
 def _bends(fit: Fit, before: Fit, answer: Answer) -> bool:
     """Whether modes within each other's bandwidth are no likelier than one mode fewer, and drag."""
-    near = any(abs(a - b) < a * y + b * z for (a, y, _), (b, z, _) in combinations(modes_of_fit(fit.oscillator), 2))
-    if not near or not odds(fit, before) > DECISIVE:
+    if not odds(fit, before) > DECISIVE:
+        return False
+    modes = list(zip(modes_of_fit(fit.oscillator), _errors(fit.oscillator), strict=True))
+    pairs = [(*one, *other) for one, other in combinations(modes, 2)]
+    if any(_of_one_frequency(a, d, b, e) for a, d, b, e in pairs):
+        return True
+    if not any(abs(a[0] - b[0]) < a[0] * a[1] + b[0] * b[1] for a, _, b, _ in pairs):
         return False
     try:
         bent = answer(before, with_term(before.oscillator, "quadratic-drag", {"coefficient": 0.0}), doubted=False)
     except BadInput:
         return False
     return odds(bent, fit) > 0.0
+
+
+def _of_one_frequency(one: Mode, error: tuple[float, float], other: Mode, of_other: tuple[float, float]) -> bool:
+    """Whether natural frequencies differ by no more than what damping takes off them, and their errors."""
+    apart = abs(np.log(one[0] / other[0]))
+    return bool(
+        apart < abs(one[1] ** 2 - other[1] ** 2) + SIGNIFICANT * np.hypot(error[0] / one[0], of_other[0] / other[0])
+    )
 
 
 def _promises(fit: Fit, known: Sequence[Mode], more: Sequence[Mode]) -> bool:

@@ -8,12 +8,15 @@ import numpy as np
 import pytest
 from dashpot.examples.lies import STANDS, Lie, told
 from dashpot.examples.measuring_chain import force_gain, response_gain
+from dashpot.identify import identify
 from dashpot.identify.faults.contradiction import _stands_out, contradiction, covering
 from dashpot.identify.faults.part import Part, spans_of
 from dashpot.identify.faults.without_part import Level
 from dashpot.identify.fit.likelihood import maximum_likelihood
 from dashpot.identify.signals.odds import is_noise
 from dashpot.model import Oscillator
+from dashpot.recording import Recording
+from scipy.integrate import solve_ivp
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
 
@@ -74,6 +77,21 @@ def test_where_physics_is_missing_nothing_is_to_blame():
     fit, recordings = fitted(None, cubic=0.0)
     assert max(s.over_noise for s in fit.segments) > 10.0
     assert contradiction(fit, recordings) is None
+
+
+def test_what_shows_where_the_motion_is_small_is_not_said_to_be_no_lack_of_physics():
+    """A clearance bends the end of a decay alone, which nothing before it reaches down to."""
+    omega, peak = 2 * np.pi * 2.0, 3e-3
+
+    def rates(_, z):
+        return [z[1], -0.02 * omega * z[1] - omega**2 * (z[0] - 0.3 * np.clip(z[0], -0.1 * peak, 0.1 * peak))]
+
+    times = np.arange(0.0, 20.0, 1 / 120)
+    x = solve_ivp(rates, (0, times[-1]), [peak, 0.0], "DOP853", times, rtol=1e-9, atol=1e-12, max_step=0.02).y[0]
+    recordings = [Recording("clearance", 120.0, x + 1e-3 * peak * np.random.default_rng(7).standard_normal(x.size))]
+    found = contradiction(identify(recordings, doubted=False).fit, recordings)
+    assert found is not None
+    assert not found.reached
 
 
 def test_few_independent_values_of_noise_may_be_large_by_chance():
