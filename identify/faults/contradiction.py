@@ -144,8 +144,8 @@ def _reached(
     """Whether the rest moves as far and as little as a part does, and where that is driven, as hard at the same
     frequencies.
 
-    What friction or a clearance does shows where the motion is small. A drive that saturates shows at resonance alone,
-    so that its own recording is no witness for it.
+    What friction or a clearance does shows where the motion is small: the rest goes down to its usual size. A drive
+    that saturates shows at resonance alone, so that its own recording is no witness for it.
     """
     sizes: tuple[list[float], list[float]] = ([], [])  # of each cycle of the rest and of the part
     for segment, residual in zip(problem.segments, residuals, strict=True):
@@ -156,7 +156,7 @@ def _reached(
             size = float(np.max(moved[first : first + cycle])) / segment.pace**segment.order
             sizes[bool(np.any(inside[first : first + cycle]))].append(size)
     rest, own = sizes
-    if not rest or max(own) > ALIKE * max(rest) or min(rest) > ALIKE * min(own):
+    if not rest or max(own) > ALIKE * max(rest) or min(rest) > ALIKE * np.median(own):
         return False
     if not any(s.force is not None and np.any(part.holds(s)) for s in problem.segments):
         return True

@@ -4,7 +4,7 @@ A mode is a linear oscillator. What Eq. 17 lacks leaves lines too, that a mode o
 damping that are others where the motion is others. So another mode is taken where it is decisively likelier, where it
 leaves no more than noise or the modes of either half of the motion explain the other half, where each of them rings,
 and where each is another one than the others. Two that ring within each other's bandwidth hardly beat: their sum is one
-swing whose damping is another where it is small, which one mode with a drag has too. There the drag has to be less
+swing whose damping is another where it is small, which one mode that is bent has too. There a bent one has to be less
 likely, and the frequencies have to differ by more than what damping takes off them: friction of any other law bends a
 fall so.
 """
@@ -12,6 +12,7 @@ fall so.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from itertools import combinations, product
 from typing import Protocol
@@ -33,6 +34,8 @@ from .reported_result import Fit, SegmentFit
 
 #: What a linear rig does without.
 MEMBERS = ("cubic", "preload", "dry")
+#: What bends the fall and the frequency of one mode, beside Eq. 17.
+BENDING = ("quadratic-drag", "quintic-stiffness")
 
 
 class Answer(Protocol):
@@ -89,7 +92,7 @@ def _beside(fit: Fit, modes: Sequence[Mode], answer: Answer) -> tuple[Fit, tuple
 
 
 def _bends(fit: Fit, before: Fit, answer: Answer) -> bool:
-    """Whether modes within each other's bandwidth are no likelier than one mode fewer, and drag."""
+    """Whether modes within each other's bandwidth are no likelier than one mode fewer that a further law bends."""
     if not odds(fit, before) > DECISIVE:
         return False
     modes = list(zip(modes_of_fit(fit.oscillator), _errors(fit.oscillator), strict=True))
@@ -98,11 +101,12 @@ def _bends(fit: Fit, before: Fit, answer: Answer) -> bool:
         return True
     if not any(abs(a[0] - b[0]) < a[0] * a[1] + b[0] * b[1] for a, _, b, _ in pairs):
         return False
-    try:
-        bent = answer(before, with_term(before.oscillator, "quadratic-drag", {"coefficient": 0.0}), doubted=False)
-    except BadInput:
-        return False
-    return odds(bent, fit) > 0.0
+    for law in BENDING:
+        with suppress(BadInput):
+            bent = answer(before, with_term(before.oscillator, law, {"coefficient": 0.0}), doubted=False)
+            if odds(bent, fit) > 0.0:
+                return True
+    return False
 
 
 def _of_one_frequency(one: Mode, error: tuple[float, float], other: Mode, of_other: tuple[float, float]) -> bool:

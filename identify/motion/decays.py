@@ -15,11 +15,11 @@ from ..signals.odds import ABOVE_NOISE, SIGNIFICANT
 from ..signals.signals import Signal, response_of
 from .blows import answers_against, blows_of, ringing
 from .decay import Blow, Decay, FreeMotion
-from .envelope import envelope_of
+from .envelope import Envelope, envelope_of
 from .excluded_ranges import left_out, swelling
 from .falling import falling
 from .force_off import force_is_silent, force_off, zero_of
-from .free_motion import all_that_moves, modes_of_response, moving_in, off_behind, pieces_of_rig
+from .free_motion import all_that_moves, modes_of_response, moving_in, off_behind, periods_of, pieces_of_rig
 from .limits import KNOWN, TAKES
 from .mode import Mode
 from .rig_pieces import RigPieces
@@ -142,8 +142,11 @@ def _rings_out(shared: SharedModes, n: int) -> bool:
 def _holds(decays: Sequence[Decay], response: Signal, others: Sequence[Decay], omega: float) -> bool:
     """Whether decays hold about all the time in which the response moves in others; the rest may be a hand's.
 
-    What stopped it at the end is not asked for.
+    What stopped it at the end is not asked for. What falls steadily over several decays was stopped between none: they
+    are parts of a motion that is another rig's.
     """
+    if any(sum(other.start < (d.start + d.stop) / 2 < other.stop for d in decays) > 1 for other in others):
+        return False
     theirs = moving_in(response, _ended(decays, response, others), omega)
     return bool(np.sum(moving_in(response, decays, omega) & theirs) >= TAKES * np.sum(theirs))
 
@@ -240,11 +243,22 @@ def _by_envelope(recording: Recording) -> FreeMotion:
     """
     if recording.free:
         return FreeMotion((Decay(0, recording.n),))
-    x, force = np.asarray(recording.response, float), recording.force
-    envelope = envelope_of(recording)
+    free, envelope = recording.force is None or force_is_silent(recording), envelope_of(recording)
     if envelope is None:
-        free = force is None or force_is_silent(recording)
-        return FreeMotion((Decay(0, recording.n),) if free and is_short_decay(x, recording.fs) else ())
+        short = free and is_short_decay(np.asarray(recording.response, float), recording.fs)
+        return FreeMotion((Decay(0, recording.n),) if short else ())
+    motion = _within(recording, envelope)
+    if motion.decays or not free:
+        return motion
+    # a hand that pulls again and again may be the strongest line of all
+    faster = [p for p in periods_of(response_of(recording).samples) if p < envelope.period]
+    others = [_within(recording, other) for p in faster if (other := envelope_of(recording, p)) is not None]
+    return max((motion, *others), key=lambda one: sum(d.stop - d.start for d in one.decays))
+
+
+def _within(recording: Recording, envelope: Envelope) -> FreeMotion:
+    """What an envelope of a recording shows."""
+    x, force = np.asarray(recording.response, float), recording.force
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):
         swings, shortest = swings_of(x, envelope), FEWEST_CYCLES

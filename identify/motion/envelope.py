@@ -37,14 +37,19 @@ class Envelope:
     noise: float
 
 
-def envelope_of(recording: Recording) -> Envelope | None:
-    """The envelope of a recording; None where it holds no five cycles of any motion, or too few samples a cycle."""
+def envelope_of(recording: Recording, period: float | None = None) -> Envelope | None:
+    """The envelope of a recording; None where it holds no five cycles of any motion, or too few samples a cycle.
+
+    ``period``: samples a cycle; that of the strongest motion where None.
+    """
     response = response_of(recording)
     x, fs, noise = response.samples, response.fs, response.noise
-    frequency = motion_frequency(x, fs)
-    if frequency is None:
-        return None
-    period = max(2, round(fs / frequency))
+    if period is None:
+        frequency = motion_frequency(x, fs)
+        if frequency is None:
+            return None
+        period = fs / frequency
+    period = max(2, round(period))
     if x.size < FEWEST_CYCLES * period or period < FEWEST_CYCLES:
         return None
     size = _size(x, period)

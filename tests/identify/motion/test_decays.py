@@ -17,6 +17,7 @@ from dashpot.identify.motion.free_motion import off_behind
 from dashpot.identify.motion.shared_modes import SharedModes
 from dashpot.identify.signals.signals import Signal
 from dashpot.recording.recording import Recording
+from scipy.integrate import solve_ivp
 
 DATA = Path(os.environ.get("DASHPOT_DATA", Path(__file__).parents[4] / "shared" / "data"))
 
@@ -203,6 +204,43 @@ def test_what_is_let_go_after_a_drive_is_free_all_the_same():
     decays = find_free_motion(both).decays
     assert decays
     assert all(decay.start >= run.n for decay in decays)
+
+
+def pulled_and_let_go(resists, seed):
+    """A rig of 3 Hz, pulled aside four times, held for about a second and let go; samples of the releases."""
+    random, omega, size, fs = np.random.default_rng(seed), 2 * np.pi * 3.0, 3e-3, 120.0
+    times, parts, edges = np.arange(0.0, 9.0, 1 / fs), [np.zeros(1)], []
+
+    def rates(_, z):
+        return [z[1], -(omega**2) * z[0] - 0.04 * omega * z[1] - resists(z[0] / size, z[1] / omega / size) * size]
+
+    for pulled in size * np.array([1.0, -0.8, 0.6, -0.9]):
+        free = solve_ivp(rates, (0, times[-1]), [pulled, 0.0], "DOP853", times, rtol=1e-8, atol=1e-12, max_step=0.01)
+        held = np.full(round(fs * random.uniform(0.7, 1.2)), pulled)
+        parts += [np.linspace(parts[-1][-1], pulled, round(0.4 * fs)), held, free.y[0]]
+        end = sum(map(len, parts))
+        edges.append((end - times.size, end))
+    x = np.concatenate(parts)
+    return Recording("pulled", fs, x + 1e-3 * size * random.standard_normal(x.size)), edges
+
+
+@pytest.mark.parametrize("seed", [3, 11])
+@pytest.mark.parametrize(
+    "resists",
+    [
+        pytest.param(lambda x, v: 0.06 * (6 * np.pi) ** 2 * v**3, id="damping"),
+        pytest.param(lambda x, v: -0.3 * (6 * np.pi) ** 2 * np.clip(x, -0.1, 0.1), id="clearance"),
+        pytest.param(lambda x, v: 2.0 * (6 * np.pi) ** 2 * max(x - 0.7, 0.0), id="stop"),
+    ],
+)
+def test_releases_of_a_rig_that_eq_17_does_not_hold_are_whole(resists, seed):
+    """Parts of them that Eq. 17 explains are no releases, and that a hand comes again is not the rig's frequency."""
+    recording, edges = pulled_and_let_go(resists, seed)
+    found = find_decays(recording)
+    assert len(found) == 4
+    for decay, (start, stop) in zip(found, edges, strict=True):
+        assert abs(decay.start - start) < 40  # a cycle
+        assert decay.stop - decay.start > 0.8 * (stop - start)
 
 
 def test_what_is_behind_a_piece_goes_on_or_is_another_motion():
