@@ -22,15 +22,18 @@ from ...recording.recording import Recording
 from ..fit.from_prediction import from_prediction, keeps_step, simulates
 from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import concentrated, over_noise
+from ..motion.force_off import runs
 from ..problem.chain import Fault, sizes_of
 from ..problem.data import noise_at
 from ..problem.descent import search
 from ..problem.linearised import Linearised
 from ..problem.output_error import OutputError, State
-from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR
+from ..problem.segments import Segment
+from ..signals.limits import SEVERAL
+from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, DECISIVE, ONE_ERROR, SIGNIFICANT
 from ..signals.registry import budget, numerics
 from .contradiction import Contradiction
-from .fault import GAINS, THROUGHOUT, ForceHum, Hum, Late, times_of
+from .fault import GAINS, THROUGHOUT, ForceHum, Hum, Late, times_of, tone
 from .fault_score import KINDS, expected_gains, possible, shown_beside, with_sizes
 from .fitted_problem import fitted_problem
 
@@ -120,7 +123,8 @@ def faults_found(
         where = search(finest, point, tolerance=0.1, most=_STEPS, informed=False).state
         if _noise_alone(finest, where, fit, recordings):
             sized = _with_sizes(finest, where, gains, fit, recordings)
-            return sized if _is_one_cause(sized) and all(fault.stands for fault in sized) else ()
+            stand = all(f.stands and _lasts(f, recordings, finest.segments) for f in sized)
+            return sized if stand and _is_one_cause(sized) else ()
     return ()
 
 
@@ -131,6 +135,31 @@ def _is_one_cause(found: Sequence[FoundFault]) -> bool:
     """
     kinds = {type(found.fault) for found in found}
     return len(found) == 1 or kinds == {Late} or kinds == {Hum} or kinds == {ForceHum}
+
+
+def _lasts(found: FoundFault, recordings: Sequence[Recording], segments: Sequence[Segment]) -> bool:
+    """Whether a line on a response is there too in the longest part of its recording that was not fitted.
+
+    Hum goes on while a rig rests or is held; a line of the motion does not. Where much else moves nothing is told.
+    """
+    fault = found.fault
+    if not isinstance(fault, Hum):
+        return True
+    recording = recordings[fault.recording]
+    outside = np.ones(recording.n, bool)
+    for segment in segments:
+        if segment.recording == fault.recording:
+            outside[segment.start : segment.stop] = False
+    first, last = max(runs(outside), key=lambda run: run[1] - run[0], default=(0, 0))
+    times = np.arange(first, last) / recording.fs
+    if (last - first) < SEVERAL * recording.fs / fault.place:
+        return True
+    waves = [tone(times, fault.place, np.array(size)) for size in ((1.0, 0.0), (0.0, 1.0))]
+    columns = np.stack([*waves, np.ones(times.size), times], axis=1)
+    weights = np.linalg.lstsq(columns, recording.response[first:last])[0]
+    left = float(np.std(recording.response[first:last] - columns @ weights))
+    error = left * np.sqrt(2.0 / times.size)
+    return bool(np.hypot(*weights[:2]) > math.hypot(*found.sizes) - SIGNIFICANT * math.hypot(error, *found.errors))
 
 
 def with_fault(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,9 +11,11 @@ from dashpot.errors import BadInput
 from dashpot.examples.lies import STANDS, Lie, Stand, lies, told
 from dashpot.examples.measuring_chain import force_gain, hum, late, response_gain, step
 from dashpot.identify import identify
-from dashpot.identify.faults.faults_found import faults_found
+from dashpot.identify.faults.fault import Hum
+from dashpot.identify.faults.faults_found import FoundFault, _lasts, faults_found
 from dashpot.identify.fit.likelihood import maximum_likelihood
 from dashpot.model import Oscillator, Response
+from dashpot.recording import Recording
 
 SHORT = replace(STANDS["built-in"], cycles=60.0, fs=400.0)
 
@@ -23,6 +26,21 @@ def found(stand: Stand, lie: Lie | None, seed: int = 0, **changed: float) -> lis
     model = Oscillator.from_values({**stand.values, **changed}, response=Response(stand.quantity, recordings[0].unit))
     fit = maximum_likelihood(model, recordings, tuple(changed), doubted=False, near=True)
     return [fault.sentence for fault in faults_found(fit, recordings)]
+
+
+@pytest.mark.parametrize(
+    ("goes_on", "moved", "lasts"), [(True, 0.0, True), (False, 0.0, False), (False, 1e-2, True)], ids=str
+)
+def test_hum_goes_on_while_a_rig_rests(goes_on, moved, lasts):
+    """A line of the decay alone is none; behind it a hand may move the rig by far more than the line."""
+    fs, n, size = 200.0, 2000, 1e-4
+    t, random = np.arange(n) / fs, np.random.default_rng(5)
+    line = size * np.sin(2 * np.pi * 13.0 * t) * (goes_on | (t < 4.0))
+    hand = moved * np.interp(t, np.linspace(4.0, 10.0, 40), random.standard_normal(40), left=0.0)
+    recording = Recording("hum", fs, line + hand + 1e-6 * random.standard_normal(n))
+    fault = FoundFault(Hum(0, 13.0), (size, 0.0), (1e-6, 1e-6), 50.0, "hum", "")
+    fitted = SimpleNamespace(recording=0, start=0, stop=800)
+    assert _lasts(fault, [recording], [fitted]) is lasts
 
 
 @pytest.mark.parametrize(
