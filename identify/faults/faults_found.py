@@ -190,7 +190,7 @@ def _asked(
     faults = possible(problem.segments, residuals, kinds)
     if contradicted is not None:
         part = contradicted.part
-        edges = (part.span.begin, part.begin, part.end)
+        edges = [edge for edge in (part.span.begin, part.begin, part.end) if edge < part.span.end]
         faults = [f for f in faults if f.recording == part.recording and not f.timed]
         faults += [kind(part.recording, edge) for kind in kinds if kind.timed for edge in edges]
     known = problem.faults
