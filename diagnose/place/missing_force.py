@@ -8,6 +8,7 @@ nothing was named there are no better values than the family's best.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -47,12 +48,8 @@ def latent_forces(before: Fitted, data: Data, named: Oscillator | None) -> tuple
         own = {term.effect for term in before.model.terms}
         effects = tuple(term for term in named.terms if term.effect not in own)
         family = replace(named, terms=tuple(term for term in named.terms if term.effect in own))
-    power = [
-        float(np.sum(np.square(residual / max(sensor, np.finfo(float).tiny))))
-        for residual, sensor in zip(before.residuals, data.sensor, strict=True)
-    ]
     candidates: list[tuple[float, int, LatentForce]] = []
-    for i in sorted(range(len(power)), key=lambda i: -power[i] if np.isfinite(power[i]) else -np.inf)[:_LOOKED_AT]:
+    for i in _loudest_first(before.residuals, data.sensor)[:_LOOKED_AT]:
         try:
             smoother = Smoother(family, data, i)
             first, last = _stretch(smoother)
@@ -68,6 +65,14 @@ def latent_forces(before: Fitted, data: Data, named: Oscillator | None) -> tuple
         if recording not in chosen and len(chosen) < _RECORDINGS:
             chosen[recording] = force
     return tuple(chosen[recording] for recording in sorted(chosen))
+
+
+def _loudest_first(residuals: Sequence[np.ndarray], noise: Sequence[float]) -> list[int]:
+    """Places of residuals (n,) by how far they stand out of their noise; what runs away, or has no noise, is first."""
+    sizes = [
+        float(np.linalg.norm(r)) / level if level > 0 else np.inf for r, level in zip(residuals, noise, strict=True)
+    ]
+    return sorted(range(len(sizes)), key=lambda i: -sizes[i] if np.isfinite(sizes[i]) else -np.inf)
 
 
 def _stretch(smoother: Smoother) -> tuple[int, int]:

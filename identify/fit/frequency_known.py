@@ -71,6 +71,7 @@ def refuse_unknown(fit: Fit, recordings: Sequence[Recording]) -> None:
 
 
 def _moves_with_a_mass_that_is_unknown(fit: Fit, errors: np.ndarray) -> bool:
+    """Whether mass and frequency, of standard errors (free,), are hard to tell apart and the mass is not known."""
     if fit.oscillator.mass is None or not {"mass", "omega0"} <= set(fit.names):
         return False
     mass, omega0 = fit.names.index("mass"), fit.names.index("omega0")

@@ -142,8 +142,8 @@ def _rings_out(shared: SharedModes, n: int) -> bool:
 def _holds(decays: Sequence[Decay], response: Signal, others: Sequence[Decay], omega: float) -> bool:
     """Whether decays hold about all the time in which the response moves in others; the rest may be a hand's.
 
-    What stopped it at the end is not asked for. What falls steadily over several decays was stopped between none: they
-    are parts of a motion that is another rig's.
+    What stopped it at the end is not asked for. Several decays within one of the others do not: that falls steadily,
+    so that nothing stopped it between them, and it is another rig's.
     """
     if any(sum(other.start < (d.start + d.stop) / 2 < other.stop for d in decays) > 1 for other in others):
         return False
@@ -239,25 +239,26 @@ def _by_envelope(recording: Recording) -> FreeMotion:
     comes on again. Without one, or with a force that is zero throughout: from where the motion was let go, or a cycle
     after the corner at which its envelope begins to fall, so that no driven part is in it, as long as it falls and
     is not stopped. Both end where the envelope meets the noise of the recording. A recording that is known to be free
-    is one decay, and so is one of few cycles whose fall stands out of its own error (``short_decay``).
+    is one decay, and so is one of few cycles whose fall stands out of its own error (``short_decay``). Where nothing
+    falls at the pace of the strongest line, it is asked for at those of faster ones.
     """
     if recording.free:
         return FreeMotion((Decay(0, recording.n),))
-    free, envelope = recording.force is None or force_is_silent(recording), envelope_of(recording)
+    undriven, envelope = recording.force is None or force_is_silent(recording), envelope_of(recording)
     if envelope is None:
-        short = free and is_short_decay(np.asarray(recording.response, float), recording.fs)
+        short = undriven and is_short_decay(np.asarray(recording.response, float), recording.fs)
         return FreeMotion((Decay(0, recording.n),) if short else ())
-    motion = _within(recording, envelope)
-    if motion.decays or not free:
+    motion = _shown_by(envelope, recording)
+    if motion.decays or not undriven:
         return motion
     # a hand that pulls again and again may be the strongest line of all
     faster = [p for p in periods_of(response_of(recording).samples) if p < envelope.period]
-    others = [_within(recording, other) for p in faster if (other := envelope_of(recording, p)) is not None]
+    others = [_shown_by(other, recording) for p in faster if (other := envelope_of(recording, p)) is not None]
     return max((motion, *others), key=lambda one: sum(d.stop - d.start for d in one.decays))
 
 
-def _within(recording: Recording, envelope: Envelope) -> FreeMotion:
-    """What an envelope of a recording shows."""
+def _shown_by(envelope: Envelope, recording: Recording) -> FreeMotion:
+    """What an envelope shows of its recording: see ``_by_envelope``."""
     x, force = np.asarray(recording.response, float), recording.force
     period, blows = envelope.period, ()
     if force is None or force_is_silent(recording):

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.place.missing_force import latent_forces
+from dashpot.diagnose.place.missing_force import _loudest_first, latent_forces
 from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import data_of
@@ -246,3 +246,11 @@ def test_a_force_beside_a_tone_is_none_of_the_tones_phase(smoothed):
 @pytest.mark.parametrize("effects", [("sensor-offset",), ("cubic-damping", "sensor-offset")])
 def test_a_sensors_fault_is_no_force(smoothed, effects):
     assert named(smoothed, np.ones(200), *effects, coefficient=30.0, offset=1e-3) is None
+
+
+def test_what_has_no_noise_or_runs_away_is_looked_at_first():
+    """A recording of few digits, or one that is exact, has a noise of zero: nothing is divided by it."""
+    quiet, loud, lost = np.full(100, 1e-3), np.full(100, 1e-2), np.array([1e-3, np.inf])
+    assert _loudest_first([quiet, loud, quiet], [1e-4, 1e-2, 1e-6]) == [2, 0, 1]
+    assert _loudest_first([quiet, loud, quiet], [1e-4, 1e-2, 0.0])[0] == 2
+    assert _loudest_first([quiet, loud, lost], [1e-4, 1e-2, 1e-4])[0] == 2
