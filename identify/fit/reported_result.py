@@ -43,6 +43,7 @@ _WHOLE = numerics(100.0, "typical sizes", why="a member as large as the force of
 _NEAR_ENOUGH = numerics(
     0.01, "log-likelihood", why="a seventh of a standard error: the search for what a prediction says otherwise is over"
 )
+_CUTS = budget(3, "times", why="what jumps is left out and the rest fitted anew, which may end where another jumps")
 _DRAWS = numerics(60, "draws of force noise", why="standard errors are then good to 9 %")
 _LAST_STEPS = budget(
     3, "steps", why="from where a coarser simulation has its maximum: each squares what is left of the way"
@@ -164,15 +165,18 @@ def ended(
         most: steps that each search may take.
     """
     answer, iterations = reweighted(problem, state, start, recordings, plain, most)
-    if doubted:  # what was smooth where the search came from may jump where it ended
+    whole = problem.segments
+    for _ in range(_CUTS if doubted else 0):  # what was smooth where the search came from may jump where it ended
         smooth, begun = smooth_stretches(problem, answer.outcome.state)
-        jumps = left_out(problem.segments, smooth, [recording.name for recording in recordings])
-        if jumps:
-            shorter = problem.over(smooth)
-            without, steps = reweighted(shorter, begun, start, recordings, plain, most)
-            iterations += steps
-            if np.isfinite(without.likelihood):  # at the reach of a spring that gives way it may run away from there
-                problem, answer, notes, rungs = shorter, without, [*notes, *jumps], {}  # those are of other segments
+        if smooth == problem.segments:
+            break
+        shorter = problem.over(smooth)
+        without, steps = reweighted(shorter, begun, start, recordings, plain, most)
+        iterations += steps
+        if not np.isfinite(without.likelihood):  # at the reach of a spring that gives way it may run away from there
+            break
+        problem, answer, rungs = shorter, without, {}  # those are of other segments
+    notes = [*notes, *left_out(whole, problem.segments, [recording.name for recording in recordings])]
     doubt, free_run = np.zeros(answer.outcome.state.values.size), answer.outcome.residuals
     in_step = keeps_step(problem.segments, answer.outcome.residuals)
     above = max(over_noise(problem, answer.outcome.residuals, answer.outcome.state, start, recordings)) > ABOVE_NOISE

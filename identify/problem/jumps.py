@@ -3,7 +3,8 @@
 Where friction or a preload holds the mass against a force of about their size, small changes decide whether it breaks
 away in this cycle or the next. There the derivative of the response says nothing of the step that a fit would take, and
 least squares would go where it does not lead. Such stretches are left out: those in which two runs with all parameters
-moved a little, forward and backward, tell of different derivatives.
+moved a little, forward and backward, tell of other derivatives than each other or than the tangent: where a mass lets
+go or not by less than that little, the tangent is that of a jump, and its information is none.
 """
 
 from __future__ import annotations
@@ -81,7 +82,9 @@ def _of_segment(
     with np.errstate(invalid="ignore"):  # where it does not simulate to its end
         ahead, back = quotient(_STEP), quotient(-_STEP)
     largest = float(np.max(np.abs(segment.response)))
-    apart = np.abs(ahead - back)
+    tangent = sizes @ rows[: len(sizes)]
+    apart = np.maximum(np.abs(ahead - back), np.maximum(np.abs(tangent - ahead), np.abs(tangent - back)))
+    del tangent
     effect = np.maximum(np.abs(ahead, out=ahead), np.abs(back, out=back), out=ahead)
     del back
     for row, size in zip(rows, sizes, strict=False):  # behind them those of offsets and initial states

@@ -42,7 +42,7 @@ KEPT_PROMISE = decides(
 DISAGREE = decides(
     0.3,
     "part of the largest effect of any parameter there",
-    "by how much forward and backward differences disagree that are no derivative",
+    "by how much forward and backward differences and the tangent disagree that are no derivative",
     why="a third: half of a jump within the cycle",
 )
 FALSE_INFORMATION = decides(
