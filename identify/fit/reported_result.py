@@ -166,8 +166,8 @@ def ended(
     """
     answer, iterations = reweighted(problem, state, start, recordings, plain, most)
     whole = problem.segments
-    for _ in range(_CUTS if doubted else 0):  # what was smooth where the search came from may jump where it ended
-        smooth, begun = smooth_stretches(problem, answer.outcome.state)
+    for cut in range(_CUTS if doubted else 0):  # what was smooth where the search came from may jump where it ended
+        smooth, begun = smooth_stretches(problem, answer.outcome.state, tangent_alone=cut > 0)
         if smooth == problem.segments:
             break
         shorter = problem.over(smooth)

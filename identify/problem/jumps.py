@@ -26,8 +26,12 @@ _VISIBLE = numerics(1e-6, "part of the response", why="less by twice the paramet
 _ROUNDING = numerics(1e-12, "part of a recording", why="one without noise is exact to it")
 
 
-def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment, ...], State]:
+def smooth_stretches(
+    problem: OutputError, state: State, *, tangent_alone: bool = False
+) -> tuple[tuple[Segment, ...], State]:
     """The segments without the stretches that jump, and a state to go on from.
+
+    ``tangent_alone``: whether only those count in which the tangent is that of a jump, and no run near it tells of it.
 
     Of each segment the longest smooth stretch of at least ``FEWEST_SWINGS`` cycles is kept; where that is not all of
     it, its initial state is taken from the simulation. A segment of fewer cycles, as of a hammer's blow, which alone
@@ -39,7 +43,9 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
     free = list(problem.free)
     sizes = np.maximum(np.abs(state.values[free]), problem.scale[free])
     rows = problem.residuals_with_derivatives(state, single=True)[1]
-    found = problem.map(lambda i: _of_segment(problem, i, state, rows[i], sizes), range(len(problem.segments)))
+    found = problem.map(
+        lambda i: _of_segment(problem, i, state, rows[i], sizes, tangent_alone), range(len(problem.segments))
+    )
     jumps, false, information = zip(*found, strict=True)
     say_little = np.all(np.array(false) <= FALSE_INFORMATION * np.sum(information, axis=0), axis=1)
     kept: list[Segment] = []
@@ -60,7 +66,7 @@ def smooth_stretches(problem: OutputError, state: State) -> tuple[tuple[Segment,
 
 
 def _of_segment(
-    problem: OutputError, i: int, state: State, rows: np.ndarray, sizes: np.ndarray
+    problem: OutputError, i: int, state: State, rows: np.ndarray, sizes: np.ndarray, tangent_alone: bool
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """(n,) where the response's derivative along all parameters jumps, and (k,) each one's information there and
     elsewhere."""
@@ -83,7 +89,9 @@ def _of_segment(
         ahead, back = quotient(_STEP), quotient(-_STEP)
     largest = float(np.max(np.abs(segment.response)))
     tangent = sizes @ rows[: len(sizes)]
-    apart = np.maximum(np.abs(ahead - back), np.maximum(np.abs(tangent - ahead), np.abs(tangent - back)))
+    apart = np.minimum(np.abs(tangent - ahead), np.abs(tangent - back))
+    if not tangent_alone:
+        np.maximum(apart, np.abs(ahead - back), out=apart)
     del tangent
     effect = np.maximum(np.abs(ahead, out=ahead), np.abs(back, out=back), out=ahead)
     del back
