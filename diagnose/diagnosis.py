@@ -113,7 +113,7 @@ def _searched(
             break
         _log.info("again %s", why)
         given, case, left_out = rest, searched, [*left_out, *odd]
-        found = find(case, progress, until)
+        found = find(case, progress, until, None if change else found)
     if found.untried:
         case = case.noted(
             f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "
@@ -122,12 +122,15 @@ def _searched(
     return case, found, left_out
 
 
-def find(case: Case, progress: Progress, until: float = math.inf) -> Found:
+def find(case: Case, progress: Progress, until: float = math.inf, before: Found | None = None) -> Found:
     """Search the library for the structure that the recordings speak for, from the given family on.
+
+    ``before``: what a search ended with whose recordings were the same but for some blocks.
 
     Raises BadInput where no model of the family simulates along the recordings.
     """
     family, data, holdout = first_fit(case.data, case.judged, case.family.model)
     # what a sensor shows at zero is no physics of the rig
     laws = [law for law in KNOWN.values() if law.effect != _SENSOR_OFFSET]
-    return Search(data, holdout, laws, lambda what, part: progress(what, 0.05 + 0.8 * part), until).find(family)
+    search = Search(data, holdout, laws, lambda what, part: progress(what, 0.05 + 0.8 * part), until, before)
+    return search.find(family)

@@ -81,6 +81,8 @@ class Search:
         laws: the library, with the user's laws; those that are learnt are asked for where all others have failed.
         progress: called with what is being done and which part of all is done.
         until: time of the monotonic clock at which it ends with the best that it has.
+        before: what a search over almost the same recordings ended with: whatever came within reach there is entered
+            first, from where it came to.
         candidates: every structure that was entered, by the laws it adds.
         untried: what was not asked for want of time, in words.
         asked_rugged: whether laws with side valleys were asked for.
@@ -91,6 +93,7 @@ class Search:
     laws: Sequence[Law] = field(default_factory=lambda: tuple(KNOWN.values()))
     progress: Callable[[str, float], None] = lambda _what, _part: None
     until: float = math.inf
+    before: Found | None = None
     untried: list[str] = field(default_factory=list, init=False)
     candidates: dict[tuple[str, ...], Candidate] = field(default_factory=dict, init=False)
     _asked: dict[tuple[tuple[str, ...], tuple[str, ...]], Fitted] = field(default_factory=dict, init=False)
@@ -102,24 +105,52 @@ class Search:
     def find(self, family: Fitted) -> Found:
         """Search from the fitted family, and return what it ended with."""
         memory = self.data.memory
-        selected = self.from_family(family)
-        return Found(selected, dict(self.candidates), self.weighing, self.asked_rugged, memory, tuple(self.untried))
+        selected, known = self.from_family(family), dict(self.candidates)
+        if self.before is not None:
+            left = self.before.candidates.items()
+            known = {laws: replace(one, fit=None) for laws, one in left if one.stage != "judged"} | known
+        return Found(selected, known, self.weighing, self.asked_rugged, memory, tuple(self.untried))
 
     def from_family(self, family: Fitted) -> Candidate:
         """The best structure there is, starting from the given family."""
         self._compare_by(family)
         leader = self.candidates[()] = self.weigh((), family)
-        leader = self._climbed(leader)
+        if self.before is None:
+            leader = self._climbed(leader)
+        elif (again := self._entered_again(leader, self.before)).laws == self.before.selected.laws and self._same_data:
+            leader = again  # its neighbours were asked
+        else:
+            leader = self._climbed(again)
         if leader.laws or (first := first_of_several(leader, self.candidates.values(), self.parts)) is None:
             return leader
         several, given = self._climbed(first), self.candidates[()]
         return several if accepted(several, given, self.parts) else given
 
+    @property
+    def _same_data(self) -> bool:
+        """Whether the earlier search was fitted to the same: only what was held out has changed."""
+        assert self.before is not None
+        mine, theirs = self.data.segments, self.before.weighing.data.segments
+        return len(mine) == len(theirs) and all(
+            np.array_equal(one.response, other.response) for one, other in zip(mine, theirs, strict=True)
+        )
+
+    def _entered_again(self, leader: Candidate, before: Found) -> Candidate:
+        """What leads of all that came within reach in an earlier search: what led there, then whatever beats it."""
+        self.asked_rugged = before.asked_rugged
+        known = [one for one in before.candidates.values() if one.laws and one.stage == "judged" and one.fit]
+        first = [one for one in known if one.laws == before.selected.laws]
+        for some in (first, [one for one in known if one not in first]):
+            starts = self._started(Entry(one.laws, one.fit.model) for one in some if one.fit)
+            self._race(starts, self._front(leader, ()))
+            leader = self._best_of_neighbours(leader, starts)
+        return leader
+
     def _climbed(self, leader: Candidate) -> Candidate:
         """From a structure to one that no neighbour is better than."""
-        reached: dict[tuple[str, ...], float] = {}
-        while leader.value > reached.get(leader.laws, -np.inf) + DECISIVE:
-            reached[leader.laws] = leader.value
+        reached: dict[tuple[str, ...], Fitted | None] = {}
+        while self._comes_farther(leader, reached.get(leader.laws)):
+            reached[leader.laws] = leader.fit
             _log.info("%s leads: log-evidence %.6g", leader.name, leader.value)
             best = leader
             for way in self._ways(leader):
@@ -133,6 +164,12 @@ class Search:
                     break
             leader = self._simulated(best)
         return leader
+
+    def _comes_farther(self, leader: Candidate, before: Fitted | None) -> bool:
+        """Whether a structure is at a decisively better place than when it led before, in the measure of now."""
+        assert leader.fit is not None
+        value = self._measures[0].value
+        return before is None or value(leader.fit.residuals) > value(before.residuals) + DECISIVE
 
     def _over(self) -> bool:
         """Whether no time is left."""
