@@ -35,7 +35,7 @@ from .race import continued
 from .starts import Proposal
 
 _KEPT = budget(2, "places", why="one on each core is continued to a simulation")
-_SAMPLES = budget(30_000, "samples", why="of the loudest segments; more tell the same probes apart")
+_SAMPLES = budget(10_000, "samples", why="of the loudest segments; more tell the same probes apart")
 
 
 def by_prediction(fitted: Fitted, data: Data, laws: Sequence[Law], cost: float) -> list[Proposal]:

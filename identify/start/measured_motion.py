@@ -315,6 +315,8 @@ class Regression:
                 a, b = a - own @ _many(own, a), b - own @ _many(own, b)
             normal, right, power, count = normal + a.T @ a, right + a.T @ b, power + float(b @ b), count + b.size
         matrix, vector = np.asarray(normal), np.asarray(right)
+        if not (np.max(np.abs(matrix)) < _ABSURD and np.max(np.abs(vector)) < _ABSURD):  # a present law runs away
+            return None
         used = np.diag(matrix) > 0
         solved = least_squares(matrix, vector, used)
         # what comes out beyond its bound, beside the law's first strength, stays at it: a contact without damping
