@@ -148,9 +148,9 @@ class Search:
 
     def _climbed(self, leader: Candidate) -> Candidate:
         """From a structure to one that no neighbour is better than."""
-        reached: dict[tuple[str, ...], Fitted | None] = {}
-        while self._comes_farther(leader, reached.get(leader.laws)):
-            reached[leader.laws] = leader.fit
+        reached: dict[tuple[str, ...], Candidate] = {}
+        while leader.laws not in reached or self._now(leader) > self._now(reached[leader.laws]) + DECISIVE:
+            reached[leader.laws] = leader
             _log.info("%s leads: log-evidence %.6g", leader.name, leader.value)
             best = leader
             for way in self._ways(leader):
@@ -165,11 +165,10 @@ class Search:
             leader = self._simulated(best)
         return leader
 
-    def _comes_farther(self, leader: Candidate, before: Fitted | None) -> bool:
-        """Whether a structure is at a decisively better place than when it led before, in the measure of now."""
-        assert leader.fit is not None
-        value = self._measures[0].value
-        return before is None or value(leader.fit.residuals) > value(before.residuals) + DECISIVE
+    def _now(self, candidate: Candidate) -> float:
+        """What speaks for a structure in the measure of now: two measures of one place are no progress."""
+        assert candidate.fit is not None
+        return self.weigh(candidate.laws, candidate.fit, candidate.held_out).value
 
     def _over(self) -> bool:
         """Whether no time is left."""

@@ -60,6 +60,7 @@ def test_free_motion_has_nothing_to_probe_with(bursts):
 
 def test_the_loudest_segments_are_simulated(bursts, monkeypatch):
     _, data = bursts
+    monkeypatch.setattr(by_prediction, "_SAMPLES", data.points)
     assert by_prediction._loudest(data).segments == data.segments
     monkeypatch.setattr(by_prediction, "_SAMPLES", 4000)
     loudest = by_prediction._loudest(data)

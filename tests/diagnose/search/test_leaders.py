@@ -7,14 +7,21 @@ from typing import Any
 
 import pytest
 from dashpot.diagnose.search.candidate import Candidate
+from dashpot.diagnose.search.found import Found
 from dashpot.diagnose.search.search import Search
 
 
 @pytest.fixture
 def led(monkeypatch):
-    """``led(table)``: two ways of asking, and who leads after each; gives the last leader and all that was asked."""
+    """``led(table)``: two ways of asking, and who leads after each; gives the last leader and all that was asked.
 
-    def follow(table: dict[tuple[tuple[str, ...], str], Candidate]) -> tuple[Candidate, list]:
+    ``again``: what an earlier search ended with, who leads once its structures are entered again, and whether the
+    recordings that are fitted to are the same.
+    """
+
+    def follow(
+        table: dict[tuple[tuple[str, ...], str], Candidate], again: tuple[Candidate, Candidate, bool] | None = None
+    ) -> tuple[Candidate, list]:
         asked = []
 
         def ways(_search, _leader):
@@ -27,9 +34,15 @@ def led(monkeypatch):
         monkeypatch.setattr(Search, "_simulated", lambda self, leader: leader)
         monkeypatch.setattr(Search, "_ways", ways)
         monkeypatch.setattr(Search, "weigh", weigh)
+        monkeypatch.setattr(Search, "_now", lambda self, candidate: candidate.value)
         monkeypatch.setattr(Search, "_best_of_neighbours", lambda self, best, way: table.get((best.laws, way[0]), best))
         family: Any = None  # nothing is fitted here, nor weighed
-        return Search(family, None).from_family(family), asked
+        search = Search(family, None)
+        if again is not None:
+            search.before = Found(again[0], {}, search.weighing)
+            monkeypatch.setattr(Search, "_entered_again", lambda self, leader, before: again[1])
+            monkeypatch.setattr(Search, "_same_data", again[2])
+        return search.from_family(family), asked
 
     return follow
 
@@ -75,3 +88,10 @@ def test_where_no_law_leads_the_search_goes_on_from_the_one_that_the_training_sp
 def test_where_a_law_leads_no_other_begins(led, monkeypatch):
     monkeypatch.setattr("dashpot.diagnose.search.search.first_of_several", lambda *_: pytest.fail("asked"))
     assert led({((), "second"): worth(100.0, "drag")})[0].laws == ("drag",)
+
+
+@pytest.mark.parametrize(("leads", "same", "ways"), [("drag", True, 0), ("drag", False, 2), ("stop", True, 2)])
+def test_a_search_that_is_asked_again_asks_the_neighbours_where_something_has_changed(led, leads, same, ways):
+    last, asked = led({}, (worth(100.0, "drag"), worth(90.0, leads), same))
+    assert last.laws == (leads,)
+    assert asked == [((leads,), way) for way in ("first", "second")][:ways]
