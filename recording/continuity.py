@@ -25,6 +25,8 @@ _BESIDE, _NEARLY_ALL = 0.1, 0.9
 _QUARTER = 0.3186
 #: What is left about levels is noise where it is no larger than this many times the noise beside them.
 _LIKE_NOISE = 1.3
+#: Part of the range that the mean of equal numbers is off.
+_ROUNDING = 1e-12
 #: Leaps that are told; more of them are the way in which the thing moves, or its sensor works.
 _MOST = 5
 #: Samples in a block that is compared; of so many values with noise on them none are the same by chance ...
@@ -105,13 +107,12 @@ def folded(signal: np.ndarray) -> np.ndarray:
 
     A counter or a converter that does not stop at its limit. Its leaps go over all of its range, out and
     back again, and stand out from its steps; in between it moves on, away from the limit by more than noise, which a
-    force that is switched does not, nor what a resampling makes of its edges.
+    force that is switched does not, from however many levels, nor what a resampling makes of its edges.
     """
-    signal = without_noise(signal)
     steps = np.diff(signal)
     over = np.abs(steps) > 0.5 * np.ptp(signal)
     places = np.flatnonzero(over) + 1
-    if places.size < 2 or np.all(over) or without_noise(signal) is not signal:
+    if places.size < 2 or np.all(over) or _levels(signal) is not None:
         return np.zeros(0, int)
     ordinary, ways = float(np.max(np.abs(steps[~over]))), np.sign(steps[over])
     whole = np.all(np.abs(steps[over]) >= np.ptp(signal) - _LEAP * ordinary)
@@ -144,12 +145,18 @@ def without_noise(signal: np.ndarray) -> np.ndarray:
 
     As it is where it is not switched, or goes on between its edges by more than noise.
     """
+    levels = _levels(signal)
+    return signal if levels is None or not noise_beside(signal) > 0.0 else levels
+
+
+def _levels(signal: np.ndarray) -> np.ndarray | None:
+    """(n,) levels between which a signal is switched; None where it is not, or goes on between its edges."""
     edges, noise = _edges(signal)
-    if not (edges.size and noise > 0.0):
-        return signal
+    if not edges.size:
+        return None
     pieces = np.split(signal, edges)
     levels = np.repeat([float(np.mean(piece)) for piece in pieces], [piece.size for piece in pieces])
-    return levels if np.std(signal - levels) < _LIKE_NOISE * noise else signal
+    return levels if np.std(signal - levels) <= max(_LIKE_NOISE * noise, _ROUNDING * np.ptp(signal)) else None
 
 
 def _edges(signal: np.ndarray) -> tuple[np.ndarray, float]:

@@ -114,7 +114,10 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
     # a damped sine over the whole of few cycles may have a hold in it, before what is free
     few = envelope_of(recording) is None and shared is not None and _rings_out(shared, recording.n)
     is_linear = shared is not None and (few or _explains(shared, response, by_envelope.decays))
-    linear = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))] if shared and is_linear else []
+    linear = [_shared_decay(shared, k, recording.fs) for k in range(len(shared.pieces))] if shared else []
+    # plucked again and again it goes on nearly as it did; but where no envelope falls there is nothing else to believe
+    is_linear = is_linear or (bool(linear) and not by_envelope.decays and all_that_moves(response, linear))
+    linear = linear if is_linear else []
     most = all_that_moves(response, linear or _ended(_whole(shared), response, by_envelope.decays))
     rig = None if most else rig_of()
     # of several modes each may look like a bent one for a few cycles, but not where there is ten times as much

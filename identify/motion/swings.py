@@ -20,7 +20,7 @@ from .decay import Decay
 from .envelope import Envelope
 from .force_off import runs
 from .hand import OF_MOVED
-from .limits import FALLS
+from .limits import FALLS, KNOWN
 
 _SAMPLES_A_CYCLE = numerics(32, "samples a cycle", why="in which turning points are sought, if there are as many")
 
@@ -148,17 +148,19 @@ def swell_of(swings: Swings, decays: Sequence[Decay]) -> tuple[int, int] | None:
     """The samples between which most swings in a row grow, outside of decays; None where a hand's way has as many.
 
     A hand that carries a mass from one place to another turns back a few times at most (``hand``); what grows swing by
-    swing more often is driven.
+    swing more often is driven. What grows to less than a third of the decays has driven none of them.
     """
     size, at = swings.size, swings.at
-    grows = size[2:] >= size[:-2]
+    grows, falls = size[2:] >= size[:-2], np.zeros(size.size, bool)
     for decay in decays:
         grows &= (at[3:] <= decay.start) | (at[:-3] >= decay.stop)
+        falls |= (at[:-1] >= decay.start) & (at[1:] <= decay.stop)
+    least = KNOWN * float(np.max(size[falls], initial=0.0))
     best = None
     for a, b in runs(grows):
         gained = float(size[b] + size[b + 1] - size[a] - size[a + 1])
         longest = OF_MOVED - 2 if best is None else best[1] - best[0]
-        if b - a > longest and gained > 2 * CLEAR_OF_NOISE * swings.noise:
+        if b - a > longest and gained > 2 * max(CLEAR_OF_NOISE * swings.noise, least):
             best = (a, b)
     return None if best is None else (int(at[best[0]]), int(at[best[1] + 2]))
 

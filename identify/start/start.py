@@ -118,7 +118,8 @@ def hilbert_start(recordings: Sequence[Recording]) -> HilbertEstimate:
         if drive is not None and (np.ptp(drive.samples) == 0 or (free_decays and drive.is_silent) or unknown):
             drive = None
         motions.append(Segment(x, drive))
-        lines.append(_line(r, x))
+        longest = max(free_decays, key=lambda d: d.stop - d.start) if drive is None and free_decays else None
+        lines.append(_line(r, x if longest is None else x.part(longest.start, longest.stop)))
         if _is_switched(r):
             ringing.append(2 * np.pi * lines[-1])
         if drive is None and not free_decays:
