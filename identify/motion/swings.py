@@ -154,7 +154,7 @@ def swell_of(swings: Swings, decays: Sequence[Decay]) -> tuple[int, int] | None:
     grows, falls = size[2:] >= size[:-2], np.zeros(size.size, bool)
     for decay in decays:
         grows &= (at[3:] <= decay.start) | (at[:-3] >= decay.stop)
-        falls |= (at[:-1] >= decay.start) & (at[1:] <= decay.stop)
+        falls |= (at[1:] > decay.start) & (at[:-1] < decay.stop)
     least = KNOWN * float(np.max(size[falls], initial=0.0))
     best = None
     for a, b in runs(grows):

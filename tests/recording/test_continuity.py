@@ -201,6 +201,14 @@ def test_noise_of_a_sensor_is_taken_off_a_command_in_steps(noise):
         np.testing.assert_array_equal(without_noise(kept), kept)
 
 
+@pytest.mark.parametrize("noise", [0.0, 1e-3])
+def test_three_levels_fold_nowhere(noise):
+    """From none to the highest, a fifth down, and below none: what lies between the outer edges moves on by an edge."""
+    levels = np.repeat([0.0, 129.8, 102.3, -14.8], [1582, 2186, 1390, 839])
+    levels += noise * 129.8 * np.random.default_rng(4).standard_normal(levels.size)
+    assert folded(levels).size == 0
+
+
 def test_levels_with_noise_fold_nowhere():
     """Four dwells, the lowest and the highest twice: every leap goes over all of the range, and no dwell moves on."""
     random = np.random.default_rng(0)

@@ -262,3 +262,65 @@ def test_what_is_behind_a_piece_goes_on_or_is_another_motion():
     assert 0.01 < behind(slower, 500)[0] < 1 / 3
     assert behind(x, 999) is None
     assert not behind(x, 980)[1]
+
+
+def plucked(seed):
+    """Two modes of 3.7 and 5.8 Hz, plucked eight times within a few cycles, never loud before a pluck for long; SI."""
+    random, fs = np.random.default_rng(seed), 400.0
+    poles = 2 * np.pi * np.array([3.733, 5.779]) * (-5e-4 + 1j)
+    state, parts = np.zeros(2, complex), []
+    for strength in (0.05, 0.03, 0.06, 0.1, 0.15, 0.17, 0.16, 0.15):
+        state = state + strength * random.standard_normal(2) * np.array([1.0, 0.4])
+        t = np.arange(round(random.uniform(1.4, 2.2) * fs)) / fs
+        parts.append(np.real(np.exp(np.outer(t, poles)) @ (state * poles)))
+        state = state * np.exp(poles * (t[-1] + 1 / fs))
+    shown = np.concatenate(parts)
+    return shown + 1e-3 * np.std(shown) * random.standard_normal(shown.size), fs
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_plucks_that_come_before_anything_has_fallen_are_pieces_of_the_modes_that_they_share(seed):
+    """Each goes on nearly as the one before it, and no envelope falls."""
+    shown, fs = plucked(seed)
+    motion = find_free_motion(Recording("plucks", fs, shown, quantity="acceleration"))
+    assert len(motion.modes) == 2
+    assert sorted(mode.frequency for mode in motion.modes) == pytest.approx([3.733, 5.779], rel=1e-3)
+    assert sum(decay.stop - decay.start for decay in motion.decays) > 0.9 * shown.size
+
+
+def test_a_small_sway_before_each_release_drives_nothing():
+    """A hand sways a rig of 16 % over fourteen growing swings, to a tenth of what is let go: four are above noise."""
+    random, fs, omega, zeta = np.random.default_rng(3), 52.0, 7.58, 0.16
+    t = np.arange(0.0, 12.0, 1 / fs)
+    turn = omega * np.sqrt(1 - zeta**2)
+    fall = np.exp(-zeta * omega * t) * (np.cos(turn * t) - zeta / np.sqrt(1 - zeta**2) * np.sin(turn * t))
+    sway = 0.1 * np.linspace(0.0, 1.0, t.size) * np.sin(omega * t)
+    shown = np.concatenate([np.concatenate([0.0 * t, sway, size * fall]) for size in (1.0, 0.8, 1.2)])
+    shown += 1e-2 * random.standard_normal(shown.size)
+    motion = find_free_motion(Recording("releases", fs, shown, quantity="acceleration"))
+    assert motion.swell is None
+    assert [decay.start for decay in motion.decays] == pytest.approx([2 * t.size, 5 * t.size, 8 * t.size], abs=4)
+
+
+def test_a_rest_behind_a_decay_of_friction_is_not_its_frequency():
+    """Five swings and a minute of rest off an accelerometer's zero: twice integrated, the rest is the largest line."""
+    omega, zeta, level, fs = 2.3576, 0.1, 2.9e-3, 88.68
+    x, begin, parts = -2.5e-3, 0.0, []
+    friction, rig = 1.33e-4 / omega**2, omega * np.sqrt(1 - zeta**2)
+    half = np.pi / rig
+    while abs(x) > friction and len(parts) < 40:  # from turn to turn about the place that friction shifts rest to
+        rest = friction * np.sign(x)
+        parts.append((begin, x, rest))
+        x, begin = rest - (x - rest) * np.exp(-zeta * omega * half), begin + half
+    t = np.arange(0.0, 57.6, 1 / fs)
+    shown = np.zeros(t.size)
+    for begin, size, rest in parts:
+        now = (t >= begin) & (t < begin + half)
+        u = t[now] - begin
+        wave = np.cos(rig * u) - zeta / np.sqrt(1 - zeta**2) * np.sin(rig * u)
+        shown[now] = -(omega**2) * (size - rest) * np.exp(-zeta * omega * u) * wave
+    shown += level * -1.24 + 1.9e-5 * np.random.default_rng(2).standard_normal(t.size)
+    found = identify([Recording("let go", fs, shown, quantity="acceleration")]).oscillator.parameters()
+    assert found["omega0"].value == pytest.approx(omega, abs=4 * found["omega0"].std)
+    assert found["viscous"].value == pytest.approx(2 * zeta * omega, abs=4 * found["viscous"].std)
+    assert found["dry"].value == pytest.approx(1.33e-4, abs=4 * found["dry"].std)

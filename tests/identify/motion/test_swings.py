@@ -299,6 +299,14 @@ def test_what_grows_within_a_decay_is_its_beat():
     assert swell_of(swings, (Decay(0, 8 * EVERY),)) is not None
 
 
+@pytest.mark.parametrize(("share", "swells"), [(0.3, False), (0.7, True)])
+def test_what_grows_to_less_than_a_third_of_what_falls_has_driven_none_of_it(share, swells):
+    grown = share * np.linspace(0.05, 1.0, 12)
+    swings = turns(np.concatenate([grown, falling(10)]))
+    found = swell_of(swings, (Decay(12 * EVERY, 22 * EVERY),))
+    assert (found is not None) is swells
+
+
 def test_releases_ever_larger_do_not_swell():
     """Each release is a piece of its own: what lies between two of them is too short to have been driven."""
     swings = turns(np.exp(0.05 * np.arange(40)))
