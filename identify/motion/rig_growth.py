@@ -116,10 +116,10 @@ def _turned(record: Record, piece: Piece) -> Piece | None:
     values = np.concatenate([piece.values[:5], [z[0], -z[1], sign * zero, -sign * piece.values[8]]])
     a, b = n - piece.a - length, n - piece.a
     rows = turned.made(values, length, turned.x[a:b])[1]
-    if not np.all(np.isfinite(rows)):
+    information = rows @ rows.T / piece.spread**2 + prior(values, piece.rig)[1]
+    if not np.all(np.isfinite(information)):  # backwards in time what is damped runs away
         return None
-    known = prior(values, piece.rig)[1]
-    covariance = np.linalg.pinv(rows @ rows.T / piece.spread**2 + known, hermitian=True)
+    covariance = np.linalg.pinv(information, hermitian=True)
     return replace(piece, a=a, b=b, values=values, covariance=covariance)
 
 
