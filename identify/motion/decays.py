@@ -107,7 +107,9 @@ def _explained(recording: Recording, by_envelope: FreeMotion) -> FreeMotion:
         longest = max(stop - start for start, stop in rig.pieces) / recording.fs * rig.omega / (2 * np.pi)
         return longest >= FEWEST_CYCLES and _holds(_of_rig(rig), response, by_envelope.decays, rig.omega)
 
-    shared = modes_of_response(response, settled=settled)
+    # what holds all that moves has shown its period: at others no more is to be found than how it is bent
+    envelope = envelope_of(recording) if whole else None
+    shared = modes_of_response(response, None, settled, None if envelope is None else [float(envelope.period)])
     rig = rig_of() if asked else None
     if rig is not None and (shared is None or rig.evidence > shared.evidence) and settled(0.0, 0):
         return _described(recording, _of_rig(rig))

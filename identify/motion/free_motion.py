@@ -26,13 +26,20 @@ def modes_of_response(
     response: Signal,
     free: Sequence[tuple[int, int]] | None = None,
     settled: Callable[[float, int], bool] | None = None,
+    periods: Sequence[float] | None = None,
 ) -> SharedModes | None:
     """The pieces of a response that the modes of one linear rig explain; None where there are none.
 
-    ``free``: start and stop of each piece, in samples, where they are known; ``settled``: see ``shared_modes``.
+    Args:
+        response: of the rig.
+        free: start and stop of each piece, in samples, where they are known.
+        settled: see ``shared_modes``.
+        periods: samples a cycle that it may have, where they are known.
     """
     x = response.samples
-    return shared_modes(x, response.fs, still_noise(response), periods_of(x), free, settled) if np.ptp(x) > 0 else None
+    if not np.ptp(x) > 0:
+        return None
+    return shared_modes(x, response.fs, still_noise(response), periods or periods_of(x), free, settled)
 
 
 def all_that_moves(response: Signal, decays: Sequence[Decay]) -> bool:
