@@ -127,7 +127,7 @@ def test_what_a_search_came_through_is_forgotten_with_its_segments(monkeypatch):
 
     state = Structure(MODEL, data_of(recordings(), MODEL, coarse=False)).state(None)
     one = replace(state, initial=state.initial[:1])
-    monkeypatch.setattr(module, "smooth_stretches", lambda *_: (problem.segments[:1], one))
+    monkeypatch.setattr(module, "smooth_stretches", lambda *_, **__: (problem.segments[:1], one))
     monkeypatch.setattr(module, "over_noise", lambda *_: [9.0])
     monkeypatch.setattr(module, "_said_otherwise", otherwise)
     module.ended(problem, state, MODEL, recordings(), {1.0: state}, np.inf, [])
@@ -140,7 +140,7 @@ def test_a_cut_after_which_the_rest_runs_away_is_not_made(monkeypatch, reach, ke
     structure = Structure(MODEL, data_of(recordings(), MODEL, coarse=False))
     problem, state = structure.problem, structure.state(None)
     one = replace(state, initial=reach * np.ones_like(state.initial[:1]) * 1e-3)
-    monkeypatch.setattr(module, "smooth_stretches", lambda *_: (problem.segments[:1], one))
+    monkeypatch.setattr(module, "smooth_stretches", lambda *_, **__: (problem.segments[:1], one))
     fit = module.ended(problem, state, MODEL, recordings(), {}, np.inf, [])
     assert len(fit.segments) == kept
     assert any("were left out" in note for note in fit.notes) is (kept == 1)
