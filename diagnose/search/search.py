@@ -138,10 +138,10 @@ class Search:
     def _entered_again(self, leader: Candidate, before: Found) -> Candidate:
         """What leads of all that came within reach in an earlier search: what led there, then whatever beats it."""
         self.asked_rugged = before.asked_rugged
-        known = [one for one in before.candidates.values() if one.laws and one.stage == "judged" and one.fit]
-        first = [one for one in known if one.laws == before.selected.laws]
-        for some in (first, [one for one in known if one not in first]):
-            starts = self._started(Entry(one.laws, one.fit.model) for one in some if one.fit)
+        known = [one for one in before.candidates.values() if one.laws and one.stage == "judged"]
+        for leads in (True, False):
+            some = [one for one in known if (one.laws == before.selected.laws) is leads]
+            starts = self._started(Entry(one.laws, one.fit.model) for one in some if one.fit is not None)
             self._race(starts, self._front(leader, ()))
             leader = self._best_of_neighbours(leader, starts)
         return leader

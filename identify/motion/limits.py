@@ -13,7 +13,7 @@ TAKES = decides(
     why="the ends of either are that vague; what leaves out more is the small end of a motion that glides",
 )
 
-# shared_modes.py and rig_pieces.py
+# shared_modes.py, rig_pieces.py and swings.py
 
 KNOWN = decides(
     1 / 3,
