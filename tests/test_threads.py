@@ -10,8 +10,8 @@ import pytest
 from dashpot.diagnose import diagnose
 from dashpot.examples.virtual_recording import recording_of
 from dashpot.identify import identify
-from dashpot.identify.problem.simulating import pool
 from dashpot.model import Oscillator
+from dashpot.simulate.threads import pool
 
 #: Modules that keep threads of their own for laws.
 OWN = ("identify.start.measured_motion", "diagnose.search.score_test", "diagnose.search.by_prediction")

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...errors import BadInput
 from ...recording.given import recordings_of
+from ...simulate.threads import pool
 from ..motion.decays import find_free_motion
 from ..motion.displacement import displacement
 from ..motion.excitation import kind_of
@@ -92,38 +93,38 @@ def hilbert_analysis(recordings: Sequence[Recording] | Any) -> HilbertAnalysis:
     recordings = recordings_of(recordings)
     if not recordings:
         raise BadInput("No recording given; give at least one free decay or forced record.")
-    notes: list[str] = []
-    free: list[_Evaluated] = []
-    forced: list[_Evaluated] = []
+    asked: list[_Asked | str] = []
     for r in recordings:
         try:
             x = displacement(r)
         except BadInput as problem:
-            notes.append(f"{r.name}: {problem}")
+            asked.append(f"{r.name}: {problem}")
             continue
         motion = find_free_motion(r)
-        notes += motion.notes
-        for d in motion.decays:
-            _evaluate(r, x, None, (d.start, d.stop), free, notes)
+        asked += motion.notes
+        asked += [_Asked(r, x, None, (d.start, d.stop)) for d in motion.decays]
         drive = drive_of(r)
         if drive is None or np.ptp(drive.samples) == 0 or drive.is_silent:
             if not motion.decays:
-                notes.append(f"{r.name}: no force and no free decay found in it; it was left aside.")
-            continue
-        if motion.blows:
-            notes.append(f"{r.name}: the blows are too short for FORCEVIB; what rings after them is evaluated.")
+                asked.append(f"{r.name}: no force and no free decay found in it; it was left aside.")
+        elif motion.blows:
+            asked.append(f"{r.name}: the blows are too short for FORCEVIB; what rings after them is evaluated.")
         elif kind_of(r, motion.decays, drive.noise) == "broadband":
-            notes.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
+            asked.append(f"{r.name}: no single frequency drives it, which FORCEVIB needs; record a slow sweep.")
         else:
-            for samples in _between(motion.decays, r.n):
-                _evaluate(r, x, drive, samples, forced, notes)
+            asked += [_Asked(r, x, drive, samples) for samples in _between(motion.decays, r.n)]
+    results = list(pool().map(lambda one: (None, [one]) if isinstance(one, str) else _evaluated(one), asked))
+    found = [evaluated for evaluated, _ in results if evaluated is not None]
+    free, forced = ([e for e in found if (e.mass is None) == is_free] for is_free in (True, False))
+    notes = [note for _, words in results for note in words]
     if not free and not forced:
         raise BadInput("Nothing can be evaluated by the Hilbert transform. " + " ".join(notes))
+    (freevib, of_free), (forcevib, of_forced) = pool().map(_together, (free, forced))
     return HilbertAnalysis(
         curves=tuple(stretch.curve for stretch in (*free, *forced)),
-        freevib=_together(free, notes),
-        forcevib=_together(forced, notes),
-        notes=tuple(dict.fromkeys(notes)),
+        freevib=freevib,
+        forcevib=forcevib,
+        notes=tuple(dict.fromkeys((*notes, *of_free, *of_forced))),
     )
 
 
@@ -133,6 +134,16 @@ def analysis_or_none(recordings: Sequence[Recording]) -> HilbertAnalysis:
         return hilbert_analysis(recordings)
     except BadInput as problem:
         return HilbertAnalysis((), None, None, (str(problem),))
+
+
+@dataclass(frozen=True, eq=False)
+class _Asked:
+    """A stretch, by its first and last sample but one, of a recording's displacement and of what drives it."""
+
+    recording: Recording
+    displacement: Signal
+    drive: Signal | None
+    samples: tuple[int, int]
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,22 +169,18 @@ def _pushed(drive: Signal, start: int, stop: int) -> tuple[int, int]:
     return (start + int(loud[0]), start + int(loud[-1]) + 1) if loud.size else (start, start)
 
 
-def _evaluate(
-    r: Recording,
-    x: Signal,
-    drive: Signal | None,
-    samples: tuple[int, int],
-    found: list[_Evaluated],
-    notes: list[str],
-) -> None:
+def _evaluated(asked: _Asked) -> tuple[_Evaluated | None, list[str]]:
+    """The curve of a stretch, None where it has none, and what a user should know."""
+    r, drive, samples = asked.recording, asked.drive, asked.samples
+    notes: list[str] = []
     begin = r.start + samples[0] / r.fs
     try:
         if drive is not None:
             samples = _pushed(drive, *samples)
             if samples[0] == samples[1]:
-                return
+                return None, []
             begin = r.start + samples[0] / r.fs
-        part = x.part(*samples)
+        part = asked.displacement.part(*samples)
         mass = driven = None
         if drive is None:
             stretch = decay_stretch(part)
@@ -188,10 +195,10 @@ def _evaluate(
         curve = modal_curve(stretch, mass, r.name, samples, begin, part.samples)
         if driven is not None and not driven.hold:
             notes.append(f"{r.name}, driven stretch at {begin:.4g} s: {_why_not(curve, driven.misfit)}")
-        found.append(_Evaluated(stretch, curve, mass))
     except BadInput as problem:
         what = "decay" if drive is None else "driven stretch"
-        notes.append(f"{r.name}, {what} at {begin:.4g} s: {problem}")
+        return None, [*notes, f"{r.name}, {what} at {begin:.4g} s: {problem}"]
+    return _Evaluated(stretch, curve, mass), notes
 
 
 def _why_not(curve: ModalCurve, misfit: float) -> str:
@@ -210,15 +217,15 @@ def _why_not(curve: ModalCurve, misfit: float) -> str:
     return f"{how}other physics moves it: see dashpot diagnose"
 
 
-def _together(found: Sequence[_Evaluated], notes: list[str]) -> ModalFit | None:
+def _together(found: Sequence[_Evaluated]) -> tuple[ModalFit | None, list[str]]:
+    """One fit to all stretches of a method, None without one, and why there is none."""
     if len(found) < 2 and all(f.curve.fit is not None for f in found):
-        return found[0].curve.fit if found else None  # one alone is all
+        return (found[0].curve.fit if found else None), []  # one alone is all
     masses = [f.mass for f in found if f.mass is not None]
     try:
-        return modal_fit([f.stretch for f in found], agreed(masses) if masses else None)
+        return modal_fit([f.stretch for f in found], agreed(masses) if masses else None), []
     except BadInput as problem:
-        notes.append(str(problem))
-        return None
+        return None, [str(problem)]
 
 
 # FORCEVIB: mass, natural frequency and damping of a driven motion, instant by instant.

@@ -18,6 +18,7 @@ import numpy as np
 from ...simulate.core import Core
 from ...simulate.force import Force
 from ...simulate.sides import Sides
+from ...simulate.threads import pool
 from ..motion.blows import ContactForce
 from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum, white
@@ -31,7 +32,6 @@ from .offset import Offset, zeros_along
 from .prediction import FREE, prediction_gain
 from .search_point import State
 from .segments import Segment
-from .simulating import pool
 
 Item = TypeVar("Item")
 T = TypeVar("T")

@@ -1,4 +1,4 @@
-"""The threads that simulate: the core releases the interpreter's lock.
+"""The threads of a process, by the number of its cores: the core, numpy and scipy release the interpreter's lock.
 
 A forked process has none of its parent's threads, and begins with a set of its own.
 """
