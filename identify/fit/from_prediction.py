@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...errors import BadInput
-from ..problem.descent import search
+from ..problem.descent import repeated, search
 from ..problem.limits import FEWEST_SAMPLES
 from ..problem.output_error import OutputError, State
 from ..problem.prediction import FREE
@@ -18,7 +18,7 @@ from ..problem.settle import IN_STEP, follows, settled
 from ..signals.registry import budget, numerics
 from .limits import STRETCH
 
-_FIRST_MEMORY = numerics(1.0, "cycles", why="the memory with which a search from prediction to simulation begins")
+FIRST_MEMORY = numerics(1.0, "cycles", why="the memory with which a search from prediction to simulation begins")
 _GROWTH = numerics(
     8.0, "times", why="by which it grows: a phase that is right to a radian at one memory is followed at the next"
 )
@@ -37,16 +37,17 @@ class Maxima:
     def __init__(self) -> None:
         self._costs: dict[float, list[float]] = {}
 
-    def add(self, memory: float, outcome: Outcome) -> None:
+    def add(self, memory: float, problem: OutputError, outcome: Outcome) -> None:
         """Keep where a search ended, over a cycle at least: less tells few of the parameters.
 
         Raises:
             BadInput: where another search had ended there.
         """
-        if memory < _FIRST_MEMORY:
+        if memory < FIRST_MEMORY:
             return
         known = self._costs.setdefault(memory, [])
-        if any(abs(outcome.cost - cost) <= _RESTS for cost in known):
+        rests = _RESTS * repeated(problem.segments, outcome.residuals)  # as its search did
+        if any(abs(outcome.cost - cost) <= rests for cost in known):
             raise BadInput("another start has converged here")
         known.append(outcome.cost)
 
@@ -78,7 +79,7 @@ def from_prediction(
         if keeps_step_throughout(problem.segments, problem.residuals(state)):
             break
         outcome = search(problem.predicting(memory), state, tolerance=_RESTS, most=EARLY_STEPS)
-        maxima.add(memory, outcome)
+        maxima.add(memory, problem, outcome)
         state, iterations = outcome.state, iterations + outcome.iterations
         rungs[memory] = state
         _log.info("predicted with a memory of %g cycles: %d steps", memory, outcome.iterations)
@@ -92,8 +93,8 @@ def _followed(problem: OutputError, state: State) -> tuple[float, State | None]:
 
     The shortest over which it predicts anything where none is so short; None where no prediction runs to its end.
     """
-    found: tuple[float, State | None] = (_FIRST_MEMORY, None)
-    memory = _FIRST_MEMORY
+    found: tuple[float, State | None] = (FIRST_MEMORY, None)
+    memory = FIRST_MEMORY
     while memory >= _SHORTEST_MEMORY:
         predicting = problem.predicting(memory)
         begun = settled(predicting, state)
@@ -110,7 +111,7 @@ def _searched(
     problem: OutputError, state: State, rungs: dict[float, State], iterations: int, maxima: Maxima
 ) -> tuple[State, dict[float, State], int]:
     outcome = search(problem, state, tolerance=_RESTS)
-    maxima.add(FREE, outcome)
+    maxima.add(FREE, problem, outcome)
     _log.info("simulated: %d steps", outcome.iterations)
     return outcome.state, rungs, iterations + outcome.iterations
 
@@ -133,7 +134,7 @@ def _beginning(segment: Segment, cycles: float) -> Segment:
     return segment.part(0, min(segment.n, max(count, FEWEST_SAMPLES)))  # a model may be far too fast for the recorder
 
 
-def memories(segments: Sequence[Segment], first: float = _FIRST_MEMORY) -> list[float]:
+def memories(segments: Sequence[Segment], first: float = FIRST_MEMORY) -> list[float]:
     """Memories from prediction to simulation, in cycles, as far as the longest segment goes."""
     longest = max(s.n * s.dt * s.pace / (2 * np.pi) for s in segments)
     ladder = [first]

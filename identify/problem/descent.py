@@ -18,6 +18,7 @@ from .limits import KEPT_PROMISE
 from .normal_equations import Block, held_at, promise, shared_information, solve
 from .output_error import OutputError, blocks_of
 from .search_point import Outcome, State
+from .segments import Segment
 from .state_from_previous_segment import continued_from_previous
 
 _DAMPED = numerics(
@@ -27,6 +28,9 @@ _LESS = numerics(0.9, "of a promise", why="what is tried next promises less: dam
 _EASED = numerics(10.0, "times", why="the next step is damped less after one that kept its promise")
 _LARGEST = numerics(1e12, "damping", why="beyond it nothing of a step is left")
 _SHORTENED = budget(6, "steps", why="tried in one direction: from a damping of 1e-12 to beyond one")
+_FLAT = numerics(0.5, "of the curvature", why="below it steps are lengthened: they would take half of the way or less")
+_LONGEST = numerics(8.0, "times", why="a step is lengthened at most")
+_STRAIGHT = numerics(1e-3, "log-likelihood a sample", why="promised by a step over which the logarithm is straight")
 MOST_STEPS = budget(40, "steps", why="a search takes ten to twenty")
 
 
@@ -64,6 +68,7 @@ class Descent:
         self._damping = 1e-4
         names = problem.core.parameter_names
         self._natural_frequency = names.index("omega0") if "omega0" in names else None
+        self._stretch = 1.0
         self._sure = True  # that the next step is taken, so that its run may carry the derivatives there along
         self._rows: list[np.ndarray] | None = None
         self._blocks: list[Block] | None = None
@@ -118,13 +123,17 @@ class Descent:
             if gain < tolerance:
                 self.resting = True
                 return False
+            long, self._stretch = self._stretch, 1.0
             rows: list[np.ndarray] | None
-            trial, residuals, cost, rows = self._tried(shared, own, derived=self._sure and not last)
+            trial, residuals, cost, rows = self._tried(long * shared, long * own, derived=self._sure and not last)
+            if long > 1.0 and not self.cost - cost > gain:
+                continue  # the plain one promises as much
             if not cost < self.cost and self._is_bent(shared, tolerance):
                 rows = None
                 trial, residuals, cost, _ = self._tried(shared, own, self._natural_frequency)
             if cost < self.cost:
                 better = self.cost - cost > KEPT_PROMISE * gain
+                self._stretch = self._asked_by(gain, self.cost - cost, long)
                 self._damping = max(self._damping / _EASED, 1e-12) if better else self._damping * 2.0
                 self.state, self.residuals, self.cost, self._rows = trial, residuals, cost, rows
                 self._blocks, self._expected, self._sure = None, None, better
@@ -132,6 +141,17 @@ class Descent:
             self._damping, more, tried, self._sure = self._damping * more, more * _DAMPED, gain, False
         self.resting = True  # no step in any direction helps: the maximum, to the precision of the derivatives
         return False
+
+    def _asked_by(self, gain: float, gained: float, long: float) -> float:
+        """How long the next step is to be, by what one that promised a gain did gain when it was taken so long.
+
+        What a wrong model leaves bends the likelihood against the derivatives, which steps do not see (Dennis, Gay,
+        Welsch 1981). Where that takes most of the curvature away each step is too short, by about the same.
+        """
+        if gain > _STRAIGHT * sum(residual.size for residual in self.residuals):
+            return 1.0  # the likelihood is no parabola over such a step
+        curvature = (2.0 * long - gained / gain) / long**2
+        return 1.0 if curvature > _FLAT else 1.0 / max(curvature, 1.0 / _LONGEST)
 
     def _next(self, tolerance: float, most: float) -> tuple[np.ndarray, np.ndarray, float]:
         """The next step that promises no more than so much, or less than the tolerance; with what it promises."""
@@ -198,6 +218,27 @@ def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | No
     return sum(0.5 * float(np.vdot(lines := s.lines(r), lines)) for r, s in zip(residuals, noise, strict=True))
 
 
+def repeated(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> float:
+    """As how many independent samples too many those count by which a parameter gains; 1 in white noise, and at least.
+
+    What is left has more power where the motion is than elsewhere, and derivatives are where the motion is: by the
+    ratio of the two the variance of a gradient is larger than white noise of the same power makes it (Huber 1967, in
+    the frequency domain). The mean over all segments, by their length.
+    """
+    from scipy import fft
+
+    if not all(np.all(np.isfinite(residual)) for residual in residuals):
+        return 1.0
+    worth = 0.0
+    for segment, residual in zip(segments, residuals, strict=True):
+        motion = segment.response - residual
+        left, moved = (np.abs(np.asarray(fft.rfft(signal))) ** 2 for signal in (residual, motion - np.mean(motion)))
+        shared = float(np.mean(left)) * float(np.mean(moved))
+        alike = float(np.mean(left * moved)) / shared if shared > 0.0 else 1.0
+        worth += residual.size * max(alike, 1.0)
+    return worth / sum(residual.size for residual in residuals)
+
+
 def search(
     problem: OutputError,
     state: State,
@@ -216,14 +257,16 @@ def search(
         noise: one spectrum per segment; None takes each segment's noise for white, with the level that the residual
             itself shows (the likelihood concentrated over the levels).
         tolerance: the search is over when the next step promises a smaller gain of log-likelihood; a gain of
-            0.5 is a step of one standard error.
+            0.5 is a step of one standard error. Where the noise is taken for white and what is left is not, a gain
+            counts for as many times less as more is left where the motion is (``repeated``).
         most: steps it may take.
         informed: whether the information at the end is wanted where the last step was the last allowed.
         residuals: at ``state``, where they are known already.
     """
     descent = Descent(problem, state, noise, residuals)
     while descent.taken < most and not descent.resting:
-        descent.step(tolerance, last=descent.taken + 1 == most and not informed)
+        worth = tolerance * (repeated(problem.segments, descent.residuals) if noise is None else 1.0)
+        descent.step(worth, last=descent.taken + 1 == most and not informed)
     information = np.zeros((len(problem.free), len(problem.free)))
     if informed or descent.resting:
         information = problem.of_parameters(shared_information(descent.blocks, problem.shared))

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from dashpot.identify.problem.descent import Descent, cost_of
+from dashpot.identify.problem.descent import Descent, cost_of, repeated, search
 from dashpot.identify.problem.prediction import FREE
 from dashpot.identify.signals.noise_spectrum import white
 
@@ -195,3 +195,74 @@ def test_the_square_of_the_frequency_is_tried_where_it_makes_a_difference(begin,
     descent.step(10.0)
     first = [values for values in descent.problem.tried[1:3] if abs(values[1] + 1.0) < 0.5]
     assert len(first) == tries
+
+
+class Circle(Line):
+    """The point of a circle next to one that lies far inside, by its angle: what is left is bent by nine tenths."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.free, self.shared = (0,), 1
+        self.inside = np.repeat([0.1, 0.0], 25)
+
+    def residuals(self, state):
+        return (self.inside - np.repeat([np.cos(state.values[0]), np.sin(state.values[0])], 25),)
+
+    def derivatives(self, state, residuals, *, single=False):
+        return [np.repeat([[-np.sin(state.values[0]), np.cos(state.values[0])]], 25, axis=1)]
+
+
+def test_steps_that_see_a_tenth_of_the_way_are_lengthened():
+    """Each goes a tenth of the way to the angle of zero: eight plain ones leave 43 % of it."""
+    from dashpot.identify.problem.output_error import State
+
+    begin = State(np.array([0.05]), np.zeros((1, 0)))
+    descent = Descent(Circle(), begin, [white(np.ones(50))])  # type: ignore[arg-type]
+    for _ in range(8):
+        descent.step(1e-9)
+    assert abs(descent.state.values[0]) < 1e-4
+
+
+def moved(motion, residual):
+    """A segment, and what is left of its motion."""
+    return SimpleNamespace(response=motion + residual), residual
+
+
+def test_what_is_left_where_the_motion_is_counts_as_many_times_less():
+    """In a tenth of the band ten times, in another tenth as white noise does."""
+    random = np.random.default_rng(2)
+    lines, n = np.zeros(20_001, complex), 40_000
+    lines[2000:4000] = random.standard_normal((2000, 2)) @ [1.0, 1j]
+    motion = np.fft.irfft(lines, n)
+    lines[2000:4000] = random.standard_normal((2000, 2)) @ [1.0, 1j]
+    there, elsewhere = np.fft.irfft(lines, n), np.fft.irfft(np.roll(lines, 5000), n)
+    noise = random.standard_normal(n)
+
+    def of(*pairs):
+        segments, residuals = zip(*(moved(*pair) for pair in pairs), strict=True)
+        return repeated(segments, residuals)
+
+    assert of((motion, noise)) == pytest.approx(1.0, abs=0.05)
+    assert of((motion, there)) == pytest.approx(10.0, rel=0.05)
+    assert of((motion, elsewhere)) == 1.0
+    assert of((motion, there), (motion[:20_000], noise[:20_000])) == pytest.approx((2 * 10.0 + 1.0) / 3, rel=0.05)
+    assert of((np.zeros(8), np.zeros(8))) == of((np.zeros(8), np.full(8, np.inf))) == 1.0
+
+
+@pytest.mark.parametrize(("off", "moves"), [(0.1, True), (0.015, False)])
+def test_the_tolerance_of_a_search_counts_what_is_left_where_the_motion_is(off, moves):
+    """A residual of one line among the three of the motion: a gain of 0.25 counts for less than a tenth of that."""
+    from dashpot.identify.problem.output_error import State
+
+    problem = Line()
+    problem.of_parameters = lambda information: information
+    turns = 2 * np.pi * np.arange(200) / 200
+    problem.rows = np.stack([np.cos(3 * turns), np.sin(3 * turns)]) * (1.5 + np.sin(turns))  # three lines each
+    problem.measured = problem.rows[0] + 0.5 * np.sin(4 * turns)
+    problem.segments = (SimpleNamespace(response=problem.measured, slide=True, after=None),)
+    best = np.linalg.lstsq(problem.rows.T, problem.measured)[0]
+    start = State(best + np.array([off, 0.0]), np.zeros((1, 0)))
+    found = search(problem, start, tolerance=0.05, most=1)  # type: ignore[arg-type]
+    assert np.any(found.state.values != start.values) == moves
+    known = search(problem, start, [white(0.5 * np.sin(4 * turns))], tolerance=0.05, most=1)  # type: ignore[arg-type]
+    assert np.any(known.state.values != start.values)  # each sample of noise that is known to be white counts
