@@ -33,16 +33,13 @@ from .choose_noise_model import plain_cost
 from .climb import nrmse_of
 from .from_prediction import EARLY_STEPS, keeps_step, memories, simulates
 from .offsets import found_offsets, kept_offsets, zeros_of
-from .reweighted_fit import Answer, concentrated, over_noise, reweighted, whitened, within_reach
+from .reweighted_fit import NEAR_ENOUGH, Answer, concentrated, finished, over_noise, reweighted, whitened, within_reach
 from .scatter import scatter
 
 _UNSEEN = numerics(1e-6, "of the motion", why="what an unknown moves that the recordings do not carry")
 
 _WHOLE = numerics(100.0, "typical sizes", why="a member as large as the force of inertia: what says nothing allows it")
 
-_NEAR_ENOUGH = numerics(
-    0.01, "log-likelihood", why="a seventh of a standard error: the search for what a prediction says otherwise is over"
-)
 _CUTS = budget(3, "times", why="what jumps is left out and the rest fitted anew, which may end where another jumps")
 _DRAWS = numerics(60, "draws of force noise", why="standard errors are then good to 9 %")
 _LAST_STEPS = budget(
@@ -212,7 +209,8 @@ def _most_likely(
     answers, steps = [], 0
     for memory in memories(problem.segments):
         predicting = problem.predicting(memory)
-        answer, taken = whitened(predicting, _nearest(predicting, rungs, free.outcome.state, start), start, most=most)
+        begun = _nearest(predicting, rungs, free.outcome.state, start)
+        answer, taken = whitened(predicting, begun, start, tolerance=NEAR_ENOUGH, most=most, informed=False)
         answers.append((memory, answer))
         steps += taken
     answers.sort(key=lambda pair: -pair[1].likelihood)
@@ -222,8 +220,9 @@ def _most_likely(
     free_run = _simulated(problem, likeliest.outcome.state)
     if plain_cost(free_run) > plain:
         return problem, free, _apart(likeliest, free), free.outcome.residuals, steps
-    doubt = _apart(answers[min(1, len(answers) - 1)][1], likeliest)
-    return problem.predicting(memory), likeliest, doubt, free_run, steps
+    likeliest, taken = finished(problem.predicting(memory), likeliest, start, most=most)
+    doubt = _apart(answers[1][1], likeliest) if len(answers) > 1 else np.zeros(likeliest.outcome.state.values.size)
+    return problem.predicting(memory), likeliest, doubt, free_run, steps + taken
 
 
 def _said_otherwise(
@@ -245,7 +244,7 @@ def _said_otherwise(
         least = answer.likelihood + DECISIVE if likeliest is answer else likeliest.likelihood
         if not (there > least or (likeliest is answer and here + 2.0 * (there - here) > least)):
             break
-        other, taken = whitened(predicting, state, start, tolerance=_NEAR_ENOUGH, most=most, informed=False)
+        other, taken = whitened(predicting, state, start, tolerance=NEAR_ENOUGH, most=most, informed=False)
         steps += taken
         if other.likelihood > least:
             likeliest = other

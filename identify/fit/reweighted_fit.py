@@ -16,8 +16,14 @@ from ..problem.prediction import FREE
 from ..problem.search_point import Outcome
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood, estimate, white
 from ..signals.odds import ABOVE_NOISE
+from ..signals.registry import numerics
 from ..signals.signals import noise_levels
 from .choose_noise_model import by_chance, plain_cost
+
+FINE = numerics(1e-3, "log-likelihood", why="a twentieth of a standard error: the search for an answer is over")
+NEAR_ENOUGH = numerics(
+    0.01, "log-likelihood", why="a seventh of a standard error: the search for what is only compared is over"
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,21 +60,24 @@ def reweighted(
         linear: ``plain_cost`` of a linear rig, which the answer must not exceed.
         most: steps that each search may take.
     """
-    answer, steps = whitened(problem, state, start, most=most)
     residuals = problem.residuals(state)
+    if not all(bool(np.all(np.isfinite(r))) for r in residuals) or (
+        max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE
+    ):
+        return whitened(problem, state, start, most=most)
+    answer, steps = whitened(problem, state, start, tolerance=NEAR_ENOUGH, most=most, informed=False)
     if not np.isfinite(answer.likelihood):
-        return answer, steps
-    if max(over_noise(problem, residuals, state, start, recordings)) <= ABOVE_NOISE:
         return answer, steps
     nearer = min(
         (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda point: plain_cost(point[1])
     )
-    plain = search(problem, nearer[0], tolerance=1e-3, most=most, residuals=nearer[1])
+    plain = search(problem, nearer[0], tolerance=FINE, most=most, residuals=nearer[1])
     steps += plain.iterations
     remainders = _remainders(problem, plain, start, recordings)
     cost = plain_cost(answer.outcome.residuals)
     if cost <= linear and cost - plain_cost(plain.residuals) < by_chance(problem, plain, remainders):
-        return answer, steps
+        answer, more = finished(problem, answer, start, most=most)
+        return answer, steps + more
     flat = [white(residual) for residual in plain.residuals]
     remainders = noise_at(problem, plain.residuals, plain.state, start)  # for the errors what any noise could do
     plain = replace(plain, cost=0.5 * sum(residual.size for residual in plain.residuals))  # that under flat spectra
@@ -80,7 +89,7 @@ def whitened(
     state: State,
     start: Oscillator,
     *,
-    tolerance: float = 1e-3,
+    tolerance: float = FINE,
     most: int = MOST_STEPS,
     informed: bool = True,
 ) -> tuple[Answer, int]:
@@ -101,6 +110,14 @@ def whitened(
     outcome = search(problem, state, noise, **fine, residuals=residuals)
     likelihood = concentrated_likelihood(noise_at(problem, outcome.residuals, outcome.state, start))
     return Answer(outcome, noise, likelihood), steps + outcome.iterations
+
+
+def finished(problem: OutputError, answer: Answer, start: Oscillator, *, most: int = MOST_STEPS) -> tuple[Answer, int]:
+    """The maximum of which an answer is known to be near, weighted as there; and the steps to it."""
+    near = answer.outcome
+    outcome = search(problem, near.state, answer.noise, tolerance=FINE, most=most, residuals=near.residuals)
+    likelihood = concentrated_likelihood(noise_at(problem, outcome.residuals, outcome.state, start))
+    return Answer(outcome, answer.noise, likelihood), outcome.iterations
 
 
 def concentrated(problem: OutputError, state: State, start: Oscillator) -> float:

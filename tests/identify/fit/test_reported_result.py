@@ -95,6 +95,7 @@ def test_a_simulation_stays_where_the_model_runs_away_within_every_memory(monkey
     free, predicted = (SimpleNamespace(likelihood=x, outcome=outcome) for x in (-9.0, likelihood))
     monkeypatch.setattr(module, "_nearest", lambda *_: None)
     monkeypatch.setattr(module, "whitened", lambda *_, **__: (predicted, 3))
+    monkeypatch.setattr(module, "finished", lambda _, answer, *__, **___: (answer, 1))
     monkeypatch.setattr(module, "_simulated", lambda *_: (np.zeros(5),))
     told, answer, doubt, (left,), steps = module._most_likely(problem, free, {}, MODEL, np.inf, 5)
     assert answer is (free if stays else predicted)
