@@ -36,6 +36,7 @@ from ..problem.structure import Structure
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from ..signals.odds import ABOVE_NOISE, DECISIVE
 from ..signals.registry import budget
+from .from_prediction import FIRST_MEMORY
 from .limits import HOPELESS, MATTERS, NEAR_HOLD
 from .mismatch import gain_of_mismatch
 from .reported_result import Fit
@@ -175,7 +176,8 @@ def with_hold(
     """
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
     trial, known = (estimate, fit.oscillator) if estimate.hold != "smooth" else (None, None)
-    if trial is None and estimate.values and max(s.over_noise for s in fit.segments) > ABOVE_NOISE:
+    beside = trial is None and estimate.values and max(s.over_noise for s in fit.segments) > ABOVE_NOISE
+    if beside and _shows_over_a_cycle(fit, recordings, "zero"):
         # without the lag of half a sample a search may end in a valley from which the right one is not reached
         trial = replace(estimate, hold="zero", values={})
     if trial is not None:
@@ -191,6 +193,18 @@ def with_hold(
     hold = hold_of_recordings(recordings)
     fit = with_hold_unknown(fit, estimate.spread(hold) if fit.names == names else 0.0)
     return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
+
+
+def _shows_over_a_cycle(fit: Fit, recordings: Sequence[Recording], hold: str) -> bool:
+    """Whether a hold is decisively likelier than a smooth force over one cycle at a time, where no valley misleads."""
+    problem, state = _point(fit, recordings)
+    problem, model = problem.predicting(FIRST_MEMORY), fit.oscillator
+    residuals = problem.residuals(state)
+    if not all(np.all(np.isfinite(r)) for r in residuals):
+        return True  # nobody knows
+    noise = _noise(problem, residuals, model)
+    held, smooth = (_tried(h, _under(problem, h, recordings), state, noise, model) for h in (hold, "smooth"))
+    return _log_odds(held, smooth, model, recordings) > DECISIVE
 
 
 def _gained(fit: Fit, again: Fit) -> float:

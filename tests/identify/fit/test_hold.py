@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from dashpot.examples.concealed.engine import Drive, simulate
 from dashpot.examples.force import chirp, multisine
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
@@ -94,6 +95,26 @@ def test_a_hold_is_found_where_under_a_smooth_force_the_search_ends_in_another_v
     assert found.oscillator.hold == "zero"
     for name, p in found.oscillator.parameters().items():
         assert abs(p.value - rig[name]) < 3.5 * (p.std or 1e-9)
+
+
+def test_where_no_hold_shows_over_a_cycle_none_is_tried_in_full(monkeypatch):
+    """Drag leaves so much of a sweep that its simulations end in one valley or another, whatever the hold."""
+    omega, fs = 2 * np.pi * 8.0, 100.0
+    values = {"omega": omega, "omega2": omega**2, "viscous": 0.02 * omega, "mass": 0.5, "force": 2.0, "drag": 20.0}
+    drive = Drive("linear", 1.0, 4.0, 14.0, 27.0)
+    made = simulate(values | {"amplitude": 3e-3}, drive, 0.0, fs, 2700)
+    response = made.x + 2e-6 * np.random.default_rng(0).standard_normal(2700)
+    recordings = [Recording(name="sweep", fs=fs, response=response, force=made.force)]
+    fit = identify(held_as(recordings, "smooth")).fit
+    assert max(part.over_noise for part in fit.segments) > 10
+
+    def never(*_, **__):
+        raise AssertionError("fitted again")
+
+    assert module.with_hold(fit, recordings, never, doubted=False)[2] == []
+    monkeypatch.setattr(module, "_shows_over_a_cycle", lambda *_: True)
+    with pytest.raises(AssertionError, match="fitted again"):
+        module.with_hold(fit, recordings, never, doubted=False)
 
 
 def test_a_converter_that_is_early_by_a_sixteenth_of_a_sample_holds_its_force():
