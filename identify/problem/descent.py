@@ -247,6 +247,7 @@ def search(
     tolerance: float = 1e-3,
     most: int = MOST_STEPS,
     informed: bool = True,
+    tempered: bool = True,
     residuals: tuple[np.ndarray, ...] | None = None,
 ) -> Outcome:
     """Minimise the negative log-likelihood from ``state``.
@@ -257,15 +258,18 @@ def search(
         noise: one spectrum per segment; None takes each segment's noise for white, with the level that the residual
             itself shows (the likelihood concentrated over the levels).
         tolerance: the search is over when the next step promises a smaller gain of log-likelihood; a gain of
-            0.5 is a step of one standard error. Where the noise is taken for white and what is left is not, a gain
-            counts for as many times less as more is left where the motion is (``repeated``).
+            0.5 is a step of one standard error.
         most: steps it may take.
         informed: whether the information at the end is wanted where the last step was the last allowed.
+        tempered: whether, where the noise is taken for white and what is left is not, a gain counts for as many times
+            less as more is left where the motion is (``repeated``).
         residuals: at ``state``, where they are known already.
     """
     descent = Descent(problem, state, noise, residuals)
     while descent.taken < most and not descent.resting:
-        worth = tolerance * (repeated(problem.segments, descent.residuals) if noise is None else 1.0)
+        worth = tolerance
+        if tempered and noise is None:
+            worth *= repeated(problem.segments, descent.residuals)
         descent.step(worth, last=descent.taken + 1 == most and not informed)
     information = np.zeros((len(problem.free), len(problem.free)))
     if informed or descent.resting:

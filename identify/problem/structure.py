@@ -238,9 +238,8 @@ class Structure:
         residuals = self.problem.residuals(state)
         if not all(np.all(np.isfinite(residual)) for residual in residuals):
             raise BadInput("the model does not simulate with its start values; check the units of force and response")
-        outcome = search(
-            self.problem, state, noise, tolerance=tolerance, most=most, informed=False, residuals=residuals
-        )
+        how = {"tolerance": tolerance, "most": most, "informed": False, "tempered": False}
+        outcome = search(self.problem, state, noise, **how, residuals=residuals)
         model = with_values(self.model, outcome.state.values)
         return Fitted(
             model,

@@ -278,7 +278,7 @@ def test_a_fit_finds_the_rig_in_closed_form(monkeypatch):
     assert fit.likelihood == pytest.approx(concentrated_likelihood([estimate(fit.residuals[0])]))
     (begun,) = asked[0][2].pop("residuals")
     assert np.array_equal(begun, structure.problem.residuals(asked[0][0])[0])
-    assert asked[0][1:] == (None, {"tolerance": 0.5, "most": 25, "informed": False})
+    assert asked[0][1:] == (None, {"tolerance": 0.5, "most": 25, "informed": False, "tempered": False})
     # what the search begins with is settled where nobody says where it begins
     assert not np.array_equal(asked[0][0].initial, structure.state(None).initial)
 
