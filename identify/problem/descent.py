@@ -223,7 +223,9 @@ def repeated(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> fl
 
     What is left has more power where the motion is than elsewhere, and derivatives are where the motion is: by the
     ratio of the two the variance of a gradient is larger than white noise of the same power makes it (Huber 1967, in
-    the frequency domain). The mean over all segments, by their length.
+    the frequency domain). By no more than what is left is like itself, the sum of the squares of its autocorrelation
+    (Bartlett 1946), so that noise of a slight colour counts nearly as white noise does. The mean over all segments, by
+    their length.
     """
     from scipy import fft
 
@@ -233,9 +235,12 @@ def repeated(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> fl
     for segment, residual in zip(segments, residuals, strict=True):
         motion = segment.response - residual
         left, moved = (np.abs(np.asarray(fft.rfft(signal))) ** 2 for signal in (residual, motion - np.mean(motion)))
-        shared = float(np.mean(left)) * float(np.mean(moved))
-        alike = float(np.mean(left * moved)) / shared if shared > 0.0 else 1.0
-        worth += residual.size * max(alike, 1.0)
+        power, shared = float(np.mean(left)), float(np.mean(left)) * float(np.mean(moved))
+        there, alike = 1.0, 1.0
+        if shared > 0.0:
+            there = float(np.mean(left * moved)) / shared
+            alike = float(np.mean(left**2)) / (2.0 * power**2)  # the lines of white noise scatter as exponentials do
+        worth += residual.size * max(min(there, alike), 1.0)
     return worth / sum(residual.size for residual in residuals)
 
 
