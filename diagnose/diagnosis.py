@@ -113,7 +113,7 @@ def _searched(
             break
         _log.info("again %s", why)
         given, case, left_out = rest, searched, [*left_out, *odd]
-        found = find(case, progress, until, found)
+        found = find(case, progress, until, None if change else found)
     if found.untried:
         case = case.noted(
             f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "
@@ -125,7 +125,7 @@ def _searched(
 def find(case: Case, progress: Progress, until: float = math.inf, before: Found | None = None) -> Found:
     """Search the library for the structure that the recordings speak for, from the given family on.
 
-    ``before``: what a search ended with whose recordings were the same but for some blocks, or for their hold.
+    ``before``: what a search ended with whose recordings were the same but for some blocks.
 
     Raises BadInput where no model of the family simulates along the recordings.
     """

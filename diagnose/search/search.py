@@ -28,7 +28,6 @@ from ...identify.start.limits import HALF
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.library import KNOWN, find
-from ...simulate.force import Force
 from ..limits import MOST_EFFECTS
 from .by_prediction import by_prediction, by_probing
 from .candidate import Candidate, key
@@ -133,8 +132,7 @@ class Search:
         assert self.before is not None
         mine, theirs = self.data.segments, self.before.weighing.data.segments
         return len(mine) == len(theirs) and all(
-            np.array_equal(one.response, other.response) and _alike(one.force, other.force)
-            for one, other in zip(mine, theirs, strict=True)
+            np.array_equal(one.response, other.response) for one, other in zip(mine, theirs, strict=True)
         )
 
     def _entered_again(self, leader: Candidate, before: Found) -> Candidate:
@@ -490,8 +488,3 @@ class Search:
         again = self.weigh(leader.laws, start.fitted)
         self.candidates[leader.laws] = again
         return again
-
-
-def _alike(one: Force | None, other: Force | None) -> bool:
-    """Whether two forces are the same between their samples too."""
-    return one is other or (one is not None and other is not None and np.array_equal(one.pieces, other.pieces))

@@ -22,7 +22,6 @@ from dashpot.model import Oscillator, oscillator_with
 from dashpot.model.law import Scales
 from dashpot.model.laws import LIBRARY
 from dashpot.model.library import find
-from dashpot.simulate.force import Force
 
 SAMPLES, NOISE = 4000, 1e-5
 OTHERS = ("cubic-damping", "quadratic-stiffness", "quintic-stiffness", "asymmetric-friction")
@@ -421,22 +420,3 @@ def test_what_is_there_less_probably_than_not_is_not_named(behind, named):
     effects, unnamed = _effects(found, best.fit.model)
     assert [effect.effect for effect in effects] == ["quadratic-drag"] * named
     assert list(unnamed) == ["quadratic-drag"] * (not named)
-
-
-@pytest.mark.parametrize(
-    ("one", "other", "same"),
-    [
-        (None, None, True),
-        (None, Force(np.ones((3, 1))), False),
-        (Force(np.ones((3, 1)), hold="zero"), Force(np.ones((3, 1)), hold="zero"), True),
-        (Force(np.ones((3, 1)), hold="zero"), Force(np.ones((3, 4))), False),
-    ],
-)
-def test_under_another_hold_the_neighbours_are_asked_again(one, other, same):
-    """The responses are the same there."""
-    search = leading(times=10.0)[0]
-    now, then = (
-        SimpleNamespace(segments=(SimpleNamespace(response=np.arange(3.0), force=force),)) for force in (one, other)
-    )
-    search.data, search.before = now, SimpleNamespace(weighing=SimpleNamespace(data=then))
-    assert search._same_data is same

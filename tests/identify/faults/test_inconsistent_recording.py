@@ -116,7 +116,7 @@ def test_two_driven_recordings_do_not_say_which_of_them_has_the_force_of_the_rig
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (wavering(0.01, 3.0), "its clock wavers by 0.99"),
+        (wavering(0.01, 3.0), "its clock wavers by 1.00"),
         (of_another_rig(STANDS["fast"], omega0=0.95), "it agrees with one rig, 45.3"),
     ],
     ids=["wavering", "another rig"],
