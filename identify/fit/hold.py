@@ -164,7 +164,7 @@ class _Fitting(Protocol):
 
 
 def with_hold(
-    fit: Fit, recordings: Sequence[Recording], answer: _Fitting, *, doubted: bool
+    fit: Fit, recordings: Sequence[Recording], answer: _Fitting, *, doubted: bool, whatever: bool = False
 ) -> tuple[Fit, Sequence[Recording], list[str]]:
     """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it.
 
@@ -173,11 +173,12 @@ def with_hold(
         recordings: what was fitted.
         answer: fits them again.
         doubted: whether the answer is, see ``maximum_likelihood``.
+        whatever: whether beside a mismatch a held force is fitted in full, whatever it shows over one cycle.
     """
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
     trial, known = (estimate, fit.oscillator) if estimate.hold != "smooth" else (None, None)
     beside = trial is None and estimate.values and max(s.over_noise for s in fit.segments) > ABOVE_NOISE
-    if beside and _shows_over_a_cycle(fit, recordings, "zero"):
+    if beside and (whatever or _shows_over_a_cycle(fit, recordings, "zero")):
         # without the lag of half a sample a search may end in a valley from which the right one is not reached
         trial = replace(estimate, hold="zero", values={})
     if trial is not None:
