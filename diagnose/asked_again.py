@@ -97,4 +97,4 @@ def _hold(case: Case, found: Found) -> str | None:
     def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
         return fit(recordings, known or model, doubted=doubted)
 
-    return hold_of_recordings(with_hold(fit(free, model), free, answer, doubted=False, whatever=True)[1])
+    return hold_of_recordings(with_hold(fit(free, model), free, answer, doubted=False)[1])

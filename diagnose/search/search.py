@@ -194,7 +194,7 @@ class Search:
         # a second cause has to tell more than a smooth spring and damping do, which then may be exchanged for it
         smooth = any(find(law).learnt for law in leader.laws)
         first = [self._as_long_or_shorter, self._learnt] if smooth else [self._learnt]
-        first += [self._moved, *rugged]  # a second cause that the motion shows explains more, in a tenth of the time
+        first += [self._moved, *rugged]  # what the motion shows of a second cause costs less
         return [*first, *(way for way in ways if way not in first)]
 
     def _best_of_neighbours(self, leader: Candidate, starts: Sequence[Start]) -> Candidate:

@@ -164,7 +164,7 @@ class _Fitting(Protocol):
 
 
 def with_hold(
-    fit: Fit, recordings: Sequence[Recording], answer: _Fitting, *, doubted: bool, whatever: bool = False
+    fit: Fit, recordings: Sequence[Recording], answer: _Fitting, *, doubted: bool
 ) -> tuple[Fit, Sequence[Recording], list[str]]:
     """The fit under the hold that was said or that the recordings ask for; these with it, and a sentence about it.
 
@@ -173,12 +173,11 @@ def with_hold(
         recordings: what was fitted.
         answer: fits them again.
         doubted: whether the answer is, see ``maximum_likelihood``.
-        whatever: whether beside a mismatch a held force is fitted in full, whatever it shows over one cycle.
     """
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
     trial, known = (estimate, fit.oscillator) if estimate.hold != "smooth" else (None, None)
     beside = trial is None and estimate.values and max(s.over_noise for s in fit.segments) > ABOVE_NOISE
-    if beside and (whatever or _shows_over_a_cycle(fit, recordings, "zero")):
+    if beside and _shows_over_a_cycle(fit, recordings, "zero"):
         # without the lag of half a sample a search may end in a valley from which the right one is not reached
         trial = replace(estimate, hold="zero", values={})
     if trial is not None:
@@ -197,7 +196,10 @@ def with_hold(
 
 
 def _shows_over_a_cycle(fit: Fit, recordings: Sequence[Recording], hold: str) -> bool:
-    """Whether a hold is decisively likelier than a smooth force over one cycle at a time, where no valley misleads."""
+    """Whether a hold is likelier than a smooth force over one cycle at a time, where no valley misleads.
+
+    What is missing hides much of it there: the fit in full decides.
+    """
     problem, state = _point(fit, recordings)
     problem, model = problem.predicting(FIRST_MEMORY), fit.oscillator
     residuals = problem.residuals(state)
@@ -205,7 +207,7 @@ def _shows_over_a_cycle(fit: Fit, recordings: Sequence[Recording], hold: str) ->
         return True  # nobody knows
     noise = _noise(problem, residuals, model)
     held, smooth = (_tried(h, _under(problem, h, recordings), state, noise, model) for h in (hold, "smooth"))
-    return _log_odds(held, smooth, model, recordings) > DECISIVE
+    return held.likelihood > smooth.likelihood
 
 
 def _gained(fit: Fit, again: Fit) -> float:

@@ -71,7 +71,7 @@ def reweighted(
     nearer = min(
         (state, residuals), (answer.outcome.state, answer.outcome.residuals), key=lambda point: plain_cost(point[1])
     )
-    plain = search(problem, nearer[0], tolerance=FINE, most=most, residuals=nearer[1])
+    plain = search(problem, nearer[0], tolerance=FINE, most=most, tempered=False, residuals=nearer[1])
     steps += plain.iterations
     remainders = _remainders(problem, plain, start, recordings)
     cost = plain_cost(answer.outcome.residuals)

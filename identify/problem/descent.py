@@ -219,7 +219,7 @@ def cost_of(residuals: Sequence[np.ndarray], noise: Sequence[NoiseSpectrum] | No
 
 
 def repeated(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> float:
-    """As how many independent samples too many those count by which a parameter gains; 1 in white noise, and at least.
+    """How many samples of what is left count as one witness of a parameter; 1 in white noise, and at least.
 
     What is left has more power where the motion is than elsewhere, and derivatives are where the motion is: by the
     ratio of the two the variance of a gradient is larger than white noise of the same power makes it (Huber 1967, in

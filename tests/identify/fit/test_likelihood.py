@@ -148,10 +148,9 @@ def test_a_wrong_model_from_a_bad_start_beats_a_plain_fit(rig, start):
 
 @pytest.mark.parametrize("rig", FIRST_OF_RIGS)
 def test_both_sides_lead_to_the_same_place(rig):
-    """To a twentieth of an error, where a search for an answer is over."""
     low, high = (fitted_from(part, rig) for part in (0.9, 1.1))
     for name, parameter in low.oscillator.parameters().items():
-        assert high.oscillator.parameters()[name].value == pytest.approx(parameter.value, abs=0.05 * parameter.std)
+        assert high.oscillator.parameters()[name].value == pytest.approx(parameter.value, abs=0.02 * parameter.std)
 
 
 def weighed(model, data):
