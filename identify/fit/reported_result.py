@@ -217,12 +217,13 @@ def _most_likely(
     memory, likeliest = answers[0]
     if not np.isfinite(likeliest.likelihood):
         return problem, free, np.zeros(free.outcome.state.values.size), free.outcome.residuals, steps
+    likeliest, taken = finished(problem.predicting(memory), likeliest, start, most=most)
+    steps += taken
     free_run = _simulated(problem, likeliest.outcome.state)
     if plain_cost(free_run) > plain:
         return problem, free, _apart(likeliest, free), free.outcome.residuals, steps
-    likeliest, taken = finished(problem.predicting(memory), likeliest, start, most=most)
     doubt = _apart(answers[1][1], likeliest) if len(answers) > 1 else np.zeros(likeliest.outcome.state.values.size)
-    return problem.predicting(memory), likeliest, doubt, free_run, steps + taken
+    return problem.predicting(memory), likeliest, doubt, free_run, steps
 
 
 def _said_otherwise(
