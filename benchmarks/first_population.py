@@ -22,6 +22,8 @@ FREE = ("release", "releases", "plucks", "stopped")
 DRIVEN = ("step", "two-level", "chirp", "stepped", "tone-decay", "bursts", "hits")
 #: Every second recording is free: the list of what must work has as many lines of either.
 IN_TURN = (*FREE, *FREE, *DRIVEN)
+#: Drawn where they are asked for: with them in turn every seed would be another recording than it was.
+ON_REQUEST = ("random",)
 COLUMNS = {"displacement": "x_m", "velocity": "velocity_m_s", "acceleration": "acceleration_m_s2"}
 #: Samples a recording has at most, linear and free, or integrated step by step in Python.
 _MOST, _MOST_INTEGRATED = 40_000, 8_000
@@ -219,8 +221,8 @@ def case(seed: int, kind: str | None = None) -> Case:
     """The recording of a seed: of the kind whose turn it is, or of a given one."""
     random = np.random.default_rng([seed, 0])
     kind = kind or IN_TURN[seed % len(IN_TURN)]
-    if kind not in IN_TURN:
-        raise ValueError(f"{kind!r} is no kind of recording; there are {', '.join((*FREE, *DRIVEN))}")
+    if kind not in (*IN_TURN, *ON_REQUEST):
+        raise ValueError(f"{kind!r} is no kind of recording; there are {', '.join((*FREE, *DRIVEN, *ON_REQUEST))}")
     return _free(seed, kind, random) if kind in FREE else _driven(seed, kind, random)
 
 
@@ -354,6 +356,8 @@ def _driven(seed: int, kind: str, random: np.random.Generator) -> Case:
             pieces.append(chirp(resonant, tone * frequency, 0.0, np.arange(length) / fs, dt))
             rest -= length
         pieces = np.concatenate([*pieces, np.zeros((rest, 11))])
+    elif kind == "random":
+        pieces, hold = _random_force(2 * resonant, samples, n, hold, random)
     elif kind in ("tone-decay", "bursts"):
         count = 1 if kind == "tone-decay" else int(random.integers(2, 6))
         pieces, tone = np.zeros((n, 11)), frequency * random.uniform(0.85, 1.15)
@@ -385,6 +389,34 @@ def _driven(seed: int, kind: str, random: np.random.Generator) -> Case:
     peak = float(np.max(np.abs(pieces[:, 0])))
     force_noise = 1e-3 * peak if random.random() < 0.5 else 0.0
     return _sensed(seed, kind, modes, fs, (whole,), random, force_noise=force_noise, hold=hold)
+
+
+def _random_force(
+    size: float, samples: float, n: int, hold: str, random: np.random.Generator
+) -> tuple[np.ndarray, str]:
+    """Random forces that labs use: white or of two levels, drawn anew every so many samples, or a band of noise.
+
+    Args:
+        size: standard deviation, N, where half of the band is the resonance's neighbourhood.
+        samples: per cycle of the rig.
+        n: samples in all.
+        hold: how it runs between them; what a band ends below half the rate may be smooth.
+        random: drawn from.
+
+    Returns:
+        Polynomials over each step, (n, terms), and how the force runs.
+    """
+    every = int(random.choice([1, 1, 2, max(1, round(samples / 8))]))
+    if (shape := random.choice(["white", "levels", "band"])) == "band":
+        spectrum = np.exp(2j * np.pi * random.random(n // 2 + 1))
+        spectrum[0] = 0.0
+        spectrum[np.arange(n // 2 + 1) / n > random.uniform(1.5, 4.0) / samples] = 0.0
+        drawn = np.fft.irfft(spectrum, n)
+        return (size * drawn / np.std(drawn))[:, None], hold
+    drawn = random.standard_normal(n) if shape == "white" else random.choice([-1.0, 1.0], n)
+    drawn = np.repeat(drawn[: -(-n // every)], every)[:n]
+    leaps = hold == "smooth" or every > 1 or shape == "levels"
+    return (size * np.sqrt(samples / every) / 2 * drawn)[:, None], "zero" if leaps else hold
 
 
 def _sensed(

@@ -40,7 +40,7 @@ from dashpot.face.commands import identify
 from dashpot.face.model import Model
 from dashpot.model.fit_state import left_over
 from first_bound import bound, plain_errors
-from first_population import DRIVEN, FREE, NAMES, Case, case
+from first_population import DRIVEN, FREE, NAMES, ON_REQUEST, Case, case
 
 #: Of so many errors one in two thousand is exceeded by chance; errors so many times the bound are still its size.
 FAR, WIDE = 3.5, 1.5
@@ -200,7 +200,7 @@ def table(scores: Sequence[Score]) -> str:
     lines = [
         f"{'kind':12}{'n':>5}" + "".join(f"{name:>11}" for name in OUTCOMES) + f"{'median s':>10}{'longest s':>11}"
     ]
-    kinds = [kind for kind in (*FREE, *DRIVEN) if any(s.kind == kind for s in scores)]
+    kinds = [kind for kind in (*FREE, *DRIVEN, *ON_REQUEST) if any(s.kind == kind for s in scores)]
     for kind in [*kinds, "all"]:
         some = [s for s in scores if kind in (s.kind, "all")]
         count = Counter(s.outcome for s in some)
@@ -218,7 +218,7 @@ def main(arguments: Sequence[str] | None = None) -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--n", type=int, default=100, help="recordings")
     parser.add_argument("--seed", type=int, default=0, help="of the first")
-    parser.add_argument("--kind", choices=(*FREE, *DRIVEN), help="this kind alone")
+    parser.add_argument("--kind", choices=(*FREE, *DRIVEN, *ON_REQUEST), help="this kind alone")
     parser.add_argument("--jobs", type=int, default=2, help="processes")
     parser.add_argument("--json", type=Path, help="where each score is written to")
     asked = parser.parse_args(arguments)

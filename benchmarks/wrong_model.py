@@ -21,13 +21,12 @@ from dashpot.errors import BadInput
 from dashpot.examples.truth import TRUTH
 from dashpot.identify import identify
 from dashpot.identify.fit.reweighted_fit import reweighted
-from dashpot.identify.fit.scatter import scatter
+from dashpot.identify.fit.scatter import noise_on_forces, scatter
 from dashpot.identify.problem.data import data_of
 from dashpot.identify.problem.output_error import MOST_STEPS
 from dashpot.identify.problem.replay import replay
 from dashpot.identify.problem.settle import settled
 from dashpot.identify.problem.structure import Structure
-from dashpot.identify.signals.signals import noise_levels
 from dashpot.identify.start.start import hilbert_start
 from dashpot.model import Oscillator, oscillator_with
 from dashpot.recording import Recording
@@ -69,8 +68,8 @@ def output_error(recordings: Sequence[Recording]) -> Oscillator:
     structure = Structure(start, data_of(recordings, start, coarse=False))
     problem = structure.problem
     answer, _ = reweighted(problem, settled(problem, structure.state(None)), start, recordings, np.inf, MOST_STEPS)
-    levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
     state = answer.outcome.state
+    levels = noise_on_forces(problem, state, answer.outcome.residuals, recordings)
     scatter(problem, state, answer.noise, levels, DRAWS, remainders=answer.remainders, recordings=recordings)
     values = dict(zip(start.parameters(), map(float, state.values), strict=True))
     return Oscillator.from_values(values)

@@ -34,7 +34,8 @@ class Recording:
     clipped of each blow of a hammer where these are known, after a band has drawn them out. `blank` holds start and
     stop of what the response does not show, which was filled from its neighbours and is not fitted; `unknown` those of
     what the force does not tell, behind which the motion begins anew. `differs` holds names of properties and how
-    much more of each the thing had while this was recorded than on the mean of all recordings.
+    much more of each the thing had while this was recorded than on the mean of all recordings. `averaged` is the
+    standard deviation of noise on a force of which each level has been made the mean of its samples; else 0.
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
@@ -55,6 +56,7 @@ class Recording:
     blank: Runs = ()
     unknown: Runs = ()
     differs: tuple[tuple[str, float], ...] = ()
+    averaged: float = 0.0
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")

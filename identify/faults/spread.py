@@ -29,7 +29,7 @@ from ..fit.from_prediction import from_prediction, keeps_step
 from ..fit.limits import CYCLES
 from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import over_noise
-from ..fit.scatter import scatter
+from ..fit.scatter import noise_on_forces, scatter
 from ..motion.blows import ContactForce
 from ..problem.chain import Fault
 from ..problem.data import noise_at
@@ -42,7 +42,6 @@ from ..problem.segments import Segment
 from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.odds import BY_CHANCE, is_noise
 from ..signals.registry import budget, numerics, shown
-from ..signals.signals import noise_levels
 from .contradiction import covering
 from .fault import with_error
 from .fitted_problem import fitted_problem
@@ -193,7 +192,7 @@ def _own_values(
     values = OwnValues.of(linearised, point, places, first, count)
     if not _leaves_noise(over_noise(own, residuals, point, fit.oscillator, recordings), own.segments):
         return values, _within(own, point, residuals, noise, places)
-    return values, [(_noise_of_the_force(own, point, noise, linearised, recordings), None)] * len(kinds)
+    return values, [(_noise_of_the_force(own, point, noise, residuals, linearised, recordings), None)] * len(kinds)
 
 
 def _within(
@@ -224,11 +223,12 @@ def _noise_of_the_force(
     own: OutputError,
     point: State,
     noise: Sequence[NoiseSpectrum],
+    residuals: Sequence[np.ndarray],
     linearised: Linearised,
     recordings: Sequence[Recording],
 ) -> float:
     """By how much scores scatter more, at most, than the spectrum says, of noise of the force that a rig passes on."""
-    levels = [noise_levels(recordings[segment.recording])[1] for segment in own.segments]
+    levels = noise_on_forces(own, point, residuals, recordings)
     if not any(level and segment.force is not None for level, segment in zip(levels, own.segments, strict=True)):
         return 1.0
     scattered = scatter(own, point, noise, levels, _DRAWS, recordings=recordings)

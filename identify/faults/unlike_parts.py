@@ -17,7 +17,7 @@ import numpy as np
 
 from ...recording.recording import Recording
 from ..fit.reported_result import Fit, SegmentFit
-from ..fit.scatter import scatter
+from ..fit.scatter import noise_on_forces, scatter
 from ..problem.linearised import Linearised, Sums
 from ..problem.normal_equations import pseudo_inverse
 from ..problem.output_error import OutputError, State
@@ -26,7 +26,6 @@ from ..signals.hilbert import LONG
 from ..signals.noise_spectrum import NoiseSpectrum
 from ..signals.odds import ABOVE_NOISE, BEYOND_ERRORS, BY_CHANCE, is_noise
 from ..signals.registry import numerics, shown
-from ..signals.signals import noise_levels
 from .bent_channel import FoundBent, bent_channels
 from .fault import with_error
 from .faults_found import with_fault
@@ -120,7 +119,7 @@ def unlike_parts(fit: Fit, recordings: Sequence[Recording]) -> tuple[Unlike | Fo
     least = [_chance(reduced, asks, spread) * count for reduced, asks in asked]
     if min([*least, *(one.judged(1.0, count).chance for one in bent)]) > BY_CHANCE:
         return ()
-    levels = [noise_levels(recordings[segment.recording])[1] for segment in problem.segments]
+    levels = noise_on_forces(problem, state, residuals, recordings)
     scattered = scatter(problem, state, noise, levels, _DRAWS, recordings=recordings)
     informed = linearised.shared.without(slice(free, None)).normal
     spread = spread_of_scores(informed, scattered, size)

@@ -36,6 +36,7 @@ from ..problem.structure import Structure
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from ..signals.odds import ABOVE_NOISE, DECISIVE
 from ..signals.registry import budget
+from ..signals.signals import drive_of
 from .from_prediction import FIRST_MEMORY
 from .limits import HOPELESS, MATTERS, NEAR_HOLD
 from .mismatch import gain_of_mismatch
@@ -92,7 +93,14 @@ class HoldFound:
 def held_as(recordings: Sequence[Recording], hold: str | None) -> list[Recording]:
     """The recordings, with that hold where nobody said theirs; a switched force that is held is that of its levels."""
     held = [changed(r, hold=hold) if r.hold is None and hold is not None else r for r in recordings]
-    return [changed(r, force=without_noise(r.force)) if r.hold == "zero" and r.force is not None else r for r in held]
+    return [_levelled(r) if r.hold == "zero" else r for r in held]
+
+
+def _levelled(recording: Recording) -> Recording:
+    """A recording whose force, where that is switched, is that of its levels."""
+    if (drive := drive_of(recording)) is None or (levels := without_noise(drive.samples)) is drive.samples:
+        return recording
+    return changed(recording, force=levels, averaged=recording.averaged or drive.noise)
 
 
 def hold_note(hold: str) -> str:

@@ -28,13 +28,12 @@ from ..problem.structure import Structure
 from ..signals.noise_spectrum import NoiseSpectrum, concentrated_likelihood
 from ..signals.odds import ABOVE_NOISE, DECISIVE
 from ..signals.registry import budget, numerics
-from ..signals.signals import noise_levels
 from .choose_noise_model import plain_cost
 from .climb import nrmse_of
 from .from_prediction import EARLY_STEPS, keeps_step, memories, simulates
 from .offsets import found_offsets, kept_offsets, zeros_of
 from .reweighted_fit import NEAR_ENOUGH, Answer, concentrated, finished, over_noise, reweighted, whitened, within_reach
-from .scatter import scatter
+from .scatter import noise_on_forces, scatter
 
 _UNSEEN = numerics(1e-6, "of the motion", why="what an unknown moves that the recordings do not carry")
 
@@ -285,7 +284,7 @@ def _result(
     remarks: Sequence[str],
 ) -> Fit:
     outcome, noise = answer.outcome, answer.noise
-    levels = [noise_levels(recordings[s.recording])[1] for s in problem.segments]
+    levels = noise_on_forces(problem, outcome.state, outcome.residuals, recordings)
     spread = scatter(
         problem.coarsely(), outcome.state, noise, levels, _DRAWS, remainders=answer.remainders, recordings=recordings
     )

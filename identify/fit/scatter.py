@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
 from ...recording.recording import Recording
 from ...simulate.force import Force
 from ..motion.blows import ContactForce
+from ..problem.data import equivalent_resonance, measured_share
 from ..problem.linearised import Linearised
 from ..problem.normal_equations import products, pseudo_inverse
 from ..problem.output_error import OutputError, State
+from ..problem.prediction import FREE
 from ..problem.rounding import measure_rounding, scatter_of_rounding
-from ..signals.noise_spectrum import NoiseSpectrum
+from ..signals.noise_spectrum import NoiseSpectrum, force_noise_left
 from ..signals.registry import numerics
+from ..signals.signals import noise_levels
 
 _STRAIGHT = numerics(
     0.5, "of an error", why="by which a draw may differ from what the adjoint says: jumps are no noise"
@@ -84,6 +87,25 @@ def scatter(
     return kept @ total @ kept.T
 
 
+def noise_on_forces(
+    problem: OutputError, state: State, residuals: Sequence[np.ndarray], recordings: Sequence[Recording]
+) -> list[float]:
+    """Standard deviation of the noise on samples of the force of each segment, also where levels are their means.
+
+    No more than what is left has room for: see ``force_noise_left``.
+    """
+    values = dict(zip(problem.core.parameter_names, map(float, state.values), strict=True))
+    levels = []
+    for segment, residual in zip(problem.segments, residuals, strict=True):
+        recording = recordings[segment.recording]
+        level = max(noise_levels(recording)[1], recording.averaged)
+        if level and segment.force is not None and problem.memory == FREE:
+            passed = equivalent_resonance(segment, values) / values["mass"] ** 2
+            level = force_noise_left(residual, passed, level, measured_share(segment))
+        levels.append(level)
+    return levels
+
+
 def _of_force(
     problem: OutputError,
     state: State,
@@ -103,9 +125,12 @@ def _of_force(
     """
     segment = problem.segments[i]
     count = segment.n if force.hold != "zero" else force.pieces.shape[0] + 1
+    kept = _levels(force, segment.n)
 
     def drawn(draw: int) -> tuple[np.ndarray, np.ndarray]:
         added = level * np.random.default_rng([seed, i, draw]).standard_normal(count)
+        if kept is not None:
+            added[: segment.n] = _averaged(added[None, : segment.n], kept)[0]
         if isinstance(force, ContactForce):
             moved = problem.simulate(i, state, force=force.with_added(added, segment.dt))
         else:
@@ -117,7 +142,7 @@ def _of_force(
     felt = problem.felt(i, state, weighted)
     if felt is not None:
         spread, expected = np.zeros((len(weighted), len(weighted))), np.zeros(len(weighted))
-        for part, own in felt:
+        for part, own in felt if kept is None else [(slice(None), _averaged(_whole(felt, segment.n), kept))]:
             spread += own @ own.T
             expected += own @ added[part]
         if np.all(np.abs(expected - score) <= _STRAIGHT * level * np.sqrt(np.diag(spread))):
@@ -125,3 +150,26 @@ def _of_force(
     scores = np.array(problem.map(lambda draw: drawn(draw)[1], range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
     return scores.T @ scores / len(scores) if len(scores) else None
+
+
+def _levels(force: Force, n: int) -> np.ndarray | None:
+    """(m + 1,) samples at which the levels of a held force begin, and n; None where each sample has its own."""
+    if force.hold != "zero":
+        return None
+    edges = 1 + np.flatnonzero(np.diff(force.pieces[:n, 0]))
+    return None if edges.size >= n - 1 else np.concatenate([[0], edges, [n]])
+
+
+def _averaged(rows: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """Rows (k, n), each with its mean over each level."""
+    size = np.diff(kept)
+    return np.repeat(np.add.reduceat(rows, kept[:-1], axis=1) / size, size, axis=1)
+
+
+def _whole(parts: Iterable[tuple[slice, np.ndarray]], n: int) -> np.ndarray:
+    """(k, n) of parts that are given one by one."""
+    known = list(parts)
+    whole = np.zeros((known[0][1].shape[0], n))
+    for part, rows in known:
+        whole[:, part] = rows
+    return whole

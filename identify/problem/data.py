@@ -198,9 +198,14 @@ def noise_of(
     spectra = []
     for segment, residual in zip(segments, residuals, strict=True):
         passed = segment.force is not None and memory == FREE
-        there = 1.0 if segment.blank is None else 1.0 - float(np.mean(segment.blank))
-        spectra.append(estimate(residual, equivalent_resonance(segment, values) if passed else None, there))
+        shape = equivalent_resonance(segment, values) if passed else None
+        spectra.append(estimate(residual, shape, measured_share(segment)))
     return spectra
+
+
+def measured_share(segment: Segment) -> float:
+    """The share of a segment's samples that were measured."""
+    return 1.0 if segment.blank is None else 1.0 - float(np.mean(segment.blank))
 
 
 def noise_at(

@@ -139,8 +139,10 @@ def left_out(before: Sequence[Segment], after: Sequence[Segment], names: Sequenc
         had = sum(s.n * s.dt for s in before if s.recording == index)
         has = sum(s.n * s.dt for s in after if s.recording == index)
         if has < had:
+            driven = any(s.force is not None for s in before if s.recording == index)
+            larger = "; a larger force would make them useful" if driven else ""
             sentences.append(
                 f"{name}: {had - has:.3g} of {had:.3g} s were left out, because there small changes decide whether "
-                "friction or preload hold the mass; a larger force would make them useful"
+                f"friction or preload hold the mass{larger}"
             )
     return sentences

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...files.computed_once import computed_once
+from .odds import DECISIVE
 from .registry import numerics
 
 _FLOOR = numerics(1e-9, "part of the mean power", why="what a spectrum has at least, so that its inverse is a number")
@@ -198,6 +199,38 @@ def two_sources(periodogram: np.ndarray, resonance: np.ndarray) -> tuple[np.ndar
         if settled:
             break
     return weights[0] * parts[0], weights[1] * parts[1]
+
+
+def force_noise_left(residual: np.ndarray, resonance: np.ndarray, level: float, there: float = 1.0) -> float:
+    """Standard deviation of the noise on a force: as that shows it, or as a residual does that leaves no room for it.
+
+    What a force shows near its highest frequency is noise only where it holds no signal, which a random command does.
+
+    Args:
+        residual: (n,) measured minus simulated.
+        resonance: (n // 2 + 1,) squared magnitude of the rig's frequency response to the force.
+        level: standard deviation of the noise that the force shows.
+        there: share of the samples that were measured.
+    """
+    from scipy import fft, optimize
+
+    periodogram = np.abs(np.asarray(fft.rfft(residual))) ** 2 / (residual.size * there)
+    sensor, force = two_sources(periodogram, resonance)
+    passed = level**2 * resonance
+    if not np.sum(force) < np.sum(passed):
+        return level
+
+    def misfit(density: np.ndarray) -> float:
+        return float(np.sum(np.log(density) + periodogram / density))
+
+    least = np.log(np.finfo(float).tiny ** 0.5 + np.min(sensor))
+    most = np.log(np.finfo(float).tiny ** 0.5 + np.mean(periodogram))
+    beside = optimize.minimize_scalar(
+        lambda log: misfit(np.exp(log) + passed), bounds=(min(least, most) - 10.0, most + 1.0), method="bounded"
+    )
+    if beside.fun - misfit(sensor + force) <= DECISIVE:
+        return level
+    return float(np.sqrt(np.sum(force) / np.sum(resonance)))
 
 
 def resonance_of(omega: np.ndarray, omega0_squared: float, damping: float) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -15,16 +16,21 @@ from ...recording.smoothing import fewer
 from .hilbert import LONG, STEP_NOISE, dominant_frequency, noise_level
 from .limits import SILENT
 from .noise_beside_edges import noise_beside_edges
-from .odds import ABOVE_NOISE, DECISIVE, SIGNIFICANT
+from .odds import ABOVE_NOISE, DECISIVE, HALF_AGAIN, SIGNIFICANT
 from .registry import numerics
+from .unexplained import unexplained
 
 
 @dataclass(frozen=True, eq=False)
 class Signal:
-    """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once."""
+    """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once.
+
+    ``most`` says how much noise it can hold at most, as far as another signal explains it: see ``unexplained``.
+    """
 
     samples: np.ndarray
     fs: float
+    most: Callable[[], float] = lambda: np.inf
     _parts: dict[tuple[int, int], Signal] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -37,8 +43,15 @@ class Signal:
         """Standard deviation of its white noise: see ``noise_level``, and ``noise_beside_edges``.
 
         A force in steps leaps, and with it an acceleration; so do both at a release, and a velocity at a blow. Of a few
-        dozen samples a spectrum tells nothing: zero.
+        dozen samples a spectrum tells nothing: zero. And no more than another signal leaves unexplained: a random
+        command has power at every frequency, as has the acceleration under it.
         """
+        shown, most = self._noise_alone, self.most()
+        # the least of several estimates is low by chance
+        return shown if shown <= HALF_AGAIN * most else max(most, converter_step(self.samples) / STEP_NOISE)
+
+    @property
+    def _noise_alone(self) -> float:
         shown, least = noise_level(self.samples, self.fs), noise_beside_edges(self.samples)
         if 0.0 < shown <= ABOVE_NOISE * least or not np.isfinite(least):
             return shown
@@ -79,7 +92,7 @@ class Signal:
         if (start, stop) == (0, self.n):
             return self
         if (start, stop) not in self._parts:
-            self._parts[start, stop] = Signal(self.samples[start:stop], self.fs)
+            self._parts[start, stop] = Signal(self.samples[start:stop], self.fs, self.most)
         return self._parts[start, stop]
 
 
@@ -89,16 +102,18 @@ def thinned(samples: np.ndarray, factor: int) -> np.ndarray:
     return fewer(samples - middle, factor) + middle
 
 
-@fact("response", "fs")
+@fact("response", "force", "fs")
 def response_of(recording: Recording) -> Signal:
     """The recorded response."""
-    return Signal(np.asarray(recording.response, float), recording.fs)
+    return Signal(np.asarray(recording.response, float), recording.fs, lambda: unexplained(recording).response)
 
 
-@fact("force", "fs")
+@fact("force", "fs")  # which has the noise that it was recorded with, whatever is made of the response
 def drive_of(recording: Recording) -> Signal | None:
     """The recorded force, None without one."""
-    return None if recording.force is None else Signal(np.asarray(recording.force, float), recording.fs)
+    if recording.force is None:
+        return None
+    return Signal(np.asarray(recording.force, float), recording.fs, lambda: unexplained(recording).force)
 
 
 def noise_levels(recording: Recording) -> tuple[float, float]:

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
-from dashpot.examples.oscillator import integrate
+from dashpot.examples.oscillator import integrate, integrate_pieces
 from dashpot.examples.truth import TRUTH
+from dashpot.identify.fit.hold import held_as
 from dashpot.identify.fit.scatter import scatter
 from dashpot.identify.problem.data import data_of, noise_of
 from dashpot.identify.problem.linearised import Linearised
@@ -125,6 +128,32 @@ def test_drawn_noise_scatters_the_score_as_the_adjoint_says(monkeypatch):
     adjoint = scatter(problem, state, flat(problem), [level], 1)
     monkeypatch.setattr(problem, "felt", lambda *_: None)
     same(adjoint, scatter(problem, state, flat(problem), [level], 600, seed=4), 0.2)  # a variance is good to 6 %
+
+
+def test_noise_of_levels_is_the_same_on_all_samples_of_each(monkeypatch):
+    """As the adjoint says and as draws do; of levels longer than a cycle much less than of as noisy samples."""
+    n, level = 6000, 3e-4
+    force = np.repeat(np.random.default_rng(7).choice([-1.0, 1.0], n // 60), 60)  # two cycles or so
+    response = integrate_pieces(LINEAR, force[:-1, None], 1 / FS)[0]
+    recording = Recording("levels", FS, response, force, hold="zero")
+    problem, state = problem_of(LINEAR, [recording])
+    quiet = scatter(problem, state, flat(problem), [0.0], 1)
+    adjoint = scatter(problem, state, flat(problem), [level], 1) - quiet
+    monkeypatch.setattr(problem, "felt", lambda *_: None)
+    same(scatter(problem, state, flat(problem), [level], 600, seed=4) - quiet, adjoint, 0.2)
+    noisy, _ = problem_of(LINEAR, [replace(recording, force=force + 1e-9 * np.arange(n))])
+    by_sample = scatter(noisy, state, flat(noisy), [level], 1) - quiet
+    assert np.all(np.diag(adjoint) < 0.7 * np.diag(by_sample))
+
+
+def test_the_mean_of_a_level_is_known_as_well_as_its_samples():
+    recording = recorded(LINEAR, sweep(4000), 4000)
+    force = np.repeat([0.0, 1.0, -1.0, 0.5], 1000) + 0.01 * np.random.default_rng(3).standard_normal(4000)
+    (held,) = held_as([replace(recording, force=force, hold=None)], "zero")
+    assert np.unique(held.force).size == 4
+    assert held.averaged == pytest.approx(0.01, rel=0.1)
+    assert held_as([held], "zero")[0].averaged == held.averaged
+    assert recording.averaged == 0.0
 
 
 def test_of_a_long_sweep_the_errors_are_near_those_of_the_information():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from dashpot.identify.signals.noise_spectrum import NoiseSpectrum, estimate, resonance_of, white
+from dashpot.identify.signals.noise_spectrum import NoiseSpectrum, estimate, force_noise_left, resonance_of, white
 
 
 def signals(n, count=4):
@@ -90,3 +90,18 @@ def test_what_the_fit_took_is_given_back():
     assert factors[2 * 300] == pytest.approx(width / (width - 0.75 - 2))
     assert factors[2 * 311] == pytest.approx(width / (width - 2))
     assert np.all(white(np.ones(10)).widened(np.zeros(10)) == 1.0)
+
+
+@pytest.mark.parametrize(("there", "shown"), [(0.0, 1.0), (0.1, 1.0), (0.1, 0.1), (0.1, 0.02)])
+def test_force_noise_is_what_the_residual_has_room_for(there, shown):
+    """What a force shows is taken unless the residual is a thousand times likelier without so much of it."""
+    n, random = 6000, np.random.default_rng(2)
+    omega = 2 * np.pi * np.fft.rfftfreq(n)
+    resonance = resonance_of(omega, 0.04, 0.01)
+    pushed = np.fft.irfft(np.fft.rfft(random.standard_normal(n)) * np.sqrt(resonance), n)
+    residual = there * pushed + 0.05 * random.standard_normal(n)
+    level = force_noise_left(residual, resonance, shown)
+    if shown <= there:
+        assert level == shown
+    else:
+        assert level == pytest.approx(there, rel=0.2, abs=2e-3)
