@@ -159,6 +159,8 @@ def bent_channels(
         information = float(alone.normal[0, 0])
         if information > OWN * float(beside.normal[k, k]):
             size = float(alone.gradient[0]) / information
+            if size <= -1.0:  # no channel counts less than nothing: of a force of one sign noise alone has the other
+                continue
             shift = -(pseudo_inverse(beside.normal[:k, :k]) @ beside.normal[:k, k])[:free] * size
             found.append(FoundBent(fault, size, information**-0.5, (shift,)))
     return found

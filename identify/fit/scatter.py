@@ -101,6 +101,8 @@ def noise_on_forces(
         level = max(noise_levels(recording)[1], recording.averaged)
         if level and segment.force is not None and problem.memory == FREE:
             passed = equivalent_resonance(segment, values) / values["mass"] ** 2
+            if isinstance(segment.force, ContactForce):  # whose noise counts during contacts alone
+                passed = passed * np.mean(segment.force.contacts(segment.n))
             level = force_noise_left(residual, passed, level, measured_share(segment))
         levels.append(level)
     return levels
