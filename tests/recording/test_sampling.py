@@ -203,6 +203,17 @@ def test_jitter_does_not_make_a_switched_channel_ring():
     assert np.abs(made.columns[:, :1] - signal(GRID)).max() < 0.1 * raw
 
 
+@pytest.mark.parametrize("samples", [7.3, 4.2])
+def test_a_white_command_stays_as_its_rows_say_and_a_tone_does_not(samples):
+    jitter = np.clip(0.15 * np.random.default_rng(5).standard_normal(N), -0.4, 0.4) / 250
+    force, frequency = np.random.default_rng(6).standard_normal(N), 250 / samples
+    shown = np.column_stack([signal(GRID + jitter, frequency), force])
+    made = uniform_sampling("rig.csv", GRID + jitter, None, shown)
+    np.testing.assert_array_equal(made.columns[:, 1], force)
+    raw, left = (np.std(x[:, :1] - signal(GRID, frequency)) for x in (shown, made.columns))
+    assert left < 0.6 * raw
+
+
 @pytest.mark.parametrize("noise", [0.0, 2e-3])
 def test_jitter_does_not_make_what_a_switched_force_accelerates_ring(noise):
     """An acceleration is what its force makes it, to the last instant before an edge; the stamp says on which side."""
