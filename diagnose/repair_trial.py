@@ -185,7 +185,8 @@ def _fit(
         forces.append(np.zeros(piece.n) if piece.force is None else np.asarray(piece.force, float))
         old.append(first)
         new.append(second)
-        variances.append(np.full(piece.n, floor_of_model(model, part) ** 2))
+        left = min(float(np.sqrt(np.mean((simulated - measured[-1]) ** 2))) for simulated in (first, second))
+        variances.append(np.full(piece.n, floor_of_model(model, part, left) ** 2))
     if not times:
         return None
     y, first, second = (np.concatenate(parts) for parts in (measured, old, new))

@@ -135,6 +135,15 @@ def is_switched(signal: np.ndarray) -> bool:
     return edges_of(signal).size > 0
 
 
+def is_rough(signal: np.ndarray) -> bool:
+    """Whether samples (n,) are told by the cubic through their neighbours no better than by their mean.
+
+    As those of a white command, which a converter holds and no curve joins.
+    """
+    told = (4.0 * (signal[1:-3] + signal[3:-1]) - signal[:-4] - signal[4:]) / 6.0
+    return bool(told.size and np.mean((signal[2:-2] - told) ** 2) > np.var(signal))
+
+
 def edges_of(signal: np.ndarray) -> np.ndarray:
     """The samples that the steps of a switched signal (n,) lead to; none where it is not switched."""
     return _edges(signal)[0]

@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 import numpy as np
 
 from ..errors import BadInput
-from .continuity import edges_of, is_switched
+from .continuity import edges_of, is_rough, is_switched
 from .resolution import converter_step
 from .time_stamps import EARLIEST, LATEST
 
@@ -272,7 +272,7 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
     coarse: list[int] = []
     for k, column in enumerate(columns.T):
         there = np.isfinite(column)
-        if is_switched(column[there]) or _unpredictable(column[there]):  # a spline would ring at its edges
+        if is_switched(column[there]) or is_rough(column[there]):  # a spline would ring at its edges
             made[:, k] = _nearest(time[there], column[there], grid)
             switched.append(k)
             edges = np.union1d(edges, edges_of(made[:, k]))
@@ -301,15 +301,6 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
 def _nearest(time: np.ndarray, column: np.ndarray, grid: np.ndarray) -> np.ndarray:
     """(m,) the sample (n,) whose stamp is nearest to each time of the grid."""
     return np.asarray(column[np.rint(np.interp(grid, time, np.arange(time.size))).astype(int)])
-
-
-def _unpredictable(column: np.ndarray) -> bool:
-    """Whether samples (n,) are told by the cubic through their neighbours no better than by their mean.
-
-    As those of a white command, which a converter holds and no curve joins.
-    """
-    told = (4.0 * (column[1:-3] + column[3:-1]) - column[:-4] - column[4:]) / 6.0
-    return bool(told.size and np.mean((column[2:-2] - told) ** 2) > np.var(column))
 
 
 def _steps_hide(column: np.ndarray, off: np.ndarray) -> bool:

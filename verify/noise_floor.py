@@ -12,6 +12,7 @@ from ..identify.problem.limits import WORTH_ITS_START
 from ..identify.problem.offset import zero_of_load_cell
 from ..identify.problem.replay import force_of, natural_frequency, replay
 from ..identify.problem.segments import known_parts
+from ..identify.signals.odds import HALF_AGAIN
 from ..identify.signals.signals import noise_levels
 from ..model import Oscillator
 from ..recording.fact import changed
@@ -93,12 +94,16 @@ def _driven(recording: Recording, start: int, stop: int, decays: Sequence[Decay]
     return Piece(changed(part, force=force) if inside else part, inside, sensor, noise)
 
 
-def floor_of_model(model: Oscillator, piece: Piece) -> float:
-    """Rms that noise alone leaves: the sensor's, and that of the force as the model passes some more of it on."""
+def floor_of_model(model: Oscillator, piece: Piece, left: float = np.inf) -> float:
+    """Rms that noise alone leaves: the sensor's, and that of the force as the model passes some more of it on.
+
+    No more than some model leaves, rms, of which ``left`` is the least: a force may show signal where noise is sought.
+    """
     if not np.any(piece.force):
         return piece.sensor
     noise = piece.force * np.random.default_rng(0).standard_normal(piece.force.size)
     noisy = changed(piece.recording, force=np.asarray(piece.recording.force) + noise)
     difference = replay(model, noisy) - replay(model, piece.recording)
     moved = float(np.sqrt(np.mean(difference**2)))
-    return float(np.hypot(piece.sensor, moved)) if np.isfinite(moved) else piece.sensor
+    floor = float(np.hypot(piece.sensor, moved)) if np.isfinite(moved) else piece.sensor
+    return floor if floor <= HALF_AGAIN * left else max(piece.sensor, left)

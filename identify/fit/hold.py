@@ -19,7 +19,7 @@ import numpy as np
 from ...model import Oscillator
 from ...model.fit_state import LACKING
 from ...model.oscillator import HOLDS as HOLDS_IN_WORDS
-from ...recording.continuity import without_noise
+from ...recording.continuity import is_rough, without_noise
 from ...recording.fact import changed
 from ...recording.recording import HOLDS, Recording
 from ...simulate.force import force_between, smooth_force
@@ -184,10 +184,12 @@ def with_hold(
     """
     estimate, names, notes = hold_of_fit(fit, recordings), fit.names, []
     trial, known = (estimate, fit.oscillator) if estimate.hold != "smooth" else (None, None)
-    beside = trial is None and estimate.values and max(s.over_noise for s in fit.segments) > ABOVE_NOISE
-    if beside and _shows_over_a_cycle(fit, recordings, "zero"):
+    more = estimate.values and max(s.over_noise for s in fit.segments) > ABOVE_NOISE
+    rough = bool(more) and _are_rough(recordings)
+    likeliest = _over_a_cycle(fit, recordings, rough=rough) if rough or (more and trial is None) else "smooth"
+    if likeliest != "smooth" and (trial is None or trial.hold != likeliest):
         # without the lag of half a sample a search may end in a valley from which the right one is not reached
-        trial = replace(estimate, hold="zero", values={})
+        trial, known = replace(estimate, hold=likeliest, values={}), None
     if trial is not None:
         held = held_as(recordings, trial.hold)
         # in full where the other, found under a wrong hold, does not keep step
@@ -195,7 +197,7 @@ def with_hold(
         if known is None:
             trial = replace(trial, gain=_gained(fit, again))
         further = further_of_fit(again, recordings, trial.hold)
-        if trial.gain > 0.0 and _no_worse(again, fit) and trial.believed(further):
+        if rough or (trial.gain > 0.0 and _no_worse(again, fit) and trial.believed(further)):
             fit = answer(held, known and again.oscillator, doubted=doubted)
             estimate, recordings, notes = trial, held, [hold_note(trial.hold)]
     hold = hold_of_recordings(recordings)
@@ -203,19 +205,25 @@ def with_hold(
     return replace(fit, oscillator=replace(fit.oscillator, hold=hold)), recordings, notes
 
 
-def _shows_over_a_cycle(fit: Fit, recordings: Sequence[Recording], hold: str) -> bool:
-    """Whether a hold is likelier than a smooth force over one cycle at a time, where no valley misleads.
+def _are_rough(recordings: Sequence[Recording]) -> bool:
+    """Whether the forces whose hold nobody said are such as no curve joins: a chain that made them smooth had to."""
+    forces = [r.force for r in recordings if r.hold is None and r.force is not None and np.any(r.force)]
+    return bool(forces) and all(is_rough(force) for force in forces)
 
-    What is missing hides much of it there: the fit in full decides.
+
+def _over_a_cycle(fit: Fit, recordings: Sequence[Recording], *, rough: bool) -> str:
+    """The hold that is likeliest over one cycle at a time, where no valley misleads.
+
+    What is missing hides much of it there: the fit in full decides, but for rough forces, which are never smooth.
     """
     problem, state = _point(fit, recordings)
     problem, model = problem.predicting(FIRST_MEMORY), fit.oscillator
     residuals = problem.residuals(state)
     if not all(np.all(np.isfinite(r)) for r in residuals):
-        return True  # nobody knows
-    noise = _noise(problem, residuals, model)
-    held, smooth = (_tried(h, _under(problem, h, recordings), state, noise, model) for h in (hold, "smooth"))
-    return held.likelihood > smooth.likelihood
+        return "zero"  # nobody knows
+    noise, holds = _noise(problem, residuals, model), ("zero", "linear" if rough else "smooth")
+    tried = [_tried(hold, _under(problem, hold, recordings), state, noise, model) for hold in holds]
+    return max(tried, key=lambda trial: trial.likelihood).hold
 
 
 def _gained(fit: Fit, again: Fit) -> float:

@@ -40,11 +40,15 @@ def test_nothing_is_named_for_a_hold(hold):
     assert [fact.what for fact in diagnosis.chain if "fitted so" in fact.sentence] == ["hold"]
 
 
-def with_drag(level: float, seed: int, fs: float = 250.0, n: int = 1200) -> Recording:
-    """A linear rig of 3 Hz with a drag of 6 1/m under a swept force that is held; Runge and Kutta's rule of order 4."""
-    omega, viscous, drag, mass, fine = 2 * np.pi * 3.0, 0.6, 6.0, 0.8, 8
+def with_drag(
+    level: float, seed: int, fs: float = 250.0, n: int = 1200, *, drag: float = 6.0, white: bool = False
+) -> Recording:
+    """A linear rig of 3 Hz with drag (1/m) under a swept or white force, held; Runge and Kutta's rule of order 4."""
+    omega, viscous, mass, fine = 2 * np.pi * 3.0, 0.6, 0.8, 8
     t = np.arange(n) / fs
     force = chirp(level, 1.5, 4.0 * fs / n, t, 1 / fs)[:, 0]
+    if white:
+        force = level * np.random.default_rng([seed, 1]).standard_normal(n)
 
     def rates(z, f):
         return np.array([z[1], f / mass - viscous * z[1] - drag * abs(z[1]) * z[1] - omega**2 * z[0]])
@@ -58,7 +62,7 @@ def with_drag(level: float, seed: int, fs: float = 250.0, n: int = 1200) -> Reco
             c = rates(z + h / 2 * b, force[i])
             z = z + h / 6 * (a + 2 * b + 2 * c + rates(z + h * c, force[i]))
     x += 1e-4 * np.std(x) * np.random.default_rng(seed).standard_normal(n)
-    return Recording(name=f"sweep {level}", fs=fs, response=x, force=force)
+    return Recording(name=f"{'white' if white else 'sweep'} {level}", fs=fs, response=x, force=force)
 
 
 @pytest.mark.long
@@ -73,3 +77,18 @@ def test_half_a_sample_late_is_a_hold_beside_a_drag(fs):
     assert diagnosis.model.hold == "zero"
     drag = diagnosis.model.parameters()["quadratic-drag.coefficient"]
     assert drag.value == pytest.approx(6.0, abs=3.5 * drag.std)
+
+
+@pytest.mark.long
+def test_physics_that_a_white_command_shows_is_no_noise_of_its_sensor():
+    """The command was taken for its noise: the model was consistent, with a tenth of the motion left."""
+    training = [with_drag(level, seed, 200.0, 4000, drag=0.5, white=True) for seed, level in enumerate((8.0, 16.0))]
+    model = identify(training, doubted=False).oscillator
+    held_out = with_drag(12.0, 2, 200.0, 4000, drag=0.5, white=True)
+    diagnosis = diagnose(model, training, [held_out])
+    assert [effect.law for effect in diagnosis.effects] == ["quadratic-drag"]
+    drag = diagnosis.model.parameters()["quadratic-drag.coefficient"]
+    assert drag.value == pytest.approx(0.5, abs=3.5 * drag.std)
+    (record,) = (record for record in diagnosis.records if record.holdout)
+    assert record.noise_floor == pytest.approx(1e-4, rel=0.5)
+    assert record.nrmse_after < 1.5 * record.noise_floor < 0.02 * record.nrmse_before

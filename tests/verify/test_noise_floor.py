@@ -10,8 +10,9 @@ from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.signals.signals import noise_levels
+from dashpot.model import Oscillator
 from dashpot.recording import Recording
-from dashpot.verify.noise_floor import pieces
+from dashpot.verify.noise_floor import floor_of_model, pieces
 
 FS, FREE = 1000.0, 1500
 LEVEL = 1e-2
@@ -36,6 +37,16 @@ def test_a_free_decay_is_run_without_the_noise_of_the_force_channel():
     assert not np.any(piece.force[free])
     assert piece.recording.force[: decay.start] == pytest.approx(burst().force[: decay.start])
     assert piece.force[: decay.start] == pytest.approx(LEVEL, rel=0.1)
+
+
+def test_what_a_model_leaves_has_the_noise_in_it():
+    (piece,) = pieces(burst())
+    model = Oscillator.from_values(TRUTH)
+    floor = floor_of_model(model, piece)
+    assert floor > 1.05 * piece.sensor
+    assert floor_of_model(model, piece, 0.8 * floor) == floor  # which may be chance
+    assert floor_of_model(model, replace(piece, force=30.0 * piece.force), floor) == floor
+    assert floor_of_model(model, replace(piece, force=30.0 * piece.force), 0.1 * floor) == piece.sensor
 
 
 def test_where_the_load_cell_shows_something_at_zero_a_free_decay_keeps_that():

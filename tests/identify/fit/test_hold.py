@@ -112,9 +112,35 @@ def test_where_no_hold_shows_over_a_cycle_none_is_tried_in_full(monkeypatch):
         raise AssertionError("fitted again")
 
     assert module.with_hold(fit, recordings, never, doubted=False)[2] == []
-    monkeypatch.setattr(module, "_shows_over_a_cycle", lambda *_: True)
+    monkeypatch.setattr(module, "_over_a_cycle", lambda *_, **__: "zero")
     with pytest.raises(AssertionError, match="fitted again"):
         module.with_hold(fit, recordings, never, doubted=False)
+
+
+@pytest.mark.parametrize("hold", ["zero", "linear"])
+def test_a_white_force_is_never_smooth_beside_what_is_missing(hold):
+    """Drag leaves much under any hold, and asks for a lag of its own; no chain makes such a force smooth."""
+    random, n, fs = np.random.default_rng(8), 1600, 150.0
+    force = 8.0 * random.standard_normal(n)
+    after = force if hold == "zero" else np.append(force[1:], force[-1])
+    omega, viscous, drag, mass, fine = 2 * np.pi * 3.0, 0.6, 2.0, 0.8, 8
+    z, x, h = np.zeros(2), np.zeros(n), 1 / fs / fine
+
+    def rates(z, f):
+        return np.array([z[1], f / mass - viscous * z[1] - drag * abs(z[1]) * z[1] - omega**2 * z[0]])
+
+    for i in range(n):
+        x[i] = z[0]
+        for k in range(fine):
+            start, middle, end = (force[i] + (after[i] - force[i]) * (k + part) / fine for part in (0.0, 0.5, 1.0))
+            a = rates(z, start)
+            b = rates(z + h / 2 * a, middle)
+            c = rates(z + h / 2 * b, middle)
+            z = z + h / 6 * (a + 2 * b + 2 * c + rates(z + h * c, end))
+    response = x + 1e-4 * np.std(x) * random.standard_normal(n)
+    found = identify([Recording(name="white", fs=fs, response=response, force=force)], doubted=False)
+    assert max(part.over_noise for part in found.fit.segments) > 1.5
+    assert found.oscillator.hold == hold
 
 
 def test_a_converter_that_is_early_by_a_sixteenth_of_a_sample_holds_its_force():
