@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -21,6 +22,10 @@ from .registry import numerics
 from .unexplained import unexplained
 
 
+def _unbounded() -> float:
+    return np.inf
+
+
 @dataclass(frozen=True, eq=False)
 class Signal:
     """Samples (n,) at `fs` Hz; what is measured of them is measured when first asked for, and once.
@@ -30,7 +35,7 @@ class Signal:
 
     samples: np.ndarray
     fs: float
-    most: Callable[[], float] = lambda: np.inf
+    most: Callable[[], float] = _unbounded
     _parts: dict[tuple[int, int], Signal] = field(default_factory=dict, init=False, repr=False)
 
     @property
@@ -105,7 +110,7 @@ def thinned(samples: np.ndarray, factor: int) -> np.ndarray:
 @fact("response", "force", "fs")
 def response_of(recording: Recording) -> Signal:
     """The recorded response."""
-    return Signal(np.asarray(recording.response, float), recording.fs, lambda: unexplained(recording).response)
+    return Signal(np.asarray(recording.response, float), recording.fs, partial(_of_response, recording))
 
 
 @fact("force", "fs")  # which has the noise that it was recorded with, whatever is made of the response
@@ -113,7 +118,15 @@ def drive_of(recording: Recording) -> Signal | None:
     """The recorded force, None without one."""
     if recording.force is None:
         return None
-    return Signal(np.asarray(recording.force, float), recording.fs, lambda: unexplained(recording).force)
+    return Signal(np.asarray(recording.force, float), recording.fs, partial(_of_force, recording))
+
+
+def _of_response(recording: Recording) -> float:
+    return unexplained(recording).response
+
+
+def _of_force(recording: Recording) -> float:
+    return unexplained(recording).force
 
 
 def noise_levels(recording: Recording) -> tuple[float, float]:

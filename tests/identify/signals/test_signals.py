@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from collections import Counter
 
 import numpy as np
@@ -67,6 +68,12 @@ def test_an_offset_taken_off_leaves_the_force_known(recordings):
     assert drive_of(other) is drive_of(burst)
     assert response_of(other) is not response_of(burst)
     assert noise_levels(other) == pytest.approx(noise_levels(burst), rel=1e-9)
+
+
+def test_what_is_known_of_a_recording_can_be_sent_to_another_process(recordings):
+    burst = recordings[0]
+    noise_levels(burst)
+    assert noise_levels(pickle.loads(pickle.dumps(burst))) == noise_levels(burst)
 
 
 def test_the_same_part_is_the_same_signal():
