@@ -37,7 +37,7 @@ from .likeness import alike, moves_along
 from .measure import Measure, measure_by
 from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
-from .starts import Proposal, by_motion, by_score, unseen_in_motion
+from .starts import Proposal, by_motion, by_score, by_zeros, unseen_in_motion
 from .weigh import foreseen_loss, judged
 
 _ALIKE = budget(2, "laws", why="for which a law is exchanged at least: those that act most like it")
@@ -243,7 +243,8 @@ class Search:
         laws = [law for law in self._addable(leader) if not law.rugged]
         unseen = [law for law in laws if unseen_in_motion(law)]
         blind = self._added(leader, by_score(leader.fit, self.data, unseen, self._cost_of)) if unseen else []
-        starts = self._from_motion(leader, [law for law in laws if law not in unseen], blind)
+        loaded = self._added(leader, by_zeros(leader.fit, self.data, unseen))
+        starts = self._from_motion(leader, [law for law in laws if law not in unseen], [*blind, *loaded])
         # what nothing else speaks for must come to the noise; else it waits until all laws are asked for their scores
         return [start for start in starts if start.near or start not in blind]
 
@@ -256,7 +257,8 @@ class Search:
         proposals = by_score(leader.fit, self.data, laws, self._cost_of)
         least = 0.0 if self._at_noise(leader, ()) else HALF * max((p.gain for p in proposals), default=0.0)
         self._less = [proposal for proposal in proposals if proposal.gain < least]
-        return self._raced(leader, [proposal for proposal in proposals if proposal.gain >= least])
+        better = [proposal for proposal in proposals if proposal.gain >= least]
+        return self._raced(leader, [*better, *by_zeros(leader.fit, self.data, laws)])
 
     def _less_scored(self, leader: Candidate) -> list[Start]:
         """The others, raced."""

@@ -20,7 +20,7 @@ from ...identify.start.measured_motion import Regression
 from ...model import Oscillator
 from ...model.law import Law
 from ...model.library import find
-from ...model.terms import without_term
+from ...model.terms import with_term, without_term
 from .judgement import only_a_name
 from .score_test import Screen
 
@@ -69,6 +69,33 @@ def by_motion(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]
             put, begun = guess.put_into(fitted.model), guess.begun(fitted.initial)
             proposals.append(Proposal(guess.effect, put, begun, gain, fitted.offsets))
     return proposals
+
+
+def by_zeros(fitted: Fitted, data: Data, laws: Sequence[Law]) -> list[Proposal]:
+    """A constant force in the place of what the sensors show at zero, as far as that is common.
+
+    Beside free zeros its score is nothing: to first order a load moves the rest as a zero does. What it does to a
+    spring that is not linear shows where it is as large as it can be.
+    """
+    zeros = zip(data.offsets, fitted.offsets, strict=False)
+    shown = {offset.recording: offset.taken + value for offset, value in zeros if offset.channel == "response"}
+    if not shown or fitted.initial is None or any(segment.order for segment in data.segments):
+        return []
+    mean, model = float(np.mean([*shown.values()])), fitted.model
+    moved = fitted.initial.copy()
+    moved[:, 0] += mean
+    left = [value - mean * (o.channel == "response") for o, value in zip(data.offsets, fitted.offsets, strict=True)]
+    constant = [law for law in laws if law.force is not None and along_of(law).constant]
+    return [
+        Proposal(
+            law.name,
+            with_term(model, law.name, {law.parameters[0].name: model.omega0.value**2 * mean}),
+            moved,
+            np.inf,
+            np.array(left),
+        )
+        for law in constant
+    ]
 
 
 def unseen_in_motion(law: Law) -> bool:

@@ -6,11 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from dashpot.diagnose.search.starts import by_motion, by_score, unseen_in_motion, without, without_anew
+from dashpot.diagnose.search.starts import by_motion, by_score, by_zeros, unseen_in_motion, without, without_anew
 from dashpot.examples.force import chirp
 from dashpot.examples.oscillator import integrate_pieces
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.data import Data, data_of
+from dashpot.identify.problem.offset import Offset
 from dashpot.identify.problem.structure import Fitted, Structure
 from dashpot.identify.start.measured_motion import Guess, Regression
 from dashpot.model import Oscillator
@@ -66,6 +67,22 @@ def test_the_score_tells_the_law_that_is_missing_and_how_strong_it_is(loaded):
 
 def test_a_law_of_many_valleys_has_no_score(loaded):
     assert by_score(*loaded, [find("actuator-backlash")], lambda _: 0.0) == []
+
+
+def test_a_load_is_begun_where_free_zeros_have_taken_its_place():
+    """To first order it moves the rest as a zero does: what a hardening spring tells of it takes the whole step."""
+    data = data_of([driven(load=4.0)], MODEL)
+    data = replace(data, offsets=(Offset.of(data.recordings, 0, "response"),))
+    fitted = Structure(MODEL, data).fit()
+    (load,) = by_zeros(fitted, data, [find("constant-force"), find("quadratic-drag"), find("sensor-lag")])
+    assert load.law == "constant-force"
+    assert load.model.values()["constant-force.load"] == pytest.approx(4.0, rel=0.5)
+    assert load.initial - fitted.initial == pytest.approx(np.array([[fitted.offsets[0], 0.0]]))
+    structure = Structure(load.model, data)
+    found = structure.fit(load.initial)
+    assert found.model.values()["constant-force.load"] == pytest.approx(4.0, rel=0.1)
+    assert found.likelihood > fitted.likelihood + 100.0
+    assert by_zeros(fitted, replace(data, offsets=()), [find("constant-force")]) == []
 
 
 # --- by the measured motion
