@@ -16,6 +16,7 @@ from ..identify.fit.from_prediction import keeps_step, memories
 from ..identify.fit.hold import held_as
 from ..identify.fit.likeliest_modes import odds
 from ..identify.fit.likelihood import maximum_likelihood
+from ..identify.fit.mismatch import gain_of_mismatch
 from ..identify.identification import LEADS_NOWHERE, Identification, identify
 from ..identify.problem.data import Data, data_of
 from ..identify.problem.offset import FoundOffset, Offset
@@ -23,7 +24,7 @@ from ..identify.problem.prediction import FREE
 from ..identify.problem.structure import Fitted, Structure
 from ..identify.signals.odds import DECISIVE, HALF_AGAIN
 from ..model import Oscillator
-from ..model.terms import linear, without_hold
+from ..model.terms import linear, with_term, without_hold
 from ..recording.fact import changed
 from ..recording.recording import Recording
 from .limits import OTHER_FREQUENCY, OTHER_MASS, POORLY_KNOWN
@@ -33,6 +34,8 @@ from .measuring_chain import zeros as zeros_of
 from .result import ChainFact
 from .search.residual_test import Leftover, leftovers
 from .search.search import best_of_family
+
+_LOAD = "constant-force"
 
 _log = logging.getLogger(__name__)
 
@@ -107,7 +110,7 @@ def family_of(model: Oscillator, recordings: Sequence[Recording], holdout: Seque
     chain += drifts_and_loads(recordings, taken)
     drifts = _drifts(recordings, identification.fit.offsets)
     shown = {o.recording: o.value for o in identification.fit.offsets if o.channel == "response"}
-    if len(recordings) > 1 and not shown:
+    if len(recordings) > 1 and (not shown or _is_loaded(identification)):
         return Family(best, memory, tuple(recordings), tuple(holdout), False, drifts, tuple(notes), tuple(chain))
     elsewhere = _offsets(best, holdout)
     return Family(
@@ -180,6 +183,34 @@ def _in_step(identification: Identification) -> bool:
 
 def _left(identification: Identification) -> float:
     return float(np.mean([np.log(max(s.nrmse, 1e-300)) for s in identification.fit.segments]))
+
+
+def _is_loaded(identification: Identification) -> bool:
+    """Whether a load explains decisively more than what the sensors may show at zero: the motion itself shows it.
+
+    Where it explains no more, a law in the place of zeros would take what is missing. Where all ring down freely the
+    zeros stay free, and a load is begun in their place (``by_zeros``): both may be there, and one alone tells badly.
+    """
+    if all(is_let_go(part.segment) for part in identification.fit.segments):
+        return False
+    fit, model = identification.fit, identification.oscillator
+    found = {offset.recording: offset.value for offset in fit.offsets if offset.channel == "response"}
+    if model.response.quantity != "displacement" or found.keys() < {s.segment.recording for s in fit.segments}:
+        return False
+    start = with_term(model, _LOAD, {"load": model.omega0.value**2 * float(np.mean([*found.values()]))})
+    try:
+        loaded = identify(identification.recordings, start=start, doubted=False, near=True).fit
+    except BadInput:
+        return False
+    if [s.segment.start for s in fit.segments] != [s.segment.start for s in loaded.segments]:
+        return False
+    # the one that tells less may have lost the last swings
+    shorter = [min(a.segment, b.segment, key=lambda s: s.n) for a, b in zip(fit.segments, loaded.segments, strict=True)]
+    before, after = (
+        [s.response - fitted.simulated[: s.n] for s, fitted in zip(shorter, some.segments, strict=True)]
+        for some in (fit, loaded)
+    )
+    return bool(gain_of_mismatch(before, after, shorter)[0][0] > DECISIVE)
 
 
 def _offsets(model: Oscillator, recordings: Sequence[Recording]) -> dict[int, float]:

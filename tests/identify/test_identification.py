@@ -140,7 +140,7 @@ def test_standard_errors_hold_over_many_noises():
     scores = []
     for seed in range(8):
         sweep, decay = record("sweep", seed=seed, noise=2e-3), record("decay", seed=seed + 50, noise=2e-3, seconds=4.0)
-        force = sweep.force + 1e-3 * np.random.default_rng(seed).standard_normal(sweep.n)
+        force = sweep.force + 1e-3 * np.random.default_rng(seed + 500).standard_normal(sweep.n)
         noisy = Recording(name="sweep", fs=sweep.fs, response=sweep.response, force=force)
         parameters = identify([noisy, decay]).oscillator.parameters()
         scores.append([(p.value - TRUTH[name]) / p.std for name, p in parameters.items()])
