@@ -17,7 +17,7 @@ from ..problem.prediction import FREE
 from ..problem.rounding import measure_rounding, scatter_of_rounding
 from ..signals.noise_spectrum import NoiseSpectrum, force_noise_left
 from ..signals.registry import numerics
-from ..signals.signals import noise_levels
+from ..signals.signals import drive_of, noise_levels
 
 _STRAIGHT = numerics(
     0.5, "of an error", why="by which a draw may differ from what the adjoint says: jumps are no noise"
@@ -92,17 +92,16 @@ def noise_on_forces(
 ) -> list[float]:
     """Standard deviation of the noise on samples of the force of each segment, also where levels are their means.
 
-    No more than what is left has room for: see ``force_noise_left``.
+    Of a force that shows signal where noise is measured no more than what is left has room for (``force_noise_left``);
+    else it is known better than the resonance that passes it on, which glides with the amplitude.
     """
     values = dict(zip(problem.core.parameter_names, map(float, state.values), strict=True))
     levels = []
     for segment, residual in zip(problem.segments, residuals, strict=True):
         recording = recordings[segment.recording]
-        level = max(noise_levels(recording)[1], recording.averaged)
-        if level and segment.force is not None and problem.memory == FREE:
+        level, drive = max(noise_levels(recording)[1], recording.averaged), drive_of(recording)
+        if drive is not None and drive.is_rough and segment.force is not None and problem.memory == FREE:
             passed = equivalent_resonance(segment, values) / values["mass"] ** 2
-            if isinstance(segment.force, ContactForce):  # whose noise counts during contacts alone
-                passed = passed * np.mean(segment.force.contacts(segment.n))
             level = force_noise_left(residual, passed, level, measured_share(segment))
         levels.append(level)
     return levels

@@ -51,11 +51,14 @@ class Signal:
         dozen samples a spectrum tells nothing: zero. And no more than another signal leaves unexplained: a random
         command has power at every frequency, as has the acceleration under it.
         """
-        shown, most = self._noise_alone, self.most()
-        # the least of several estimates is low by chance
-        return shown if shown <= HALF_AGAIN * most else max(most, converter_step(self.samples) / STEP_NOISE)
+        return max(self.most(), converter_step(self.samples) / STEP_NOISE) if self.is_rough else self._noise_alone
 
-    @property
+    @computed_once
+    def is_rough(self) -> bool:
+        """Whether it shows signal where noise is measured; the least of several estimates is low by chance."""
+        return self._noise_alone > HALF_AGAIN * self.most()
+
+    @computed_once
     def _noise_alone(self) -> float:
         shown, least = noise_level(self.samples, self.fs), noise_beside_edges(self.samples)
         if 0.0 < shown <= ABOVE_NOISE * least or not np.isfinite(least):
