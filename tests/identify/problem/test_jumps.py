@@ -106,8 +106,11 @@ def test_a_blow_too_short_to_be_cut_is_kept_where_its_jump_says_a_hundredth_or_l
     assert found == ([(0, 5 * CYCLE, 0.0)] if kept else []) + [(0, 30 * CYCLE, 0.0)]
 
 
-def test_what_was_left_out_is_said_of_its_recording():
-    before = [SimpleNamespace(n=100, dt=0.1, recording=0), SimpleNamespace(n=50, dt=0.1, recording=1)]
-    after = [SimpleNamespace(n=60, dt=0.1, recording=0), before[1]]
+@pytest.mark.parametrize("force", [None, "a force"])
+def test_what_was_left_out_is_said_of_its_recording(force):
+    """A larger force helps where there is one."""
+    before = [SimpleNamespace(n=n, dt=0.1, recording=i, force=force) for i, n in enumerate((100, 50))]
+    after = [SimpleNamespace(n=60, dt=0.1, recording=0, force=force), before[1]]
     (sentence,) = left_out(before, after, ["a", "b"])  # pyright: ignore[reportArgumentType]
     assert sentence.startswith("a: 4 of 10 s were left out")
+    assert ("a larger force" in sentence) is (force is not None)
