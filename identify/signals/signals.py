@@ -51,10 +51,10 @@ class Signal:
         dozen samples a spectrum tells nothing: zero. And no more than another signal leaves unexplained: a random
         command has power at every frequency, as has the acceleration under it.
         """
-        return max(self.most(), converter_step(self.samples) / STEP_NOISE) if self.is_rough else self._noise_alone
+        return max(self.most(), converter_step(self.samples) / STEP_NOISE) if self.hides_its_noise else self._noise_alone
 
     @computed_once
-    def is_rough(self) -> bool:
+    def hides_its_noise(self) -> bool:
         """Whether it shows signal where noise is measured; the least of several estimates is low by chance."""
         return self._noise_alone > HALF_AGAIN * self.most()
 
