@@ -51,7 +51,9 @@ class Signal:
         dozen samples a spectrum tells nothing: zero. And no more than another signal leaves unexplained: a random
         command has power at every frequency, as has the acceleration under it.
         """
-        return max(self.most(), converter_step(self.samples) / STEP_NOISE) if self.hides_its_noise else self._noise_alone
+        if not self.hides_its_noise:
+            return self._noise_alone
+        return max(self.most(), converter_step(self.samples) / STEP_NOISE)
 
     @computed_once
     def hides_its_noise(self) -> bool:
