@@ -260,7 +260,9 @@ def _on_grid(where: str, time: np.ndarray, grid: np.ndarray, columns: np.ndarray
             f"{where}: the time steps jitter by {100 * jitter / interval:.0f} % (rms) of {interval:.4g} s; "
             "record again with a hardware clock, or resample the file yourself"
         )
-    off = float(np.max(np.abs(time - grid[nearest := np.rint((time - grid[0]) / interval).astype(int)])))
+    # a first or last stamp that wavers may lie beyond a grid of least squares
+    nearest = np.clip(np.rint((time - grid[0]) / interval).astype(int), 0, len(grid) - 1)
+    off = float(np.max(np.abs(time - grid[nearest])))
     if off <= NEGLIGIBLE * interval:  # the samples are those of the grid
         made = np.full((len(grid), columns.shape[1]), np.nan)
         made[nearest] = columns

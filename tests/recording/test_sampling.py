@@ -70,6 +70,20 @@ def test_moderate_jitter_is_resampled_onto_the_grid():
     assert np.abs(sampling.columns - signal(GRID)).max() < 0.01 * raw
 
 
+@pytest.mark.parametrize("way", [1, -1], ids=["last", "first"])
+def test_a_stamp_beyond_the_grid_of_the_others_is_resampled(way):
+    """A grid of least squares ends before a last stamp that is most of a sample late."""
+    time = np.arange(400.0)
+    time[[-3, -1]] += 0.6, 0.7  # one step is short, so the long ones miss no sample
+    time = time / 200.0 if way > 0 else (399.0 - time[::-1]) / 200.0
+    made = uniform_sampling("x.csv", time, None, np.cos(2 * np.pi * 0.3 * time)[:, None])
+    grid = made.start + np.arange(len(made.columns)) / made.fs
+    off = np.abs(made.columns[:, 0] - np.cos(2 * np.pi * 0.3 * grid))
+    assert off.size == 400
+    assert np.count_nonzero(np.isnan(off)) <= 2  # in the long steps
+    assert np.nanmax(off) < 1e-6
+
+
 @pytest.mark.parametrize(("step", "kept"), [(0.015, True), (1e-4, False)])
 def test_a_converter_s_steps_stay_where_they_are_larger_than_what_the_stamps_move(step, kept):
     """Between large steps a spline would show none; between small ones it is nearer to the signal than a sample."""
