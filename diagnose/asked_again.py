@@ -72,7 +72,7 @@ def _are_alike(case: Case, found: Found) -> bool:
     """
     if not any(size for recording in case.recordings for _, size in recording.differs):
         return False
-    fit = partial(refitted, found.fitted, case.model, memory=found.weighing.data.memory)
+    fit = partial(refitted, found.fitted, case.model, memory=found.weighing.data.memory, compared=True)
     apart, same = fit(case.recordings), fit(alike(case.recordings))
     left, left_so = (max(part.over_noise for part in one.segments) for one in (apart, same))
     return left_so <= left if left_so > LACKING else not odds(apart, same) > DECISIVE
@@ -92,7 +92,7 @@ def _hold(case: Case, found: Found) -> str | None:
     if len(model.terms) == len(found.fitted.model.terms) and not max(part.ratio for part in left) > LACKING:
         return None
     free = [changed(recording, hold=None) for recording in case.recordings]
-    fit = partial(refitted, found.fitted, case.model, memory=found.weighing.data.memory)
+    fit = partial(refitted, found.fitted, case.model, memory=found.weighing.data.memory, compared=True)
 
     def answer(recordings: Sequence[Recording], known: Oscillator | None, *, doubted: bool) -> Fit:
         return fit(recordings, known or model, doubted=doubted)

@@ -29,6 +29,7 @@ def refitted(
     *,
     memory: float = FREE,
     doubted: bool = False,
+    compared: bool = False,
 ) -> Fit:
     """A structure of a search, whose simulations are coarser, fitted finely to recordings from where it was left.
 
@@ -39,6 +40,7 @@ def refitted(
         known: the structure elsewhere, or less one of its laws; None: as it was left.
         memory: how far it predicts, in cycles.
         doubted: whether its errors hold what predictions say otherwise.
+        compared: whether it is only compared with others, and its errors are those of the linearised response.
 
     Raises:
         BadInput: a finer simulation does not run.
@@ -48,7 +50,7 @@ def refitted(
     data = data_of(recordings, cut_by, coarse=False)
     # those whose zeros were taken off since may be cut elsewhere
     initial = fitted.initial if len(fitted.initial) == len(data.segments) else None
-    return delivered(model, data, shapes, initial=initial, memory=memory, doubted=doubted)
+    return delivered(model, data, shapes, initial=initial, memory=memory, doubted=doubted, compared=compared)
 
 
 def with_errors(
@@ -70,7 +72,7 @@ def with_errors(
         named: whether it is delivered, and its errors hold what predictions say otherwise, or only compared with.
         hold_is_free: whether the recordings' hold was found beside a family that lacks something, and is asked anew.
     """
-    answer = partial(refitted, fitted, cut_by, memory=memory)
+    answer = partial(refitted, fitted, cut_by, memory=memory, compared=not named)
     try:
         if hold_is_free:
             recordings = [changed(recording, hold=None) for recording in recordings]

@@ -104,6 +104,7 @@ def delivered(
     initial: np.ndarray | None = None,
     memory: float = FREE,
     doubted: bool = True,
+    compared: bool = False,
 ) -> Fit:
     """The fit next to where a search that compares structures has left it, simulated as finely as it is delivered.
 
@@ -117,6 +118,7 @@ def delivered(
         initial: (segments, states) of each segment; None where they are to be found.
         memory: how far the model predicts, in cycles; see ``prediction``.
         doubted: see ``maximum_likelihood``.
+        compared: see ``ended``.
 
     Raises:
         BadInput: where nothing in the recordings can be simulated.
@@ -132,7 +134,8 @@ def delivered(
     if plain_cost(problem.residuals(bare)) <= plain_cost(problem.residuals(state)):
         state = bare
     problem, state = kept_offsets(problem, state, start)
-    return ended(problem, state, start, recordings, {}, np.inf, [], doubted=doubted, most=_LAST_STEPS)
+    how = {"doubted": doubted, "compared": compared, "most": _LAST_STEPS}
+    return ended(problem, state, start, recordings, {}, np.inf, [], **how)
 
 
 def ended(
@@ -145,6 +148,7 @@ def ended(
     notes: Sequence[str],
     *,
     doubted: bool = True,
+    compared: bool = False,
     most: int = MOST_STEPS,
 ) -> Fit:
     """The fit from a place near it: weighted by the noise, and held against what predictions say.
@@ -158,6 +162,7 @@ def ended(
         plain: cost of a linear rig, which the answer must not exceed.
         notes: what a user should know.
         doubted: see ``maximum_likelihood``.
+        compared: whether it is only compared with others: its errors are then those of the linearised response.
         most: steps that each search may take.
     """
     answer, iterations = reweighted(problem, state, start, recordings, plain, most)
@@ -193,7 +198,8 @@ def ended(
         if i not in used and not any(note.startswith(f"{recording.name}: ") for note in notes)
     ]
     names = tuple(name for i, name in enumerate(start.parameters()) if i in problem.free)
-    return _result(start, names, problem, answer, doubt, free_run, recordings, iterations, notes)
+    draws = 0 if compared else _DRAWS
+    return _result(start, names, problem, answer, doubt, free_run, recordings, iterations, notes, draws)
 
 
 def _most_likely(
@@ -282,11 +288,12 @@ def _result(
     recordings: Sequence[Recording],
     iterations: int,
     remarks: Sequence[str],
+    draws: int,
 ) -> Fit:
     outcome, noise = answer.outcome, answer.noise
     levels = noise_on_forces(problem, outcome.state, outcome.residuals, recordings)
     spread = scatter(
-        problem.coarsely(), outcome.state, noise, levels, _DRAWS, remainders=answer.remainders, recordings=recordings
+        problem.coarsely(), outcome.state, noise, levels, draws, remainders=answer.remainders, recordings=recordings
     )
     inverse, lost = _invert(outcome.information, problem.scale[list(problem.free)])
     sizes = np.maximum(np.abs(outcome.state.values), _WHOLE * problem.scale)[list(problem.free)]

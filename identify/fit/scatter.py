@@ -45,7 +45,7 @@ def scatter(
         state: the maximum of the likelihood.
         noise: spectra that the fit weighted by.
         force_noise: standard deviation of the force noise of each segment (0: none).
-        draws: how many times.
+        draws: how many times; 0: none, as the linearised motion passes it on.
         seed: of the random numbers.
         remainders: spectra of what is left, where the fit weighted by others and the model leaves more than noise.
         recordings: of the segments, where what a converter of few levels did to them is to be counted in.
@@ -74,7 +74,7 @@ def scatter(
         for k, row in enumerate(projected):
             weighted[k] = noise[i].whitened_twice(row)
         base = np.subtract(segment.response, residuals[i], out=residuals[i])
-        if recordings:
+        if recordings and draws:
             total += scatter_of_rounding(problem, state, i, weighted, base, recordings, draws, seed)
         if remainders is not None:
             coloured = remainders[i].colour(weighted)
@@ -119,7 +119,7 @@ def _of_force(
     seed: int,
 ) -> np.ndarray | None:
     """(k, k) scatter of the score by noise of that standard deviation on the force of one segment; None where
-    no draw simulates.
+    no draw simulates, or none is asked for and no adjoint gives it.
 
     Where the linearised motion passes the noise on, its adjoint gives it (``adjoint``): one draw that is simulated says
     whether it does. Else noise is drawn and simulated, and each draw scored over the whole segment.
@@ -139,15 +139,18 @@ def _of_force(
         moved -= base
         return added[: segment.n], products(weighted, moved)
 
-    added, score = drawn(0)
+    tried = drawn(0) if draws else None
     felt = problem.felt(i, state, weighted)
     if felt is not None:
         spread, expected = np.zeros((len(weighted), len(weighted))), np.zeros(len(weighted))
         for part, own in felt if kept is None else [(slice(None), _averaged(_whole(felt, segment.n), kept))]:
             spread += own @ own.T
-            expected += own @ added[part]
-        if np.all(np.abs(expected - score) <= _STRAIGHT * level * np.sqrt(np.diag(spread))):
+            if tried is not None:
+                expected += own @ tried[0][part]
+        if tried is None or np.all(np.abs(expected - tried[1]) <= _STRAIGHT * level * np.sqrt(np.diag(spread))):
             return level**2 * spread
+    if tried is None:
+        return None
     scores = np.array(problem.map(lambda draw: drawn(draw)[1], range(draws)))
     scores = scores[np.all(np.isfinite(scores), axis=1)]  # a draw may end in chatter where friction hardly holds
     return scores.T @ scores / len(scores) if len(scores) else None

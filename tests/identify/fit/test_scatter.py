@@ -130,6 +130,21 @@ def test_drawn_noise_scatters_the_score_as_the_adjoint_says(monkeypatch):
     same(adjoint, scatter(problem, state, flat(problem), [level], 600, seed=4), 0.2)  # a variance is good to 6 %
 
 
+def test_without_draws_nothing_is_simulated_for_the_noise(monkeypatch):
+    n, level = 4000, 3e-4
+    problem, state = problem_of(TRUTH, [recorded(TRUTH, sweep(n), n)], fixed=())
+    adjoint = scatter(problem, state, flat(problem), [level], 1)
+    own, runs = problem.simulate, []
+
+    def simulate(i, point, **how):
+        runs.append(how)
+        return own(i, point, **how)
+
+    monkeypatch.setattr(problem, "simulate", simulate)
+    same(scatter(problem, state, flat(problem), [level], 0), adjoint, 1e-9)
+    assert not any("added" in how for how in runs)
+
+
 def test_noise_of_levels_is_the_same_on_all_samples_of_each(monkeypatch):
     """As the adjoint says and as draws do; of levels longer than a cycle much less than of as noisy samples."""
     n, level = 6000, 3e-4
