@@ -10,6 +10,7 @@ import numpy as np
 
 from ...identify.fit.mismatch import gain_of_mismatch
 from ...identify.problem.data import Data
+from ...identify.problem.structure import Fitted
 from ...identify.signals.odds import ABOVE_NOISE, DECISIVE
 from ...identify.signals.registry import budget
 from ...model.law import Law
@@ -59,16 +60,39 @@ def _odds(candidate: Candidate, other: Candidate, parts: Sequence[Data], more: i
     fewer = (other if more > 0 else candidate).fit
     if more and fewer is not None:
         gain += math.copysign(0.5 * worth, more) * math.log1p(-share * by_chance(fewer, parts[0], abs(more)))
-    prior = (len(candidate.laws) - len(other.laws)) * math.log(sum(not law.learnt for law in KNOWN.values()))
+    prior = _prior(len(candidate.laws) - len(other.laws))
     samples = sum(segment.n for segment in segments)
     gain *= 1.0 / (worth / samples + share)
     return np.clip(gain - share * prior, -abs(total), abs(total))
 
 
+def needed_in_samples(fitted: Fitted, data: Data) -> float:
+    """Log-likelihood, each sample a witness of its own, that a law must gain to be decisive by what is a witness.
+
+    As ``log_odds`` has it, on the training recordings and but for chance: far from the noise nothing that gains less is
+    accepted, and at the noise this is nothing.
+    """
+    ratio = max(times_the_noise(fitted.residuals, fitted.model, data))
+    share = _beyond_noise(ratio)
+    if share <= 0.0 or not fitted.finite:
+        return 0.0
+    _, worth = gain_of_mismatch(fitted.residuals, fitted.residuals, data.segments)
+    samples = sum(segment.n for segment in data.segments)
+    return share * samples / max(worth, 1.0) * (DECISIVE + share * _prior(1))
+
+
+def _prior(laws: int) -> float:
+    """Logarithm of how many structures of so many laws there are to choose from, each as likely as another."""
+    return laws * math.log(sum(not law.learnt for law in KNOWN.values()))
+
+
+def _beyond_noise(ratio: float) -> float:
+    return 1.0 - (ABOVE_NOISE / ratio) ** 2 if ratio > ABOVE_NOISE else 0.0
+
+
 def mismatch_share(candidate: Candidate, parts: Sequence[Data]) -> float:
     """Part of the power that a structure leaves which is no noise, as well as that is known; 0 where all may be."""
-    ratio = max(_times_the_noise(candidate, parts))
-    return 1.0 - (ABOVE_NOISE / ratio) ** 2 if ratio > ABOVE_NOISE else 0.0
+    return _beyond_noise(max(_times_the_noise(candidate, parts)))
 
 
 def leaves_mismatch(candidate: Candidate, parts: Sequence[Data]) -> bool:

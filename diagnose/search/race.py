@@ -74,6 +74,7 @@ class Start:
         entry: as it was proposed.
         data: training recordings.
         measure: in which it is compared.
+        lost: of which segments the motion is lost where it is put in, so that nothing is said of it there.
 
     Attributes:
         laws, model, hoped, patience, adds: see ``Entry``; the model as far as it came.
@@ -84,10 +85,10 @@ class Start:
         steps: taken so far.
     """
 
-    def __init__(self, entry: Entry, data: Data, measure: Measure) -> None:
+    def __init__(self, entry: Entry, data: Data, measure: Measure, lost: Sequence[bool] = ()) -> None:
         self.laws, self.model, self.adds = entry.laws, entry.model, entry.adds
         self.hoped, self.patience = entry.hoped, entry.patience
-        self.data = data
+        self.data, self._lost_there = data, lost or [False] * len(data.segments)
         self.structure = Structure(entry.model, data, entry.fixed)
         self.measure = measure
         problem = self.structure.problem
@@ -120,7 +121,7 @@ class Start:
             state = settled(problem, state)
         residuals = problem.residuals(state)
         for shown in (state.initial, self.structure.state(None).initial):
-            lost = _lost(problem.segments, residuals)
+            lost = _lost(problem.segments, residuals, self._lost_there)
             if not any(lost):
                 break
             begun = state.initial.copy()
@@ -180,6 +181,13 @@ class Start:
         if self.steps == 0 and self._promised is None and self.value >= promised:
             return np.inf  # better than was hoped: nobody knows how far it goes
         return self.value + max(self.credit * max(promised - self.value, 0.0), self._gained)
+
+    @property
+    def hopes(self) -> float:
+        """What it may reach where a promise is as much too small as it is ever taken to be too large."""
+        if self._promised is None:
+            return np.inf
+        return self.value + max(self._promised - self.value, self._gained) / LEAST_CREDIT
 
     @property
     def fitted(self) -> Fitted:
@@ -289,18 +297,24 @@ def _nearer(
     return replace(state, initial=np.where(np.array(better)[:, None], other.initial, state.initial)), kept
 
 
-def started(entry: Entry, data: Data, measure: Measure, *, beside_noise: bool = False) -> Start | None:
+def started(
+    entry: Entry, data: Data, measure: Measure, beside: Fitted | None = None, *, beside_noise: bool = False
+) -> Start | None:
     """A start; None where the model cannot be simulated from there.
 
     One that has lost the motion of a segment, as a rig that friction holds where the recorded one moves, is brought
     back to it over predictions; no step of a simulation would. Beside one that leaves nothing but noise it is not
-    (``beside_noise``): what loses the motion where that begins does not act like it.
+    (``beside_noise``): what loses the motion where that begins does not act like it. Neither is it where the fit
+    ``beside`` which it is put has lost the motion as well: what was lost before it came is no sign that it is stuck.
     """
-    start = _put(entry, data, measure)
-    if start is None or beside_noise or data.memory != FREE or not any_lost(data.segments, start.descent.residuals):
+    lost = _lost(data.segments, beside.residuals) if beside is not None and data.memory == FREE else []
+    start = _put(entry, data, measure, lost)
+    if start is None or beside_noise or data.memory != FREE:
+        return start
+    if not any(_lost(data.segments, start.descent.residuals, lost)):
         return start
     there = replace(entry, model=continued(entry.model, data, entry.fixed), initial=None)
-    return max(start, _put(there, data, measure) or start, key=lambda one: one.value)
+    return max(start, _put(there, data, measure, lost) or start, key=lambda one: one.value)
 
 
 def continued(model: Oscillator, data: Data, fixed: Sequence[str]) -> Oscillator:
@@ -326,17 +340,18 @@ def any_lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bo
     return any(_lost(segments, residuals))
 
 
-def _lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> list[bool]:
-    """Of which segments it has."""
+def _lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray], already: Sequence[bool] = ()) -> list[bool]:
+    """Of which segments it has, but for those that were lost already."""
+    gone = already or [False] * len(segments)
     return [
-        not follows(float(np.sqrt(np.mean(residual**2))), segment.response, segment.noise)
-        for segment, residual in zip(segments, residuals, strict=True)
+        not known and not follows(float(np.sqrt(np.mean(residual**2))), segment.response, segment.noise)
+        for segment, residual, known in zip(segments, residuals, gone, strict=True)
     ]
 
 
-def _put(entry: Entry, data: Data, measure: Measure) -> Start | None:
+def _put(entry: Entry, data: Data, measure: Measure, lost: Sequence[bool]) -> Start | None:
     try:
-        start = Start(entry, data, measure)
+        start = Start(entry, data, measure, lost)
     except (DashpotError, np.linalg.LinAlgError):
         return None
     return start if np.isfinite(start.value) else None
@@ -357,6 +372,7 @@ def race(
     points: int,
     progress: Callable[[str, float], None] = lambda _what, _part: None,
     over: Callable[[], bool] = lambda: False,
+    needed: float = 0.0,
 ) -> Measure:
     """Let starts go on, the most promising first, until each is at rest or cannot reach the best of all.
 
@@ -371,6 +387,7 @@ def race(
         points: number of samples.
         progress: called with what is being done and the part that is.
         over: asked before each step whether no time is left.
+        needed: by how much what adds to the standing structure must be better to be of any use.
 
     Returns:
         The measure in which they are compared at the end.
@@ -389,8 +406,10 @@ def race(
         best = max([bar, *(paid(start.value, start.count) for start in starts)])
 
         def hopeless(start: Start, bar: float = bar, best: float = best) -> bool:
-            reach = max(best - DECISIVE, bar if start.adds else -np.inf)
-            return start.steps >= start.patience and paid(start.ceiling, start.count) < reach
+            reach = max(best - DECISIVE, bar + needed if start.adds else -np.inf)
+            if start.steps < start.patience:
+                return start.adds and paid(start.hopes, start.count) < reach
+            return paid(start.ceiling, start.count) < reach
 
         at_noise = any(start.near for start in starts)
         for start in starts:

@@ -13,6 +13,7 @@ import math
 import time
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import combinations
 
 import numpy as np
@@ -32,7 +33,7 @@ from ..limits import MOST_EFFECTS
 from .by_prediction import by_prediction, by_probing
 from .candidate import Candidate, key
 from .found import Found, Weighing
-from .judgement import accepted, first_of_several, leading, only_a_name
+from .judgement import accepted, first_of_several, leading, needed_in_samples, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
 from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
@@ -99,6 +100,7 @@ class Search:
     _asked: dict[tuple[tuple[str, ...], tuple[str, ...]], Fitted] = field(default_factory=dict, init=False)
     _less: list[Proposal] = field(default_factory=list, init=False)
     asked_rugged: bool = field(default=False, init=False)
+    _led: set[tuple[str, ...]] = field(default_factory=set, init=False)
     _front_before: Fitted | None = field(default=None, init=False)
     _measures: tuple[Measure, Measure] = field(default=(Measure(), Measure()), init=False)
 
@@ -141,7 +143,7 @@ class Search:
         known = [one for one in before.candidates.values() if one.laws and one.stage == "judged"]
         for leads in (True, False):
             some = [one for one in known if (one.laws == before.selected.laws) is leads]
-            starts = self._started(Entry(one.laws, one.fit.model) for one in some if one.fit is not None)
+            starts = self._started((Entry(one.laws, one.fit.model) for one in some if one.fit is not None), None)
             self._race(starts, self._front(leader, ()))
             leader = self._best_of_neighbours(leader, starts)
         return leader
@@ -151,6 +153,7 @@ class Search:
         reached: dict[tuple[str, ...], Candidate] = {}
         while leader.laws not in reached or self._now(leader) > self._now(reached[leader.laws]) + DECISIVE:
             reached[leader.laws] = leader
+            self._led.add(leader.laws)
             _log.info("%s leads: log-evidence %.6g", leader.name, leader.value)
             best = leader
             for way in self._ways(leader):
@@ -182,6 +185,9 @@ class Search:
         """
         if self._at_noise(leader, ()):
             return [self._as_long_or_shorter, self._scored]
+        if self.before is not None and leader.laws == self.before.selected.laws:
+            # what else was asked is known: a block that is left out adds no motion
+            return [self._moved, self._as_long_or_shorter, self._scored]
         if any(find(law).rugged for law in leader.laws):
             return []  # what it leaves may be a side valley's, and no sign of a second law
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
@@ -217,12 +223,14 @@ class Search:
         assert leader.fit is not None
         self.progress("what the best could do without", 0.0)
         at_noise = self._at_noise(leader, ())
-        entries = [*dropped(leader, self.data, leader.laws), *self._exchanged(leader)]
-        starts = self._started(entries, beside_noise=at_noise)
+        # far from the noise what led before it is known as well as it will be
+        shorter = [law for law in leader.laws if at_noise or key([n for n in leader.laws if n != law]) not in self._led]
+        entries = [*dropped(leader, self.data, shorter), *self._exchanged(leader)]
+        starts = self._started(entries, leader.fit, noise=at_noise)
         self._race(starts, leader.fit)
         if at_noise and len(leader.laws) > 1:
             doubted = [law for law in leader.laws if self._rests_low(leader, law, starts)]
-            anew = self._started(dropped(leader, self.data, doubted, anew=True), beside_noise=True)
+            anew = self._started(dropped(leader, self.data, doubted, anew=True), None, noise=True)
             self._race(anew, leader.fit)
             starts += anew
         return starts
@@ -287,7 +295,7 @@ class Search:
         asked = [*((law,) for law in laws), *together]
         entries = [with_learnt(leader, put, self.data, PATIENCE * len(put)) for put in asked]
         entries = [entry for entry in entries if entry.laws not in self.candidates]
-        self._race(starts := self._started(entries), leader.fit)
+        self._race(starts := self._started(entries, leader.fit), leader.fit)
         return starts
 
     def _from_motion(self, leader: Candidate, laws: Sequence[Law], beside: Sequence[Start]) -> list[Start]:
@@ -358,8 +366,10 @@ class Search:
         for start in starts:
             start.measured_by(self._measures[0])
         measure, points = self._measures[0], self.data.points
+        needed = needed_in_samples(standing, self.data) if any(start.adds for start in starts) else 0.0
+        how = {"over": self._over, "needed": needed}
         raced = race(
-            starts, measure, standing, points, lambda what, part: self.progress(what, 0.3 + 0.65 * part), self._over
+            starts, measure, standing, points, lambda what, part: self.progress(what, 0.3 + 0.65 * part), **how
         )
         self._measures = raced, self._measures[1]
 
@@ -393,12 +403,10 @@ class Search:
         """A fitted structure with what speaks for it; see ``Weighing.weigh``."""
         return self.weighing.weigh(laws, fitted, held_out)
 
-    def _started(self, entries: Iterable[Entry], *, beside_noise: bool = False) -> list[Start]:
+    def _started(self, entries: Iterable[Entry], beside: Fitted | None, *, noise: bool = False) -> list[Start]:
         """Those that can be simulated."""
-        measure = self._measures[0]
-        starts = [
-            started(entry, self.data, measure, beside_noise=beside_noise) for entry in entries if not self._over()
-        ]
+        put = partial(started, data=self.data, measure=self._measures[0], beside=beside, beside_noise=noise)
+        starts = [put(entry) for entry in entries if not self._over()]
         return [start for start in starts if start is not None]
 
     def _addable(self, leader: Candidate, *, learnt: bool = False) -> list[Law]:
@@ -432,7 +440,7 @@ class Search:
             patience = 0 if near else PATIENCE
             begun = proposal.initial, proposal.offsets
             entries.append(Entry(laws, proposal.model, *begun, fixed, hoped, patience, adds=True))
-        return self._started(entries)
+        return self._started(entries, leader.fit)
 
     def _exchanged(self, leader: Candidate) -> list[Entry]:
         """The leader with one law, or several at once, exchanged for one that acts most like it on its own motion."""
@@ -463,7 +471,7 @@ class Search:
     def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
         """Starts with the shape of their laws free too, of those that came far."""
         far = [start for start in starts if self._paid(start) > self._paid_by(front) - DECISIVE]
-        return self._started([entry for start in far if (entry := with_shapes(start)) is not None])
+        return self._started([entry for start in far if (entry := with_shapes(start)) is not None], front)
 
     def _simulated(self, leader: Candidate) -> Candidate:
         """The leader fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""

@@ -355,6 +355,16 @@ def test_what_adds_a_law_must_promise_more_than_the_best_outside():
     assert [runner.steps for runner in (*more, as_long)] == [0, 1, 1]
 
 
+@pytest.mark.parametrize(("hopes", "steps"), [(54.9, 0), (55.1, 1), (np.inf, 1)])
+def test_patience_ends_where_ten_times_the_promise_would_not_be_what_is_needed(hopes, steps):
+    standing = SimpleNamespace(residuals=50.0, model=None, free=())
+    measure = SimpleNamespace(noise=(), near=lambda *_: False, value=lambda residuals: residuals)
+    patient = Runner("patient", 0.0, 1.0, ceiling=0.0, patience=3, adds=True)
+    patient.hopes = hopes
+    race([patient], measure, standing, 1000, needed=5.0)
+    assert patient.steps == steps
+
+
 def test_every_parameter_costs_half_the_logarithm_of_the_samples():
     best, dear = Runner("best", 100.0, ceiling=100.0), Runner("dear", 0.0, 1.0, ceiling=101.0)
     dear.count = 4  # pays 13.8

@@ -47,7 +47,7 @@ def proposing(monkeypatch):
     """``proposing(gains)``: what every screen proposes from then on; what is entered is not simulated."""
     module = "dashpot.diagnose.search.search"
 
-    def simulated(search, entries, *, beside_noise=False):
+    def simulated(search, entries, beside, *, noise=False):
         nowhere = {"near": False, "value": -np.inf, "count": 0}
         return [SimpleNamespace(laws=entry.laws, patience=entry.patience, **nowhere) for entry in entries]
 
@@ -343,7 +343,7 @@ def test_a_race_is_told_from_three_tenths_on(monkeypatch):
     said: list[tuple[str, float]] = []
     search.progress = lambda what, part: said.append((what, part))
 
-    def race(starts, measure, standing, points, progress, over):
+    def race(starts, measure, standing, points, progress, over, needed):
         progress("drag", 0.0)
         progress("drag", 1.0)
         return measure
