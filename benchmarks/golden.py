@@ -77,7 +77,8 @@ class Worker:
     """A process that runs cases of one tree, one after another."""
 
     def __init__(self, above: Path) -> None:
-        environment = {**os.environ, "PYTHONPATH": str(above), "OPENBLAS_NUM_THREADS": "1"}
+        own = {"PYTHONPATH": str(above), "OPENBLAS_NUM_THREADS": "1", "DASHPOT_SECONDS": "inf"}
+        environment = {**os.environ, **own}
         command = [sys.executable, "-P", str(Path(__file__).resolve()), "--work"]
         pipe = subprocess.PIPE
         self.process = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True, env=environment, cwd=above)

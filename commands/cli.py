@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 import sys
 from pathlib import Path
@@ -276,9 +275,10 @@ def identify(
 @click.option(
     "--seconds",
     type=Above(),
-    default=math.inf,
+    default=None,
     metavar="SECONDS",
-    help="After which the best answer is given that was found, and what was not tried is said. (default: no limit)",
+    help="After which the best answer is given that was found, and what was not tried is said; inf: no limit. "
+    "(default: 60, or what DASHPOT_SECONDS says)",
 )
 @with_figures
 @with_mode
@@ -290,24 +290,25 @@ def diagnose(
     holdout: tuple[Path, ...],
     output: Path,
     as_json: bool,
-    seconds: float,
+    seconds: float | None,
     figures: str | None,
     mode: str | None,
     **options: Any,
 ) -> None:
     """Find the physics that a model lacks and recordings show; exit code 1 where something stays unexplained."""
     from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder
-    from ..face.workflow import diagnosed, write_diagnosis
+    from ..face.workflow import diagnosed, seconds_allowed, write_diagnosis
     from ..model.file import load
     from ..report.diagnosis_text import describe
 
+    allowed = seconds_allowed(seconds)
     check_folder(output)
     files = (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT)
     outputs_checked([output / name for name in files], [model, *recordings, *holdout])
     oscillator = load(model)
     training, held = read_all(recordings, options, say), read_all(holdout, options, say)
     with progress_shown() as progress:
-        how = {"mode": mode, "notes": say, "progress": progress, "seconds": seconds}
+        how = {"mode": mode, "notes": say, "progress": progress, "seconds": allowed}
         diagnosis, fmu = diagnosed(oscillator, training, held, **how)
     written = write_diagnosis(output, diagnosis, fmu, figures)
     if as_json:

@@ -15,7 +15,6 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import BadInput
-from ..identify.signals.registry import budget
 from ..model import Oscillator
 from ..model.display import full_stop
 from ..model.library import KNOWN
@@ -31,10 +30,9 @@ from .search.found import Found
 from .search.search import Search
 from .simplify import simplify
 from .tell import tell
+from .time_allowed import TimeAllowed
 
 _log = logging.getLogger(__name__)
-
-SEARCHING = budget(0.6, "part of the time", why="the rest fits finely, runs the FMU, rehearses experiments and draws")
 
 #: The law of a sensor that sits elsewhere all the time.
 _SENSOR_OFFSET = "sensor-offset"
@@ -63,10 +61,16 @@ def diagnose(
     Raises:
         BadInput: where the recordings are not of this model's rig, or cannot carry a diagnosis.
     """
-    meter = Meter()
-    case, found, left_out = _searched(model, (recordings_of(recordings), recordings_of(holdout)), progress, seconds)
-    found = simplify(case, found, progress)
-    diagnosis = tell(case, found, fmu, progress)
+    meter, allowed = Meter(), TimeAllowed(seconds)
+    progress = allowed.forward(progress)
+    case, found, left_out = _searched(model, (recordings_of(recordings), recordings_of(holdout)), progress, allowed)
+    found = simplify(case, found, progress, allowed)
+    if found.untried:
+        case = case.noted(
+            f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "
+            "allow more with --seconds"
+        )
+    diagnosis = tell(case, found, fmu, progress, allowed)
     if left_out:
         said = f"{full_stop(diagnosis.sentence)} Left out, as no law explains it: {'; '.join(map(str, left_out))}."
         diagnosis = replace(diagnosis, sentence=said)
@@ -76,26 +80,26 @@ def diagnose(
 
 
 def _searched(
-    model: Oscillator, given: tuple[list[Recording], list[Recording]], progress: Progress, seconds: float
+    model: Oscillator, given: tuple[list[Recording], list[Recording]], progress: Progress, allowed: TimeAllowed
 ) -> tuple[Case, Found, list[OddBlock]]:
     """What the recordings speak for: again under the hold that they ask for, and without blocks that no law explains.
 
     Args:
         model: as ``diagnose`` has it.
         given: recordings to fit to, and held out.
-        progress, seconds: as ``diagnose`` has them.
+        progress: as ``diagnose`` has it.
+        allowed: what the whole may take.
 
     Returns:
         The case of the last search, what it ended with, and what was left out.
     """
-    begun, left_out = time.monotonic(), []
-    until = begun + SEARCHING * seconds
+    until, left_out = allowed.search_until, []
     case = prepare(model, *given, progress)
-    taken = time.monotonic() - begun
+    taken = time.monotonic() - allowed.begun
     found = find(case, progress, until)
     while True:
         odd: list[OddBlock] = []
-        change = asked_again(case, found) if time.monotonic() < until else None
+        change = asked_again(case, found) if allowed.searching else None
         if change:
             rest = change.of(given[0]), change.of(given[1])
         else:
@@ -114,11 +118,6 @@ def _searched(
         _log.info("again %s", why)
         given, case, left_out = rest, searched, [*left_out, *odd]
         found = find(case, progress, until, None if change else found)
-    if found.untried:
-        case = case.noted(
-            f"{seconds:.4g} s were too short to try everything (not tried: {'; '.join(dict.fromkeys(found.untried))}); "
-            "allow more with --seconds"
-        )
     return case, found, left_out
 
 

@@ -50,6 +50,7 @@ from .search.measure import Measure
 from .search.race import PATIENCE, Entry, continued, race, started
 from .search.starts import handed_down
 from .search.weigh import forget, judged
+from .time_allowed import SEARCHED, TimeAllowed
 
 #: Standard errors within which the share ``GROUP`` of what is none comes out.
 _TOLD = -NormalDist().inv_cdf((1 - GROUP) / 2)
@@ -58,19 +59,20 @@ _AT_REST = numerics(0.0025, "log-likelihood", why="a fourteenth of a standard er
 _log = logging.getLogger(__name__)
 
 
-def simplify(case: Case, found: Found, progress: Progress) -> Found:
+def simplify(case: Case, found: Found, progress: Progress, allowed: TimeAllowed) -> Found:
     """The best structure less what it does without; see above.
 
     Args:
         case: what the diagnosis is about.
         found: of the search.
         progress: called with what is being done and how much of all is done.
+        allowed: what the whole may take: without time left, the rivals are compared as far as they came.
     """
-    progress("rivals of what was found", 0.85)
-    found = with_most_probable(with_rivals_fitted(found))
+    progress("rivals of what was found", SEARCHED)
+    found = with_most_probable(with_rivals_fitted(found, lambda: allowed.checking))
     weighing, several = found.weighing, len(found.selected.laws) > 1
     if weighing.data.memory == FREE and several and not leaves_mismatch(found.selected, weighing.parts):
-        progress("whether all laws are needed", 0.85)
+        progress("whether all laws are needed", SEARCHED)
         found = without_needless(found, lambda fitted: refitted(fitted, case.model, case.recordings).oscillator)
     found = with_plainer_laws(found)
     if len(found.selected.laws) > 1:
@@ -83,8 +85,11 @@ def simplify(case: Case, found: Found, progress: Progress) -> Found:
 # Rivals that left the race.
 
 
-def with_rivals_fitted(found: Found) -> Found:
-    """The best structure once each law that cannot be told from one of its own was fitted to its end and weighed."""
+def with_rivals_fitted(found: Found, checking: Callable[[], bool] = lambda: True) -> Found:
+    """The best structure once each law that cannot be told from one of its own was fitted to its end and weighed.
+
+    Those are not that come where no time is left for checking.
+    """
     tried: set[tuple[str, ...]] = set()
     while True:
         selected, parts, candidates = found.selected, found.weighing.parts, list(found.candidates.values())
@@ -96,6 +101,8 @@ def with_rivals_fitted(found: Found) -> Found:
         rivals = {laws for laws in rivals if found.candidates[laws].stage != "judged"} - tried
         if not rivals:
             return found
+        if not checking():
+            return replace(found, untried=(*found.untried, "rivals fitted to their end"))
         tried |= rivals
         evaluated = []
         for laws in sorted(rivals):

@@ -36,6 +36,7 @@ from .search.residual_test import Leftover, leftovers, nearer
 from .search.residual_test import sentence as remainder_sentence
 from .search.weigh import judged
 from .simplify import of_unknown_size
+from .time_allowed import TimeAllowed
 from .verdict import explained_share, sentence_of, verdict_of
 
 _log = logging.getLogger(__name__)
@@ -58,7 +59,7 @@ class _Left:
     after: Sequence[Leftover]
 
 
-def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diagnosis:
+def tell(case: Case, found: Found, fmu: Path | None, progress: Progress, allowed: TimeAllowed) -> Diagnosis:
     """Deliver the best structure, try it on every recording, and say what was found.
 
     Args:
@@ -66,6 +67,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
         found: the best structure, with all others that were evaluated.
         fmu: where to write the mended model as an FMU; a temporary place where None.
         progress: called with what is being done and how much of all is done.
+        allowed: what the whole may take: without time left, the hold of the force is not asked anew.
     """
     case, left = _without_offsets(case, found)
     other_rig = stranger(found.fitted, found.weighing.data, found.weighing.holdout, left.after)
@@ -75,7 +77,7 @@ def tell(case: Case, found: Found, fmu: Path | None, progress: Progress) -> Diag
     before, _ = with_errors(found.family, case.model, case.recordings, found.family_memory)
     after = None
     if found.selected.laws and not other_rig:
-        case, left, after = _delivered(case, found, left, before)
+        case, left, after = _delivered(case, found, left, before, allowed)
     progress("the mended model on every recording, as an FMU on those held out", 0.9)
     case, after, records = _tried(case, found, left, (before, after), fmu, progress)
     for record in records:
@@ -144,10 +146,12 @@ def _without_offsets(case: Case, found: Found) -> tuple[Case, _Left]:
     return case, _Left(data, held, family, before, left)
 
 
-def _delivered(case: Case, found: Found, left: _Left, before: Oscillator) -> tuple[Case, _Left, Oscillator]:
+def _delivered(
+    case: Case, found: Found, left: _Left, before: Oscillator, allowed: TimeAllowed
+) -> tuple[Case, _Left, Oscillator]:
     """The best structure as it is delivered, the hold of the force asked for beside it, and what it then leaves."""
     # beside what still lacks something the hold would be asked for in vain once more
-    free = all(recording.hold is None for recording in case.given) and not remainder_sentence(left.after)
+    free = all(r.hold is None for r in case.given) and not remainder_sentence(left.after) and allowed.checking
     fitted = named(found.fitted, found.selected.laws)
     memory = found.weighing.data.memory
     after, notes = with_errors(fitted, case.model, case.recordings, memory, named=True, hold_is_free=free)

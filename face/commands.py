@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -202,10 +201,10 @@ def diagnose(
     holdout: Any = (),
     mode: str | float | None = None,
     progress: Callable[[str, float], None] | None = None,
-    seconds: float = math.inf,
+    seconds: float | None = None,
     **options: Unpack[Reading],
 ) -> Diagnosis:
-    """Find the physics that a model lacks and recordings show; takes minutes.
+    """Find the physics that a model lacks and recordings show; takes a minute.
 
     Args:
         model: gives the family; a Model, or the path of a model file.
@@ -213,7 +212,8 @@ def diagnose(
         holdout: recordings to judge by, of another level or kind.
         mode: which of several modes.
         progress: called with what is done and how much of all is done, 0 to 1.
-        seconds: after which it says the best that it has found, and what it has not tried.
+        seconds: after which it says the best that it has found, and what it has not tried; None: a minute, or what
+            the environment variable DASHPOT_SECONDS says. ``math.inf``: no limit.
         options: how to read, see ``dashpot.recording.Reading``.
 
     Returns:

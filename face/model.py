@@ -5,7 +5,6 @@ They stand together because each makes the other: a model is diagnosed, and a di
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -19,7 +18,7 @@ from ..model.limits import checked_value
 from ..model.oscillator import QUANTITIES
 from ..recording import Reading, recordings_of
 from .options import mode_text, with_reading
-from .workflow import Say, diagnosed, exported, write_diagnosis
+from .workflow import Say, diagnosed, exported, seconds_allowed, write_diagnosis
 
 if TYPE_CHECKING:
     from ..diagnose.result import Diagnosis as Result
@@ -277,12 +276,13 @@ class Model:
         holdout: Any = (),
         mode: str | float | None = None,
         progress: Callable[[str, float], None] | None = None,
-        seconds: float = math.inf,
+        seconds: float | None = None,
         **options: Unpack[Reading],
     ) -> Diagnosis:
         """What physics the model lacks that recordings show; see ``dashpot.diagnose``."""
         training, held = recordings_of(*recordings, **options), recordings_of(holdout, **options)
-        how = {"mode": mode_text(mode), "progress": progress or (lambda _what, _part: None), "seconds": seconds}
+        said = progress or (lambda _what, _part: None)
+        how = {"mode": mode_text(mode), "progress": said, "seconds": seconds_allowed(seconds)}
         return Diagnosis(*diagnosed(self.oscillator, training, held, **how))
 
     def renamed(self, name: str) -> Model:

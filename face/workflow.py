@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -31,9 +32,29 @@ Say = Callable[[str], None]
 #: Folder of the pictures of a page.
 FIGURES = "figures"
 
+#: The environment variable that says how long a diagnosis may take where nobody else does, and what it then may, s.
+SECONDS, USUAL_SECONDS = "DASHPOT_SECONDS", 60.0
+
 
 def silent(_: str) -> None:
     """Say nothing."""
+
+
+def seconds_allowed(asked: float | None) -> float:
+    """What a diagnosis may take, s: as asked or, where nothing was, as the environment says, or a minute.
+
+    Raises BadInput where the environment says no such number.
+    """
+    said = os.environ.get(SECONDS, "").strip()
+    if asked is not None or not said:
+        return USUAL_SECONDS if asked is None else asked
+    try:
+        seconds = float(said)
+    except ValueError:
+        seconds = math.nan
+    if not seconds > 0.0:
+        raise BadInput(f"the environment variable {SECONDS} is {said!r}; set it to a number of seconds, or to inf")
+    return seconds
 
 
 def read_all(files: tuple[Path, ...], options: dict[str, Any], say: Say) -> list[Recording]:

@@ -19,6 +19,7 @@ from typing import Any
 #: Tests run on all cores. Threads of the linear algebra besides those would wait for one another in a loop: the
 #: matrices are small, and on busy cores a factorisation of 2400 x 22 takes a hundred times the time.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # is read when numpy is loaded
+os.environ.setdefault("DASHPOT_SECONDS", "inf")  # what a diagnosis finds may not depend on the speed of the machine
 os.environ.setdefault("HYPOTHESIS_STORAGE_DIRECTORY", str(Path(__file__).parents[1] / ".pytest_cache" / "hypothesis"))
 
 

@@ -22,6 +22,7 @@ from dashpot.diagnose.simplify import (
     with_rivals_fitted,
     without_needless,
 )
+from dashpot.diagnose.time_allowed import TimeAllowed
 from dashpot.errors import BadInput
 from dashpot.examples.force import chirp
 from dashpot.examples.truth import TRUTH
@@ -341,13 +342,13 @@ def test_nothing_ends_with_more_left_than_what_it_contains(leaving, monkeypatch,
     """Whichever recordings were held out: a race far from the noise may have weighed frequencies by the mismatch."""
     whole = leaving({THREE: 0.06, TWO: 0.05, ("a",): 0.2})
     for step in ("with_rivals_fitted", "with_most_probable", "with_plainer_laws"):
-        monkeypatch.setattr(simplify, step, lambda found: found)
+        monkeypatch.setattr(simplify, step, lambda found, *_: found)
     monkeypatch.setattr(simplify, "leaves_mismatch", lambda *_: True)
     monkeypatch.setattr(simplify, "cut_for", lambda *_: Whole(whole.segments))
     case = SimpleNamespace(in_pieces=in_pieces, family=None, uncut=(), model=None)
     weighing = SimpleNamespace(parts=(), data=SimpleNamespace(memory=np.inf))
     found = found_of(candidate(THREE), weighing, [candidate(TWO), candidate(("a",))])
-    assert simplify.simplify(case, found, lambda *_: None).selected.laws == TWO
+    assert simplify.simplify(case, found, lambda *_: None, TimeAllowed()).selected.laws == TWO
 
 
 @pytest.mark.parametrize("stage", ["left", "simulated"])

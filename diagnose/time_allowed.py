@@ -1,0 +1,63 @@
+"""How long a diagnosis may take, and which part of that each step has."""
+
+from __future__ import annotations
+
+import math
+import time
+from dataclasses import dataclass, field
+
+from ..identify.signals.registry import budget
+from .case import Progress
+
+_SEARCHING = budget(0.6, "part of the time", why="the rest fits finely, runs the FMU, rehearses experiments and draws")
+_CHECKING = budget(
+    0.75, "part of the time", why="after which rivals are fitted no farther and the hold is not asked anew"
+)
+
+#: What part of all is done once the search is.
+SEARCHED = 0.85
+
+
+@dataclass(frozen=True)
+class TimeAllowed:
+    """What a diagnosis may take, from now on.
+
+    Attributes:
+        seconds: in all.
+        begun: on the monotonic clock, s.
+    """
+
+    seconds: float = math.inf
+    begun: float = field(default_factory=time.monotonic)
+
+    @property
+    def search_until(self) -> float:
+        """Until when on the monotonic clock the library is searched, s."""
+        return self.begun + _SEARCHING * self.seconds
+
+    @property
+    def searching(self) -> bool:
+        """Whether the search has time left."""
+        return time.monotonic() < self.search_until
+
+    def forward(self, progress: Progress) -> Progress:
+        """The same progress, which never goes back, and a search that goes on to its end has its part of the time.
+
+        What a search has done of what it is at says nothing of what will be asked next: its time is what is known.
+        """
+        reached = 0.0
+
+        def said(what: str, part: float) -> None:
+            nonlocal reached
+            timed = (time.monotonic() - self.begun) / self.seconds
+            if self.seconds < math.inf and part < SEARCHED:
+                part = min(timed, SEARCHED)
+            reached = max(reached, part)
+            progress(what, reached)
+
+        return said
+
+    @property
+    def checking(self) -> bool:
+        """Whether there is time to ask of what was found what it could do without."""
+        return time.monotonic() < self.begun + _CHECKING * self.seconds
