@@ -9,9 +9,9 @@ from dataclasses import dataclass, field
 from ..identify.signals.registry import budget
 from .case import Progress
 
-_SEARCHING = budget(0.6, "part of the time", why="the rest fits finely, runs the FMU, rehearses experiments and draws")
+_SEARCHING = budget(0.5, "part of the time", why="the rest fits finely, runs the FMU, rehearses experiments and draws")
 _CHECKING = budget(
-    0.75, "part of the time", why="after which rivals are fitted no farther and the hold is not asked anew"
+    0.65, "part of the time", why="after which rivals are fitted no farther and the hold is not asked anew"
 )
 
 #: What part of all is done once the search is.

@@ -9,7 +9,7 @@ from dashpot.diagnose.time_allowed import TimeAllowed
 
 @pytest.mark.parametrize(
     ("after", "searching", "checking"),
-    [(0.0, True, True), (59.0, True, True), (61.0, False, True), (76.0, False, False)],
+    [(0.0, True, True), (49.0, True, True), (51.0, False, True), (66.0, False, False)],
 )
 def test_the_search_ends_before_the_checks(monkeypatch, after, searching, checking):
     monkeypatch.setattr(time_allowed.time, "monotonic", lambda: 1000.0 + after)
