@@ -6,7 +6,7 @@ import math
 import time
 from dataclasses import dataclass, field
 
-from ..identify.signals.registry import budget
+from ..identify.signals.registry import budget, shown
 from .case import Progress
 
 _SEARCHING = budget(0.5, "part of the time", why="the rest fits finely, runs the FMU, rehearses experiments and draws")
@@ -14,8 +14,7 @@ _CHECKING = budget(
     0.65, "part of the time", why="after which rivals are fitted no farther and the hold is not asked anew"
 )
 
-#: What part of all is done once the search is.
-SEARCHED = 0.85
+SEARCHED = shown(0.85, "part of all", why="that is done once the search is")
 
 
 @dataclass(frozen=True)
