@@ -18,6 +18,7 @@ from dashpot.diagnose.search.judgement import (
     matters,
     mismatch_share,
     names_of,
+    needed_in_samples,
     odds_in_bags,
     standing,
     why_not,
@@ -87,6 +88,22 @@ def test_where_a_mismatch_is_left_its_cycles_say_the_same_again(luck):
     # but what takes nearly everything away is decided all the same
     sure = candidate("quadratic-drag", evidence=3000.0, left=0.2)
     assert log_odds(sure, worse, parts(0.1)) > DECISIVE
+
+
+def test_what_a_law_must_gain_is_what_its_odds_ask_for(luck):
+    worse, apart = candidate(), data(0.01)
+    assert worse.fit is not None
+    needed = needed_in_samples(worse.fit, apart)
+    left = float(np.exp(-needed / sum(segment.n for segment in apart.segments)))
+    better = candidate("quadratic-drag", evidence=1e6, left=left)
+    alone = [replace(one, held_out=None) for one in (better, worse)]
+    assert log_odds(*alone, (apart,)) == pytest.approx(DECISIVE, rel=0.1)
+
+
+def test_at_the_noise_a_law_needs_no_more_than_it_pays():
+    fit = candidate().fit
+    assert fit is not None
+    assert needed_in_samples(fit, data(1.0)) == 0.0
 
 
 def test_what_chance_takes_away_too_speaks_for_no_law(luck):
