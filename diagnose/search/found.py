@@ -89,6 +89,11 @@ class Found:
         assert self.selected.fit is not None
         return self.selected.fit
 
+    def is_reached_by(self, fitted: Fitted) -> bool:
+        """Whether a fit of the best structure, to almost the same samples, leaves no more of each than the best did."""
+        now, then = (float(np.mean(np.concatenate(one.residuals) ** 2)) for one in (fitted, self.fitted))
+        return now <= then
+
     def instead(self, other: Candidate, why: str = "") -> Found:
         """The same with another structure as the best; ``why`` is said of the one that was."""
         known = dict(self.candidates)

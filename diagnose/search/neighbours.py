@@ -41,6 +41,17 @@ def dropped(leader: Candidate, data: Data, names: Sequence[str], *, anew: bool =
     ]
 
 
+def entered_again(known: Sequence[Candidate], data: Data) -> list[Entry]:
+    """Fitted structures on recordings that are almost the same, begun as they were where there are as many segments.
+
+    A state that no sensor shows, as a phase, is not found again from nothing.
+    """
+    fits = [(one.laws, one.fit) for one in known if one.fit is not None]
+    return [
+        Entry(laws, fit.model, fit.initial if len(fit.initial) == len(data.segments) else None) for laws, fit in fits
+    ]
+
+
 def more_general(leader: Candidate) -> list[Entry]:
     """The leader with one law exchanged for that of which it is a case."""
     assert leader.fit is not None

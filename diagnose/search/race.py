@@ -74,7 +74,6 @@ class Start:
         entry: as it was proposed.
         data: training recordings.
         measure: in which it is compared.
-        lost: of which segments the motion is lost where it is put in, so that nothing is said of it there.
 
     Attributes:
         laws, model, hoped, patience, adds: see ``Entry``; the model as far as it came.
@@ -85,10 +84,10 @@ class Start:
         steps: taken so far.
     """
 
-    def __init__(self, entry: Entry, data: Data, measure: Measure, lost: Sequence[bool] = ()) -> None:
+    def __init__(self, entry: Entry, data: Data, measure: Measure) -> None:
         self.laws, self.model, self.adds = entry.laws, entry.model, entry.adds
         self.hoped, self.patience = entry.hoped, entry.patience
-        self.data, self._lost_there = data, lost or [False] * len(data.segments)
+        self.data = data
         self.structure = Structure(entry.model, data, entry.fixed)
         self.measure = measure
         problem = self.structure.problem
@@ -121,7 +120,7 @@ class Start:
             state = settled(problem, state)
         residuals = problem.residuals(state)
         for shown in (state.initial, self.structure.state(None).initial):
-            lost = _lost(problem.segments, residuals, self._lost_there)
+            lost = _lost(problem.segments, residuals)
             if not any(lost):
                 break
             begun = state.initial.copy()
@@ -308,13 +307,13 @@ def started(
     ``beside`` which it is put has lost the motion as well: what was lost before it came is no sign that it is stuck.
     """
     lost = _lost(data.segments, beside.residuals) if beside is not None and data.memory == FREE else []
-    start = _put(entry, data, measure, lost)
+    start = _put(entry, data, measure)
     if start is None or beside_noise or data.memory != FREE:
         return start
     if not any(_lost(data.segments, start.descent.residuals, lost)):
         return start
     there = replace(entry, model=continued(entry.model, data, entry.fixed), initial=None)
-    return max(start, _put(there, data, measure, lost) or start, key=lambda one: one.value)
+    return max(start, _put(there, data, measure) or start, key=lambda one: one.value)
 
 
 def continued(model: Oscillator, data: Data, fixed: Sequence[str]) -> Oscillator:
@@ -349,9 +348,9 @@ def _lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray], already:
     ]
 
 
-def _put(entry: Entry, data: Data, measure: Measure, lost: Sequence[bool]) -> Start | None:
+def _put(entry: Entry, data: Data, measure: Measure) -> Start | None:
     try:
-        start = Start(entry, data, measure, lost)
+        start = Start(entry, data, measure)
     except (DashpotError, np.linalg.LinAlgError):
         return None
     return start if np.isfinite(start.value) else None

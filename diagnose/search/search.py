@@ -36,7 +36,7 @@ from .found import Found, Weighing
 from .judgement import accepted, first_of_several, leading, needed_in_samples, only_a_name
 from .likeness import alike, moves_along
 from .measure import Measure, measure_by
-from .neighbours import dropped, kept, more_general, with_learnt, with_shapes
+from .neighbours import dropped, entered_again, kept, more_general, with_learnt, with_shapes
 from .race import PATIENCE, Entry, Start, race, started
 from .starts import Proposal, by_motion, by_score, by_zeros, unseen_in_motion
 from .weigh import foreseen_loss, judged
@@ -138,12 +138,12 @@ class Search:
         )
 
     def _entered_again(self, leader: Candidate, before: Found) -> Candidate:
-        """What leads of all that came within reach in an earlier search: what led there, then whatever beats it."""
+        """What leads of all that came within reach in an earlier search, then whatever beats it."""
         self.asked_rugged = before.asked_rugged
         known = [one for one in before.candidates.values() if one.laws and one.stage == "judged"]
         for leads in (True, False):
             some = [one for one in known if (one.laws == before.selected.laws) is leads]
-            starts = self._started((Entry(one.laws, one.fit.model) for one in some if one.fit is not None), None)
+            starts = self._started(entered_again(some, self.data), None)
             self._race(starts, self._front(leader, ()))
             leader = self._best_of_neighbours(leader, starts)
         return leader
@@ -185,15 +185,15 @@ class Search:
         """
         if self._at_noise(leader, ()):
             return [self._as_long_or_shorter, self._scored]
-        if self.before is not None and leader.laws == self.before.selected.laws:
-            # what else was asked is known: a block that is left out adds no motion
+        assert leader.fit is not None
+        before = self.before if self.before is not None and leader.laws == self.before.selected.laws else None
+        if before and before.is_reached_by(leader.fit):  # what else was asked is known: less adds no motion
             return [self._moved, self._as_long_or_shorter, self._scored]
         if any(find(law).rugged for law in leader.laws):
             return []  # what it leaves may be a side valley's, and no sign of a second law
         ways = [self._moved, self._as_long_or_shorter, self._scored, self._less_scored]
         # a law with side valleys is simulated slowly, from many places: asked for where each other has failed by itself
         rugged = [] if self.asked_rugged else [self._rugged]
-        assert leader.fit is not None
         ways += [] if keeps_step(self.data.segments, leader.fit.residuals) else [self._predicted]
         if not leader.laws:
             return [*ways, *rugged, self._learnt]

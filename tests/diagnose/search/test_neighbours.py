@@ -6,8 +6,9 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 from dashpot.diagnose.search.candidate import Candidate
-from dashpot.diagnose.search.neighbours import kept, more_general, with_learnt, with_shapes
+from dashpot.diagnose.search.neighbours import entered_again, kept, more_general, with_learnt, with_shapes
 from dashpot.examples.truth import TRUTH
 from dashpot.identify.problem.structure import Fitted
 from dashpot.model import oscillator_with
@@ -65,3 +66,14 @@ def test_a_law_is_exchanged_for_the_one_of_which_it_is_a_case_unless_the_model_h
     # found beside it, or with a given model whose stops they are
     for laws in [("clearance", "two-sided-stop"), ("clearance",)]:
         assert more_general(Candidate(laws, fitted("two-sided-stop", "clearance"))) == []
+
+
+@pytest.mark.parametrize("more", [0, 1])
+def test_what_is_entered_again_has_its_states_where_there_are_as_many_segments(plain, more):
+    data, model = plain
+    states = np.ones((len(data.segments) + more, 3))
+    known = Candidate(("tonal-disturbance",), Fitted(model, states, (), 0.0, ()), stage="judged")
+    (entry,) = entered_again([known, Candidate(("clearance",))], data)
+    assert entry.laws == ("tonal-disturbance",)
+    assert entry.model is model
+    assert (entry.initial is states) is (more == 0)
