@@ -116,8 +116,11 @@ def _searched(
         except BadInput:  # the rest carries no diagnosis
             break
         _log.info("again %s", why)
-        given, case, left_out = rest, searched, [*left_out, *odd]
-        found = find(case, progress, until, None if change else found)
+        again = find(searched, progress, until, None if change else found)
+        if again.untried:  # what was found stands until a search that came to its end says otherwise
+            found = replace(found, untried=(*found.untried, f"again {why}"))
+            break
+        given, case, left_out, found = rest, searched, [*left_out, *odd], again
     return case, found, left_out
 
 

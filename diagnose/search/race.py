@@ -296,21 +296,15 @@ def _nearer(
     return replace(state, initial=np.where(np.array(better)[:, None], other.initial, state.initial)), kept
 
 
-def started(
-    entry: Entry, data: Data, measure: Measure, beside: Fitted | None = None, *, beside_noise: bool = False
-) -> Start | None:
+def started(entry: Entry, data: Data, measure: Measure, *, beside_noise: bool = False) -> Start | None:
     """A start; None where the model cannot be simulated from there.
 
     One that has lost the motion of a segment, as a rig that friction holds where the recorded one moves, is brought
     back to it over predictions; no step of a simulation would. Beside one that leaves nothing but noise it is not
-    (``beside_noise``): what loses the motion where that begins does not act like it. Neither is it where the fit
-    ``beside`` which it is put has lost the motion as well: what was lost before it came is no sign that it is stuck.
+    (``beside_noise``): what loses the motion where that begins does not act like it.
     """
-    lost = _lost(data.segments, beside.residuals) if beside is not None and data.memory == FREE else []
     start = _put(entry, data, measure)
-    if start is None or beside_noise or data.memory != FREE:
-        return start
-    if not any(_lost(data.segments, start.descent.residuals, lost)):
+    if start is None or beside_noise or data.memory != FREE or not any_lost(data.segments, start.descent.residuals):
         return start
     there = replace(entry, model=continued(entry.model, data, entry.fixed), initial=None)
     return max(start, _put(there, data, measure) or start, key=lambda one: one.value)
@@ -339,12 +333,11 @@ def any_lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> bo
     return any(_lost(segments, residuals))
 
 
-def _lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray], already: Sequence[bool] = ()) -> list[bool]:
-    """Of which segments it has, but for those that were lost already."""
-    gone = already or [False] * len(segments)
+def _lost(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> list[bool]:
+    """Of which segments it has."""
     return [
-        not known and not follows(float(np.sqrt(np.mean(residual**2))), segment.response, segment.noise)
-        for segment, residual, known in zip(segments, residuals, gone, strict=True)
+        not follows(float(np.sqrt(np.mean(residual**2))), segment.response, segment.noise)
+        for segment, residual in zip(segments, residuals, strict=True)
     ]
 
 

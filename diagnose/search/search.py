@@ -143,7 +143,7 @@ class Search:
         known = [one for one in before.candidates.values() if one.laws and one.stage == "judged"]
         for leads in (True, False):
             some = [one for one in known if (one.laws == before.selected.laws) is leads]
-            starts = self._started(entered_again(some, self.data), None)
+            starts = self._started(entered_again(some, self.data))
             self._race(starts, self._front(leader, ()))
             leader = self._best_of_neighbours(leader, starts)
         return leader
@@ -226,11 +226,11 @@ class Search:
         # far from the noise what led before it is known as well as it will be
         shorter = [law for law in leader.laws if at_noise or key([n for n in leader.laws if n != law]) not in self._led]
         entries = [*dropped(leader, self.data, shorter), *self._exchanged(leader)]
-        starts = self._started(entries, leader.fit, noise=at_noise)
+        starts = self._started(entries, noise=at_noise)
         self._race(starts, leader.fit)
         if at_noise and len(leader.laws) > 1:
             doubted = [law for law in leader.laws if self._rests_low(leader, law, starts)]
-            anew = self._started(dropped(leader, self.data, doubted, anew=True), None, noise=True)
+            anew = self._started(dropped(leader, self.data, doubted, anew=True), noise=True)
             self._race(anew, leader.fit)
             starts += anew
         return starts
@@ -295,7 +295,7 @@ class Search:
         asked = [*((law,) for law in laws), *together]
         entries = [with_learnt(leader, put, self.data, PATIENCE * len(put)) for put in asked]
         entries = [entry for entry in entries if entry.laws not in self.candidates]
-        self._race(starts := self._started(entries, leader.fit), leader.fit)
+        self._race(starts := self._started(entries), leader.fit)
         return starts
 
     def _from_motion(self, leader: Candidate, laws: Sequence[Law], beside: Sequence[Start]) -> list[Start]:
@@ -403,9 +403,9 @@ class Search:
         """A fitted structure with what speaks for it; see ``Weighing.weigh``."""
         return self.weighing.weigh(laws, fitted, held_out)
 
-    def _started(self, entries: Iterable[Entry], beside: Fitted | None, *, noise: bool = False) -> list[Start]:
+    def _started(self, entries: Iterable[Entry], *, noise: bool = False) -> list[Start]:
         """Those that can be simulated."""
-        put = partial(started, data=self.data, measure=self._measures[0], beside=beside, beside_noise=noise)
+        put = partial(started, data=self.data, measure=self._measures[0], beside_noise=noise)
         starts = [put(entry) for entry in entries if not self._over()]
         return [start for start in starts if start is not None]
 
@@ -440,7 +440,7 @@ class Search:
             patience = 0 if near else PATIENCE
             begun = proposal.initial, proposal.offsets
             entries.append(Entry(laws, proposal.model, *begun, fixed, hoped, patience, adds=True))
-        return self._started(entries, leader.fit)
+        return self._started(entries)
 
     def _exchanged(self, leader: Candidate) -> list[Entry]:
         """The leader with one law, or several at once, exchanged for one that acts most like it on its own motion."""
@@ -471,7 +471,7 @@ class Search:
     def _with_shapes(self, starts: Sequence[Start], front: Fitted) -> list[Start]:
         """Starts with the shape of their laws free too, of those that came far."""
         far = [start for start in starts if self._paid(start) > self._paid_by(front) - DECISIVE]
-        return self._started([entry for start in far if (entry := with_shapes(start)) is not None], front)
+        return self._started([entry for start in far if (entry := with_shapes(start)) is not None])
 
     def _simulated(self, leader: Candidate) -> Candidate:
         """The leader fitted as a simulation, from here on, where it keeps step with the recordings; else as it was."""

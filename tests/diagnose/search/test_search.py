@@ -47,7 +47,7 @@ def proposing(monkeypatch):
     """``proposing(gains)``: what every screen proposes from then on; what is entered is not simulated."""
     module = "dashpot.diagnose.search.search"
 
-    def simulated(search, entries, beside, *, noise=False):
+    def simulated(search, entries, *, noise=False):
         nowhere = {"near": False, "value": -np.inf, "count": 0}
         return [SimpleNamespace(laws=entry.laws, patience=entry.patience, **nowhere) for entry in entries]
 

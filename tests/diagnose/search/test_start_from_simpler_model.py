@@ -31,18 +31,6 @@ def test_a_start_that_has_lost_the_motion_is_led_to_it(plain, bent):
     assert beside.model.omega0.value == 1.05 * model.omega0.value
 
 
-def test_what_was_lost_before_is_no_sign_that_a_start_is_stuck(plain, bent):
-    data, model = plain
-    entry = Entry((), bent(model, omega0=1.05, viscous=2.0))
-    lost = SimpleNamespace(residuals=Start(entry, data, Measure()).descent.residuals)
-    follows = SimpleNamespace(residuals=tuple(0.01 * segment.response for segment in data.segments))
-    beside_it, beside_other = (started(entry, data, Measure(), fit) for fit in (lost, follows))
-    assert beside_it is not None
-    assert beside_other is not None
-    assert beside_it.model.omega0.value == 1.05 * model.omega0.value
-    assert not any_lost(data.segments, beside_other.descent.residuals)
-
-
 def test_a_stretch_that_was_lost_is_begun_anew_before_a_start_rests(plain):
     """At the right parameters no step leads from another swing than the recorded one; the motion itself does."""
     data, model = plain
