@@ -90,7 +90,7 @@ class Found:
         return self.selected.fit
 
     def is_reached_by(self, fitted: Fitted) -> bool:
-        """Whether a fit of the best structure, to almost the same samples, leaves no more of each than the best did."""
+        """Whether a fit of the best structure, to almost the same samples, leaves no more, rms, than the best did."""
         now, then = (float(np.mean(np.concatenate(one.residuals) ** 2)) for one in (fitted, self.fitted))
         return now <= then
 

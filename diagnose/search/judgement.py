@@ -87,6 +87,7 @@ def _prior(laws: int) -> float:
 
 
 def _beyond_noise(ratio: float) -> float:
+    """Part of the power that is no noise of what is left so many times the noise."""
     return 1.0 - (ABOVE_NOISE / ratio) ** 2 if ratio > ABOVE_NOISE else 0.0
 
 
