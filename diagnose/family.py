@@ -132,10 +132,12 @@ def _as_they_differ(
 ) -> tuple[Identification, Sequence[Recording], Sequence[Recording]]:
     """The family's fit beside what differs between all recordings, and these with it: see ``differing``.
 
-    Those that are held out are judged with it too: a rig whose frequency moved between two blows lacks no physics.
+    Those that are held out are judged with it too: a rig whose frequency moved between two blows lacks no physics. Of
+    driven ones it is asked where those that are not held out differ already: it takes a fit of all.
     """
     asked = any(recording.differs for recording in recordings)
-    if asked or not holdout or not all(is_let_go(s.segment) for s in identification.fit.segments):
+    free = all(is_let_go(s.segment) for s in identification.fit.segments)
+    if asked or not holdout or not (free or any(recording.differs for recording in identification.recordings)):
         return identification, _with_what_differs(recordings, identification.recordings), holdout
     every, fit = [*recordings, *holdout], identification.fit
     how = {"fixed": [name for name in fit.oscillator.parameters() if name not in fit.names], "doubted": False}

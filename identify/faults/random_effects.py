@@ -67,19 +67,27 @@ class OwnValues:
         count = self.here.shape[1]
         return np.concatenate([np.zeros(0, int), *(self.common + k * count + np.arange(count) for k in kinds)])
 
-    def lost(self, kinds: Sequence[int], instead: np.ndarray | None = None) -> float:
-        """Log-likelihood that is lost where only these kinds differ, all the rest fitted.
+    def lost(self, kinds: Sequence[int], instead: np.ndarray | None = None, along: np.ndarray | None = None) -> float:
+        """Log-likelihood that is lost at least where only these kinds differ, all the rest fitted.
 
         Args:
             kinds: which.
-            instead: (kinds, recordings) how the others differ; not at all where this is None.
+            instead: (ways, kinds, recordings) how the others may differ; not at all where this is None.
+            along: (any, kinds, recordings) by any multiples of which they may differ besides.
         """
         gone = self.columns([k for k in range(len(self.here)) if k not in kinds])
         if not gone.size:
             return 0.0
-        sums = self.sums.without(np.setdiff1d(np.arange(len(self.sums.gradient)), gone))
-        step = ((0.0 if instead is None else instead) - self.here).ravel()[gone - self.common]
-        return 0.5 * (sums.left(step) - sums.power)
+        sums, columns = self.sums.without(np.setdiff1d(np.arange(len(self.sums.gradient)), gone)), gone - self.common
+        ways = np.zeros((1, *self.here.shape)) if instead is None else instead
+        steps = (ways - self.here).reshape(len(ways), self.here.size)[:, columns]
+        slopes = sums.gradient - steps @ sums.normal
+        left = sums.power - np.sum(steps * (sums.gradient + slopes), axis=1)
+        if along is not None:
+            further = along.reshape(len(along), self.here.size)[:, columns]
+            toward = slopes @ further.T
+            left = left - np.sum(toward @ pseudo_inverse(further @ sums.normal @ further.T) * toward, axis=1)
+        return 0.5 * (float(np.min(left)) - sums.power) + sums.gain()
 
     def of_kinds(self, kinds: Sequence[int]) -> Sums:
         """Over the common parameters and the deviations of these kinds, where the others do not differ."""

@@ -1,4 +1,4 @@
-"""What differs between recordings of one rig: its frequency, damping or friction, each within a spread.
+"""What differs between recordings of one rig: its frequency, damping, friction or gain, each within a spread.
 
 Between two blows, or two days, a rig is not quite the same: its clamp has settled, its oil is warmer. One model of all
 recordings then leaves what looks like missing physics, or a second mode, with errors that are far too small. So each
@@ -9,8 +9,10 @@ blocks of one recording do: what a family lacks differs along each of them as we
 A law that the family lacks makes a damping by the amplitude, and recordings begin at different ones. So a damping
 differs where no law by the amplitude, none faster than its square, tells as much.
 
-Only of what was let go or struck: motions that are driven differently need not pass the same amplitudes, and what
-drives them has a gain of its own.
+A motion that is driven need not pass the amplitudes of another one, and what is let go passes all below its first. So
+where some are driven a frequency or a gain must tell more than a law by the amplitude too, and what sets all driven
+recordings apart from the others, as a lag of the drive does, is no difference between recordings. The gain of a force
+is the mass that it asks for.
 """
 
 from __future__ import annotations
@@ -31,6 +33,7 @@ from ..fit.reported_result import Fit
 from ..fit.reweighted_fit import over_noise
 from ..fit.scatter import noise_on_forces, scatter
 from ..motion.blows import ContactForce
+from ..motion.excitation import kind_of
 from ..problem.chain import Fault
 from ..problem.data import noise_at
 from ..problem.descent import search
@@ -49,9 +52,20 @@ from .random_effects import OwnValues
 from .unlike_parts import spread_of_scores
 
 #: What may differ between recordings, and what a sentence calls it.
-KINDS = {"omega0": "natural frequency", "viscous": "viscous damping", "dry": "dry friction"}
+KINDS = {
+    "omega0": "natural frequency",
+    "viscous": "viscous damping",
+    "dry": "dry friction",
+    "mass": "mass that the force asks for, or the gain of a channel,",
+}
+_LET_GO = "let go"
 _FEELER = numerics(1e-2, "of a parameter", why="size for finite differences")
 _STEPS = budget(20, "steps", why="a search takes ten to twenty")
+_STEEPEST = numerics(
+    0.1,
+    "of a frequency, over a factor of e of the amplitude",
+    why="a spring that changes faster shows along each recording; joints soften by a tenth to a fifth over a decade",
+)
 _SLOPES = numerics(41, "slopes", why="of laws by the amplitude, a twentieth of the steepest apart")
 _DRAWS = numerics(60, "draws of force noise", why="as for the covariance: standard errors are good to 9 %")
 _NAMED = shown(3, "recordings", why="a sentence names no more")
@@ -88,21 +102,25 @@ def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording
         recordings: as they were fitted.
     """
     problem, state = fitted_problem(fit, recordings)
-    kinds = [name for name in KINDS if name in fit.names]
     used = sorted({segment.recording for segment in problem.segments})
-    if len(used) < 2 or not kinds or not all(map(is_let_go, problem.segments)):
+    sorts = _sorts(problem, recordings, used)
+    kinds = [name for name in KINDS if name in fit.names and _freedom(name, sorts) > 0]
+    if not kinds:
         return None
     above = not _leaves_noise([s.over_noise for s in fit.segments], problem.segments)
     over = [max(s.over_noise for s in fit.segments if s.segment.recording == index) for index in used]
-    first = int(np.argmin(over))
+    # the first one has all kinds, as that of which the others are told
+    told = ["mass" not in kinds or sort != _LET_GO for sort in sorts]
+    first = int(np.argmin(np.where(told, over, math.inf)))
     others = [index for index in used if index != used[first]]
     names = list(fit.oscillator.parameters())
     sizes = [_FEELER * _size(problem, state, names.index(name)) for name in kinds]
     asked = [Deviation(i, parameter=k, typical=size) for k, size in zip(kinds, sizes, strict=True) for i in others]
     own = problem.with_faults(asked)
     point = replace(state, offsets=np.pad(state.offsets, (0, len(asked))))
-    laws = _by_amplitude(problem, state, fit, kinds, used)
-    if not above and not _decisive(*_own_values(own, point, fit, recordings, kinds, first, len(used)), laws):
+    imitated = _imitated(problem, fit, kinds, used, sorts)
+    at_once = not above or set(sorts) != {_LET_GO}  # else the phase may be lost, and a slope says nothing
+    if at_once and not _own_values(own, point, fit, recordings, kinds, first, imitated)[1]:
         return None
     if not keeps_step(problem.segments, problem.residuals(state)):
         try:
@@ -112,8 +130,7 @@ def differing(fit: Fit, recordings: Sequence[Recording]) -> tuple[list[Recording
     point = search(own, point, tolerance=0.1, most=_STEPS, informed=False).state
     if not all(bool(np.all(np.isfinite(residual))) for residual in own.residuals(point)):
         return None
-    values, scales = _own_values(own, point, fit, recordings, kinds, first, len(used))
-    chosen = _decisive(values, scales, laws)
+    values, chosen = _own_values(own, point, fit, recordings, kinds, first, imitated)
     if not chosen:
         return None
     step, effects = values.effects(chosen, values.sizes(chosen))
@@ -133,29 +150,71 @@ def alike(recordings: Sequence[Recording]) -> list[Recording]:
     return [changed(recording, differs=tuple((name, 0.0) for name in KINDS)) for recording in recordings]
 
 
-def _by_amplitude(
-    problem: OutputError, state: State, fit: Fit, kinds: Sequence[str], used: Sequence[int]
-) -> list[np.ndarray]:
-    """Of each kind, (laws, recordings) how it would differ by laws of the amplitude, from none to the steepest.
+def _sorts(problem: OutputError, recordings: Sequence[Recording], used: Sequence[int]) -> list[str]:
+    """Of each recording, whether it was let go or struck, or how it is driven."""
+    let_go = [all(is_let_go(s) for s in problem.segments if s.recording == index) for index in used]
+    return [_LET_GO if free else kind_of(recordings[index], ()) for index, free in zip(used, let_go, strict=True)]
 
-    A damping falls no faster with the amplitude than friction's, and rises no faster than with the square.
+
+def _freedom(name: str, sorts: Sequence[str]) -> int:
+    """How many recordings may differ in a parameter from another one of their sort."""
+    told = [sort for sort in sorts if name != "mass" or sort != _LET_GO]
+    return len(told) - len(set(told))
+
+
+@dataclass(frozen=True, eq=False)
+class _Imitated:
+    """How a kind would differ between recordings by what is no difference between them.
+
+    Attributes:
+        laws: (laws, recordings) by laws of the amplitude, from none to the steepest.
+        apart: (sorts, recordings) by what sets those of one sort apart, of any size.
+        freedom: how many recordings may differ from another one of their sort.
     """
-    residuals, size = problem.residuals(state), []
+
+    laws: np.ndarray
+    apart: np.ndarray
+    freedom: int
+
+
+def _imitated(
+    problem: OutputError, fit: Fit, kinds: Sequence[str], used: Sequence[int], sorts: Sequence[str]
+) -> list[_Imitated]:
+    """Of each kind; a damping falls no faster with the amplitude than friction's, and rises no faster than its square.
+
+    Args:
+        problem: that was fitted.
+        fit: of it.
+        kinds: names of parameters.
+        used: the recordings.
+        sorts: of each recording.
+    """
+    size = []
     for index in used:
-        parts = [
-            (segment.response - residual) / segment.pace**segment.order
-            for segment, residual in zip(problem.segments, residuals, strict=True)
-            if segment.recording == index
-        ]
+        # as it was measured: what is simulated moves as much more as a gain differs
+        own = [segment for segment in problem.segments if segment.recording == index]
+        parts = [segment.response / segment.pace**segment.order for segment in own]
         motion = np.concatenate([part - np.mean(part) for part in parts]) ** 2
         size.append(math.sqrt(2.0 * float(np.sum(motion**2)) / max(float(np.sum(motion)), np.finfo(float).tiny)))
     logs = np.log(np.maximum(size, np.finfo(float).tiny))
     middle, pace = float(np.exp(np.mean(logs))), problem.segments[0].pace
-    damping = abs(equivalent(fit.oscillator.values(), middle, pace)[1])
+    values = fit.oscillator.values()
+    damping = abs(equivalent(values, middle, pace)[1])
     steepest = {"viscous": 2.0 * damping, "dry": 3.0 * damping * math.pi / 4.0 * pace * middle}
+    driven = set(sorts) != {_LET_GO}
+    if driven:
+        steepest |= {"omega0": _STEEPEST * values["omega0"], "mass": values["mass"]}
     slopes = np.linspace(-1.0, 1.0, _SLOPES)
-    laws = np.multiply.outer(slopes, logs - np.mean(logs))
-    return [steepest[kind] * laws if kind in steepest else np.zeros((1, len(used))) for kind in kinds]
+    # what is let go tells of every amplitude below its first, what is driven of those that it is driven at
+    bends = slopes[::2] if driven else np.zeros(1)
+    logs = logs - np.mean(logs)
+    bent = logs**2 - np.mean(logs**2)
+    laws = (slopes[:, None, None] * logs + bends[:, None] * bent).reshape(-1, len(used))
+    apart = np.equal.outer(list(dict.fromkeys(sorts)), sorts).astype(float)[1:]
+    none = np.zeros((1, len(used)))
+    return [
+        _Imitated(steepest[kind] * laws if kind in steepest else none, apart, _freedom(kind, sorts)) for kind in kinds
+    ]
 
 
 def _leaves_noise(ratios: Sequence[float], segments: Sequence[Segment]) -> bool:
@@ -179,20 +238,21 @@ def _own_values(
     recordings: Sequence[Recording],
     kinds: Sequence[str],
     first: int,
-    count: int,
-) -> tuple[OwnValues, list[tuple[float, int | None]]]:
-    """The likelihood about a point, and by how much what it asks of each kind is more than independent noise does.
-
-    That is a mean square, and of how many blocks it is the mean; None where what is left is noise.
-    """
+    imitated: Sequence[_Imitated],
+) -> tuple[OwnValues, list[int]]:
+    """The likelihood about a point, and which kinds differ beyond doubt."""
     residuals = own.residuals(point)
     noise = noise_at(own, residuals, point, fit.oscillator)
     linearised = Linearised.of(own, point, residuals, noise)
     places = [fit.names.index(name) for name in kinds]
-    values = OwnValues.of(linearised, point, places, first, count)
-    if not _leaves_noise(over_noise(own, residuals, point, fit.oscillator, recordings), own.segments):
-        return values, _within(own, point, residuals, noise, places)
-    return values, [(_noise_of_the_force(own, point, noise, residuals, linearised, recordings), None)] * len(kinds)
+    values = OwnValues.of(linearised, point, places, first, len(imitated[0].laws[0]))
+    chosen = _decisive(values, [(1.0, None)] * len(kinds), imitated)
+    if chosen and _leaves_noise(over_noise(own, residuals, point, fit.oscillator, recordings), own.segments):
+        scale = _noise_of_the_force(own, point, noise, residuals, linearised, recordings)
+        chosen = _decisive(values, [(scale, None)] * len(kinds), imitated)
+    elif chosen:
+        chosen = _decisive(values, _within(own, point, residuals, noise, places), imitated)
+    return values, chosen
 
 
 def _within(
@@ -237,13 +297,16 @@ def _noise_of_the_force(
     return float(np.max(np.linalg.eigvalsh(spread_of_scores(informed, scattered, size))))
 
 
-def _decisive(values: OwnValues, scales: Sequence[tuple[float, int | None]], laws: Sequence[np.ndarray]) -> list[int]:
+def _decisive(
+    values: OwnValues, scales: Sequence[tuple[float, int | None]], imitated: Sequence[_Imitated]
+) -> list[int]:
     """Kinds that differ beyond doubt beside each other; what tells least goes first.
 
     Args:
         values: the likelihood about a point.
-        scales: see ``_own_values``.
-        laws: see ``_by_amplitude``.
+        scales: by how much what is asked of each is more than independent noise asks for, a mean square, and of how
+            many blocks it is the mean; None where it is known.
+        imitated: what each kind must tell more than.
     """
     from scipy.special import chdtrc, fdtrc
 
@@ -254,16 +317,17 @@ def _decisive(values: OwnValues, scales: Sequence[tuple[float, int | None]], law
         chances = []
         for k in chosen:
             scale, blocks = scales[k]
-            rest, instead = [other for other in chosen if other != k], np.zeros(values.here.shape)
-            lost = []
-            for law in laws[k]:
-                instead[k] = law
-                lost.append(values.lost(rest, instead))
-            gain = max(2.0 * (min(lost) - least), 0.0) / scale
+            rest = [other for other in chosen if other != k]
+            instead, along = (
+                np.zeros((len(each), *values.here.shape)) for each in (imitated[k].laws, imitated[k].apart)
+            )
+            instead[:, k], along[:, k] = imitated[k].laws, imitated[k].apart
+            gain = max(2.0 * (values.lost(rest, instead, along) - least), 0.0) / scale
+            freedom = imitated[k].freedom
             if blocks is None:
-                chances.append(float(chdtrc(count - 1, gain)))
+                chances.append(float(chdtrc(freedom, gain)))
             else:
-                chances.append(float(fdtrc(count - 1, max(blocks - count, 1), gain / (count - 1))))
+                chances.append(float(fdtrc(freedom, max(blocks - count, 1), gain / freedom)))
         worst = int(np.argmax(chances))
         if kinds * chances[worst] <= BY_CHANCE:
             break
@@ -301,7 +365,12 @@ def with_spread(fit: Fit, recordings: Sequence[Recording]) -> tuple[Fit, tuple[s
     sums = sums.without(slice(free, free + len(problem.offsets)))
     made = np.eye(free + len(kinds) * len(used), free + len(kinds) * len(sets))
     made[free:, free:] = np.kron(np.eye(len(kinds)), of_set)
-    size = np.std(effects, axis=1, ddof=1) * stdtrit(len(sets) - 1, ndtr(1.0))
+    driven = {s.recording for s in problem.segments if not is_let_go(s)}
+    of_driven = [any(recordings[i].differs == differs for i in used if i in driven) for differs in sets]
+    told = [np.flatnonzero(of_driven) if name == "mass" else np.arange(len(sets)) for name in kinds]
+    size = np.array(
+        [np.std(each[of], ddof=1) * stdtrit(of.size - 1, ndtr(1.0)) for each, of in zip(effects, told, strict=True)]
+    )
     prior = np.append(np.zeros(free), np.repeat(size**-2.0, len(sets)))
     together = pseudo_inverse(made.T @ sums.normal @ made + np.diag(prior))
     values, axes = np.linalg.eigh(together[:free, :free] - pseudo_inverse(sums.normal[:free, :free]))
@@ -313,7 +382,8 @@ def with_spread(fit: Fit, recordings: Sequence[Recording]) -> tuple[Fit, tuple[s
         place, at = fit.names.index(name), free + k * len(sets) + np.arange(len(sets))
         errors = np.sqrt(together[place, place] + np.diag(together)[at] + 2.0 * together[place, at])
         parameter = fit.oscillator.parameters()[name]
-        said.append(f"{_in_words(name, parameter.value + effects[k], errors, files, parameter.unit)}; {others}")
+        values, named = parameter.value + effects[k][told[k]], [files[i] for i in told[k]]
+        said.append(f"{_in_words(name, values, errors[told[k]], named, parameter.unit)}; {others}")
     return wider, tuple(said)
 
 

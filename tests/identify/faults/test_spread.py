@@ -115,7 +115,7 @@ def test_the_error_is_no_smaller_than_that_of_a_mean_of_so_many_recordings():
 
 
 def test_the_sentence(reads):
-    reads("spread of three", struck_thrice()[1].differs[0])
+    reads(struck_thrice()[1].differs[0], "spread of three")
 
 
 def test_a_model_is_run_along_a_recording_as_the_rig_was():
@@ -157,3 +157,51 @@ def test_it_is_found_beside_a_further_law():
     fit = maximum_likelihood(model, recordings, ("cubic", "preload", "dry"), doubted=False, near=True)
     made, _ = differing(fit, recordings)
     assert [r.differs[0][0] for r in made] == ["omega0"] * 3
+
+
+def driven(name, seed, *, gain=1.0, omega=1.0, level=1.0, law=0.0):
+    """A rig swept over its resonance, by an independent integrator; of a gain of the force, and a drag where asked."""
+    t = np.arange(round(FS * 20.0)) / FS
+    force = 30.0 * level * np.sin(2 * np.pi * (3.0 * t + 0.1 * t**2))
+
+    def rates(time, y):
+        push = 30.0 * level * np.sin(2 * np.pi * (3.0 * time + 0.1 * time**2))
+        return [y[1], push - VISCOUS * y[1] - law * y[1] * abs(y[1]) - (omega * OMEGA) ** 2 * y[0]]
+
+    x = solve_ivp(rates, (0, t[-1]), [0.0, 0.0], t_eval=t, rtol=1e-9, atol=1e-12, max_step=0.01).y[0]
+    x = x + NOISE * np.random.default_rng(seed).standard_normal(t.size)
+    return Recording(name, FS, x, force=gain * force)
+
+
+def fitted_with_a_force(recordings):
+    model = Oscillator.from_values(MODEL.values() | {"mass": 1.0})
+    return maximum_likelihood(model, recordings, ("cubic", "preload", "dry"), doubted=False, near=True)
+
+
+def test_a_gain_that_moved_between_driven_recordings_is_found():
+    recordings = [driven("a", 1), driven("b", 2, gain=1.02), driven("c", 3, gain=0.995)]
+    made, mean = differing(fitted_with_a_force(recordings), recordings)
+    assert [[name for name, _ in r.differs] for r in made] == [["mass"]] * 3
+    assert [r.differs[0][1] for r in made] == pytest.approx([-0.005, 0.015, -0.01], abs=1e-3)
+    assert mean.mass.value == pytest.approx(1.005, abs=1e-3)
+
+
+def test_so_is_a_frequency_of_driven_recordings_beside_a_decay():
+    recordings = [driven("a", 1), driven("b", 2, omega=1.005), driven("c", 3), decay("d", 4)]
+    made, _ = differing(fitted_with_a_force(recordings), recordings)
+    assert [[name for name, _ in r.differs] for r in made] == [["omega0"]] * 4
+    assert made[1].differs[0][1] - made[0].differs[0][1] == pytest.approx(0.005 * OMEGA, abs=3e-4 * OMEGA)
+
+
+def test_of_driven_recordings_of_several_levels_nothing_is_said_for_missing_physics():
+    recordings = [driven(f"{level}", i, level=level, law=0.03) for i, level in enumerate((1.0, 0.6, 0.3))]
+    fit = fitted_with_a_force(recordings)
+    assert max(s.over_noise for s in fit.segments) > 1.5
+    assert differing(fit, recordings) is None
+
+
+def test_the_sentence_of_a_gain_leaves_out_what_no_force_drives(reads):
+    recordings = [driven("a", 1), driven("b", 2, gain=1.02), decay("c", 3)]
+    made, mean = differing(fitted_with_a_force(recordings), recordings)
+    fit = maximum_likelihood(mean, made, ("cubic", "preload", "dry"), doubted=False, near=True)
+    reads(with_spread(fit, made)[1][0], "spread of a gain")
