@@ -49,7 +49,8 @@ def nearer_sides(segment: Segment, response: np.ndarray, sides: Sides) -> np.nda
     noise = min(segment.noise or by_median, by_median)
     # nearer, noise alone is as likely a cause, and a choice that follows it would bend the size of the jump
     apart = np.abs(segment.response[sides.at] - sides.shown)
-    nearer = np.flatnonzero(left[sides.at] ** 2 - apart**2 > (_beyond(left.size) * noise) ** 2)
+    with np.errstate(over="ignore", invalid="ignore"):  # a motion that runs away
+        nearer = np.flatnonzero(left[sides.at] ** 2 - apart**2 > (_beyond(left.size) * noise) ** 2)
     nearer = nearer[np.lexsort((apart[nearer], sides.at[nearer]))]
     return nearer[np.append(True, np.diff(sides.at[nearer]) > 0)] if nearer.size else nearer
 

@@ -178,3 +178,9 @@ def test_where_nothing_is_asked_for_the_response_has_its_other_sides_all_the_sam
     rows = np.zeros((problem.shared + problem.core.states, segment.n))
     assert np.max(np.abs(problem.carry(0, state, (), rows) - segment.response + residual)) < 1e-12
     assert not np.any(rows)
+
+
+def test_a_motion_that_runs_away_is_beside_none_of_its_jumps():
+    sides = Sides()
+    sides.at, sides.shown = np.array([5]), np.array([-1e200])
+    assert not nearer_sides(shown(crossed(4)), np.where(np.arange(10) < 5, 1.0, 1e200), sides).size
