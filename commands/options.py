@@ -34,6 +34,14 @@ _RECORDING_OPTIONS: tuple[Callable[..., Any], ...] = (
     click.option("--time", metavar="COLUMN", help="Column of the time, by name, pattern ('*clock*') or number."),
     click.option("--force", metavar="COLUMN", help="Column of the force; none: leave it out."),
     click.option(
+        "--base", metavar="COLUMN", help="Column of the motion of the base, where that drives the rig; or none."
+    ),
+    click.option(
+        "--relative/--absolute",
+        default=None,
+        help="Whether the response is relative to the base. Default: by the signals.",
+    ),
+    click.option(
         "--response",
         metavar="COLUMN",
         multiple=True,

@@ -175,6 +175,8 @@ def describe_fmu(facts: Facts, *, version: int = 2, continuous: bool = True, pay
     force = Variable("F", "input", 0, oscillator.force_unit, "excitation force, positive along x", 0.0)
     if oscillator.mass is None:
         text = "excitation force per unit mass, positive along x (the mass was not identified)"
+        if oscillator.is_base_driven:
+            text = "minus the acceleration of the base; the response is relative to the base"
         force = replace(force, unit=acceleration, description=text)
     elif oscillator.hold != "smooth":
         force = replace(force, description=f"{force.description}; {HOLDS[oscillator.hold]} in the recordings")

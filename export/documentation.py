@@ -79,7 +79,7 @@ def _forces(o: Oscillator) -> str:
     response = f"the response as recorded is the {o.response.quantity} in {pretty_unit(o.response.unit)}"
     if o.mass is None:
         return (
-            "Forces are per unit mass, the input F too: only free decays were fitted. "
+            f"Forces are per unit mass, the input F too: {o.why_no_mass}. "
             f"The displacement x is in {length}; {response}."
         )
     force = pretty_unit(o.force_unit)
@@ -98,7 +98,7 @@ def _parameters(o: Oscillator) -> list[tuple[str, ...]]:
     words = o.descriptions()
     rows = []
     if o.mass is None:
-        rows.append(("mass", "unknown", "", "", "", "only free decays were fitted"))
+        rows.append(("mass", "unknown", "", "", "", o.why_no_mass))
     for name, p in o.parameters().items():
         meaning = plain_text(words[name])
         if name == "omega0":

@@ -19,7 +19,7 @@ _BLOCKS = "▁▂▃▄▅▆▇█"
 _WIDTH = 60  # characters of a picture
 _MARKS = {"free": "━", "struck": "╍", "driven": "┄"}  # under it, where a fit would take what moves
 _NAMED = 4  # pieces of a kind are named with their times
-_OPTIONS = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold")
+_OPTIONS = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold", "base", "relative")
 
 
 def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -67,8 +67,9 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
 def _roles(table: Table, response: str | None, how: Mapping[str, Any]) -> dict[str, str | None]:
     from ..recording.columns import choose_columns
 
-    chosen = choose_columns(table, how["time"], how["force"], response, how["quantity"])
-    indices = {"time": chosen.time, "force": chosen.force, "response": chosen.response}
+    chosen = choose_columns(table, how["time"], how["force"], response, how["quantity"], how["base"])
+    driver = "base" if chosen.base else "force"
+    indices = {"time": chosen.time, driver: chosen.force, "response": chosen.response}
     return {role: None if i is None else table.label(i).strip("'") for role, i in indices.items()}
 
 

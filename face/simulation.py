@@ -168,7 +168,7 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
             f"{oscillator.response.quantity} in {oscillator.response.unit}; "
             "say what the column is with --quantity and --unit"
         )
-    if oscillator.mass is None and measured.force is not None and np.any(measured.force):
+    if oscillator.mass is None and not measured.base and measured.force is not None and np.any(measured.force):
         if not (force_is_silent(measured) and find_decays(measured)):
             raise BadInput(
                 f"{measured.name}: driven, and {oscillator.name} has no mass to tell what a force does: identify it "

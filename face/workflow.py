@@ -90,6 +90,7 @@ def identified(
     """
     from ..identify.identification import identify
     from ..identify.motion.modes import mode_beside
+    from ..identify.of_base import of_base
     from ..model.file import check_name, load
     from ..model.library import find
     from ..model.limits import checked_value
@@ -109,18 +110,23 @@ def identified(
     recordings = read()
     _each_once(recordings)  # the modes of thirty copies take a quarter of a minute
     alone, band, wanted = mode_beside(recordings, mode, begin, notes)
-    return identify(
-        alone,
-        name=name or _stem(recordings),
-        effects=effects,
-        fixed=known,
-        start=begin,
-        band=band,
-        wanted=wanted,
-        faults=faults,
-        every=every,
-        progress=progress,
-    )
+
+    def answer(given: Sequence[Recording]) -> Identification:
+        return identify(
+            given,
+            name=name or _stem(recordings),
+            effects=effects,
+            fixed=known,
+            start=begin,
+            band=band,
+            wanted=wanted,
+            faults=faults,
+            every=every,
+            progress=progress,
+        )
+
+    found = answer(alone)
+    return of_base(found, answer) if any(recording.base for recording in recordings) else found
 
 
 def _each_once(recordings: Sequence[Recording]) -> None:
@@ -199,15 +205,23 @@ def diagnosed(
     from ..diagnose import diagnose
     from ..diagnose.files import FMU
     from ..identify.motion.modes import in_band_of, in_the_same_band, mode_alone
+    from ..identify.of_base import taking_part
+    from ..model.parameter import Parameter
 
     _each_once([*training, *held])
+    whole = oscillator.mass is None and any(recording.base for recording in (*training, *held))
+    if whole:
+        oscillator = replace(oscillator, mass=Parameter(1.0, None, "1"))
+    elif oscillator.mass is not None:
+        training, held = taking_part(training), taking_part(held)
     alone, band = mode_alone(training, mode, oscillator, notes)
     with TemporaryDirectory() as scratch:
         artefact = Path(scratch) / FMU
         others = in_the_same_band(held, band)
         found = diagnose(oscillator, alone, others, fmu=artefact, progress=progress, seconds=seconds)
         fmu = artefact.read_bytes() if artefact.exists() else None
-    return replace(found, model=in_band_of(found.model, band)), fmu
+    model = in_band_of(found.model, band)
+    return replace(found, model=replace(model, mass=None) if whole else model), fmu
 
 
 def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> Page:

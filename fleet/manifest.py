@@ -27,7 +27,10 @@ _MOST_BYTES = 4_000_000
 _HEAD = 1000
 _PATTERN = re.compile(r"[*?\[]")
 #: Options of the manifest that say how a recording is read, as ``recording.read`` has them.
-READING = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "part", "max_size", "hold")
+READING = (
+    *("time", "force", "quantity", "unit", "force_unit", "calibration"),
+    *("fs", "part", "max_size", "hold", "base", "relative"),
+)
 
 
 @dataclass(frozen=True)

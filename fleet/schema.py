@@ -34,6 +34,8 @@ class OptionsForm(Form):
     parts: Annotated[list[_Word], Field(min_length=1)] | None = None
     max_size: _Positive | None = Field(default=None, alias="max-size")
     hold: Literal["zero", "linear", "smooth"] | None = None
+    base: _Word | None = None
+    relative: bool | None = None
     laws_beside: list[_Word] | None = Field(default=None, alias="with")
     fix: dict[str, float] | None = None
     mass: _Positive | None = None

@@ -26,7 +26,7 @@ from ..recording.checks import no_reach, overlapping, reversed_force
 from ..recording.continuity import is_switched
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
-from ..recording.recording import Recording
+from ..recording.recording import WHOLE, Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import explain_residual
 from .faults.spread import differing, with_spread
@@ -173,6 +173,10 @@ def identify(
     meter = Meter()
     recordings = recordings_of(recordings)
     belong_together(recordings)
+    if any(recording.base == WHOLE for recording in recordings):  # what drives it is per unit mass
+        if fixed.get("mass", 1.0) != 1.0:
+            raise BadInput("a rig that its base drives has no mass to state: what drives it is per unit mass")
+        fixed = {**fixed, "mass": 1.0}
     if max(recording.n for recording in recordings) >= LONG:
         give_back_at_once()
     progress("free motion, start values by regression")
@@ -352,8 +356,9 @@ def _alone(recordings: Sequence[Recording]) -> Fit:
 def _hilbert_model(hilbert: HilbertEstimate, recordings: Sequence[Recording], name: str) -> Oscillator:
     """Eq. 17 with the values estimated from the recordings."""
     first = recordings[0]
+    known = {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")}
     return Oscillator.from_values(
-        {key: getattr(hilbert, key) for key in ("mass", "omega0", "cubic", "preload", "viscous", "dry")},
+        known | ({"mass": 1.0} if any(recording.base == WHOLE for recording in recordings) else {}),
         name=name,
         response=Response(first.quantity, first.unit),
         force_unit=next((r.force_unit for r in recordings if r.force is not None), "N"),

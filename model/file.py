@@ -66,7 +66,7 @@ def dumps(oscillator: Oscillator) -> str:
     o = oscillator
     lines = ["# " + " ".join(o.equation().split()), "format: dashpot-model/1", f"name: {_text(o.name)}"]
     base = ["mass", *(p.name for law in BASE for p in law.parameters)]
-    lines += _table({name: getattr(o, name) for name in base})
+    lines += _table({name: getattr(o, name) for name in base}, o.why_no_mass)
     lines += ["terms:"] if o.terms else ["terms: []"]
     for term in o.terms:
         lines += [f"  - effect: {_text(term.effect)}", "    parameters:"]
@@ -186,7 +186,7 @@ def _row(values: Iterable[Any]) -> str:
     return "[" + ", ".join(map(_scalar, values)) + "]"
 
 
-def _table(parameters: Mapping[str, Parameter | None]) -> list[str]:
+def _table(parameters: Mapping[str, Parameter | None], why_no_mass: str = "") -> list[str]:
     """One aligned line a parameter."""
     cells = [
         (
@@ -204,7 +204,7 @@ def _table(parameters: Mapping[str, Parameter | None]) -> list[str]:
         f"{name:<{width[0]}} {{value: {value:<{width[1]}} std: {std:<{width[2]}} unit: {unit}}}"
         for name, value, std, unit in cells
     )
-    null = "null   # only free decays were fitted"
+    null = f"null   # {why_no_mass}"
     return [f"{name + ':':<{width[0]}} {null}" if p is None else next(lines) for name, p in parameters.items()]
 
 

@@ -136,9 +136,10 @@ class Oscillator:
 
     ``mass (x'' + viscous x' + dry sgn x' + omega0² x + cubic x³ + preload sgn x + terms) = F``
 
-    All forces are per unit mass. ``mass`` is None where only free decays were fitted; the input is then
-    a force per unit mass. ``hold`` says for which course of the force between its samples the numbers were identified,
-    one of HOLDS; the equation is the same. Source: Feldman, Bucher, Rotberg, Eq. 17, in SI units (cubic in 1/(m² s²)).
+    All forces are per unit mass. ``mass`` is None where only free decays were fitted, or where a moving base drove the
+    rig; the input is then a force per unit mass, of a base minus its acceleration. ``hold`` says for which course of
+    the force between its samples the numbers were identified, one of HOLDS; the equation is the same. Source: Feldman,
+    Bucher, Rotberg, Eq. 17, in SI units (cubic in 1/(m² s²)).
     """
 
     mass: Parameter | None
@@ -200,6 +201,16 @@ class Oscillator:
             unknown = min(map(str, given))
             raise BadInput(f"unknown parameter {unknown[:60]!r}; known are mass, {', '.join(base)}")
         return cls(mass=mass, **base, name=name, terms=terms, response=response, force_unit=force_unit)
+
+    @property
+    def is_base_driven(self) -> bool:
+        """Whether it was identified under a moving base: its input is minus the base's acceleration."""
+        return self.mass is None and self.force_unit == units.compose("X/s2", self.response.displacement_unit)
+
+    @property
+    def why_no_mass(self) -> str:
+        """Why there is no mass."""
+        return "its base moves it, which tells no mass" if self.is_base_driven else "only free decays were fitted"
 
     def parameters(self) -> dict[str, Parameter]:
         """Every parameter by its name, in the order used everywhere: mass (unless None), Eq. 17, the terms."""

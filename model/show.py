@@ -139,7 +139,8 @@ def warnings(oscillator: Oscillator) -> list[str]:
     if o.cubic.value < 0 and not o.terms:
         noted.append(_softening(o))
     if o.mass is None:
-        noted.append("The mass is not known (only free decays were fitted): the input is a force per unit mass.")
+        what = "minus the acceleration of the base" if o.is_base_driven else "a force per unit mass"
+        noted.append(f"The mass is not known ({o.why_no_mass}): the input is {what}.")
     if all(p.std is None for p in parameters.values()):
         noted.append("No parameter has a standard error: the numbers were given, not measured.")
     return noted
@@ -189,7 +190,7 @@ def parameter_cells(o: Oscillator) -> list[tuple[str, ...]]:
         for value, error in [value_and_error(p)]
     ]
     if o.mass is None:
-        cells.insert(0, ("mass", "unknown", "", "", "", "only free decays were fitted"))
+        cells.insert(0, ("mass", "unknown", "", "", "", o.why_no_mass))
     return cells
 
 

@@ -25,6 +25,7 @@ _NAMES = {
     "velocity": ("v", "vel", "velocity", "xdot", "xd", "speed", "ldv"),
     "acceleration": ("a", "acc", "accel", "acceleration", "xddot", "xdd"),
 }  # fmt: skip
+_BASES = ("base", "ground", "foundation")
 _KIND = {name: kind for kind, names in _NAMES.items() for name in names}
 _RESPONSES = ("displacement", "velocity", "acceleration")
 _BRACKETS = re.compile(r"^(?P<name>.*?)\s*[\[(]\s*(?P<unit>[^\])]*?)\s*[\])]$")
@@ -46,12 +47,16 @@ class Column:
 
 @dataclass(frozen=True)
 class Choice:
-    """The columns of a record by their index in the table; None where there is no such column."""
+    """The columns of a record by their index in the table; None where there is no such column.
+
+    `base` is whether the force's column is the motion of the rig's base.
+    """
 
     time: int | None
     force: int | None
     response: int
     notes: tuple[str, ...] = ()
+    base: bool = False
 
 
 def parse_column(name: str, unit_text: str = "") -> Column:
@@ -76,6 +81,7 @@ def choose_columns(
     force: str | int | None = None,
     response: str | int | None = None,
     quantity: str | None = None,
+    base: str | int | None = None,
 ) -> Choice:
     """Return which columns to read: those named by the options, then those whose names tell.
 
@@ -85,8 +91,14 @@ def choose_columns(
     """
     columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
     given = {"time": time, "force": force, "response": response}
+    if moved := base is not None and str(base).strip().lower() != "none":
+        if force is not None and str(force).strip().lower() != "none":
+            raise BadInput(f"{table.where}: --force and --base were both given; a rig is driven by one of them here")
+        given["force"] = base
     chosen: dict[str, int | None] = {
-        role: _find(table, columns, role, option) for role, option in given.items() if option is not None
+        role: _find(table, columns, "base" if moved and role == "force" else role, option)
+        for role, option in given.items()
+        if option is not None
     }
     _reject_doubles(table, chosen)
     if not table.has_header and response is None:
@@ -101,12 +113,22 @@ def choose_columns(
     for role in ("time", "force"):
         if role not in chosen:
             chosen[role] = _only(table, columns, role, [i for i in free if columns[i].kind == role])
+    bases = [] if moved or base is not None else [i for i in free if _is_base(columns[i])]
+    bases = [i for i in bases if i not in chosen.values()]
+    if bases and force is None and chosen["force"] is not None:
+        raise BadInput(
+            f"{table.where}: holds a force, {table.label(chosen['force'])}, and a moving base, "
+            f"{table.label(bases[0])}; --force none takes the base alone, --base none the force alone"
+        )
+    if bases and chosen["force"] is None:
+        chosen["force"], moved = _only(table, columns, "base", bases), True
     if force is None and chosen["force"] is None:
         _reject_shorter_force(table)
     if chosen.get("response") is not None:
-        return Choice(chosen["time"], chosen["force"], int(chosen["response"] or 0))
+        return Choice(chosen["time"], chosen["force"], int(chosen["response"] or 0), base=moved)
 
     free = [i for i in free if i not in chosen.values()]
+    free = [i for i in free if not _is_base(columns[i])] or free
     wanted = (quantity,) if quantity in _RESPONSES else _RESPONSES
     likely = [i for i in free if columns[i].kind in wanted] or [i for i in free if columns[i].kind in _RESPONSES]
     # an option has said what the force is, or a name has: then a last column of no telling name is the response
@@ -114,7 +136,7 @@ def choose_columns(
     if not likely and len(unclear) == 1:
         i = unclear[0]
         note = f"{table.where}: column {table.label(i)} is taken as the response, being the only one left"
-        return Choice(chosen["time"], chosen["force"], i, (note,))
+        return Choice(chosen["time"], chosen["force"], i, (note,), moved)
     if not likely and not unclear:
         gone = "".join(f" ({note.removeprefix(f'{table.where}: ')})" for note in table.notes)
         raise BadInput(
@@ -127,7 +149,7 @@ def choose_columns(
             f"{table.where}: cannot tell which of the columns {names} is the response; "
             f"name the columns with {options}" + ("" if chosen["time"] is not None else " (and --time or --fs)")
         )
-    return Choice(chosen["time"], chosen["force"], likely[0])
+    return Choice(chosen["time"], chosen["force"], likely[0], base=moved)
 
 
 def _by_number(count: int, rate: bool) -> str:
@@ -172,6 +194,11 @@ def _kind(base: str, unit: Unit | None) -> str:
     if unit.quantity in _RESPONSES and named == "force":
         return ""
     return unit.quantity
+
+
+def _is_base(column: Column) -> bool:
+    """Whether a column's name says that it is the motion of a base."""
+    return re.split(r"[_\s]+", column.base.lower())[0] in _BASES and column.kind != "force"
 
 
 def _find(table: Table, columns: Sequence[Column], role: str, option: str | int) -> int | None:

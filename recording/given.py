@@ -32,7 +32,8 @@ class Reading(TypedDict, total=False):
     as a list; the force that belongs to one array as an array (n,). ``quantity``: displacement, velocity or
     acceleration. ``unit``, ``force_unit``: such as "mm", "kN". ``calibration``: such as {"force": "22.4 N/V"}. ``fs``:
     sampling frequency, Hz. ``part``: seconds to use, "2:30" or (2.0, 30.0). ``hold``: zero, linear or smooth.
-    ``max_size``: largest file, MB unpacked.
+    ``base``: column of the motion of the rig's base, in place of a force; ``relative``: whether the response is
+    relative to it. ``max_size``: largest file, MB unpacked.
     """
 
     time: str | int | None
@@ -45,6 +46,8 @@ class Reading(TypedDict, total=False):
     fs: float | None
     part: str | tuple[float, float] | None
     hold: str | None
+    base: str | int | None
+    relative: bool | None
     max_size: float
 
 

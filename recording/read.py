@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import BadInput, TellsNothing
+from .base_motion import seen_from_base
 from .calibration import applied, of_column
 from .columns import Choice, choose_columns, parse_column
 from .content import MOST_MB, content_of
@@ -19,7 +20,7 @@ from .fact import changed
 from .formats import read_tables
 from .objects import tables_of_object
 from .part import cut_out, rows_of
-from .recording import QUANTITIES, Recording
+from .recording import QUANTITIES, WHOLE, Recording
 from .sampling import uniform_sampling
 from .sensor_range import seen_whole
 from .table import Table
@@ -82,6 +83,8 @@ def recording_of(
     calibration: Mapping[str, str | float] | None = None,
     part: tuple[float, float] | None = None,
     hold: str | None = None,
+    base: str | int | None = None,
+    relative: bool | None = None,
     checked: bool = True,
     sha256: str | None = None,
 ) -> Recording:
@@ -91,16 +94,18 @@ def recording_of(
     leaves time or force out); `quantity` is displacement, velocity or acceleration; `unit` and `force_unit` overrule
     the header; `fs` in Hz stands in for a time column; `calibration` says by role (force, response, time), name or
     pattern of a column what its numbers stand for, "22.4 N/V"; `part` keeps the stretch from and to so many seconds
-    after the first sample; `hold` says how the force runs between samples (zero, linear, smooth; None: not said). With
+    after the first sample; `hold` says how the force runs between samples (zero, linear, smooth; None: not said).
+    `base` names the column of the motion of the rig's base in place of a force, and `relative` says whether the
+    response is relative to it (None: by the signals); see ``base_motion``. With
     `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`. `sha256` is kept.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
     if quantity is not None and quantity not in QUANTITIES:
         raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
-    choice = choose_columns(table, time, force, response, quantity)
+    choice = choose_columns(table, time, force, response, quantity, base)
     factors = {key: str(text) for key, text in (calibration or {}).items()}
-    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part)
+    recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part, relative)
     recording = replace(recording, hold=hold)
     return _checked(recording, stated=unit is not None) if checked else recording
 
@@ -115,6 +120,7 @@ def _recording(
     calibration: dict[str, str],
     sha256: str | None,
     part: tuple[float, float] | None,
+    relative: bool | None,
 ) -> Recording:
     notes = [*table.notes, *choice.notes]
     factor, unit = _scale(table, choice.response, "response", unit_text, "--unit", calibration)
@@ -125,9 +131,20 @@ def _recording(
     if unit is None:
         unit = parse_unit({"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity], table.where)
         notes.append(f"{table.where}: no unit is given for the response, {unit.si} is assumed; --unit states another")
+    of_base = None
+    if choice.base and choice.force is not None:
+        of_base = _quantity(table, choice.force, force_unit, None, "base")
+        force_unit = force_unit or parse_unit(
+            {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[of_base], table.where
+        )
+        if force_unit.si.partition("/")[0] != unit.si.partition("/")[0] or force_unit.quantity == "any":
+            raise BadInput(
+                f"{table.where}: the base is in {force_unit.text} and the response in {unit.text}; both are needed in "
+                "units of length, or of angle"
+            )
     if choice.force is not None and force_unit is None:
         notes.append(f"{table.where}: no unit is given for the force, N is assumed; --force-unit states another")
-    if force_unit is not None and force_unit.quantity not in ("force", "any"):
+    if force_unit is not None and of_base is None and force_unit.quantity not in ("force", "any"):
         raise BadInput(
             f"{table.where}: the force column {table.label(choice.force or 0)} has the unit '{force_unit.text}', "
             "which is none of a force; choose another column with --force, or state the unit with --force-unit"
@@ -153,11 +170,21 @@ def _recording(
     sampling = uniform_sampling(table.where, stamps, rate, signals)
     whole = seen_whole(table.where, sampling.columns, sampling.fs)
     columns = whole.columns
+    response, force, noise = columns[:, 0] * (factor * unit.factor), None, 0.0
+    if choice.force is not None:
+        force = columns[:, 1] * force_factor
+    if of_base is not None and force is not None and force_unit is not None:
+        seen = seen_from_base(table.where, sampling.fs, response, quantity, force, of_base, relative)
+        response, force, noise = seen.response, seen.force, seen.noise
+        notes.append(
+            f"{table.where}: {seen.said}; what drives it is minus the base's acceleration, which tells no mass"
+        )
+        force_unit = parse_unit(f"{force_unit.si.partition('/')[0]}/s2", table.where)
     recording = Recording(
         name=table.where,
         fs=sampling.fs,
-        response=columns[:, 0] * (factor * unit.factor),
-        force=None if choice.force is None else columns[:, 1] * force_factor,
+        response=response,
+        force=force,
         quantity=quantity,
         unit=unit.si,
         force_unit=force_unit.si if force_unit else "N",
@@ -166,6 +193,8 @@ def _recording(
         notes=(*notes, *sampling.notes, *whole.notes),
         blank=whole.blank,
         unknown=whole.unknown,
+        base="" if of_base is None else WHOLE,
+        force_noise=noise,
     )
     return recording if part is None or stamps is not None else cut_out(recording, part)
 
@@ -192,12 +221,13 @@ def _unit(table: Table, index: int, option: str | None, flag: str) -> Unit | Non
     return None
 
 
-def _quantity(table: Table, index: int, unit: Unit | None, option: str | None) -> str:
-    """Return the quantity of the response: what the option says, else the unit, else the column's name."""
+def _quantity(table: Table, index: int, unit: Unit | None, option: str | None, role: str = "response") -> str:
+    """Return the quantity of the response or the base: what the option says, else the unit, else the column's name."""
     if unit is not None and unit.quantity not in (*QUANTITIES, "any"):
         raise BadInput(
-            f"{table.where}: the response column {table.label(index)} has the unit '{unit.text}', which measures "
-            f"{unit.quantity}; choose another column with --response, or state the unit with --unit"
+            f"{table.where}: the {role} column {table.label(index)} has the unit '{unit.text}', which measures "
+            f"{unit.quantity}; choose another column with --{role}, or state the unit with --"
+            f"{'unit' if role == 'response' else 'calibration'}"
         )
     measured = unit.quantity if unit is not None and unit.quantity in QUANTITIES else None
     if option and measured and option != measured:

@@ -18,6 +18,8 @@ from .sensor_range import seen_whole
 from .units import parse_unit
 
 QUANTITIES = ("displacement", "velocity", "acceleration")
+#: What a base that moves drives, see ``Recording.base``.
+WHOLE, PART = "whole", "part"
 #: How a force may run between its samples: held from one to the next, in straight lines, or as a band-limited signal.
 HOLDS = ("zero", "linear", "smooth")
 
@@ -34,8 +36,11 @@ class Recording:
     clipped of each blow of a hammer where these are known, after a band has drawn them out. `blank` holds start and
     stop of what the response does not show, which was filled from its neighbours and is not fitted; `unknown` those of
     what the force does not tell, behind which the motion begins anew. `differs` holds names of properties and how
-    much more of each the thing had while this was recorded than on the mean of all recordings. `averaged` is the
-    standard deviation of noise on a force of which each level has been made the mean of its samples; else 0.
+    much more of each the thing had while this was recorded than on the mean of all recordings. `force_noise`
+    is the standard deviation of noise on a force that no longer shows it, its levels having been averaged or its base's
+    motion differentiated; else 0. `base` is not
+    empty where the force is minus the acceleration of a moving base and the response relative to it: "whole" where it
+    drives one mass, "part" where what is recorded takes part in that by another factor, as a mode of a beam does.
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
@@ -56,7 +61,8 @@ class Recording:
     blank: Runs = ()
     unknown: Runs = ()
     differs: tuple[tuple[str, float], ...] = ()
-    averaged: float = 0.0
+    force_noise: float = 0.0
+    base: str = ""
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")

@@ -29,7 +29,7 @@ def parameter_table(model: Oscillator, truth: Mapping[str, float] | None = None)
     rows: list[tuple[str | Cell, ...]] = []
     if model.mass is None:
         blank = ("",) * (3 if truth else 0)
-        rows.append(("mass", Cell("unknown", "quiet"), "", "", "", *blank, "only free decays were fitted"))
+        rows.append(("mass", Cell("unknown", "quiet"), "", "", "", *blank, model.why_no_mass))
     for name, p in model.parameters().items():
         value, error = value_text(p)
         row: list[str | Cell] = [name, value, error, percent_text(percent(p)), pretty_unit(p.unit)]

@@ -100,7 +100,7 @@ def _levelled(recording: Recording) -> Recording:
     """A recording whose force, where that is switched, is that of its levels."""
     if (drive := drive_of(recording)) is None or (levels := without_noise(drive.samples)) is drive.samples:
         return recording
-    return changed(recording, force=levels, averaged=recording.averaged or drive.noise)
+    return changed(recording, force=levels, force_noise=recording.force_noise or drive.noise)
 
 
 def hold_note(hold: str) -> str:

@@ -99,7 +99,7 @@ def noise_on_forces(
     levels = []
     for segment, residual in zip(problem.segments, residuals, strict=True):
         recording = recordings[segment.recording]
-        level, drive = max(noise_levels(recording)[1], recording.averaged), drive_of(recording)
+        level, drive = max(noise_levels(recording)[1], recording.force_noise), drive_of(recording)
         if drive is not None and drive.hides_its_noise and segment.force is not None and problem.memory == FREE:
             passed = equivalent_resonance(segment, values) / values["mass"] ** 2
             level = force_noise_left(residual, passed, level, measured_share(segment))

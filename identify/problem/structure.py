@@ -17,6 +17,7 @@ from ...model.equations import equations
 from ...model.law import Law, Scales
 from ...model.terms import with_term, with_values, without_term
 from ...model.units import factors
+from ...recording.recording import WHOLE
 from ...simulate.core import Core, core_of, internal_step
 from ..motion.first_motion import starts_at_rest
 from ..signals.noise_spectrum import NoiseSpectrum
@@ -150,7 +151,9 @@ class Structure:
         self.model = model
         self.data = data
         names = tuple(model.parameters())
-        driven = any(segment.force is not None for segment in data.segments)
+        driven = any(
+            segment.force is not None and data.recordings[segment.recording].base != WHOLE for segment in data.segments
+        )
         laws = [(f"{term.effect}.{p.name}", p) for term in model.terms for p in term.law.parameters]
         kept = {*fixed, *(name for name, p in laws if p.scale)}
         if not driven:  # free motion says nothing of the mass, nor of what else is measured by the force

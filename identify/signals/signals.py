@@ -137,7 +137,9 @@ def _of_force(recording: Recording) -> float:
 def noise_levels(recording: Recording) -> tuple[float, float]:
     """Standard deviations of the white noise on response and force, the latter 0 without a force."""
     drive = drive_of(recording)
-    return response_of(recording).noise, 0.0 if drive is None else drive.noise
+    if drive is None:
+        return response_of(recording).noise, 0.0
+    return response_of(recording).noise, recording.force_noise if recording.base else drive.noise
 
 
 def resting(x: np.ndarray, sigma: float, period: int) -> np.ndarray:

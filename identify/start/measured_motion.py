@@ -19,6 +19,7 @@ from ...model import Oscillator
 from ...model.law import Law, Scales
 from ...model.library import KNOWN, find
 from ...model.terms import with_term
+from ...recording.recording import WHOLE
 from ..motion.blows import ContactForce
 from ..motion.displacement import displacement
 from ..motion.excitation import band_of
@@ -115,8 +116,10 @@ class Regression:
         self.present = [(t.law, {n: q.value for n, q in t.parameters.items()}) for t in model.terms]
         self.slack = data.segments[0].slide
         self.forced = any(segment.force is not None for segment in data.segments)
-        # a blow is over before a window has opened to it, and says nothing of the mass there: that stays as it is
-        self.struck = any(isinstance(segment.force, ContactForce) for segment in data.segments)
+        # a blow is over before a window has opened to it, and says nothing of the mass there: that stays as it is; so
+        # does that of a rig which its base drives
+        struck = any(isinstance(segment.force, ContactForce) for segment in data.segments)
+        self.known = struck or any(recording.base == WHOLE for recording in data.recordings)
         self.rows: list[_Rows] = []
         for joined in stretches(data.segments):
             i, segment, last = joined[0], data.segments[joined[0]], data.segments[joined[-1]]
@@ -325,7 +328,7 @@ class Regression:
                 used[place] = False
                 solved = least_squares(matrix, vector, used)
         misfit = (power - float(vector @ solved)) / count
-        if self.struck and self.model.mass is not None:
+        if self.known and self.model.mass is not None:
             used[0], known = False, np.eye(used.size)[0] / -self.model.mass.value
             solved = known + least_squares(matrix, vector - matrix @ known, used)
             misfit = (power - float((2 * vector - matrix @ solved) @ solved)) / count

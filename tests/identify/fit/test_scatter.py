@@ -166,9 +166,9 @@ def test_the_mean_of_a_level_is_known_as_well_as_its_samples():
     force = np.repeat([0.0, 1.0, -1.0, 0.5], 1000) + 0.01 * np.random.default_rng(3).standard_normal(4000)
     (held,) = held_as([replace(recording, force=force, hold=None)], "zero")
     assert np.unique(held.force).size == 4
-    assert held.averaged == pytest.approx(0.01, rel=0.1)
-    assert held_as([held], "zero")[0].averaged == held.averaged
-    assert recording.averaged == 0.0
+    assert held.force_noise == pytest.approx(0.01, rel=0.1)
+    assert held_as([held], "zero")[0].force_noise == held.force_noise
+    assert recording.force_noise == 0.0
 
 
 def test_of_a_long_sweep_the_errors_are_near_those_of_the_information():

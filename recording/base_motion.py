@@ -1,0 +1,190 @@
+"""A rig that is shaken at its base: its motion relative to the base, and what drives that.
+
+Seen from the base, ``z = x - u``, a mass on springs and dampers between the two obeys the same equation, with minus the
+base's acceleration as the force per unit mass: ``z'' + ... = -u''`` (Den Hartog 1956, 2.13). So the mass itself is not
+told. What is between the mass and the ground is not of this kind.
+
+The base's motion is differentiated through polynomials over windows (Savitzky, Golay 1964), as long as its highest
+frequency, where it stands out of its noise, allows: noise of a displacement would be amplified without them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import BadInput
+from .recording import QUANTITIES
+from .smoothing import weights_of_polynomials, with_polynomials
+
+_ORDER = 6  # of the polynomials
+_LONGEST = 201  # samples
+_TRUE = 1e-6  # of a derivative: beside it no record of a million samples tells that
+_NEARLY = 1e-3  # of the signal: as the ends of a record may be off, where noise is more
+_WINDOW, _STANDS_OUT = 512, 10.0  # samples; of so many samples as often one line stands out by chance alone
+_BANDS, _OUT = 128, 8.0  # bands of a spectrum, and by how much a band with a signal is above the noise
+_LINE, _SLOWEST = 1e-2, 2  # of the strongest line: what is asked lies there; and which line is a drift
+#: By how many times one reading must leave less than the other, and what counts as nothing left, as of a sine by both.
+_CLEARER, _TOLD = 4.0, 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Seen:
+    """A rig as its base sees it.
+
+    Attributes:
+        response: (n,) relative to the base.
+        force: (n,) minus the base's acceleration.
+        noise: standard deviation of white noise on that which has, where the rig answers, the density of what it has.
+        said: what is to be said.
+    """
+
+    response: np.ndarray
+    force: np.ndarray
+    noise: float
+    said: str
+
+
+def derivative(signal: np.ndarray, fs: float, order: int, highest: float = 0.5) -> np.ndarray:
+    """(n,) the derivative of that order, 0 to 2, of a signal (n,) up to a frequency, in cycles a sample."""
+    if order == 0:
+        return signal
+    return with_polynomials(signal, _span(signal.size, order, highest, _TRUE), _ORDER, order) * fs**order
+
+
+def _span(n: int, order: int, highest: float, off: float) -> int:
+    """The longest window of polynomials by which a derivative is off by no more than a part, at a frequency."""
+    span = _ORDER + 1 | 1
+    while span + 2 <= min(_LONGEST, n) and _off(span + 2, order, 2 * np.pi * highest) < off:
+        span += 2
+    return span
+
+
+def denoised(signal: np.ndarray, highest: float) -> np.ndarray:
+    """(n,) what stands out of the white noise on a signal (n,), in windows that overlap and lines of each.
+
+    A base is mostly driven at few frequencies at a time. Noise at all others is on the response too, or not at all, but
+    moves no mass: left in, it looks as if the rig answered it in another way than it answers its base. At either end,
+    where no window is whole, polynomials smooth it up to the highest frequency that stands out, cycles a sample.
+    """
+    size = min(_WINDOW, 4 * (signal.size // 8))
+    step = size // 4
+    if step < 2:
+        return signal
+    window, least = np.hanning(size + 1)[:-1], np.log(_STANDS_OUT * signal.size) * _noise(signal) ** 2
+    begins = range(0, signal.size - size + 1, step)
+    lines = np.fft.rfft(np.stack([window * signal[i : i + size] for i in begins]), axis=1)
+    lines[np.abs(lines) ** 2 < least * np.sum(window**2)] = 0.0
+    made, weight = np.zeros(signal.size), np.zeros(signal.size)
+    for i, part in zip(begins, np.fft.irfft(lines, size, axis=1), strict=True):
+        made[i : i + size] += window * part
+        weight[i : i + size] += window**2
+    whole = float(np.sum(window**2)) / step
+    smooth = with_polynomials(signal, _span(signal.size, 0, highest, _NEARLY), _ORDER)
+    return (made + np.maximum(whole - weight, 0.0) * smooth) / np.maximum(weight, whole)
+
+
+def _spectrum(signal: np.ndarray) -> tuple[np.ndarray, float]:
+    """Mean power of bands of lines, and that of noise: the median of the highest quarter of them."""
+    lines = np.abs(np.fft.rfft(np.hanning(signal.size) * (signal - np.mean(signal)))) ** 2
+    size = max(lines.size // _BANDS, 1)
+    bands = np.mean(lines[: lines.size // size * size].reshape(-1, size), axis=1)
+    return bands, float(np.median(bands[-(len(bands) // 4) - 1 :]))
+
+
+def _noise(signal: np.ndarray) -> float:
+    """Standard deviation of white noise on a signal (n,)."""
+    return float(np.sqrt(_spectrum(signal)[1] / np.sum(np.hanning(signal.size) ** 2)))
+
+
+def _pace(motion: np.ndarray, shown: int, fs: float) -> float:
+    """Frequency at which a rig mostly moves, rad/s, by its displacement."""
+    turn = 2 * np.pi * np.fft.rfftfreq(motion.size, 1.0 / fs)[_SLOWEST + 1 :]
+    power = np.abs(np.fft.rfft(motion - np.mean(motion)))[_SLOWEST + 1 :] ** 2 / turn ** (2 * shown)
+    return float(turn[int(np.argmax(power))])
+
+
+def highest_of(signal: np.ndarray) -> float:
+    """Highest frequency, cycles a sample, at which a signal stands out of its noise."""
+    bands, floor = _spectrum(signal)
+    out = np.flatnonzero(bands > _OUT * floor)
+    return 0.5 * (float(out[-1]) + 1.0) / len(bands) if out.size else 0.5
+
+
+def _off(span: int, order: int, turn: float) -> float:
+    """By which part of itself the derivative through polynomials over a window is off, at a frequency, rad a sample."""
+    row = weights_of_polynomials(span, _ORDER, order)[span // 2]
+    place = np.arange(span) - span // 2
+    return abs(complex(row @ np.exp(1j * turn * place)) / (1j * turn) ** order - 1.0)
+
+
+def seen_from_base(
+    where: str, fs: float, response: np.ndarray, quantity: str, base: np.ndarray, of_base: str, relative: bool | None
+) -> Seen:
+    """The response relative to the base, and what drives it.
+
+    Args:
+        where: name for messages.
+        fs: Hz.
+        response, base: (n,), in SI units of one kind.
+        quantity, of_base: what they measure.
+        relative: whether the response is relative to the base already; None where nobody says.
+
+    Raises:
+        BadInput: the base does not move, cannot be brought to the response's quantity, or whether the response is
+            relative is not told.
+    """
+    if not np.ptp(base) > 0.0:
+        raise BadInput(f"{where}: the base does not move; choose another column with --base, or leave it out (none)")
+    shown, moved = QUANTITIES.index(quantity), QUANTITIES.index(of_base)
+    noise, highest = _noise(base), highest_of(base)
+    base = denoised(base, highest)
+    force = -derivative(base, fs, 2 - moved, highest)
+
+    def seen(motion: np.ndarray, said: str) -> Seen:
+        return Seen(motion, force, noise * _pace(motion, shown, fs) ** (2 - moved), said)
+
+    if relative is True:
+        return seen(response, "the response is relative to the moving base, as stated")
+    if shown < moved:
+        raise BadInput(
+            f"{where}: a {quantity} over the ground cannot be taken relative to a base of which the {of_base} is "
+            f"known; give the base's {quantity}, or --relative where the response is relative to the base"
+        )
+    same = response - derivative(base, fs, shown - moved, highest)
+    if relative is False:
+        return seen(same, "the response was taken relative to the moving base")
+    over_ground, already = (_left(one, shown, force, fs) for one in (same, response))
+    if max(over_ground, already) < _CLEARER * max(min(over_ground, already), _TOLD):
+        raise BadInput(
+            f"{where}: whether the response is relative to its base is not told by the signals; state --relative or "
+            "--absolute"
+        )
+    if over_ground < already:
+        return seen(same, "the response is over the ground, by the signals, and was taken relative to the moving base")
+    return seen(response, "the response is relative to the moving base, by the signals")
+
+
+def _left(response: np.ndarray, shown: int, force: np.ndarray, fs: float) -> float:
+    """Part of a force that Eq. 17 leaves whose relative response this is: lines of the force's band.
+
+    By a regression on the motion, its velocity, its cube and its signs, as of FORCEVIB.
+    """
+    window = np.hanning(response.size)
+    turn = 2j * np.pi * np.fft.rfftfreq(response.size, 1.0 / fs)
+    f = np.fft.rfft(window * (force - np.mean(force)))
+    power = np.abs(f) ** 2
+    used = (power > _LINE * np.max(power)) & (np.arange(power.size) > _SLOWEST)
+    lowest = int(np.flatnonzero(used)[0])
+    motion = np.fft.rfft(response - np.mean(response))
+    motion[: lowest // 2] = 0.0
+    z, v, a = (
+        np.fft.irfft(np.append(0.0, motion[1:] * turn[1:] ** (order - shown)), response.size) for order in (0, 1, 2)
+    )
+    laws = np.stack([np.fft.rfft(window * law)[used] for law in (z, v, z**3, np.sign(z), np.sign(v))], axis=1)
+    wanted = f[used] - np.fft.rfft(window * a)[used]
+    columns, values = (np.concatenate([part.real, part.imag]) for part in (laws, wanted))
+    weights = np.linalg.lstsq(columns / np.linalg.norm(columns, axis=0), values)[0]
+    left = values - columns / np.linalg.norm(columns, axis=0) @ weights
+    return float(np.sum(left**2) / np.sum(np.abs(f[used]) ** 2))

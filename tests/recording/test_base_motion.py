@@ -1,0 +1,130 @@
+"""A rig seen from its base: derivatives against closed forms, and whether a response is relative, by the signals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from dashpot.errors import BadInput
+from dashpot.recording import recordings_of
+from dashpot.recording.base_motion import denoised, derivative, highest_of, seen_from_base
+from dashpot.recording.recording import WHOLE
+from scipy.integrate import solve_ivp
+
+FS, SECONDS, OMEGA, VISCOUS, CUBIC = 200.0, 20.0, 2 * np.pi * 5.0, 1.0, 2e5
+T = np.arange(round(FS * SECONDS)) / FS
+
+
+def base(order, t=T):
+    """A sweep of 2 mm, 3 to 7 Hz, and its derivatives."""
+    turn, pace, rise = 2 * np.pi * (3.0 * t + 0.1 * t**2), 2 * np.pi * (3.0 + 0.2 * t), 2 * np.pi * 0.2
+    swept = (np.sin(turn), np.cos(turn) * pace, np.cos(turn) * rise - np.sin(turn) * pace**2)
+    return 2e-3 * swept[order]
+
+
+def rates(t, y):
+    return [y[1], -VISCOUS * y[1] - OMEGA**2 * y[0] - CUBIC * y[0] ** 3 - base(2, t)]
+
+
+@pytest.fixture(scope="module")
+def motion():
+    """(3, n) of the mass relative to its base: displacement, velocity, acceleration, by an independent integrator."""
+    y = solve_ivp(rates, (0.0, T[-1]), [0.0, -base(1, 0.0)], t_eval=T, rtol=1e-10, atol=1e-13, max_step=0.01).y
+    return np.array([*y, rates(T, y)[1]])
+
+
+def noisy(signal, seed, part=1e-3):
+    return signal + part * np.std(signal) * np.random.default_rng(seed).standard_normal(signal.size)
+
+
+@pytest.mark.parametrize("order", [0, 1, 2])
+def test_a_derivative_is_that_of_the_closed_form(order):
+    assert derivative(base(0), FS, order, 7.0 / FS) == pytest.approx(
+        base(order), abs=1e-3 * np.max(np.abs(base(order)))
+    )
+
+
+def test_noise_is_amplified_no_more_than_the_motion_asks():
+    shown = noisy(base(0), 1)
+    highest = highest_of(shown)
+    assert 7.0 < highest * FS < 9.0
+    inside = slice(600, -600)
+    smooth, seen = (
+        np.std((derivative(*of) - base(2))[inside])
+        for of in ((shown, FS, 2, highest), (denoised(shown, highest), FS, 2, highest))
+    )
+    assert seen < 0.1 * smooth
+    assert seen < 2e-3 * np.std(base(2))
+
+
+@pytest.mark.parametrize("quantity", ["displacement", "velocity", "acceleration"])
+@pytest.mark.parametrize("over_ground", [True, False])
+def test_the_signals_tell_whether_a_response_is_relative(motion, quantity, over_ground):
+    order = ("displacement", "velocity", "acceleration").index(quantity)
+    shown = noisy(motion[order] + (base(order) if over_ground else 0.0), 2)
+    moved = noisy(base(order), 3)
+    seen = seen_from_base("a.csv", FS, shown, quantity, moved, quantity, None)
+    assert ("over the ground" in seen.said) == over_ground
+    assert np.std(seen.response - motion[order]) < 4e-3 * np.std(motion[order])
+    inside = slice(50, -50)
+    assert np.std((seen.force + base(2))[inside]) < 0.02 * np.std(base(2))
+
+
+def test_what_is_stated_is_taken(motion):
+    stated = (seen_from_base("a", FS, motion[0], "displacement", base(0), "displacement", r) for r in (True, False))
+    relative, absolute = (seen.response for seen in stated)
+    assert np.array_equal(relative, motion[0])
+    assert absolute == pytest.approx(motion[0] - base(0), abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("response", "quantity", "moved", "of_base", "words"),
+    [
+        (np.sin(T), "displacement", np.ones(T.size), "displacement", "the base does not move"),
+        (base(0), "displacement", base(2), "acceleration", "give the base's displacement, or --relative"),
+        (np.sin(OMEGA * T + 1.0), "displacement", np.sin(OMEGA * T), "displacement", "state --relative or --absolute"),
+    ],
+)
+def test_what_cannot_be_told_is_refused(response, quantity, moved, of_base, words):
+    with pytest.raises(BadInput, match=words):
+        seen_from_base("a.csv", FS, response, quantity, moved, of_base, None)
+
+
+def arrays(motion, **more):
+    return {"time_s": T, "x_mm": 1e3 * (motion[0] + base(0)), "base_mm": 1e3 * base(0)} | more
+
+
+def test_a_base_is_found_by_its_name(motion):
+    (recording,) = recordings_of(arrays(motion))
+    assert recording.base == WHOLE
+    assert recording.force_unit == "m/s2"
+    assert recording.response == pytest.approx(motion[0], abs=1e-9)
+    assert recording.force == pytest.approx(-base(2), abs=1e-3 * np.max(np.abs(base(2))))
+    assert recording.slice(5, 50).base == WHOLE
+    assert any("tells no mass" in note for note in recording.notes)
+
+
+def test_it_is_left_out_where_that_is_said(motion):
+    (recording,) = recordings_of(arrays(motion), base="none")
+    assert not recording.base
+    assert recording.force is None
+
+
+@pytest.mark.parametrize(
+    ("more", "options", "words"),
+    [
+        ({"force_N": np.sin(T)}, {}, "holds a force, 'force_N', and a moving base, 'base_mm'"),
+        ({}, {"force": "base_mm", "base": "base_mm"}, "--force and --base were both given"),
+        ({"base_rad": base(0)}, {"base": "base_rad"}, "the base is in rad and the response in mm"),
+        ({"base_N": base(0)}, {"base": "base_N"}, "measures force"),
+        ({"base_2_mm": base(0)}, {}, "all look like the base; choose one with --base"),
+    ],
+)
+def test_a_file_that_does_not_say_which_is_refused(motion, more, options, words):
+    with pytest.raises(BadInput, match=words):
+        recordings_of(arrays(motion, **more), **options)
+
+
+def test_a_force_that_is_named_is_taken_beside_a_base(motion):
+    (recording,) = recordings_of(arrays(motion, force_N=np.sin(T)), force="force_N")
+    assert not recording.base
+    assert recording.force_unit == "N"
