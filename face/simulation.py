@@ -5,7 +5,7 @@ from __future__ import annotations
 import gzip
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -168,6 +168,8 @@ def along(oscillator: Oscillator, recordings: Sequence[Recording]) -> Simulation
             f"{oscillator.response.quantity} in {oscillator.response.unit}; "
             "say what the column is with --quantity and --unit"
         )
+    if measured.base and not oscillator.takes_acceleration:  # which per unit mass is the same equation
+        oscillator = replace(oscillator, mass=None)
     if oscillator.mass is None and not measured.base and measured.force is not None and np.any(measured.force):
         if not (force_is_silent(measured) and find_decays(measured)):
             raise BadInput(

@@ -209,10 +209,11 @@ def diagnosed(
     from ..model.parameter import Parameter
 
     _each_once([*training, *held])
-    whole = oscillator.mass is None and any(recording.base for recording in (*training, *held))
+    mass = oscillator.mass
+    whole = any(r.base for r in (*training, *held)) and (mass is None or not oscillator.takes_acceleration)
     if whole:
         oscillator = replace(oscillator, mass=Parameter(1.0, None, "1"))
-    elif oscillator.mass is not None:
+    elif mass is not None:
         training, held = taking_part(training), taking_part(held)
     alone, band = mode_alone(training, mode, oscillator, notes)
     with TemporaryDirectory() as scratch:
@@ -221,7 +222,7 @@ def diagnosed(
         found = diagnose(oscillator, alone, others, fmu=artefact, progress=progress, seconds=seconds)
         fmu = artefact.read_bytes() if artefact.exists() else None
     model = in_band_of(found.model, band)
-    return replace(found, model=replace(model, mass=None) if whole else model), fmu
+    return replace(found, model=replace(model, mass=mass) if whole else model), fmu
 
 
 def page_of_diagnosis(found: Diagnosis, fmu: bytes | None) -> Page:

@@ -203,9 +203,14 @@ class Oscillator:
         return cls(mass=mass, **base, name=name, terms=terms, response=response, force_unit=force_unit)
 
     @property
+    def takes_acceleration(self) -> bool:
+        """Whether it was identified under a moving base: its force is minus the base's acceleration."""
+        return self.force_unit == units.compose("X/s2", self.response.displacement_unit)
+
+    @property
     def is_base_driven(self) -> bool:
-        """Whether it was identified under a moving base: its input is minus the base's acceleration."""
-        return self.mass is None and self.force_unit == units.compose("X/s2", self.response.displacement_unit)
+        """Whether its input is minus the acceleration of the base, and nothing else."""
+        return self.mass is None and self.takes_acceleration
 
     @property
     def why_no_mass(self) -> str:

@@ -5,7 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from dashpot.errors import BadInput
+from dashpot.face.simulation import along
 from dashpot.face.workflow import diagnosed, identified
+from dashpot.model import Oscillator
 from dashpot.model.file import dumps
 from dashpot.model.show import parameter_cells
 from dashpot.recording import recordings_of
@@ -83,3 +85,11 @@ def test_a_mode_that_takes_part_by_a_factor_of_its_own_keeps_it():
     assert mass.unit == "1"
     assert abs(1.0 / mass.value - 1.57) < 3.5 * 1.57 * mass.std / mass.value
     assert any("counts 1.57 times" in note for note in found.notes)
+
+
+def test_a_model_with_a_mass_is_simulated_along_a_base():
+    """Per unit mass the equation is the same, whatever force its mass was identified by."""
+    values = {"mass": 3.0, "preload": 0.0, "dry": 0.0} | TRUE
+    (recording,) = recordings_of(shaken(1))
+    made = along(Oscillator.from_values(values), [recording])
+    assert np.std(made.response - recording.response) < 0.01 * np.std(recording.response)
