@@ -85,10 +85,11 @@ def _as_covariance(matrix: np.ndarray) -> np.ndarray:
     """The nearest (k, k) correlations that can be, with the same variances: rounding makes others of unknown values."""
     if not matrix.size:  # all parameters were given
         return matrix
+    matrix = 0.5 * (matrix + matrix.T)
     std = np.sqrt(np.maximum(np.diag(matrix), 0.0))
     scale = np.where(std > 0, std, 1.0)
     alike, rounding = matrix / scale[:, None] / scale, np.finfo(float).eps * len(matrix)
-    sizes, axes = np.linalg.eigh(0.5 * (alike + alike.T))
+    sizes, axes = np.linalg.eigh(alike)
     if sizes[0] >= -rounding and np.max(np.abs(alike)) <= 1.0 + rounding:
         return matrix
     made = (axes * np.maximum(sizes, 0.0)) @ axes.T

@@ -50,6 +50,8 @@ def derivative(signal: np.ndarray, fs: float, order: int, highest: float = 0.5) 
     """(n,) the derivative of that order, 0 to 2, of a signal (n,) up to a frequency, in cycles a sample."""
     if order == 0:
         return signal
+    if signal.size <= _ORDER:  # no recording of so few samples is identified: what checks it says so
+        return np.zeros(signal.size)
     return with_polynomials(signal, _span(signal.size, order, highest, _TRUE), _ORDER, order) * fs**order
 
 
@@ -135,11 +137,15 @@ def seen_from_base(
         BadInput: the base does not move, cannot be brought to the response's quantity, or whether the response is
             relative is not told.
     """
+    if not np.all(np.isfinite(base)):
+        raise BadInput(f"{where}: the base holds values that are not a number; choose another column with --base")
     if not np.ptp(base) > 0.0:
         raise BadInput(f"{where}: the base does not move; choose another column with --base, or leave it out (none)")
     shown, moved = QUANTITIES.index(quantity), QUANTITIES.index(of_base)
-    noise, highest = _noise(base), highest_of(base)
-    base = denoised(base, highest)
+    noise, highest = 0.0, 0.5  # an acceleration drives as it is, and shows its noise itself
+    if moved < 2:
+        noise, highest = _noise(base), highest_of(base)
+        base = denoised(base, highest)
     force = -derivative(base, fs, 2 - moved, highest)
 
     def seen(motion: np.ndarray, said: str) -> Seen:
@@ -149,8 +155,8 @@ def seen_from_base(
         return seen(response, "the response is relative to the moving base, as stated")
     if shown < moved:
         raise BadInput(
-            f"{where}: a {quantity} over the ground cannot be taken relative to a base of which the {of_base} is "
-            f"known; give the base's {quantity}, or --relative where the response is relative to the base"
+            f"{where}: whether the {quantity} is relative to a base of which the {of_base} was recorded is not told by "
+            f"the signals; state --relative where it is, and where it is over the ground give the base's {quantity}"
         )
     same = response - derivative(base, fs, shown - moved, highest)
     if relative is False:

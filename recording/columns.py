@@ -100,7 +100,7 @@ def choose_columns(
         for role, option in given.items()
         if option is not None
     }
-    _reject_doubles(table, chosen)
+    _reject_doubles(table, {"base" if moved and role == "force" else role: i for role, i in chosen.items()})
     if not table.has_header and response is None:
         if len(columns) > 1:
             raise BadInput(
@@ -128,7 +128,7 @@ def choose_columns(
         return Choice(chosen["time"], chosen["force"], int(chosen["response"] or 0), base=moved)
 
     free = [i for i in free if i not in chosen.values()]
-    free = [i for i in free if not _is_base(columns[i])] or free
+    free = [i for i in free if not _is_base(columns[i])]
     wanted = (quantity,) if quantity in _RESPONSES else _RESPONSES
     likely = [i for i in free if columns[i].kind in wanted] or [i for i in free if columns[i].kind in _RESPONSES]
     # an option has said what the force is, or a name has: then a last column of no telling name is the response

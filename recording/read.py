@@ -134,9 +134,12 @@ def _recording(
     of_base = None
     if choice.base and choice.force is not None:
         of_base = _quantity(table, choice.force, force_unit, None, "base")
-        force_unit = force_unit or parse_unit(
-            {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[of_base], table.where
-        )
+        if force_unit is None:
+            force_unit = parse_unit(
+                {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[of_base], table.where
+            )
+            said = f"no unit is given for the base, {force_unit.si} is assumed; --force-unit states another"
+            notes.append(f"{table.where}: {said}")
         if force_unit.si.partition("/")[0] != unit.si.partition("/")[0] or force_unit.quantity == "any":
             raise BadInput(
                 f"{table.where}: the base is in {force_unit.text} and the response in {unit.text}; both are needed in "

@@ -139,7 +139,8 @@ def noise_levels(recording: Recording) -> tuple[float, float]:
     drive = drive_of(recording)
     if drive is None:
         return response_of(recording).noise, 0.0
-    return response_of(recording).noise, recording.force_noise if recording.base else drive.noise
+    known = recording.force_noise if recording.base else 0.0
+    return response_of(recording).noise, known or drive.noise
 
 
 def resting(x: np.ndarray, sigma: float, period: int) -> np.ndarray:

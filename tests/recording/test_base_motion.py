@@ -80,7 +80,8 @@ def test_what_is_stated_is_taken(motion):
     ("response", "quantity", "moved", "of_base", "words"),
     [
         (np.sin(T), "displacement", np.ones(T.size), "displacement", "the base does not move"),
-        (base(0), "displacement", base(2), "acceleration", "give the base's displacement, or --relative"),
+        (np.sin(T), "displacement", np.full(T.size, np.nan), "displacement", "values that are not a number"),
+        (base(0), "displacement", base(2), "acceleration", "over the ground give the base's displacement"),
         (np.sin(OMEGA * T + 1.0), "displacement", np.sin(OMEGA * T), "displacement", "state --relative or --absolute"),
     ],
 )
@@ -115,6 +116,8 @@ def test_it_is_left_out_where_that_is_said(motion):
         ({"force_N": np.sin(T)}, {}, "holds a force, 'force_N', and a moving base, 'base_mm'"),
         ({}, {"force": "base_mm", "base": "base_mm"}, "--force and --base were both given"),
         ({"base_rad": base(0)}, {"base": "base_rad"}, "the base is in rad and the response in mm"),
+        ({}, {"base": "x_mm"}, "no column for the response"),
+        ({}, {"base": "x_mm", "response": "x_mm"}, "--base and --response name the same column|--response and --base"),
         ({"base_N": base(0)}, {"base": "base_N"}, "measures force"),
         ({"base_2_mm": base(0)}, {}, "all look like the base; choose one with --base"),
     ],
@@ -128,3 +131,14 @@ def test_a_force_that_is_named_is_taken_beside_a_base(motion):
     (recording,) = recordings_of(arrays(motion, force_N=np.sin(T)), force="force_N")
     assert not recording.base
     assert recording.force_unit == "N"
+
+
+def test_too_short_a_recording_is_refused_as_any_other():
+    with pytest.raises(BadInput, match="sample"):
+        recordings_of({"time_s": T[:6], "x_mm": np.sin(T[:6]), "base_mm": np.cos(T[:6])}, relative=True)
+
+
+def test_a_base_without_a_unit_is_taken_for_metres_and_that_is_said(motion):
+    arrays = {"time_s": T, "x_m": motion[0] + base(0), "base": base(0)}
+    (recording,) = recordings_of(arrays, base="base")
+    assert any("no unit is given for the base, m is assumed" in note for note in recording.notes)
