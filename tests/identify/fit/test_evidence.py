@@ -156,3 +156,13 @@ def test_cross_validation_sees_what_fits_but_does_not_foretell():
         return cross_validated([marginal_of(design[p], measured[p], at) for p in thirds], wide(design.shape[1]))
 
     assert crossed(plain) > crossed(bent) + 3.0
+
+
+def test_what_initial_states_explain_as_well_tells_nothing_and_not_less():
+    """A shared unknown that moves the response as an initial state does: rounding made its information negative."""
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        state = rng.standard_normal(50)
+        sums = Sums.of(np.vstack([1e6 * rng.uniform(0.5, 2.0) * state, state]), rng.standard_normal(50))
+        found = marginalised(0.0, sums, np.array([1]), np.zeros(1), np.array([[0.0], [1e12]]), 1)
+        assert 0.0 <= found.information[0, 0] <= 1e-14 * sums.normal[0, 0]
