@@ -4,8 +4,8 @@ Seen from the base, ``z = x - u``, a mass on springs and dampers between the two
 base's acceleration as the force per unit mass: ``z'' + ... = -u''`` (Den Hartog 1956, 2.13). So the mass itself is not
 told. What is between the mass and the ground is not of this kind.
 
-The base's motion is differentiated through polynomials over windows (Savitzky, Golay 1964), as long as its highest
-frequency, where it stands out of its noise, allows: noise of a displacement would be amplified without them.
+Of a base's displacement or velocity what does not stand out of its noise is taken away, and the rest differentiated
+through polynomials over windows (Savitzky, Golay 1964): noise would be amplified. An acceleration is taken as it is.
 """
 
 from __future__ import annotations
@@ -137,10 +137,19 @@ def seen_from_base(
         BadInput: the base does not move, cannot be brought to the response's quantity, or whether the response is
             relative is not told.
     """
-    if not np.all(np.isfinite(base)):
-        raise BadInput(f"{where}: the base holds values that are not a number; choose another column with --base")
+    with np.errstate(over="ignore"):
+        finite = bool(np.isfinite(np.sum(base**2)))
+    if not finite:
+        raise BadInput(
+            f"{where}: the base holds values that are not a number, or larger than any motion; choose another column "
+            "with --base"
+        )
     if not np.ptp(base) > 0.0:
         raise BadInput(f"{where}: the base does not move; choose another column with --base, or leave it out (none)")
+    if not np.ptp(response) > 0.0:
+        raise BadInput(f"{where}: the response is {response[0]:g} throughout; check the sensor, or choose --response")
+    if np.array_equal(response, base):
+        raise BadInput(f"{where}: the response is the motion of the base; choose another column with --response")
     shown, moved = QUANTITIES.index(quantity), QUANTITIES.index(of_base)
     noise, highest = 0.0, 0.5  # an acceleration drives as it is, and shows its noise itself
     if moved < 2:
@@ -175,13 +184,16 @@ def seen_from_base(
 def _left(response: np.ndarray, shown: int, force: np.ndarray, fs: float) -> float:
     """Part of a force that Eq. 17 leaves whose relative response this is: lines of the force's band.
 
-    By a regression on the motion, its velocity, its cube and its signs, as of FORCEVIB.
+    By a regression on the motion, its velocity, its cube and its signs, as of FORCEVIB. Nothing is left, as nothing is
+    told, where the force has no line but those of a drift.
     """
     window = np.hanning(response.size)
     turn = 2j * np.pi * np.fft.rfftfreq(response.size, 1.0 / fs)
     f = np.fft.rfft(window * (force - np.mean(force)))
     power = np.abs(f) ** 2
     used = (power > _LINE * np.max(power)) & (np.arange(power.size) > _SLOWEST)
+    if not np.any(used):
+        return 0.0
     lowest = int(np.flatnonzero(used)[0])
     motion = np.fft.rfft(response - np.mean(response))
     motion[: lowest // 2] = 0.0
@@ -191,6 +203,7 @@ def _left(response: np.ndarray, shown: int, force: np.ndarray, fs: float) -> flo
     laws = np.stack([np.fft.rfft(window * law)[used] for law in (z, v, z**3, np.sign(z), np.sign(v))], axis=1)
     wanted = f[used] - np.fft.rfft(window * a)[used]
     columns, values = (np.concatenate([part.real, part.imag]) for part in (laws, wanted))
-    weights = np.linalg.lstsq(columns / np.linalg.norm(columns, axis=0), values)[0]
-    left = values - columns / np.linalg.norm(columns, axis=0) @ weights
+    size = np.linalg.norm(columns, axis=0)
+    columns = columns / np.where(size > 0.0, size, 1.0)
+    left = values - columns @ np.linalg.lstsq(columns, values)[0]
     return float(np.sum(left**2) / np.sum(np.abs(f[used]) ** 2))

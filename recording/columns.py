@@ -95,12 +95,11 @@ def choose_columns(
         if force is not None and str(force).strip().lower() != "none":
             raise BadInput(f"{table.where}: --force and --base were both given; a rig is driven by one of them here")
         given["force"] = base
+    called = {"time": "time", "force": "base" if moved else "force", "response": "response"}
     chosen: dict[str, int | None] = {
-        role: _find(table, columns, "base" if moved and role == "force" else role, option)
-        for role, option in given.items()
-        if option is not None
+        role: _find(table, columns, called[role], option) for role, option in given.items() if option is not None
     }
-    _reject_doubles(table, {"base" if moved and role == "force" else role: i for role, i in chosen.items()})
+    _reject_doubles(table, {called[role]: i for role, i in chosen.items()})
     if not table.has_header and response is None:
         if len(columns) > 1:
             raise BadInput(
@@ -127,8 +126,7 @@ def choose_columns(
     if chosen.get("response") is not None:
         return Choice(chosen["time"], chosen["force"], int(chosen["response"] or 0), base=moved)
 
-    free = [i for i in free if i not in chosen.values()]
-    free = [i for i in free if not _is_base(columns[i])]
+    free = [i for i in free if i not in chosen.values() and not _is_base(columns[i])]
     wanted = (quantity,) if quantity in _RESPONSES else _RESPONSES
     likely = [i for i in free if columns[i].kind in wanted] or [i for i in free if columns[i].kind in _RESPONSES]
     # an option has said what the force is, or a name has: then a last column of no telling name is the response

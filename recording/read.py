@@ -27,6 +27,9 @@ from .table import Table
 from .time_stamps import in_seconds
 from .units import Unit, parse_unit
 
+#: The unit of what is recorded without one.
+_PLAIN = {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}
+
 
 def read(path: str | Path, **options: Any) -> Recording:
     """Read one recording and convert it to SI.
@@ -129,15 +132,13 @@ def _recording(
         force_factor, force_unit = _scale(table, choice.force, "force", force_unit_text, "--force-unit", calibration)
     quantity = _quantity(table, choice.response, unit, quantity)
     if unit is None:
-        unit = parse_unit({"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[quantity], table.where)
+        unit = parse_unit(_PLAIN[quantity], table.where)
         notes.append(f"{table.where}: no unit is given for the response, {unit.si} is assumed; --unit states another")
     of_base = None
     if choice.base and choice.force is not None:
         of_base = _quantity(table, choice.force, force_unit, None, "base")
         if force_unit is None:
-            force_unit = parse_unit(
-                {"displacement": "m", "velocity": "m/s", "acceleration": "m/s2"}[of_base], table.where
-            )
+            force_unit = parse_unit(_PLAIN[of_base], table.where)
             said = f"no unit is given for the base, {force_unit.si} is assumed; --force-unit states another"
             notes.append(f"{table.where}: {said}")
         if force_unit.si.partition("/")[0] != unit.si.partition("/")[0] or force_unit.quantity == "any":

@@ -151,6 +151,7 @@ class Structure:
         self.model = model
         self.data = data
         names = tuple(model.parameters())
+        # nor does a base that moves one mass: what drives that is per unit mass
         driven = any(
             segment.force is not None and data.recordings[segment.recording].base != WHOLE for segment in data.segments
         )

@@ -80,6 +80,9 @@ def test_what_is_stated_is_taken(motion):
     ("response", "quantity", "moved", "of_base", "words"),
     [
         (np.sin(T), "displacement", np.ones(T.size), "displacement", "the base does not move"),
+        (base(0), "displacement", base(0), "displacement", "the response is the motion of the base"),
+        (0.0 * T, "displacement", 1e200 * base(0), "displacement", "larger than any motion"),
+        (np.sin(30 * T), "displacement", np.sin(0.6 * T), "displacement", "state --relative or --absolute"),
         (np.sin(T), "displacement", np.full(T.size, np.nan), "displacement", "values that are not a number"),
         (base(0), "displacement", base(2), "acceleration", "over the ground give the base's displacement"),
         (np.sin(OMEGA * T + 1.0), "displacement", np.sin(OMEGA * T), "displacement", "state --relative or --absolute"),
@@ -142,3 +145,9 @@ def test_a_base_without_a_unit_is_taken_for_metres_and_that_is_said(motion):
     arrays = {"time_s": T, "x_m": motion[0] + base(0), "base": base(0)}
     (recording,) = recordings_of(arrays, base="base")
     assert any("no unit is given for the base, m is assumed" in note for note in recording.notes)
+
+
+@pytest.mark.parametrize("n", [9, T.size])
+def test_a_dead_sensor_or_a_few_samples_end_in_a_sentence(n):
+    with pytest.raises(BadInput, match=r"sample|throughout|--relative"):
+        recordings_of({"time_s": T[:n], "x_m": 0.0 * T[:n], "base_m": base(0)[:n]})
