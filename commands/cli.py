@@ -13,6 +13,7 @@ from .. import __version__
 from ..errors import BadInput
 from ..face.workflow import read_all
 from ..files.exit_codes import ended
+from . import element_commands
 from .command_examples import epilog
 from .fleet_commands import COMMANDS as FLEET_COMMANDS
 from .model_commands import COMMANDS
@@ -221,6 +222,21 @@ def identify(
         raise BadInput(
             f"{output}: identify writes a model file; name it .yaml, and make others of it with dashpot export"
         )
+    if options["prescribed"] is not None:
+        unusable = {"--fix": fix, "--mass": mass, "--from": start, "--mode": mode, "--faults": faults}
+        element_commands.identify(
+            recordings,
+            output,
+            report,
+            figures,
+            name=name,
+            laws=effects,
+            every=every,
+            as_json=as_json,
+            unusable={**unusable, "--max-left": max_left},
+            options=options,
+        )
+        return
     identification = identified(
         lambda: read_all(recordings, options, say),
         name=name or output.stem,
@@ -297,11 +313,16 @@ def diagnose(
 ) -> None:
     """Find the physics that a model lacks and recordings show; exit code 1 where something stays unexplained."""
     from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT, check_folder
+    from ..face.element import is_element_file
     from ..face.workflow import diagnosed, seconds_allowed, write_diagnosis
     from ..model.file import load
     from ..report.diagnosis_text import describe
 
     allowed = seconds_allowed(seconds)
+    if is_element_file(model):
+        how = {"as_json": as_json, "seconds": allowed, "figures": figures, "options": options}
+        element_commands.diagnose(model, recordings, holdout, output, **how)
+        return
     check_folder(output)
     files = (DIAGNOSIS, MODEL, FMU, EXPERIMENT, REPORT)
     outputs_checked([output / name for name in files], [model, *recordings, *holdout])

@@ -10,6 +10,7 @@ import click
 
 from ..errors import BadInput
 from ..face.workflow import read_all
+from . import element_commands
 from .options import FILE, with_laws, with_recordings
 from .terminal import outputs_checked, print_json, say
 
@@ -20,10 +21,14 @@ from .terminal import outputs_checked, print_json, say
 @with_laws
 def show(model: Path, as_json: bool) -> None:
     """Parameters with their errors, equation and validity."""
+    from ..face.element import is_element_file
     from ..model.file import load
     from ..model.show import as_json as model_json
     from ..model.show import describe
 
+    if is_element_file(model):
+        element_commands.show(model, as_json=as_json)
+        return
     oscillator = load(model)
     if as_json:
         print_json(model_json(oscillator))

@@ -251,7 +251,9 @@ def analysed(recordings: Sequence[Recording], mode: str | None) -> tuple[Hilbert
     """FREEVIB and FORCEVIB of one mode of recordings, and what was evaluated; raises BadInput where nothing can be."""
     from ..identify import hilbert_analysis
     from ..identify.motion.modes import mode_by_itself
+    from ..recording.prescribed import refuse_prescribed
 
+    refuse_prescribed(recordings)
     notes: list[str] = []
     alone, band = mode_by_itself(recordings, mode, notes.append)
     chosen = [note.removeprefix("note: ") for note in notes]

@@ -26,6 +26,7 @@ from ..recording.checks import no_reach, overlapping, reversed_force
 from ..recording.continuity import is_switched
 from ..recording.given import recordings_of
 from ..recording.oscillation import oscillation_of
+from ..recording.prescribed import refuse_prescribed
 from ..recording.recording import WHOLE, Recording
 from ..simulate.work import Meter, Work
 from .faults.inconsistent_recording import explain_residual
@@ -422,6 +423,7 @@ def belong_together(recordings: Sequence[Recording]) -> None:
     if not recordings:
         raise BadInput("no recording was given; name at least one file with a decay or a driven response")
     first = recordings[0]
+    refuse_prescribed(recordings)
     for problem in overlapping(recordings):
         raise BadInput(problem.sentence)
     moving = [(r, oscillation_of(r)) for r in recordings if np.ptp(r.response) > 0 and r.n > 1]

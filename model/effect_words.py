@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from .law import Law
-from .laws import BASE
+from .laws import BASE, FURTHER
 from .library import KNOWN
 
 #: Where a sentence that stands in for a phrase is cut: at what only illustrates or explains.
@@ -27,7 +27,7 @@ def effect_in_words(name: str) -> str:
     A name that the library does not have is returned as it is: an effect that was learnt without a law, a law of a
     user's whose file was not read, or a model.
     """
-    laws = (*BASE, *KNOWN.values())
+    laws = (*BASE, *KNOWN.values(), *FURTHER.values())
     law = next((law for law in laws if law.name == name), None) or next(
         (law for law in laws if law.effect == name), None
     )

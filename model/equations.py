@@ -18,6 +18,7 @@ from .law import Expression, InnerState, Law, Motion
 from .laws import BASE
 
 if TYPE_CHECKING:
+    from .element import Element
     from .oscillator import Oscillator
 
 
@@ -25,6 +26,8 @@ if TYPE_CHECKING:
 _KEPT = 512
 #: Name of the mass beyond the identified one.
 PAYLOAD = "payload"
+#: Name of the displacement from which an element's laws count, and of what is recorded of it.
+ORIGIN, FORCE = "origin", "force"
 
 
 class SurfaceKind(IntEnum):
@@ -42,7 +45,7 @@ class Equations:
     Attributes:
         z: states: displacement, velocity, then the laws' inner states.
         t: time, s.
-        u: recorded force (or force per unit mass where the mass is null).
+        u: recorded force (or force per unit mass where the mass is null); of an element the acceleration.
         u_rate: its time derivative.
         p: parameters, in the order of ``parameter_names``.
         s: signs of the surfaces.
@@ -109,26 +112,31 @@ class Structure:
         laws: of the terms beside Eq. 17, in their order; a law read again from a changed file is another one.
         recorded: what the recordings show: displacement, velocity or acceleration.
         payload: whether a further mass, ``payload``, is its last parameter; forces stay what they are.
+        imposed: whether the motion is given and the force is the response, as of an ``Element``.
     """
 
     parameters: tuple[str, ...]
     laws: tuple[Law, ...] = field(hash=False)
     recorded: str
     payload: bool = False
+    imposed: bool = False
 
 
-def structure_of(oscillator: Oscillator, *, payload: bool = False) -> Structure:
+def structure_of(oscillator: Oscillator | Element, *, payload: bool = False) -> Structure:
     """The structure of an oscillator, by which what is made of its equations alone is kept.
 
-    Without a mass there is none to add to, and ``payload`` is ignored.
+    Without a mass there is none to add to, and ``payload`` is ignored. Of an element the last parameter is the origin
+    of its displacement.
     """
     laws = tuple(term.law for term in oscillator.terms)
+    if oscillator.imposed:
+        return Structure((*oscillator.parameters(), ORIGIN), laws, FORCE, imposed=True)
     loaded = payload and oscillator.mass is not None
     names = (*oscillator.parameters(), *((PAYLOAD,) if loaded else ()))
     return Structure(names, laws, oscillator.response.quantity, loaded)
 
 
-def equations(oscillator: Oscillator, *, payload: bool = False) -> Equations:
+def equations(oscillator: Oscillator | Element, *, payload: bool = False) -> Equations:
     """The laws of an oscillator assembled; only its structure matters, the values stay symbols.
 
     Oscillators of one structure share one value: an export or a fit asks for it dozens of times.
@@ -141,12 +149,15 @@ def equations_of(structure: Structure) -> Equations:
     """The same from the structure alone."""
     import casadi as ca
 
+    from .element import INERTIA, MEMBERS  # which stands on the oscillator
+
     x, v = ca.SX.sym("x"), ca.SX.sym("v")
     t, u, u_rate = ca.SX.sym("t"), ca.SX.sym("u"), ca.SX.sym("u_rate")
     names = structure.parameters
     p = ca.SX.sym("p", len(names))
     value = {name: p[i] for i, name in enumerate(names)}
-    motion = Motion(x=x, v=v, t=t, recorded=structure.recorded)
+    shown = "displacement" if structure.imposed else structure.recorded
+    motion = Motion(x=x - value[ORIGIN] if structure.imposed else x, v=v, t=t, recorded=shown)
     terms = [(law, {q.name: value[f"{law.name}.{q.name}"] for q in law.parameters}) for law in structure.laws]
     taken: list[tuple[Expression, Expression]] = []  # the force of each law and what it has stored
 
@@ -163,14 +174,16 @@ def equations_of(structure: Structure) -> Equations:
         if law.drive:
             drive = ask(law, own, drive)
     motion.force = drive
-    inner = sum(ask(law, value) for law in BASE)
+    inner = sum(ask(law, value) for law in (MEMBERS if structure.imposed else BASE))
     inner += sum(ask(law, own) for law, own in terms if law.force)
-    if structure.payload:  # the forces are those of the identified mass, whatever moves with it
+    if structure.imposed:  # the input is the acceleration of the motion that is given
+        acceleration, inner = u, inner + value[INERTIA] * u
+    elif structure.payload:  # the forces are those of the identified mass, whatever moves with it
         total = value["mass"] + value[PAYLOAD]
         acceleration = drive / total - value["mass"] / total * inner
     else:
         acceleration = (drive / value["mass"] if "mass" in value else drive) - inner
-    recorded = {"displacement": x, "velocity": v, "acceleration": acceleration}[structure.recorded]
+    recorded = {"displacement": x, "velocity": v, "acceleration": acceleration, FORCE: inner}[structure.recorded]
     for law, own in terms:
         if law.record:
             recorded = ask(law, own, recorded)
@@ -188,9 +201,10 @@ def equations_of(structure: Structure) -> Equations:
     y = ca.vertcat(recorded, x, v, acceleration)
 
     mass = value.get("mass", 1.0)
+    moving = value[INERTIA] if structure.imposed else 1
     forces, stored = (ca.vertcat(*column) for column in zip(*taken, strict=True))
     storing = ca.jtimes(stored, ca.vertcat(scalars, t), ca.vertcat(zdot, 1))
-    energy = mass * (v**2 / 2 + ca.sum1(stored)) + (value[PAYLOAD] * v**2 / 2 if structure.payload else 0)
+    energy = mass * (moving * v**2 / 2 + ca.sum1(stored)) + (value[PAYLOAD] * v**2 / 2 if structure.payload else 0)
     dissipated = mass * ca.sum1(forces * v - storing)  # law by law, so that a spring cancels before anything is summed
     zdot, g, y, drive, energy, dissipated = ca.substitute([zdot, g, y, drive, energy, dissipated], [scalars], [z])
     g_rate = ca.jtimes(g, z, zdot) + ca.jtimes(g, t, ca.SX(1)) + ca.jtimes(g, u, u_rate)
@@ -215,6 +229,7 @@ def equations_of(structure: Structure) -> Equations:
         reaches=ca.vertcat(ca.SX(0, 1), *(motion.reaches[i] for i in order)),
         recorded=structure.recorded,
         payload=structure.payload,
+        output_names=(FORCE if structure.imposed else "x", "displacement", "velocity", "acceleration"),
     )
 
 

@@ -23,7 +23,7 @@ from .oscillator import Band, Oscillator, Provenance, Range, Response, Term
 from .parameter import Parameter
 
 if TYPE_CHECKING:
-    from .schema import ModelForm, ParameterForm, RangeForm
+    from .schema import IdentifiedForm, ModelForm, ParameterForm, RangeForm
 
 #: Enough for as many characters as a model file may have.
 _MOST_BYTES = 4_000_000
@@ -37,14 +37,18 @@ def load(path: str | os.PathLike[str]) -> Oscillator:
         BadInput: the file cannot be read, or is not a model file; the text has one line a problem, in the form
             ``file: line N: $.path: what is wrong and what to do``.
     """
+    return loads(text_at(path), os.fspath(path))
+
+
+def text_at(path: str | os.PathLike[str]) -> str:
+    """The text of a model file; raises BadInput where that is none."""
     where = os.fspath(path)
     try:
-        text = content_of(path, _MOST_BYTES).decode("utf-8-sig")
+        return content_of(path, _MOST_BYTES).decode("utf-8-sig")
     except UnicodeDecodeError:
         raise BadInput(f"{where}: is not UTF-8 text, so not a model file; give the .yaml that identify wrote") from None
     except (OSError, ValueError) as error:  # ValueError: a name with a null byte
         raise BadInput(f"{where}: cannot be read ({_reason(error)}); check the path") from None
-    return loads(text, where)
 
 
 def loads(text: str, where: str = "model") -> Oscillator:
@@ -64,22 +68,22 @@ def dumps(oscillator: Oscillator) -> str:
     become U+FFFD.
     """
     o = oscillator
-    lines = ["# " + " ".join(o.equation().split()), "format: dashpot-model/1", f"name: {_text(o.name)}"]
+    lines = ["# " + " ".join(o.equation().split()), "format: dashpot-model/1", f"name: {scalar_text(o.name)}"]
     base = ["mass", *(p.name for law in BASE for p in law.parameters)]
-    lines += _table({name: getattr(o, name) for name in base}, o.why_no_mass)
+    lines += table({name: getattr(o, name) for name in base}, o.why_no_mass)
     lines += ["terms:"] if o.terms else ["terms: []"]
     for term in o.terms:
-        lines += [f"  - effect: {_text(term.effect)}", "    parameters:"]
-        lines += [f"      {line}" for line in _table(term.parameters)]
-    lines.append(f"response: {_flow({'quantity': o.response.quantity, 'unit': o.response.unit})}")
+        lines += [f"  - effect: {scalar_text(term.effect)}", "    parameters:"]
+        lines += [f"      {line}" for line in table(term.parameters)]
+    lines.append(f"response: {flow({'quantity': o.response.quantity, 'unit': o.response.unit})}")
     unit = {"unit": o.force_unit} if o.force_unit != "N" else {}
     if o.mass is not None or unit or o.hold != "smooth":
-        lines.append(f"excitation: {_flow({**unit, 'hold': o.hold})}")
+        lines.append(f"excitation: {flow({**unit, 'hold': o.hold})}")
     ranges = {name: span for name in ("amplitude", "frequency") if (span := getattr(o, name)) is not None}
     if ranges:
         lines.append("valid:   # what the recordings covered")
-        lines += [f"  {n}: {_flow({'min': r.min, 'max': r.max, 'unit': r.unit})}" for n, r in ranges.items()]
-    return "\n".join([*lines, *_identified(o.identified)]) + "\n"
+        lines += [f"  {n}: {flow({'min': r.min, 'max': r.max, 'unit': r.unit})}" for n, r in ranges.items()]
+    return "\n".join([*lines, *provenance_lines(o.identified)]) + "\n"
 
 
 def check_name(name: Any) -> None:
@@ -118,42 +122,49 @@ def _reason(error: Exception) -> str:
 
 def _oscillator(form: ModelForm, free: list[str]) -> Oscillator:
     identified = form.identified
-    covariance = identified.covariance
     return Oscillator(
-        mass=None if form.mass is None else _parameter(form.mass),
-        omega0=_parameter(form.omega0),
-        cubic=_parameter(form.cubic),
-        preload=_parameter(form.preload),
-        viscous=_parameter(form.viscous),
-        dry=_parameter(form.dry),
+        mass=None if form.mass is None else parameter_of(form.mass),
+        omega0=parameter_of(form.omega0),
+        cubic=parameter_of(form.cubic),
+        preload=parameter_of(form.preload),
+        viscous=parameter_of(form.viscous),
+        dry=parameter_of(form.dry),
         name=form.name,
-        terms=tuple(Term(find(t.effect), {n: _parameter(p) for n, p in t.parameters.items()}) for t in form.terms),
+        terms=tuple(Term(find(t.effect), {n: parameter_of(p) for n, p in t.parameters.items()}) for t in form.terms),
         response=Response(form.response.quantity, form.response.unit),
         force_unit=form.excitation.unit,
         hold=form.excitation.hold,
-        amplitude=_range(form.valid.amplitude),
-        frequency=_range(form.valid.frequency),
-        identified=Provenance(
-            recordings=tuple(recording.model_dump(exclude_unset=True) for recording in identified.recordings),
-            method=identified.method,
-            software=identified.software,
-            parameters=tuple(identified.parameters or (free if covariance is not None else ())),
-            covariance=None if covariance is None else tuple(tuple(map(float, row)) for row in covariance),
-            log_likelihood=identified.log_likelihood,
-            band=None if (b := identified.band) is None else Band(b.mode, b.low, b.high),
-        ),
+        amplitude=range_of(form.valid.amplitude),
+        frequency=range_of(form.valid.frequency),
+        identified=provenance_of(identified, free),
     )
 
 
-def _parameter(form: ParameterForm) -> Parameter:
+def provenance_of(identified: IdentifiedForm, free: list[str]) -> Provenance:
+    """Where the numbers come from; ``free`` are the names of the covariance's rows where the file does not say."""
+    covariance = identified.covariance
+    return Provenance(
+        recordings=tuple(recording.model_dump(exclude_unset=True) for recording in identified.recordings),
+        method=identified.method,
+        software=identified.software,
+        parameters=tuple(identified.parameters or (free if covariance is not None else ())),
+        covariance=None if covariance is None else tuple(tuple(map(float, row)) for row in covariance),
+        log_likelihood=identified.log_likelihood,
+        band=None if (b := identified.band) is None else Band(b.mode, b.low, b.high),
+    )
+
+
+def parameter_of(form: ParameterForm) -> Parameter:
+    """One number of a file."""
     return Parameter(float(form.value), None if form.std is None else float(form.std), form.unit)
 
 
-def _range(form: RangeForm | None) -> Range | None:
+def range_of(form: RangeForm | None) -> Range | None:
+    """A range of a file."""
     return None if form is None else Range(float(form.min), float(form.max), form.unit)
 
 
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
     """Shortest text that reads back as the same number, also for readers that want a dot before an exponent."""
     text = repr(float(value))
     if text in ("inf", "-inf", "nan"):
@@ -162,7 +173,7 @@ def _number(value: float) -> str:
     return f"{mantissa}{'' if '.' in mantissa else '.0'}{e}{exponent}"
 
 
-def _text(value: str) -> str:
+def scalar_text(value: str) -> str:
     """Text as a YAML scalar: plain where no reader can take it for anything else, quoted otherwise."""
     from .yaml_loader import is_text
 
@@ -175,25 +186,26 @@ def _text(value: str) -> str:
 def _scalar(value: Any) -> str:
     if value is None:
         return "null"
-    return _text(value) if isinstance(value, str) else _number(value)
+    return scalar_text(value) if isinstance(value, str) else number_text(value)
 
 
-def _flow(entries: Mapping[str, Any]) -> str:
-    return "{" + ", ".join(f"{_text(key)}: {_scalar(value)}" for key, value in entries.items()) + "}"
+def flow(entries: Mapping[str, Any]) -> str:
+    """A mapping in one line."""
+    return "{" + ", ".join(f"{scalar_text(key)}: {_scalar(value)}" for key, value in entries.items()) + "}"
 
 
 def _row(values: Iterable[Any]) -> str:
     return "[" + ", ".join(map(_scalar, values)) + "]"
 
 
-def _table(parameters: Mapping[str, Parameter | None], why_no_mass: str = "") -> list[str]:
+def table(parameters: Mapping[str, Parameter | None], why_no_mass: str = "") -> list[str]:
     """One aligned line a parameter."""
     cells = [
         (
             f"{name}:",
-            f"{_number(p.value)},",
-            f"{'null' if p.std is None else _number(float(f'{p.std:.4g}'))},",
-            _text(p.unit),
+            f"{number_text(p.value)},",
+            f"{'null' if p.std is None else number_text(float(f'{p.std:.4g}'))},",
+            scalar_text(p.unit),
         )
         for name, p in parameters.items()
         if p is not None
@@ -208,19 +220,22 @@ def _table(parameters: Mapping[str, Parameter | None], why_no_mass: str = "") ->
     return [f"{name + ':':<{width[0]}} {null}" if p is None else next(lines) for name, p in parameters.items()]
 
 
-def _identified(identified: Provenance) -> list[str]:
+def provenance_lines(identified: Provenance) -> list[str]:
+    """Where the numbers come from, as lines of a file."""
     lines: list[str] = []
     if identified.recordings:
-        lines += ["  recordings:", *(f"    - {_flow(recording)}" for recording in identified.recordings)]
+        lines += ["  recordings:", *(f"    - {flow(recording)}" for recording in identified.recordings)]
     lines += [
-        f"  {name}: {_text(getattr(identified, name))}" for name in ("method", "software") if getattr(identified, name)
+        f"  {name}: {scalar_text(getattr(identified, name))}"
+        for name in ("method", "software")
+        if getattr(identified, name)
     ]
     if (band := identified.band) is not None:
-        lines.append(f"  band: {_flow({'mode': band.mode, 'low': band.low, 'high': band.high, 'unit': 'Hz'})}")
+        lines.append(f"  band: {flow({'mode': band.mode, 'low': band.low, 'high': band.high, 'unit': 'Hz'})}")
     if identified.parameters:
         lines.append(f"  parameters: {_row(identified.parameters)}")
     if identified.covariance is not None:
         lines += ["  covariance:", *(f"    - {_row(row)}" for row in identified.covariance)]
     if identified.log_likelihood is not None:
-        lines.append(f"  log_likelihood: {_number(identified.log_likelihood)}")
+        lines.append(f"  log_likelihood: {number_text(identified.log_likelihood)}")
     return ["identified:", *lines] if lines else []

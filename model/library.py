@@ -20,7 +20,7 @@ from ..errors import BadInput
 from ..files.arguments import text_of
 from .law import Law
 from .law_trial import problems, trial, wrong_types
-from .laws import BASE, LIBRARY, MODES
+from .laws import BASE, FURTHER, LIBRARY
 from .oscillator import Oscillator, Response
 
 if TYPE_CHECKING:
@@ -34,12 +34,12 @@ KNOWN: dict[str, Law] = dict(LIBRARY)
 def find(effect: str) -> Law:
     """The law of that name, of the library or of an installed package; raises BadInput with the closest known names."""
     text_of(effect, "the name of a law")
-    if effect in KNOWN or effect in MODES:
-        return KNOWN.get(effect) or MODES[effect]
+    if effect in KNOWN or effect in FURTHER:
+        return KNOWN.get(effect) or FURTHER[effect]
     wrong = take_installed_laws()
     if effect in KNOWN:
         return KNOWN[effect]
-    close = difflib.get_close_matches(effect, KNOWN, n=3, cutoff=0.4)
+    close = difflib.get_close_matches(effect, [*KNOWN, *FURTHER], n=3, cutoff=0.4)
     known = f"did you mean {', '.join(close)}?" if close else f"known: {', '.join(sorted(KNOWN)) or 'none yet'}"
     raise BadInput("\n".join([f"effect {effect!r} is not in the library of laws; {known}", *wrong]))
 
@@ -71,7 +71,7 @@ def take(laws: Sequence[Law], where: str) -> None:
     Raises:
         BadInput: a law's name is taken, a law lacks something, or its expression cannot be made; none is then taken.
     """
-    taken = {law.name for law in BASE} | set(KNOWN) | set(MODES)
+    taken = {law.name for law in BASE} | set(KNOWN) | set(FURTHER)
     for law in laws:
         if wrong := next(wrong_types(law), None):
             raise BadInput(f"{where}: law {law.name!r:.60}: {wrong}")
@@ -137,7 +137,7 @@ def _laws_of(named: Any) -> Iterator[Law]:
 
 def _pickled(law: Law) -> str | tuple[Any, ...]:
     """By its name where the library knows it, else as any other value."""
-    known = law in (KNOWN.get(law.name), MODES.get(law.name))
+    known = law in (KNOWN.get(law.name), FURTHER.get(law.name))
     return (find, (law.name,)) if known else law.__reduce_ex__(2)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ..errors import BadInput
 from . import units
@@ -156,6 +156,9 @@ class Oscillator:
     amplitude: Range | None = None
     frequency: Range | None = None
     identified: Provenance = field(default_factory=Provenance)
+
+    #: Whether its motion is given and its force follows, as of an ``Element``.
+    imposed: ClassVar[bool] = False
 
     def __repr__(self) -> str:
         values = ", ".join(f"{name} {p}" for name, p in self.parameters().items())

@@ -6,6 +6,7 @@ checks what needs the physics: units that follow from the response's, effects an
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Annotated, Any, Literal, get_args
 
 from pydantic import AfterValidator, BaseModel, Field, model_validator
@@ -155,14 +156,24 @@ def checked(document: Document) -> ModelForm:
 
 
 def _sentence(error: ErrorDetails, path: Path, meaning: Meaning) -> str:
-    """Pydantic's finding in our words."""
+    return sentence_of(error, lambda: suggestion(str(path[-1]), _keys(path[:-1])), lambda: meaning.example(path))
+
+
+def sentence_of(error: ErrorDetails, near: Callable[[], str], example: Callable[[], str]) -> str:
+    """Pydantic's finding in our words.
+
+    Args:
+        error: the finding.
+        near: says which keys there are, or which is meant.
+        example: says what to write there.
+    """
     kind, given, limits = error["type"], error["input"], error.get("ctx", {})
     if kind == "missing":
-        return f"is missing; {meaning.example(path)}"
+        return f"is missing; {example()}"
     if kind == "extra_forbidden":
-        return f"unknown key; {suggestion(str(path[-1]), _keys(path[:-1]))}"
+        return f"unknown key; {near()}"
     if kind in ("model_type", "dict_type"):
-        return f"must be a mapping, not {shown(given)}; {meaning.example(path)}"
+        return f"must be a mapping, not {shown(given)}; {example()}"
     sentences = {
         "float_type": f"must be a plain number such as 4.6e5, not {shown(given)}",
         "finite_number": "must be a finite number",

@@ -47,7 +47,7 @@ def check(recording: Recording, *, stated: bool = False) -> list[Problem]:
     problems = too_few(recording) or not_a_number(recording) or out_of_range(recording) or constant(recording)
     if not problems:
         motion = oscillation_of(recording)
-        for judge in _JUDGES:
+        for judge in (written_twice, one_signal) if recording.prescribed else _JUDGES:
             problems += judge(recording, motion)
         if stated and recording.unit in ROTATIONS:
             problems = [p for p in problems if p not in wrong_unit(recording, motion)]

@@ -88,6 +88,7 @@ def recording_of(
     hold: str | None = None,
     base: str | int | None = None,
     relative: bool | None = None,
+    prescribed: str | int | None = None,
     checked: bool = True,
     sha256: str | None = None,
 ) -> Recording:
@@ -99,18 +100,39 @@ def recording_of(
     pattern of a column what its numbers stand for, "22.4 N/V"; `part` keeps the stretch from and to so many seconds
     after the first sample; `hold` says how the force runs between samples (zero, linear, smooth; None: not said).
     `base` names the column of the motion of the rig's base in place of a force, and `relative` says whether the
-    response is relative to it (None: by the signals); see ``base_motion``. With
+    response is relative to it (None: by the signals); see ``base_motion``. `prescribed` names the column of a motion
+    that was imposed, in place of a response; the force is then what that took. With
     `checked`, the errors that `check` finds are raised and its notes kept in `Recording.notes`. `sha256` is kept.
 
     Raises BadInput with one sentence for each thing that is wrong.
     """
     if quantity is not None and quantity not in QUANTITIES:
         raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
+    if prescribed is not None:
+        response, base = _prescribed(table.where, prescribed, response, base, force), "none"
     choice = choose_columns(table, time, force, response, quantity, base)
+    if prescribed is not None and choice.force is None:
+        raise BadInput(
+            f"{table.where}: a prescribed motion tells nothing without the force that it took, and no column is one; "
+            "name it with --force"
+        )
     factors = {key: str(text) for key, text in (calibration or {}).items()}
     recording = _recording(table, choice, quantity, unit, force_unit, fs, factors, sha256, part, relative)
-    recording = replace(recording, hold=hold)
+    recording = replace(recording, hold=hold, prescribed=prescribed is not None)
     return _checked(recording, stated=unit is not None) if checked else recording
+
+
+def _prescribed(
+    where: str, prescribed: str | int, response: str | int | None, base: str | int | None, force: str | int | None
+) -> str | int:
+    """The column of a prescribed motion; raises BadInput where something else is said that cannot be beside it."""
+    if response is not None:
+        raise BadInput(f"{where}: --prescribed and --response were both given; a prescribed motion is no response")
+    if base is not None and str(base).strip().lower() != "none":
+        raise BadInput(f"{where}: --prescribed and --base were both given; a base moves a rig, and is not its motion")
+    if force is not None and str(force).strip().lower() == "none":
+        raise BadInput(f"{where}: a prescribed motion tells nothing without the force that it took; leave out --force")
+    return prescribed
 
 
 def _recording(

@@ -41,6 +41,7 @@ class Recording:
     motion differentiated; else 0. `base` is not
     empty where the force is minus the acceleration of a moving base and the response relative to it: "whole" where it
     drives one mass, "part" where what is recorded takes part in that by another factor, as a mode of a beam does.
+    `prescribed` is set where the response was imposed and the force is what that took.
 
     Raises BadInput when shapes, `fs`, `start`, `quantity` or `hold` do not make a record.
     """
@@ -63,6 +64,7 @@ class Recording:
     differs: tuple[tuple[str, float], ...] = ()
     force_noise: float = 0.0
     base: str = ""
+    prescribed: bool = False
 
     def __post_init__(self) -> None:
         text_of(self.name, "the name of a recording")

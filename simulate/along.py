@@ -81,7 +81,12 @@ class Along:
         ]
 
     def __call__(
-        self, parameters: Mapping[str, float], motion: np.ndarray, dt: float, shift: np.ndarray | float = 0.0
+        self,
+        parameters: Mapping[str, float],
+        motion: np.ndarray,
+        dt: float,
+        shift: np.ndarray | float = 0.0,
+        parts: int | None = None,
     ) -> np.ndarray:
         """(values, n) along a motion.
 
@@ -90,6 +95,7 @@ class Along:
             motion: (n, 4) displacement, velocity, time, force at points ``dt`` apart, in order of time.
             dt: s.
             shift: of the inner states at the first point from what they follow, (inner,) or one for all.
+            parts: steps of the inner states from point to point; as many as they ask for where None.
         """
         motion = np.ascontiguousarray(motion, float)
         p = np.array([parameters[parameter.name] for parameter in self.law.parameters])
@@ -99,7 +105,7 @@ class Along:
             system = tuple(np.array(part) for part in self._filter(p))
             return driven_by_lines(system, motion[:, 3], dt)[None, :]
         out = np.empty((motion.shape[0], self.values))
-        parts = self._parts(begin, motion, p, dt)
+        parts = parts or self._parts(begin, motion, p, dt)
         self._along(
             p.ctypes.data_as(_DOUBLES),
             begin.ctypes.data_as(_DOUBLES),

@@ -24,6 +24,7 @@ from .work import TOTAL
 
 if TYPE_CHECKING:
     from ..model import Oscillator
+    from ..model.element import Element
 
 _DOUBLES = ctypes.POINTER(ctypes.c_double)
 _BYTES = ctypes.POINTER(ctypes.c_byte)
@@ -66,9 +67,9 @@ class Core:
             three times as long, and less than one compilation without it and one with it.
     """
 
-    def __init__(self, oscillator: Oscillator, *, carried: bool = False) -> None:
+    def __init__(self, oscillator: Oscillator | Element, *, carried: bool = False) -> None:
         self.equations = equations(oscillator)
-        self.quantity = oscillator.response.quantity
+        self.quantity = self.equations.recorded
         self.parameter_names = self.equations.parameter_names
         self.states = len(self.equations.state_names)
         self._library, self._carries = self._built(carried), carried
@@ -414,7 +415,7 @@ def _linearised(structure: Structure) -> tuple[Equations, Expression, Expression
     return eq, jacobian, ca.Function("reaches", [eq.p], [eq.reaches])
 
 
-def core_of(oscillator: Oscillator, *, carried: bool = False) -> Core:
+def core_of(oscillator: Oscillator | Element, *, carried: bool = False) -> Core:
     """The core for the structure of ``oscillator`` (which laws, which response), built at first use.
 
     ``carried`` says that derivatives will be asked of it, see ``Core``.
@@ -435,17 +436,23 @@ _MOST_STEPS = 1e8
 
 
 def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude: float) -> float:
-    """Longest internal step for a model within the amplitude.
+    """Longest internal step for a model within the amplitude: ``longest_step`` at its natural frequency."""
+    eq = _linearised(structure_of(oscillator))[0]
+    known = [values[name] for name in eq.parameter_names]
+    return longest_step(oscillator, known, amplitude, values["omega0"])
+
+
+def longest_step(oscillator: Oscillator | Element, p: Sequence[float], amplitude: float, pace: float) -> float:
+    """Longest internal step for a motion of an amplitude at a pace, rad/s; ``p`` are the values of the parameters.
 
     The rates are the eigenvalues of the linearised equations at rest and at both ends and in the middle of the motion,
     whichever side of its surfaces it is on: a seventy-fifth of the rig's own period, a thirtieth of that of a faster
     motion, and two thirds of a time constant of what merely decays.
     """
     eq, jacobian, reaches = _linearised(structure_of(oscillator))
-    p = [values[name] for name in eq.parameter_names]
     reach = np.array(reaches(p)).ravel()
     count = len(eq.kinds)
-    speed = amplitude * values["omega0"]
+    speed = amplitude * pace
     rates: list[np.ndarray] = []
     for x, v in ((0.0, 0.0), (amplitude, 0.0), (-amplitude, 0.0), (0.0, speed), (0.0, -speed)):
         for signs in ([1.0] * count, [-1.0] * count):
@@ -454,15 +461,17 @@ def internal_step(oscillator: Oscillator, values: Mapping[str, float], amplitude
             matrix = np.array(jacobian(begin, 0.0, 0.0, p, signs))
             if np.all(np.isfinite(matrix)):
                 rates.append(np.linalg.eigvals(matrix))
+    if oscillator.imposed:  # whose motion has no rate of its own
+        rates.append(np.array([1j * pace]))
     eigenvalues = np.concatenate(rates) if rates else np.zeros(1)
     size = np.abs(eigenvalues)
-    slow = 3.0 * values["omega0"] if eq.inner or count > 2 else np.inf
+    slow = 3.0 * pace if eq.inner or count > 2 else np.inf
     decays = np.abs(np.real(eigenvalues)) > _DAMPED * size
     steps = np.where(size <= slow, STEPS_PER_PERIOD, _FAST_STEPS_PER_PERIOD) / (2 * np.pi)
-    pace = float(np.max(np.where(decays & (size > slow / 3.0), _STEPS_PER_DECAY, steps) * size, initial=0.0))
-    if not np.isfinite(pace) or pace <= 0.0:
+    fastest = float(np.max(np.where(decays & (size > slow / 3.0), _STEPS_PER_DECAY, steps) * size, initial=0.0))
+    if not np.isfinite(fastest) or fastest <= 0.0:
         raise BadInput("the model has no motion to integrate: its fastest rate is not a positive number")
-    return 1.0 / pace
+    return 1.0 / fastest
 
 
 def step_for(oscillator: Oscillator, amplitude: float, seconds: float) -> float:

@@ -19,13 +19,18 @@ from . import (
     constant_force,
     cubic_damping,
     cubic_stiffness,
+    digressive_damping,
     displacement_dependent_damping,
     dry_friction,
+    exponential_spring,
     free_damping,
     free_spring,
     further_mode,
+    gas_spring,
     hysteresis,
     linear_stiffness,
+    lugre,
+    nonlinear_maxwell,
     one_sided_stop,
     preload,
     quadratic_drag,
@@ -97,3 +102,12 @@ LIBRARY: Mapping[str, Law] = MappingProxyType(
 
 #: Further modes, which are fitted beside the one that the model is of; no diagnosis asks for them.
 MODES: Mapping[str, Law] = MappingProxyType({law.name: law for law in further_mode.LAWS})
+
+#: Laws of dampers, seals, gas and junctions, asked for where a motion was prescribed and the force recorded: along a
+#: motion that the laws themselves make they are hardly told from hysteresis and drag. ``--with`` takes them anywhere.
+PRESCRIBED: Mapping[str, Law] = MappingProxyType(
+    {file.LAW.name: file.LAW for file in (digressive_damping, gas_spring, exponential_spring, lugre, nonlinear_maxwell)}
+)
+
+#: What a name may mean beside the library that a diagnosis asks for.
+FURTHER: Mapping[str, Law] = MappingProxyType({**MODES, **PRESCRIBED})

@@ -1,0 +1,100 @@
+"""What commands do where a motion was prescribed: translated and printed, for ``cli`` and ``model_commands``."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+
+from ..errors import BadInput
+from ..face.workflow import read_all
+from .terminal import outputs_checked, print_json, progress_shown, say
+
+
+def identify(
+    recordings: tuple[Path, ...],
+    output: Path,
+    report: Path | None,
+    figures: str | None,
+    *,
+    name: str | None,
+    laws: tuple[str, ...],
+    every: bool,
+    as_json: bool,
+    unusable: Mapping[str, Any],
+    options: dict[str, Any],
+) -> None:
+    """Identify an element and write it.
+
+    Args:
+        recordings, output, report, figures, name, laws, every, as_json, options: as of ``dashpot identify``.
+        unusable: options by name that an element has no use for, and what was given.
+    """
+    from ..face.element import as_json as element_json
+    from ..face.element import described, identified_element, write_element
+
+    for option, given in unusable.items():
+        if given:
+            raise BadInput(
+                f"{option} is of an oscillator, and --prescribed of the law by itself; leave one of them out"
+            )
+    fit = identified_element(
+        lambda: read_all(recordings, options, say), name=name or output.stem, laws=laws, every=every, notes=say
+    )
+    for note in fit.notes:
+        say(f"note: {note}")
+    drawn = write_element(fit, output, report, figures)
+    if as_json:
+        print_json(element_json(fit.element))
+    else:
+        click.echo(described(fit.element))
+    say(f"written: {', '.join(str(path) for path in (output, report, *drawn) if path is not None)}")
+    if fit.left:
+        say(f"{output}: {fit.left}; dashpot diagnose asks which law is missing", always=True)
+        sys.exit(1)
+
+
+def diagnose(
+    model: Path,
+    recordings: tuple[Path, ...],
+    holdout: tuple[Path, ...],
+    output: Path,
+    *,
+    as_json: bool,
+    seconds: float,
+    figures: str | None,
+    options: dict[str, Any],
+) -> None:
+    """Ask which laws an element lacks, and write what was found; arguments as of ``dashpot diagnose``."""
+    from ..diagnose.files import DIAGNOSIS, MODEL, REPORT, check_folder
+    from ..face.element import diagnosed_element, load_element, write_element_diagnosis
+
+    check_folder(output)
+    outputs_checked([output / name for name in (DIAGNOSIS, MODEL, REPORT)], [model, *recordings, *holdout])
+    name = load_element(model).name
+    training, held = read_all(recordings, options, say), read_all(holdout, options, say)
+    with progress_shown() as progress:
+        told = diagnosed_element(training, held, name=name, progress=progress, seconds=seconds)
+    written = write_element_diagnosis(output, told.found, figures)
+    if as_json:
+        print_json(told.as_json)
+    else:
+        click.echo(told.text)
+    say(f"written: {', '.join(str(path) for path in written)}")
+    if told.verdict == "unexplained":
+        sys.exit(1)
+
+
+def show(model: Path, *, as_json: bool) -> None:
+    """Print an element."""
+    from ..face.element import as_json as element_json
+    from ..face.element import described, load_element
+
+    element = load_element(model).element
+    if as_json:
+        print_json(element_json(element))
+    else:
+        click.echo(described(element))

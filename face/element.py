@@ -1,0 +1,269 @@
+"""The work of commands on a prescribed motion, and the Python object of an element."""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..errors import BadInput
+from ..files.arguments import path_of
+from ..model.element import Element
+from ..recording import Recording
+from .workflow import FIGURES, Say, silent, write_figures
+
+if TYPE_CHECKING:
+    from ..model.parameter import Parameter
+    from ..prescribed.element_fit import ElementFit, ElementFound
+
+
+def is_element_file(path: Path) -> bool:
+    """Whether a file says that it holds an element; no for one that cannot be read, which its reader will say."""
+    from ..model.element_file import is_element
+    from ..model.file import text_at
+
+    try:
+        return is_element(text_at(path))
+    except BadInput:
+        return False
+
+
+def load_element(path: str | Path) -> ForceElement:
+    """The element of a file; raises BadInput."""
+    from ..model.element_file import load_element as load
+
+    return ForceElement(load(path_of(path, "the file of an element")))
+
+
+def write_element(fit: ElementFit, model: Path, report: Path | None = None, figures: str | None = None) -> list[Path]:
+    """Write the file of an element, the page and the pictures where asked for, or none; returns the pictures' paths."""
+    from ..files.writing import together, write
+    from ..model.element_file import save_element
+
+    drawn: list[Path] = []
+    with together():
+        if report is not None or figures is not None:
+            from ..report.element_page import element_page
+
+            page = element_page(fit, files=(model.name,))
+            if report is not None:
+                write(report, page.html)
+            drawn = write_figures(page, model.with_name(f"{model.stem}-{FIGURES}"), figures)
+        save_element(fit.element, model)
+    return drawn
+
+
+def write_element_diagnosis(folder: Path, found: ElementFound, figures: str | None = None) -> list[Path]:
+    """Write a diagnosis, its page and the mended element into a folder, all or none; returns the paths."""
+    from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT
+    from ..files.writing import remove, together, write
+    from ..model.element_file import dumps
+    from ..prescribed.tell import as_json
+    from ..report.element_page import element_diagnosis_page
+
+    page = element_diagnosis_page(found, files=(DIAGNOSIS, MODEL))
+    texts: Mapping[str, str] = {
+        DIAGNOSIS: json.dumps(as_json(found), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
+        MODEL: dumps(found.best.element),
+        REPORT: page.html,
+    }
+    with together():
+        for name in (FMU, EXPERIMENT):
+            remove(folder / name)  # that of an earlier diagnosis would not belong to this one
+        for name, text in texts.items():
+            write(folder / name, text)
+        return [*(folder / name for name in texts), *write_figures(page, folder / FIGURES, figures)]
+
+
+class ForceElement:
+    """A force law by itself: what resists a motion that is given.
+
+    ``element["viscous"]`` is a parameter with value, standard error and unit; ``fit`` the identification, where it was
+    made by one, and ``notes`` what is to be known of it.
+    """
+
+    def __init__(self, element: Element, fit: ElementFit | None = None) -> None:
+        self.element = element
+        self.fit = fit
+
+    def __repr__(self) -> str:
+        return repr(self.element)
+
+    @property
+    def name(self) -> str:
+        """Of the specimen."""
+        return self.element.name
+
+    @property
+    def parameters(self) -> dict[str, Parameter]:
+        """Every parameter by its name."""
+        return self.element.parameters()
+
+    def __getitem__(self, name: str) -> Parameter:
+        known = self.element.parameters()
+        if name not in known:
+            raise KeyError(f"{name!r} is no parameter of {self.name}; it has {', '.join(known)}")
+        return known[name]
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What is to be known of the identification."""
+        return () if self.fit is None else self.fit.notes
+
+    def force(self, displacement: Sequence[float] | np.ndarray, fs: float) -> np.ndarray:
+        """(n,) force along a displacement (n,) sampled at ``fs`` Hz, in the element's units.
+
+        Raises:
+            BadInput: fewer than four samples, or values that are no numbers.
+        """
+        from ..recording.plain_numbers import vector_of
+        from ..simulate.imposed import force_along
+
+        motion = vector_of(displacement, "the displacement")
+        if motion.ndim != 1 or motion.size < 4 or not np.all(np.isfinite(motion)):
+            raise BadInput("the displacement must be at least four numbers in one row")
+        if not (math.isfinite(fs) and fs > 0):
+            raise BadInput(f"fs is {fs}; the sampling frequency is a positive number, in Hz")
+        return force_along(self.element, motion, 1.0 / fs)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the file of the element; returns its path. Raises BadInput."""
+        from ..model.element_file import save_element
+
+        target = Path(path_of(path, "the file of an element"))
+        save_element(self.element, target)
+        return target
+
+
+def described(element: Element) -> str:
+    """The element as text: equation, parameters with errors, what it is valid for, where it comes from."""
+    from ..model.show import columns_text, percent, value_and_error
+
+    words, cells = element.descriptions(), []
+    for name, p in element.parameters().items():
+        if p.std is None and not p.value:
+            continue
+        value, error = value_and_error(p)
+        share = percent(p)
+        part = "" if share is None else f"({share:.2g} %)" if share < 99.5 else f"({share:.0f} %)"
+        cells.append((name, value, f"± {error}" if error else "", part, p.unit, words[name]))
+    lines = [f"{element.name}: motion in, force out", "", *(f"  {part}" for part in element.equation().split("; "))]
+    lines += ["", "Parameters (those that are not listed are zero)", *columns_text(cells)] if cells else []
+    for term in element.terms:
+        lines += ["", f"{term.effect} ({term.law.path})", f"  {term.law.sentence}"]
+    ranges = [(n, r) for n, r in (("amplitude", element.amplitude), ("speed", element.speed)) if r is not None]
+    if ranges:
+        lines += ["", "Valid for (what the recordings covered)"]
+        lines += [f"  {name:<10} {r.min:.4g} to {r.max:.4g} {r.unit}" for name, r in ranges]
+    files = [str(recording.get("file", "?")) for recording in element.identified.recordings]
+    lines += ["", "Identified from", *(f"  {file}" for file in files)] if files else []
+    return "\n".join(lines) + "\n"
+
+
+def as_json(element: Element) -> dict[str, Any]:
+    """The same as plain data."""
+    from ..model.show import percent
+
+    words = element.descriptions()
+    return {
+        "format": "dashpot-show/1",
+        "name": element.name,
+        "equation": element.equation(),
+        "parameters": {
+            name: {"value": p.value, "std": p.std, "percent": percent(p), "unit": p.unit, "description": words[name]}
+            for name, p in element.parameters().items()
+        },
+        "terms": [{"effect": t.effect, "path": t.law.path, "sentence": t.law.sentence} for t in element.terms],
+        "motion": {"unit": element.unit, "origin": element.origin},
+        "force": {"unit": element.force_unit},
+    }
+
+
+def identified_element(
+    read: Callable[[], Sequence[Recording]], *, name: str | None, laws: Sequence[str], every: bool, notes: Say = silent
+) -> ElementFit:
+    """Identify an element; for arguments and errors see ``prescribed.element_fit.identify_element``."""
+    from ..model.file import check_name
+    from ..prescribed.element_fit import identify_element
+
+    if name is not None:
+        check_name(name)
+    recordings = read()
+    notes("least squares along the motion")
+    stem = Path(recordings[0].name.partition("#")[0]).name.partition(".")[0] or "element"
+    return identify_element(recordings, name=name or stem, laws=laws, every=every)
+
+
+@dataclass(frozen=True, eq=False)
+class ElementDiagnosis:
+    """What was found along prescribed motions: ``verdict``, ``sentence``, ``as_json`` and ``text`` say it.
+
+    ``element`` is the mended element, or the members of Eq. 17 where nothing is missing.
+    """
+
+    found: ElementFound
+
+    @property
+    def verdict(self) -> str:
+        """``consistent``, ``missing-physics`` or ``unexplained``."""
+        from ..prescribed.tell import verdict_of
+
+        return verdict_of(self.found)
+
+    @property
+    def sentence(self) -> str:
+        """The verdict for a person."""
+        from ..prescribed.tell import sentence_of
+
+        return sentence_of(self.found)
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the laws that are missing."""
+        return tuple(named.law.name for named in self.found.found.named)
+
+    @property
+    def element(self) -> ForceElement:
+        """With the laws that were found."""
+        return ForceElement(self.found.best.element, self.found.best)
+
+    @property
+    def as_json(self) -> dict[str, Any]:
+        """As ``diagnosis.json`` has it."""
+        from ..prescribed.tell import as_json as data
+
+        return data(self.found)
+
+    @property
+    def text(self) -> str:
+        """As the terminal shows it."""
+        from ..prescribed.tell import next_test
+
+        return f"{self.sentence}\n\n{described(self.found.best.element)}\nNext test\n  {next_test(self.found)}\n"
+
+    def save(self, folder: str | Path) -> list[Path]:
+        """Write what ``dashpot diagnose`` does into a folder; returns the paths. Raises BadInput."""
+        from ..diagnose.files import check_folder
+
+        target = path_of(folder, "a folder")
+        check_folder(target)
+        return write_element_diagnosis(target, self.found)
+
+
+def diagnosed_element(
+    training: Sequence[Recording],
+    held: Sequence[Recording],
+    *,
+    name: str,
+    progress: Callable[[str, float], None],
+    seconds: float,
+) -> ElementDiagnosis:
+    """Ask which laws an element lacks; for arguments and errors see ``prescribed.element_fit.diagnose_element``."""
+    from ..prescribed.element_fit import diagnose_element
+
+    return ElementDiagnosis(diagnose_element(training, held, name=name, progress=progress, seconds=seconds))

@@ -1,0 +1,222 @@
+"""What resists a motion that is imposed on it: a damper, a seal, a gas strut, a joint in a test machine.
+
+``inertia x'' + viscous x' + dry sgn x' + stiffness x + cubic x³ + preload sgn x + load + terms = F``
+
+Here the motion is given and the force follows, so that nothing is per unit mass: the members are those of Eq. 17 times
+a mass, in newtons, and each strength of a further law with them. The inertia is that of what moves between the specimen
+and the load cell; it may be none.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, ClassVar
+
+from ..errors import BadInput
+from . import units
+from .law import Law, LawParameter
+from .laws import BASE
+from .limits import plain_number
+from .oscillator import MASS_UNIT, Provenance, Range, Response, Term
+from .parameter import Parameter
+
+_STIFFNESS = Law(
+    name="element-stiffness",
+    path="restoring",
+    parameters=(LawParameter("stiffness", "1/s2", "stiffness of the linear spring"),),
+    force=lambda motion, p: p["stiffness"] * motion.x,
+    stored=lambda motion, p: p["stiffness"] * motion.x**2 / 2,
+    equation="{stiffness} x",
+    sentence="A spring whose force grows in proportion to the displacement.",
+    source="Feldman, Bucher, Rotberg, Eqs. 2 and 17",
+)
+_LOAD = Law(
+    name="element-load",
+    path="restoring",
+    parameters=(LawParameter("load", "X/s2", "constant force"),),
+    force=lambda motion, p: p["load"],
+    stored=lambda motion, p: p["load"] * motion.x,
+    equation="{load}",
+    sentence="A force that is there whatever the motion.",
+    source="statics",
+)
+#: Name of the mass that moves with it.
+INERTIA = "inertia"
+#: Its members, in the order of the file: Eq. 17 with a stiffness in place of a natural frequency, and a constant.
+MEMBERS: tuple[Law, ...] = (_STIFFNESS, *BASE[1:], _LOAD)
+_WORDS = {
+    INERTIA: "mass that moves with it, of grips and rod",
+    "stiffness": "stiffness of the linear spring",
+    "cubic": "stiffness of the cubic spring",
+    "preload": "force that leaves the seat of a preloaded spring",
+    "viscous": "viscous damping",
+    "dry": "dry friction",
+    "load": "constant force",
+}
+
+
+def in_force(template: str) -> str:
+    """The unit template of a force's strength, from that per unit mass."""
+    exponents = Counter(units.factors(MASS_UNIT))
+    exponents.update(units.factors(template))
+    return units.render({symbol: power for symbol, power in exponents.items() if power})
+
+
+def template_of(parameter: LawParameter) -> str:
+    """Unit template of a law's parameter where the law acts by itself: only its strengths are forces."""
+    return in_force(parameter.unit) if parameter.strength else parameter.unit
+
+
+def templates() -> dict[str, str]:
+    """Unit template of each member."""
+    return {INERTIA: MASS_UNIT} | {p.name: in_force(p.unit) for law in MEMBERS for p in law.parameters}
+
+
+@dataclass(frozen=True, repr=False)
+class Element:
+    """A force law by itself, identified from a prescribed motion and the force that this took.
+
+    Attributes:
+        members: inertia and members by their names, in the order of ``MEMBERS``.
+        name: of the specimen.
+        terms: further laws, whose strengths are forces and not forces per unit mass.
+        unit: of the displacement.
+        force_unit: of the force.
+        origin: displacement, as recorded, from which the laws count it.
+        amplitude, speed: what the recordings covered.
+        identified: where the numbers come from.
+    """
+
+    members: Mapping[str, Parameter]
+    name: str = "element"
+    terms: tuple[Term, ...] = ()
+    unit: str = "m"
+    force_unit: str = "N"
+    origin: float = 0.0
+    amplitude: Range | None = None
+    speed: Range | None = None
+    identified: Provenance = field(default_factory=Provenance)
+
+    #: Whether its motion is given and its force follows.
+    imposed: ClassVar[bool] = True
+
+    def __repr__(self) -> str:
+        return f"<Element {self.name!r}: {', '.join(f'{name} {p}' for name, p in self.parameters().items())}>"
+
+    @classmethod
+    def from_values(
+        cls,
+        values: Mapping[str, float],
+        *,
+        name: str = "element",
+        unit: str = "m",
+        force_unit: str = "N",
+        origin: float = 0.0,
+        laws: Sequence[Law] = (),
+    ) -> Element:
+        """An element from plain numbers, units filled in; members that are left out are zero.
+
+        Args:
+            values: by the names of ``parameters()``.
+            name: of the specimen.
+            unit: of the displacement.
+            force_unit: of the force.
+            origin: displacement from which the laws count it.
+            laws: of the further terms.
+
+        Raises:
+            BadInput: a parameter of a law is missing, one is not known, or is no number.
+        """
+        given = dict(values)
+
+        def take(key: str, template: str, otherwise: float | None = None) -> Parameter:
+            if key not in given and otherwise is None:
+                raise BadInput(f"parameter {key!r} is missing; give a value for it")
+            value = plain_number(key, given.pop(key, otherwise))
+            return Parameter(value, None, units.compose(template, unit, force_unit))
+
+        members = {key: take(key, template, 0.0) for key, template in templates().items()}
+        terms = tuple(
+            Term(law, {p.name: take(f"{law.name}.{p.name}", template_of(p)) for p in law.parameters}) for law in laws
+        )
+        if given:
+            unknown = min(map(str, given))
+            raise BadInput(f"unknown parameter {unknown[:60]!r}; known are {', '.join(members)}")
+        return cls(members, name, terms, unit, force_unit, float(origin))
+
+    @property
+    def response(self) -> Response:
+        """What is prescribed of it."""
+        return Response("displacement", self.unit)
+
+    def parameters(self) -> dict[str, Parameter]:
+        """Every parameter by its name: the members, then those of the terms."""
+        named = {f"{t.effect}.{name}": p for t in self.terms for name, p in t.parameters.items()}
+        return {**self.members, **named}
+
+    def values(self) -> dict[str, float]:
+        """The parameters' plain values."""
+        return {name: parameter.value for name, parameter in self.parameters().items()}
+
+    def with_parameters(self, changed: Mapping[str, Parameter]) -> Element:
+        """The same with some parameters replaced, by the names of ``parameters()``."""
+        terms = tuple(
+            replace(t, parameters={name: changed.get(f"{t.effect}.{name}", p) for name, p in t.parameters.items()})
+            for t in self.terms
+        )
+        return replace(self, members={n: changed.get(n, p) for n, p in self.members.items()}, terms=terms)
+
+    def descriptions(self) -> dict[str, str]:
+        """What each parameter is, in words."""
+        own = {f"{t.effect}.{p.name}": p.description for t in self.terms for p in t.law.parameters}
+        return _WORDS | {name: text.replace(", per unit mass", "") for name, text in own.items()}
+
+    def bounds(self) -> dict[str, tuple[float, float]]:
+        """Lower and upper bound of each parameter, in its unit; infinite where there is none."""
+        bounds = {name: (0.0 if name == INERTIA else -math.inf, math.inf) for name in self.members}
+        return bounds | {f"{t.effect}.{p.name}": (p.lower, p.upper) for t in self.terms for p in t.law.parameters}
+
+    @property
+    def energy_units(self) -> tuple[str, str]:
+        """Units of energy and power."""
+        return units.compose(units.ENERGY, self.unit, self.force_unit), units.compose(
+            units.POWER, self.unit, self.force_unit
+        )
+
+    def equation(self, shown: Callable[[str], str] | None = None) -> str:
+        """The force as text; further equations stand behind semicolons. Members that are zero are left out.
+
+        ``shown`` makes the text of a parameter, by the names of ``parameters()``; by default that is its name.
+        """
+        text: Callable[[str], str] = shown or self._short
+        there = {name for name, p in self.members.items() if p.value or p.std}
+        order = (3, 4, 0, 1, 2, 5)  # damping first, as in Eq. 17
+        inner = [f"{text(INERTIA)} x''"] if INERTIA in there else []
+        inner += [MEMBERS[i].in_words(text) for i in order if MEMBERS[i].parameters[0].name in there]
+        further: list[str] = []
+        for term in self.terms:
+            first, *rest = term.law.in_words(lambda n, t=term: text(f"{t.effect}.{n}")).split("; ")
+            inner.append(first)
+            further += rest
+        where = f"x counted from {self.origin:.6g} {self.unit}"
+        return "; ".join(
+            ["F = " + (" + ".join(inner).replace("+ -", "- ") or "0"), *further, *([where] if self.origin else [])]
+        )
+
+    def _short(self, name: str) -> str:
+        effect, _, own = name.rpartition(".")
+        if own == "coefficient":
+            return effect
+        return own if sum(other.rpartition(".")[2] == own for other in self.parameters()) == 1 else name
+
+
+def grown(element: Element, law: Law, values: Mapping[str, float]) -> Element:
+    """The element with one further law, its parameters given by name."""
+    made: dict[str, Any] = {
+        p.name: Parameter(float(values[p.name]), None, units.compose(template_of(p), element.unit, element.force_unit))
+        for p in law.parameters
+    }
+    return replace(element, terms=(*element.terms, Term(law, made)))

@@ -1,0 +1,274 @@
+"""From recordings of a prescribed motion and its force to an element, and to the law that its members lack."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from .. import __version__
+from ..errors import BadInput
+from ..identify.signals.odds import ABOVE_NOISE
+from ..model.element import Element
+from ..model.law import Law
+from ..model.library import find
+from ..model.oscillator import Range
+from ..model.units import compose
+from ..recording.checks import overlapping
+from ..recording.prescribed import refuse_free
+from ..recording.recording import Recording
+from ..simulate.imposed import force_along
+from .errors import element_of
+from .fit import Fitted, Problem
+from .limits import FEWEST_CYCLES
+from .motion import Imposed, imposed, origin_of
+from .search import Found, Search
+
+
+@dataclass(frozen=True)
+class Record:
+    """How one recording came out: rms of what an element leaves over the force's standard deviation, and the noise's.
+
+    Both are of the samples that were fitted, run by the engine along the whole motion.
+    """
+
+    file: str
+    nrmse: float
+    noise_floor: float
+
+    @property
+    def over_noise(self) -> float:
+        """Times the noise that is left."""
+        return self.nrmse / self.noise_floor
+
+
+@dataclass(frozen=True, eq=False)
+class ElementFit:
+    """An element and how it was found.
+
+    Attributes:
+        element: with standard errors, validity and provenance.
+        recordings: what it was identified from.
+        motions: of these.
+        forces: (n,) of each, as the element makes it, its recording's own constant in it.
+        records: of each.
+        notes: one sentence each on what a user should know.
+    """
+
+    element: Element
+    recordings: tuple[Recording, ...]
+    motions: tuple[Imposed, ...]
+    forces: tuple[np.ndarray, ...]
+    records: tuple[Record, ...]
+    notes: tuple[str, ...]
+
+    @property
+    def left(self) -> str | None:
+        """A sentence on what is left where that is more than noise; else None."""
+        worst = max(self.records, key=lambda record: record.over_noise)
+        if worst.over_noise <= ABOVE_NOISE:
+            return None
+        return (
+            f"it leaves {100 * worst.nrmse:.2g} % of the force in {worst.file}, {worst.over_noise:.3g} times the noise"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class ElementFound:
+    """What the members of Eq. 17 lack along prescribed motions.
+
+    Attributes:
+        before: the members alone.
+        after: with the laws that were found; None where none was.
+        found: odds, rivals and what else was tried.
+        held: recordings that nothing was fitted to in the search; parts of the others where none were given.
+        in_pieces: whether they are such parts.
+        held_before, held_after: of each of them, as the search saw it.
+    """
+
+    before: ElementFit
+    after: ElementFit | None
+    found: Found
+    held: tuple[str, ...]
+    in_pieces: bool
+    held_before: tuple[Record, ...]
+    held_after: tuple[Record, ...]
+
+    @property
+    def best(self) -> ElementFit:
+        """The element that is handed over."""
+        return self.after or self.before
+
+
+def identify_element(
+    recordings: Sequence[Recording], *, name: str = "element", laws: Sequence[str] = (), every: bool = False
+) -> ElementFit:
+    """Identify the members of Eq. 17, with laws where asked for, from prescribed motions and their forces.
+
+    Args:
+        recordings: of one specimen; ``response`` is the motion, ``force`` what it took.
+        name: of the specimen.
+        laws: names of laws to be fitted beside the members.
+        every: whether members stay that the recordings do not tell from none.
+
+    Raises:
+        BadInput: where the recordings do not belong together, or a law is no force.
+    """
+    motions = _motions(recordings)
+    problem = Problem(motions, (), origin_of(motions))
+    search = Search(problem, every=every)
+    fitted = search.plainest(search.with_laws([_force_law(law) for law in laws]))
+    return _fit_of(fitted, problem, recordings, name)
+
+
+def diagnose_element(
+    recordings: Sequence[Recording],
+    holdout: Sequence[Recording] = (),
+    *,
+    name: str = "element",
+    progress: Callable[[str, float], None] = lambda _what, _part: None,
+    seconds: float = math.inf,
+) -> ElementFound:
+    """Find the laws that the members of Eq. 17 lack along prescribed motions.
+
+    Args:
+        recordings: to fit to.
+        holdout: to judge by; where none are given, the last third of each recording that is long enough.
+        name: of the specimen.
+        progress: called with what is being done, and which part of all is done.
+        seconds: after which the best that it has is taken.
+
+    Raises:
+        BadInput: where the recordings do not belong together.
+    """
+    until = time.monotonic() + seconds
+    motions = _motions([*recordings, *holdout])
+    origin, given = origin_of(motions), len(recordings)
+    training, held = motions[:given], motions[given:]
+    if not held:
+        training, held = _in_pieces(training)
+    problem = Problem(training, held, origin)
+    found = Search(problem, progress=progress, until=until).find()
+    progress("the element on every recording", 0.95)
+    whole = Problem(motions, (), origin)
+    everything = [*recordings, *holdout]
+    before = _fit_of(_again(found.plain, whole), whole, everything, name)
+    after = _fit_of(_again(found.best, whole), whole, everything, name) if found.named else None
+    each = [problem.held_records(fitted) for fitted in (found.plain, found.best)]
+    records = [tuple(Record(m.name, *pair) for m, pair in zip(held, pairs, strict=True)) for pairs in each]
+    progress("done", 1.0)
+    return ElementFound(before, after, found, tuple(m.name for m in held), not holdout, *records)
+
+
+def _motions(recordings: Sequence[Recording]) -> tuple[Imposed, ...]:
+    if not recordings:
+        raise BadInput("no recording was given; name at least one file with a motion and its force")
+    refuse_free(recordings)
+    for problem in overlapping(recordings):
+        raise BadInput(problem.sentence)
+    motions = tuple(imposed(recording) for recording in recordings)
+    units = {(_unit(r), r.force_unit) for r in recordings}
+    if len(units) > 1:
+        raise BadInput(
+            f"the recordings are in different units ({', '.join(' and '.join(pair) for pair in sorted(units))}); "
+            "give them in one"
+        )
+    return motions
+
+
+def _unit(recording: Recording) -> str:
+    """Unit of the displacement."""
+    return compose("X.s" if recording.quantity == "velocity" else "X", recording.unit)
+
+
+def _force_law(name: str) -> Law:
+    law = find(name)
+    if law.force is None:
+        raise BadInput(f"{name} is no force; of a prescribed motion only forces are identified")
+    return law
+
+
+def _in_pieces(motions: Sequence[Imposed]) -> tuple[tuple[Imposed, ...], tuple[Imposed, ...]]:
+    """The first two thirds of each motion that is long enough, and its last third."""
+    training, held = [], []
+    for motion in motions:
+        cut = 2 * motion.n // 3
+        if motion.n * motion.dt * motion.pace / (2 * np.pi) < FEWEST_CYCLES:
+            training.append(motion)
+            continue
+        training.append(motion.part(0, cut))
+        held.append(motion.part(cut, motion.n))
+    return tuple(training), tuple(held)
+
+
+def _again(fitted: Fitted, problem: Problem) -> Fitted:
+    """The same structure fitted to all motions."""
+    made = problem.fit(fitted.shape, fitted.values)
+    return fitted if made is None else made
+
+
+def _fit_of(fitted: Fitted, problem: Problem, recordings: Sequence[Recording], name: str) -> ElementFit:
+    """The element, run along every motion."""
+    first = recordings[0]
+    element = element_of(fitted, problem, name, (_unit(first), first.force_unit))
+    forces, records = [], []
+    for motion in problem.motions:
+        force = force_along(element, motion.displacement, motion.dt, start=motion.start)
+        told = motion.told
+        force += float(np.mean(motion.force[told] - force[told]))
+        spread = float(np.std(motion.force[told]))
+        left = float(np.sqrt(np.mean((motion.force[told] - force[told]) ** 2)))
+        forces.append(force)
+        records.append(Record(motion.name, left / spread, motion.noise / spread))
+    files: list[Mapping[str, Any]] = [
+        {"file": r.name, "sha256": r.sha256, "kind": "prescribed", "nrmse": one.nrmse, "over_noise": one.over_noise}
+        for r, one in zip(recordings, records, strict=True)
+    ]
+    reach = max(float(np.max(np.abs(m.displacement - element.origin))) for m in problem.motions)
+    speeds = [np.abs(m.velocity[m.told]) for m in problem.motions]
+    unit = element.unit
+    element = replace(
+        element,
+        amplitude=Range(0.0, reach, unit),
+        speed=Range(min(float(np.min(s)) for s in speeds), max(float(np.max(s)) for s in speeds), f"{unit}/s"),
+        identified=replace(
+            element.identified,
+            recordings=tuple(files),
+            method="least squares along the motion",
+            software=f"dashpot {__version__}",
+        ),
+    )
+    return ElementFit(
+        element,
+        tuple(recordings),
+        problem.motions,
+        tuple(forces),
+        tuple(records),
+        tuple(_notes(fitted, element, recordings)),
+    )
+
+
+def _notes(fitted: Fitted, element: Element, recordings: Sequence[Recording]) -> list[str]:
+    notes = [note for recording in recordings for note in recording.notes]
+    absent = [name for name in element.members if name not in (*fitted.shape.members, "load")]
+    if absent:
+        *others, last = absent
+        both = f"{', '.join(others)} and {last} are" if others else f"{last} is"
+        notes.append(f"{both} left at zero: the recordings do not tell {'them' if others else 'it'} from none (--all)")
+    if element.origin:
+        notes.append(
+            f"displacements are counted from the middle of the stroke, {element.origin:.6g} {element.unit} as recorded"
+        )
+    spread = [constant - float(np.mean(fitted.constants)) for constant in fitted.constants]
+    load = element.parameters()["load"]
+    if load.std and max(map(abs, spread)) > 3.0 * load.std and len(spread) > 1:
+        notes.append(
+            f"the constant force differs between the recordings, from {min(fitted.constants):.4g} to "
+            f"{max(fitted.constants):.4g} {element.force_unit}, as where a load cell is set to zero for each: "
+            "load is their mean"
+        )
+    return notes

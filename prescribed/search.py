@@ -1,0 +1,335 @@
+"""Which laws an element has beside the members of Eq. 17: added, exchanged and dropped by their odds.
+
+Along a prescribed motion a law's force is known but for a few numbers, so that every law can be fitted beside what
+there is, from all of its probes. What gains most is fitted with all else free; a law stays where its odds are decisive.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..diagnose.limits import GROUP, LISTED, MATTERS, MOST_EFFECTS
+from ..errors import BadInput
+from ..identify.problem.equivalent import along_of
+from ..identify.signals.odds import DECISIVE
+from ..identify.signals.registry import budget, shown
+from ..identify.start.measured_motion import probes
+from ..model.law import Law
+from ..model.laws import PRESCRIBED
+from ..model.library import KNOWN
+from .fit import FITTED, Fitted, Problem, Shape
+from .judge import BAGS, Judge, probability
+
+_log = logging.getLogger(__name__)
+
+_REFINED = budget(5, "laws", why="of those that gain most at their probes, that are fitted with all else free")
+_SHAPES = budget(2, "shapes", why="of a law that are fitted: those that leave the least at their probes")
+_RIVALS = budget(8, "laws", why="that are tried in the place of each that was found")
+_LEFT = shown(0.6, "of the way", why="that is left after each round of laws: most searches take three to six")
+_ALL = shown(0.9, "of the way", why="that the search takes; the rest is what follows it")
+_PATHS = ("restoring", "dissipation", "memory")
+
+Say = Callable[[str, float], None]
+
+
+def asked() -> list[Law]:
+    """The laws that a prescribed motion may show: forces of the motion itself that are not the same all the time."""
+    laws = [*KNOWN.values(), *PRESCRIBED.values()]
+    return [
+        law
+        for law in laws
+        if law.force is not None
+        and law.path in _PATHS
+        and not law.learnt
+        and not along_of(law).constant
+        and not along_of(law).phases
+    ]
+
+
+@dataclass(frozen=True, eq=False)
+class Named:
+    """A law of the best structure, and how it stands beside what could be in its place.
+
+    Attributes:
+        law: itself.
+        odds: that it, or one of its rivals, is there.
+        rivals: names of laws that cannot be told from it, the most probable first.
+        share: part of the power left without it that it takes away.
+    """
+
+    law: Law
+    odds: float
+    rivals: tuple[str, ...]
+    share: float
+
+    @property
+    def probability(self) -> float:
+        """That it, or one of its rivals, is there."""
+        return self.odds / (1.0 + self.odds)
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a search ended with.
+
+    Attributes:
+        plain: the members alone, those that the motions tell.
+        best: with laws; the same as ``plain`` where none was named.
+        named: its laws.
+        tried: every other structure that was fitted, with why it was not taken.
+        untried: what there was no time for, in words.
+    """
+
+    plain: Fitted
+    best: Fitted
+    named: tuple[Named, ...]
+    tried: tuple[tuple[Fitted, str], ...]
+    untried: tuple[str, ...] = ()
+
+
+class Search:
+    """A search over the laws.
+
+    Args:
+        problem: motions and forces.
+        laws: to ask for.
+        every: whether all members stay.
+        progress: called with what is being done, and which part of all is done.
+        until: time of the monotonic clock at which it ends with the best that it has.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        laws: Sequence[Law] | None = None,
+        *,
+        every: bool = False,
+        progress: Say = lambda _what, _part: None,
+        until: float = math.inf,
+    ) -> None:
+        self.problem, self.judge = problem, Judge(problem)
+        self.laws = asked() if laws is None else list(laws)
+        self.every, self.progress, self.until = every, progress, until
+        self.known: dict[tuple[str, ...], Fitted] = {}
+        self.untried: list[str] = []
+        self._round = 0
+
+    def _said(self, what: str, part: float) -> None:
+        """Say what is being done, and a part of all that never falls: nobody knows how many rounds there will be."""
+        done, more = (1.0 - _LEFT ** (self._round + one) for one in (0, 1))
+        self.progress(what, _ALL * (done + part * (more - done)))
+
+    def find(self) -> Found:
+        """Search from the members alone."""
+        first = self.members_alone()
+        best = properly_named(self._climbed(first))
+        named = tuple(self._standing(law, best) for law in best.shape.laws)
+        self.progress("which members the motions tell", _ALL)
+        plain, kept = self.plainest(first), self.plainest(best)
+        tried = tuple((other, self._why_not(other, best)) for other in self.known.values() if other.names != best.names)
+        return Found(plain, kept, named, tried, tuple(self.untried))
+
+    def members_alone(self) -> Fitted:
+        """All members, and no law."""
+        made = self._fitted(Shape(), {})
+        assert made is not None  # members are numbers along any motion
+        return made
+
+    def with_laws(self, laws: Sequence[Law]) -> Fitted:
+        """All members and these laws, each begun at the best of its probes beside the others before it."""
+        fitted = self.members_alone()
+        for law in laws:
+            begun = [(law, probe) for _, probe in self._probed(fitted.shape, fitted.values, law)]
+            made = self._refined(fitted.shape, fitted.values, begun)
+            if not made:
+                raise BadInput(f"{law.name} makes no force along these motions; leave it out")
+            fitted = max(made, key=lambda one: one.likelihood)
+        return fitted
+
+    def plainest(self, fitted: Fitted) -> Fitted:
+        """The same without members that the motions do not tell from none, the least probable dropped first."""
+        while not self.every and fitted.shape.members:
+            shorter = [self._fitted(self._less(fitted, name), fitted.values) for name in fitted.shape.members]
+            there = [one for one in shorter if one is not None]
+            odds = [float(self.judge.odds(fitted, one)[0]) for one in there]
+            if not odds or not min(odds) <= 0.0:
+                break
+            fitted = there[int(np.argmin(odds))]
+        return fitted
+
+    @staticmethod
+    def _less(fitted: Fitted, member: str) -> Shape:
+        return replace(fitted.shape, members=tuple(name for name in fitted.shape.members if name != member))
+
+    def _over(self) -> bool:
+        return time.monotonic() > self.until
+
+    def _fitted(self, shape: Shape, begun: Mapping[str, float]) -> Fitted | None:
+        made = self.problem.fit(shape, begun)
+        return None if made is None else self.problem.weighed(made)
+
+    def _kept(self, fitted: Fitted | None) -> Fitted | None:
+        """The better of a fit and what is known of its laws."""
+        if fitted is None:
+            return None
+        laws = tuple(sorted(fitted.names))
+        if laws not in self.known or fitted.likelihood > self.known[laws].likelihood:
+            self.known[laws] = fitted
+        return self.known[laws]
+
+    def _climbed(self, leader: Fitted) -> Fitted:
+        """From a structure to one that no neighbour is better than."""
+        led: set[tuple[str, ...]] = set()
+        self._kept(leader)
+        while tuple(sorted(leader.names)) not in led:
+            led.add(tuple(sorted(leader.names)))
+            _log.info("%s leads: log-likelihood %.6g", " + ".join(leader.names) or "members alone", leader.likelihood)
+            best = leader
+            for shorter in self._shorter(leader):
+                if float(self.judge.odds(leader, shorter)[0]) < DECISIVE:
+                    best = shorter
+            if best is leader:
+                for other in self._exchanged(leader):
+                    if float(self.judge.odds(other, best)[0]) > 0.0:
+                        best = other
+            if best is leader and len(leader.names) < MOST_EFFECTS:
+                more = [one for one in self._added(leader) if self._matters(one, leader)]
+                decisive = [one for one in more if float(self.judge.odds(one, leader)[0]) > DECISIVE]
+                best = max(decisive, key=lambda one: float(self.judge.odds(one, leader)[0]), default=leader)
+            leader = best
+        return leader
+
+    @staticmethod
+    def _matters(one: Fitted, leader: Fitted) -> bool:
+        pairs = zip([*leader.residuals, *leader.held], [*one.residuals, *one.held], strict=True)
+        return any(np.sum(old**2) > (1.0 + MATTERS) * np.sum(new**2) for old, new in pairs)
+
+    def _shorter(self, leader: Fitted) -> list[Fitted]:
+        made = []
+        for law in leader.shape.laws:
+            rest = tuple(other for other in leader.shape.laws if other is not law)
+            one = self._kept(self._fitted(replace(leader.shape, laws=rest), leader.values))
+            made += [] if one is None else [one]
+        return made
+
+    def _exchanged(self, leader: Fitted) -> list[Fitted]:
+        """The leader with one law in the place of another."""
+        made = []
+        for law in leader.shape.laws:
+            rest = replace(leader.shape, laws=tuple(other for other in leader.shape.laws if other is not law))
+            made += self._beside(rest, leader.values, [o for o in self.laws if o.name not in leader.names], _REFINED)
+        return made
+
+    def _added(self, leader: Fitted) -> list[Fitted]:
+        return self._beside(
+            leader.shape, leader.values, [law for law in self.laws if law.name not in leader.names], _REFINED
+        )
+
+    def _beside(self, shape: Shape, values: Mapping[str, float], laws: Sequence[Law], most: int) -> list[Fitted]:
+        """A structure with one law more: of those that gain most at their probes, with all else free."""
+        there = " + ".join(law.name for law in shape.laws) or "Eq. 17"
+        if self._over():
+            self.untried.append(f"a further law beside {there}")
+            return []
+        probed = []
+        for i, law in enumerate(laws):
+            self._said(f"{law.name} beside {there}", i / len(laws))
+            probed += [(left, law, probe) for left, probe in self._probed(shape, values, law)]
+        self._round += 1
+        probed.sort(key=lambda one: one[0])
+        first = list(dict.fromkeys(law.name for _, law, _ in probed))[:most]
+        return self._refined(shape, values, [(law, probe) for _, law, probe in probed if law.name in first])
+
+    def _refined(
+        self, shape: Shape, values: Mapping[str, float], begun: Sequence[tuple[Law, Mapping[str, float]]]
+    ) -> list[Fitted]:
+        """A structure with each of some laws from each of its probes, all else free: the best of each law."""
+        made: dict[str, Fitted] = {}
+        for law, probe in begun:
+            at = {**values, **{f"{law.name}.{name}": value for name, value in probe.items()}}
+            one = self._kept(self._fitted(replace(shape, laws=(*shape.laws, law)), at))
+            if one is not None and (law.name not in made or one.likelihood > made[law.name].likelihood):
+                made[law.name] = one
+        return [self._shaped(one) for one in made.values()]
+
+    def _shaped(self, fitted: Fitted) -> Fitted:
+        """The same with the shapes of its laws free, where that is decisively more probable."""
+        shapes = frozenset(f"{law.name}.{p.name}" for law in fitted.shape.laws for p in law.parameters if p.shape)
+        if not shapes - fitted.shape.freed:
+            return fitted
+        freed = self._fitted(replace(fitted.shape, freed=shapes), fitted.values)
+        if freed is None or not float(self.judge.odds(freed, fitted)[0]) > DECISIVE:
+            return fitted
+        return self._kept(freed) or fitted
+
+    def _probed(self, shape: Shape, values: Mapping[str, float], law: Law) -> list[tuple[float, dict[str, float]]]:
+        """The power that is left with a law at the best of its probes of each shape, all else linear free; the probes.
+
+        The least first; at probes where the law makes no force there is none.
+        """
+        best: dict[tuple[float, ...], tuple[float, dict[str, float]]] = {}
+        shapes = [p.name for p in law.parameters if p.shape]
+        for probe, found in self.problem.probed(shape, values, law, probes(law, self.problem.scales)):
+            kind = tuple(probe[name] for name in shapes)
+            if kind not in best or found < best[kind][0]:
+                best[kind] = found, dict(probe)
+        return sorted(best.values(), key=lambda one: one[0])[:_SHAPES]
+
+    def _standing(self, law: Law, best: Fitted) -> Named:
+        """Odds of a law, with its rivals: the smallest set that holds the share ``GROUP`` of the probability."""
+        rest = replace(best.shape, laws=tuple(other for other in best.shape.laws if other is not law))
+        without = self._fitted(rest, best.values)
+        others = self._beside(rest, best.values, [o for o in self.laws if o.name not in best.names], _RIVALS)
+        odds = {law.name: np.zeros(1 + BAGS)}
+        for other in [*others, *([] if without is None else [without])]:
+            (name,) = set(other.names) - {o.name for o in rest.laws} or {""}
+            odds[name] = -self.judge.odds(best, other, BAGS)
+        known = dict(zip(odds, probability(list(odds.values())), strict=True))
+        names = sorted(known, key=lambda name: -known[name])
+        count = int(np.searchsorted(np.cumsum([known[name] for name in names]), GROUP)) + 1
+        group = [name for name in names[:count] if name]
+        held = sum(known[name] for name in {*group, law.name})
+        weighed = held / max(1.0 - held, np.finfo(float).tiny)
+        on = weighed / (1.0 + weighed * self.judge.mismatch(best) / LISTED)
+        share = 1.0 - best.power / without.power if without is not None and without.power > 0.0 else 1.0
+        return Named(law, float(on), tuple(name for name in group if name != law.name), max(share, 0.0))
+
+    def _why_not(self, other: Fitted, best: Fitted) -> str:
+        odds = float(self.judge.odds(best, other)[0])
+        if set(best.names) < set(other.names):
+            return f"its odds are not decisive: {-odds:.3g} in log-evidence"
+        return f"{' + '.join(best.names) or 'Eq. 17 alone'} is more probable: by {odds:.4g} in log-evidence"
+
+
+def properly_named(fitted: Fitted) -> Fitted:
+    """The same with each law under the name that suits its values, of those that share its equation.
+
+    Stops are stiffer than the spring beside them, and a clearance is not.
+    """
+    for law in fitted.shape.laws:
+        base = {**dict.fromkeys(FITTED, 0.0), **fitted.values}
+        base["omega0"] = math.sqrt(max(base["stiffness"], 0.0))
+        own = [fitted.values[f"{law.name}.{p.name}"] for p in law.parameters]
+        if law.proper is None or law.proper(_by_name(law, own), base):
+            continue
+        alike = [o for o in KNOWN.values() if (law.twin == o.name or o.twin == law.name) and o.name not in fitted.names]
+        for other in alike:
+            suits = other.proper is not None and other.proper(_by_name(other, own), base)
+            if any(own[len(other.parameters) :]) or not suits:
+                continue
+            laws = tuple(other if one is law else one for one in fitted.shape.laws)
+            values = {**fitted.values, **{f"{other.name}.{name}": v for name, v in _by_name(other, own).items()}}
+            fitted = replace(fitted, shape=replace(fitted.shape, laws=laws), values=values)
+            break
+    return fitted
+
+
+def _by_name(law: Law, values: Sequence[float]) -> dict[str, float]:
+    """A law's parameters by name, from values in order; what those of another law do not have is zero."""
+    return {p.name: values[i] if i < len(values) else 0.0 for i, p in enumerate(law.parameters)}

@@ -1,0 +1,28 @@
+"""Recordings of a motion that was imposed: which of them say nothing of what is asked."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ..errors import BadInput
+from .recording import Recording
+
+
+def refuse_prescribed(recordings: Sequence[Recording]) -> None:
+    """Raises BadInput where a motion was prescribed: what is asked for is of an oscillator."""
+    for recording in recordings:
+        if recording.prescribed:
+            raise BadInput(
+                f"{recording.name}: its motion was prescribed, which says nothing of an oscillator; identify finds the "
+                "force law by itself, and diagnose takes the file of that"
+            )
+
+
+def refuse_free(recordings: Sequence[Recording]) -> None:
+    """Raises BadInput where nobody says that a motion was prescribed: what is asked for is a force law by itself."""
+    for recording in recordings:
+        if not recording.prescribed:
+            raise BadInput(
+                f"{recording.name}: nobody says that its motion was prescribed; name the column of that motion with "
+                "--prescribed"
+            )
