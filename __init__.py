@@ -31,8 +31,10 @@ if TYPE_CHECKING:
         export,
         hilbert,
         identify,
+        identify_element,
         linearise,
         load,
+        load_element,
         load_laws,
         look,
         paper,
@@ -41,6 +43,7 @@ if TYPE_CHECKING:
         verify,
         watch,
     )
+    from .face.element import ElementDiagnosis, ForceElement
     from .face.hilbert import Hilbert
     from .face.model import Diagnosis, Model
     from .face.simulation import Simulation
@@ -54,6 +57,8 @@ __all__ = [
     "BadInput",
     "DashpotError",
     "Diagnosis",
+    "ElementDiagnosis",
+    "ForceElement",
     "Hilbert",
     "LinearModel",
     "Model",
@@ -71,8 +76,10 @@ __all__ = [
     "export",
     "hilbert",
     "identify",
+    "identify_element",
     "linearise",
     "load",
+    "load_element",
     "load_laws",
     "look",
     "paper",
@@ -89,6 +96,8 @@ _CLASSES = {
     "BadInput": "errors",
     "DashpotError": "errors",
     "Diagnosis": "face.model",
+    "ElementDiagnosis": "face.element",
+    "ForceElement": "face.element",
     "Hilbert": "face.hilbert",
     "LinearModel": "model.linear",
     "Model": "face.model",

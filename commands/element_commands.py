@@ -98,3 +98,39 @@ def show(model: Path, *, as_json: bool) -> None:
         print_json(element_json(element))
     else:
         click.echo(described(element))
+
+
+def simulate(model: Path, recording: Path, output: Path, options: dict[str, Any]) -> None:
+    """Write the force of an element along the motion of a recording."""
+    from ..face.element import force_table, load_element
+    from ..files.writing import write
+
+    element = load_element(model).element
+    if not output.name.endswith(".csv"):
+        raise BadInput(f"{output}: simulate writes CSV; end the name in .csv")
+    outputs_checked([output], [model, recording])
+    text, left = force_table(element, read_all((recording,), options, say))
+    write(output, text)
+    say(f"the force differs from the recorded one by {100 * left:.3g} % of its standard deviation")
+    say(f"written: {output}")
+
+
+def export(model: Path, outputs: tuple[Path, ...], platform: str | None, unusable: Mapping[str, Any]) -> None:
+    """Write an element as FMU or CasADi functions.
+
+    Args:
+        model, outputs, platform: as of ``dashpot export``.
+        unusable: options by name that an element has no use for, and what was given.
+    """
+    from ..export import element_files
+    from ..export.platforms import parse_platforms
+    from ..face.element import exported_element, load_element
+
+    element = load_element(model).element
+    for option, given in unusable.items():
+        if given:
+            raise BadInput(f"{option} is of an oscillator, and {model} is a force law by itself; leave it out")
+    outputs_checked([file for output in outputs for file in element_files(output)], [model])
+    platforms = None if platform is None else parse_platforms(platform)
+    for path in exported_element(element, outputs, platforms=platforms, progress=say):
+        say(f"written: {path}")

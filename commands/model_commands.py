@@ -44,9 +44,13 @@ def show(model: Path, as_json: bool) -> None:
 @with_recordings
 def simulate(model: Path, recording: Path, output: Path, **options: Any) -> None:
     """Response of a model to the force of a recording, event-exact."""
+    from ..face.element import is_element_file
     from ..face.simulation import along
     from ..model.file import load
 
+    if is_element_file(model):
+        element_commands.simulate(model, recording, output, options)
+        return
     oscillator = load(model)
     if not output.name.endswith((".csv", ".csv.gz")):
         raise BadInput(f"{output}: simulate writes CSV; end the name in .csv or .csv.gz")
@@ -122,9 +126,14 @@ def export(
     """
     from ..export import files
     from ..export.platforms import parse_platforms
+    from ..face.element import is_element_file
     from ..face.workflow import exported
     from ..model.file import load
 
+    if is_element_file(model):
+        unusable = {"--as": form, "--dof": options["dof"], "--draws": draws, "--backend python": options["backend"]}
+        element_commands.export(model, outputs, platform, {**unusable, "--fmi 3": options["version"] == 3})
+        return
     oscillator = load(model)
     platforms = None if platform is None else parse_platforms(platform)
     if not 0 < options["step"] < float("inf"):

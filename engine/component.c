@@ -245,6 +245,7 @@ static int dp_move(const dp_component *c, unsigned known, double rate, dp_direct
     int i;
     switch (v->kind) {
     case DP_INPUT: d->force += rate; return 1;
+    case DP_MOTION: d->z[v->index] += rate; return 1;
     case DP_SLOPE:
     case DP_EXTRAPOLATION:
     case DP_LONGEST_STEP: return 1;

@@ -9,7 +9,9 @@
 
 #define DP_HAIR 1e-12 /* of a surface's range */
 
-static double dp_smoothing(const dp_instance *m) { return m->exchange ? m->value[DP_SMOOTHING_AT] : 0.0; }
+static double dp_smoothing(const dp_instance *m) {
+    return m->exchange && DP_SMOOTHING_AT >= 0 ? m->value[DP_SMOOTHING_AT >= 0 ? DP_SMOOTHING_AT : 0] : 0.0;
+}
 
 static void dp_continuous_modes(dp_instance *m, const dp_line *line) {
     dp_engine *e = &m->engine;

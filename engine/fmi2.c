@@ -116,13 +116,15 @@ FMI2_EXPORT fmi2Status fmi2SetRealInputDerivatives(fmi2Component component, cons
     if (dp_bad_references(c, vr, n, value, here)) return fmi2Error;
     if (n > 0 && !order) return (fmi2Status)dp_null(c, here);
     for (i = 0; i < n; ++i) {
+        if (dp_variables[vr[i]].kind == DP_MOTION) continue; /* the next of the inputs says it */
         if (dp_variables[vr[i]].kind != DP_INPUT)
             return (fmi2Status)dp_report(c, DP_ERROR, "fmi2%s: variable %u is no input", here, vr[i]);
         if (order[i] < 1 || order[i] > DP_ORDERS || !isfinite(value[i]))
             return (fmi2Status)dp_report(c, DP_ERROR, "fmi2%s: takes finite derivatives of order 1 to %d", here,
                                          DP_ORDERS);
     }
-    for (i = 0; i < n; ++i) c->state.model.slope[order[i] - 1] = value[i];
+    for (i = 0; i < n; ++i)
+        if (dp_variables[vr[i]].kind == DP_INPUT) c->state.model.slope[order[i] - 1] = value[i];
     return fmi2OK;
 }
 

@@ -17,7 +17,8 @@ enum {
     DP_LONGEST_STEP,
     DP_SMOOTHING,
     DP_EXTRAPOLATION, /* of a force that is set without a slope */
-    DP_PHYSICAL       /* the machine in its own units: follows from the parameters */
+    DP_PHYSICAL,      /* the machine in its own units: follows from the parameters */
+    DP_MOTION         /* an input that is a state: of a motion that is given */
 };
 
 typedef struct {
@@ -74,7 +75,8 @@ static void dp_instance_prepare(dp_instance *m) {
     memset(z, 0, sizeof z);
     dp_instance_parameters(m, p);
     for (i = 0; i < DP_NV; ++i) {
-        if (dp_variables[i].kind == DP_INITIAL) z[dp_variables[i].index] = m->value[i];
+        if (dp_variables[i].kind == DP_INITIAL || dp_variables[i].kind == DP_MOTION)
+            z[dp_variables[i].index] = m->value[i];
         if (dp_variables[i].kind == DP_LONGEST_STEP) step = m->value[i];
     }
     for (i = 0; i < DP_NZ; ++i) /* what rides along starts with what it rides on, from its own offset */
@@ -102,9 +104,24 @@ static int dp_instance_state(const dp_variable *v) {
     return v->kind == DP_STATE ? v->index : -1;
 }
 
+/* Puts a motion that is given where the importer has it: which side of a surface that is, is asked anew. */
+static void dp_instance_move(dp_instance *m, unsigned reference, double value) {
+    double *z = &m->engine.z[dp_variables[reference].index];
+    if (!m->running && m->value[reference] != value) m->engine_ready = 0;
+    m->value[reference] = value;
+    m->ready = 0;
+    if (!m->running || *z == value) return;
+    *z = value;
+    m->engine.modes_ready = m->engine.node_ready = 0;
+}
+
 static void dp_instance_set(dp_instance *m, unsigned reference, double value) {
     const dp_variable *v = &dp_variables[reference];
     const int state = dp_instance_state(v);
+    if (v->kind == DP_MOTION) {
+        dp_instance_move(m, reference, value);
+        return;
+    }
     if (state >= 0) {
         m->engine.z[state] = value;
         m->ready = 0;
@@ -158,7 +175,7 @@ static double dp_instance_get(dp_instance *m, unsigned reference) {
 /* Makes the line go on as the last two values of the force go that were set, where that is asked for and no slope is
  * given. A force that is not set again stays at the last: it was told, and what came of it is a guess. */
 static void dp_instance_extrapolate(dp_instance *m, dp_line *line, double t) {
-    const double part = m->value[DP_EXTRAPOLATION_AT];
+    const double part = DP_EXTRAPOLATION_AT >= 0 ? m->value[DP_EXTRAPOLATION_AT >= 0 ? DP_EXTRAPOLATION_AT : 0] : 0.0;
     double now = line->c[0];
     if (!(part > 0.0)) return;
     if (m->feeds && !m->fed) line->c[0] = now = m->told;

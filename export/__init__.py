@@ -10,9 +10,10 @@ from ..errors import BadInput
 
 if TYPE_CHECKING:
     from ..model import Oscillator
+    from ..model.element import Element
     from .platforms import Platform
 
-__all__ = ["SUFFIXES", "check_suffix", "export", "files"]
+__all__ = ["ELEMENT_SUFFIXES", "SUFFIXES", "check_suffix", "element_files", "export", "export_element", "files"]
 #: What a model can be made into: the last three for MuJoCo, URDF and HydroDyn.
 SUFFIXES = (".fmu", ".casadi", ".c", ".ssp", ".mjcf", ".urdf", ".hydrodyn")
 
@@ -131,3 +132,47 @@ def export(
     from .casadi_functions import export_casadi
 
     return export_casadi(oscillator, path, dt=step)
+
+
+#: What an element can be made into.
+ELEMENT_SUFFIXES = (".fmu", ".casadi")
+
+
+def element_files(path: Path) -> tuple[Path, ...]:
+    """All files that ``export_element`` writes for ``path``; raises BadInput for another suffix."""
+    from ..files.writing import check_ours
+
+    path = Path(path)
+    if path.suffix not in ELEMENT_SUFFIXES:
+        known = " and ".join(ELEMENT_SUFFIXES)
+        raise BadInput(f"{path}: a force law by itself is exported as {known}; end the name in one of them")
+    if path.suffix == ".fmu":
+        return (path,)
+    stem = path.name.removesuffix(".casadi")
+    beside = [path.with_name(f"{stem}.{end}") for end in ("smooth.casadi", "casadi.json")]
+    check_ours(beside[0], b"jhpnnagiieah")
+    check_ours(beside[1], b'"dashpot-element-casadi/')
+    return (path, *beside)
+
+
+def export_element(
+    element: Element,
+    path: Path,
+    *,
+    platforms: Sequence[Platform] | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> tuple[Path, ...]:
+    """Write an element as an FMU or as CasADi functions, by the suffix; returns the paths written.
+
+    Raises:
+        BadInput: for another suffix, or where the file cannot be written.
+        ToolchainMissing: where the compiler for an FMU is missing or fails.
+    """
+    element_files(path)
+    if Path(path).suffix == ".fmu":
+        from .element_fmu import export_element_fmu
+
+        return (export_element_fmu(element, path, platforms=platforms, progress=progress),)
+    from .element_casadi import export_element_casadi
+
+    return export_element_casadi(element, Path(path))

@@ -50,6 +50,7 @@ _WORDS = {
     "smoothing": ("parameter", "tunable"),
     "extrapolation": ("parameter", "fixed"),
     "physical": ("calculatedParameter", "tunable"),
+    "motion": ("input", "continuous"),
 }
 
 
@@ -123,6 +124,7 @@ class Description:
         ranges: of each switching surface the size that it goes through, in its unit.
         nominals: typical size of each state.
         amplitude: smallest and largest amplitude that the model was identified in.
+        exchange: whether it is for model exchange too.
     """
 
     name: str
@@ -136,6 +138,7 @@ class Description:
     nominals: tuple[float, ...] = (1.0, 1.0)
     amplitude: tuple[float, float] = (0.0, math.inf)
     state: str = ""
+    exchange: bool = True
 
     @property
     def words(self) -> str:

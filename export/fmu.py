@@ -23,8 +23,10 @@ from .platforms import Platform
 
 if TYPE_CHECKING:
     from ..model import Oscillator
+    from ..model.equations import Equations
 
-_MAIN = "all.c"
+#: What is compiled, and includes the rest.
+MAIN = "all.c"
 #: Each role's name in C.
 _KINDS = {
     "input": "DP_INPUT",
@@ -43,6 +45,7 @@ _KINDS = {
     "smoothing": "DP_SMOOTHING",
     "extrapolation": "DP_EXTRAPOLATION",
     "physical": "DP_PHYSICAL",
+    "motion": "DP_MOTION",
 }
 _HOLD = {
     2: "The input F is held over a communication step; give its slope with fmi2SetRealInputDerivatives before each "
@@ -123,9 +126,14 @@ def fmu_sources(
 ) -> tuple[dict[str, str], str]:
     """The C texts of the FMU by file name, and the GUID that ties them to their modelDescription.xml."""
     description = description or describe_fmu(facts, version=version)
+    return sources_of(facts.loaded, description, version)
+
+
+def sources_of(eq: Equations, description: Description, version: int = 2) -> tuple[dict[str, str], str]:
+    """The same from equations and the variables of them."""
     sources = engine.fmu_texts(version)
-    sources["law.c"] = law_source(facts.loaded, exported=True)
-    sources[_MAIN] = engine.included("law.c", *engine.FMU[version])
+    sources["law.c"] = law_source(eq, exported=True)
+    sources[MAIN] = engine.included("law.c", *engine.FMU[version])
     text = model_description(description, "", version=version)
     guid = guid_of([_variables_header(description, ""), text, *sorted(sources.values())])
     sources["variables.h"] = _variables_header(description, guid)
@@ -141,12 +149,12 @@ def _native_entries(
 ) -> dict[str, bytes]:
     sources, guid = fmu_sources(facts, description, version=version)
     entries = {f"sources/{name}": text.encode() for name, text in sources.items()}
-    entries["sources/buildDescription.xml"] = build_description(description.identifier, (_MAIN,)).encode()
-    text = model_description(description, guid, version=version, source_files=(_MAIN,))
+    entries["sources/buildDescription.xml"] = build_description(description.identifier, (MAIN,)).encode()
+    text = model_description(description, guid, version=version, source_files=(MAIN,))
     entries["modelDescription.xml"] = text.encode()
     page = documentation(facts, description, f"{_HOLD[version]} {_EVENTS} {inside(platforms)}")
     entries["documentation/index.html"] = page.encode()
-    entries |= binaries(sources, _MAIN, description.identifier, platforms, version=version, progress=progress)
+    entries |= binaries(sources, MAIN, description.identifier, platforms, version=version, progress=progress)
     if progress is not None:
         progress(remark(platforms))
     return entries | further_contents(facts, description)
@@ -158,17 +166,17 @@ def _variables_header(description: Description, guid: str) -> str:
         f"    {{{_KINDS[v.role]}, {v.index}, {v.start_text or '0.0'}, {_bounds(v)}}},\n" for v in description.variables
     ]
     follows = ", ".join("-1" if leader is None else str(leader) for leader in description.follows)
-    slope, (low, high) = description.place("slope"), description.amplitude
+    low, high = description.amplitude
     return (
         "/* Generated: the variables by value reference, and the sizes of the motion. */\n"
         f'#define DP_GUID "{guid}"\n'
         "/* For the log, which importers may format again: no per cent sign. */\n"
         f'#define DP_STATE_OF_FIT "{description.state.replace("%", "per cent")}"\n'
         f"#define DP_NV {len(rows)}\n"
-        f"#define DP_FORCE {description.reference('F')}\n"
-        f"#define DP_FORCE_RATE {-1 if slope is None else slope}\n"
-        f"#define DP_SMOOTHING_AT {description.place('smoothing')}\n"
-        f"#define DP_EXTRAPOLATION_AT {description.place('extrapolation')}\n"
+        f"#define DP_FORCE {description.place('input')}\n"
+        f"#define DP_FORCE_RATE {_place(description, 'slope')}\n"
+        f"#define DP_SMOOTHING_AT {_place(description, 'smoothing')}\n"
+        f"#define DP_EXTRAPOLATION_AT {_place(description, 'extrapolation')}\n"
         f"#define DP_AMPLITUDE_MIN {low!r}\n"
         f"#define DP_AMPLITUDE_MAX {'HUGE_VAL' if math.isinf(high) else repr(high)}\n"
         f"static const dp_variable dp_variables[DP_NV] = {{\n{''.join(rows)}}};\n"
@@ -178,6 +186,12 @@ def _variables_header(description: Description, guid: str) -> str:
         "/* What each surface goes through. */\n"
         f"static const double dp_range[DP_NS + 1] = {{{', '.join(map(repr, (*description.ranges, 1.0)))}}};\n"
     )
+
+
+def _place(description: Description, role: str) -> int:
+    """Value reference of the variable in a role; -1 where there is none."""
+    place = description.place(role)
+    return -1 if place is None else place
 
 
 def _bounds(variable: Variable) -> str:

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from ..model.linear import LinearModel
     from ..verify.verification import Verification
     from .doctor import Checkup
+    from .element import ForceElement
     from .hilbert import Hilbert
     from .model import Diagnosis
     from .simulation import Simulation
@@ -126,6 +127,59 @@ def identify(
         progress=say,
     )
     return Model(found.oscillator, found)
+
+
+@with_reading
+def identify_element(
+    *given: Any,
+    name: str | None = None,
+    laws: Sequence[str] | str = (),
+    every: bool = False,
+    **options: Unpack[Reading],
+) -> ForceElement:
+    """Identify a force law by itself from motions that were imposed and the forces that they took.
+
+    Args:
+        given: recordings of one specimen, as ``dashpot.read`` takes them.
+        name: of the specimen; left out, that of the first recording.
+        laws: names of laws of the library to fit beside the members of Eq. 17.
+        every: whether members stay that the recordings do not tell from none.
+        options: how to read, see ``dashpot.recording.Reading``; ``prescribed`` names the column of the motion.
+
+    Raises:
+        BadInput: nobody says which column was prescribed, or the recordings cannot carry a force law.
+
+    >>> import dashpot, numpy
+    >>> t = numpy.arange(4000) / 1000.0
+    >>> x = 5e-3 * numpy.sin(6 * numpy.pi * t) * numpy.minimum(t, 1.0)
+    >>> v = numpy.gradient(x, t)
+    >>> noise = numpy.random.default_rng(0).normal(size=t.size)
+    >>> data = {"time_s": t, "force_N": 800.0 * v + 12.0 * numpy.sign(v) + 0.2 * noise, "x_m": x}
+    >>> damper = dashpot.identify_element(data, prescribed="x_m", name="damper")
+    >>> print(f"{damper['viscous'].value:.0f} N s/m, {damper['dry'].value:.1f} N")
+    800 N s/m, 12.0 N
+    """
+    from .element import ForceElement, identified_element
+
+    asked = [laws] if isinstance(laws, str) else several_of(laws, "laws")
+    fit = identified_element(lambda: read(*given, **options), name=name, laws=asked, every=every)
+    return ForceElement(fit.element, fit)
+
+
+def load_element(path: str | Path) -> ForceElement:
+    """The force law of a file that ``identify --prescribed`` wrote.
+
+    Raises:
+        BadInput: the file cannot be read or is none; one line a problem.
+
+    >>> import dashpot
+    >>> dashpot.load_element("absent.yaml")
+    Traceback (most recent call last):
+    dashpot.errors.BadInput: absent.yaml: cannot be read (No such file or directory); check the path
+    """
+    from .element import load_element as load_it
+
+    return load_it(path)
 
 
 def simulate(model: Model | Oscillator | str | Path, *recording: Any, **options: Any) -> Simulation:

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 
 from ..errors import BadInput
 from ..files.arguments import path_of
 from ..model.element import Element
-from ..recording import Recording
-from .workflow import FIGURES, Say, silent, write_figures
+from ..recording import Reading, Recording, recordings_of
+from .workflow import FIGURES, Say, seconds_allowed, silent, write_figures
 
 if TYPE_CHECKING:
     from ..model.parameter import Parameter
@@ -61,23 +63,33 @@ def write_element(fit: ElementFit, model: Path, report: Path | None = None, figu
 def write_element_diagnosis(folder: Path, found: ElementFound, figures: str | None = None) -> list[Path]:
     """Write a diagnosis, its page and the mended element into a folder, all or none; returns the paths."""
     from ..diagnose.files import DIAGNOSIS, EXPERIMENT, FMU, MODEL, REPORT
+    from ..errors import ToolchainMissing
+    from ..export import export_element
     from ..files.writing import remove, together, write
     from ..model.element_file import dumps
     from ..prescribed.tell import as_json
     from ..report.element_page import element_diagnosis_page
 
-    page = element_diagnosis_page(found, files=(DIAGNOSIS, MODEL))
-    texts: Mapping[str, str] = {
+    with TemporaryDirectory() as scratch:
+        made: bytes | None = None
+        with suppress(ToolchainMissing, BadInput):  # no compiler: all else is worth having
+            made = export_element(found.best.element, Path(scratch) / FMU)[0].read_bytes()
+    page = element_diagnosis_page(found, files=(DIAGNOSIS, MODEL, *([FMU] if made else [])))
+    texts: dict[str, str | bytes | None] = {
         DIAGNOSIS: json.dumps(as_json(found), indent=2, ensure_ascii=False, allow_nan=False) + "\n",
         MODEL: dumps(found.best.element),
+        FMU: made,
+        EXPERIMENT: None,
         REPORT: page.html,
     }
     with together():
-        for name in (FMU, EXPERIMENT):
-            remove(folder / name)  # that of an earlier diagnosis would not belong to this one
         for name, text in texts.items():
-            write(folder / name, text)
-        return [*(folder / name for name in texts), *write_figures(page, folder / FIGURES, figures)]
+            if text is None:
+                remove(folder / name)  # that of an earlier diagnosis would not belong to this one
+            else:
+                write(folder / name, text)
+        written = [folder / name for name, text in texts.items() if text is not None]
+        return [*written, *write_figures(page, folder / FIGURES, figures)]
 
 
 class ForceElement:
@@ -130,6 +142,36 @@ class ForceElement:
         if not (math.isfinite(fs) and fs > 0):
             raise BadInput(f"fs is {fs}; the sampling frequency is a positive number, in Hz")
         return force_along(self.element, motion, 1.0 / fs)
+
+    def diagnose(
+        self,
+        *given: Any,
+        holdout: Any = (),
+        progress: Callable[[str, float], None] | None = None,
+        seconds: float | None = None,
+        **options: Unpack[Reading],
+    ) -> ElementDiagnosis:
+        """Find the laws that the members of Eq. 17 lack; takes some seconds.
+
+        Args:
+            given: recordings to fit to, as ``dashpot.read`` takes them.
+            holdout: recordings to judge by; where none are given, the last third of each.
+            progress: called with what is done and how much of all is done, 0 to 1.
+            seconds: after which the best that was found is taken; None: a minute, or what DASHPOT_SECONDS says.
+            options: how to read, see ``dashpot.recording.Reading``; ``prescribed`` names the column of the motion.
+
+        Raises:
+            BadInput: nobody says which column was prescribed, or the recordings do not belong together.
+        """
+        training = recordings_of(*given, **options)
+        held = recordings_of(*(holdout if isinstance(holdout, list | tuple) else [holdout]), **options)
+        quietly = progress or (lambda _what, _part: None)
+        how = {"name": self.name, "progress": quietly, "seconds": seconds_allowed(seconds)}
+        return diagnosed_element(training, held, **how)
+
+    def export(self, *paths: str | Path, progress: Say | None = None) -> tuple[Path, ...]:
+        """Write it as .fmu or .casadi, by the suffix, all or none; returns all files written. Raises BadInput."""
+        return exported_element(self.element, [path_of(path, "a file to export") for path in paths], progress=progress)
 
     def save(self, path: str | Path) -> Path:
         """Write the file of the element; returns its path. Raises BadInput."""
@@ -267,3 +309,39 @@ def diagnosed_element(
     from ..prescribed.element_fit import diagnose_element
 
     return ElementDiagnosis(diagnose_element(training, held, name=name, progress=progress, seconds=seconds))
+
+
+def exported_element(
+    element: Element, outputs: Sequence[Path], *, platforms: Any = None, progress: Say | None = None
+) -> tuple[Path, ...]:
+    """Write an element in the form of each output's suffix, all or none; returns all files written. Raises BadInput."""
+    from ..export import export_element
+    from ..files.writing import together
+
+    written: list[Path] = []
+    with together():
+        for output in outputs:
+            written += export_element(element, output, platforms=platforms, progress=progress)
+    return tuple(written)
+
+
+def force_table(element: Element, recordings: Sequence[Recording]) -> tuple[str, float]:
+    """CSV of time, displacement, recorded force and that of the element along one recording; and what is left, NRMSE.
+
+    Raises BadInput where there are several recordings, or its motion was not prescribed.
+    """
+    from ..prescribed.motion import imposed
+    from ..recording.prescribed import refuse_free
+    from ..simulate.imposed import force_along
+
+    refuse_free(recordings)
+    if len(recordings) != 1:
+        raise BadInput(f"simulate writes one force, and {len(recordings)} records were given; name one of them")
+    motion = imposed(recordings[0])
+    made = force_along(element, motion.displacement, motion.dt, start=motion.start)
+    rows = zip(motion.along(0.0)[:, 2], motion.displacement, motion.force, made, strict=True)
+    text = "".join(f"{t:.9g},{x:.9g},{f:.9g},{g:.9g}\n" for t, x, f, g in rows)
+    told = motion.told
+    left = float(np.std(motion.force[told] - made[told]) / np.std(motion.force[told]))
+    unit, force = element.unit.replace("/", "_"), element.force_unit.replace("/", "_")
+    return f"time_s,displacement_{unit},measured_{force},force_{force}\n{text}", left

@@ -30,6 +30,7 @@ from .file import (
 from .form import Form, filled, of_format, printable
 from .library import find
 from .oscillator import Term
+from .schema import ELEMENT as FORMAT
 from .schema import IdentifiedForm, ParameterForm, RangeForm, TermForm, sentence_of
 from .yaml_loader import Document, read_yaml
 from .yaml_loader import Path as Place
@@ -37,7 +38,6 @@ from .yaml_loader import Path as Place
 if TYPE_CHECKING:
     from .law import Law
 
-FORMAT = "dashpot-element/1"
 _Unit = Annotated[str, Field(min_length=1, max_length=40), AfterValidator(printable)]
 
 

@@ -128,8 +128,10 @@ def structure_of(oscillator: Oscillator | Element, *, payload: bool = False) -> 
     Without a mass there is none to add to, and ``payload`` is ignored. Of an element the last parameter is the origin
     of its displacement.
     """
+    from .element import Element  # which stands on the oscillator
+
     laws = tuple(term.law for term in oscillator.terms)
-    if oscillator.imposed:
+    if isinstance(oscillator, Element):
         return Structure((*oscillator.parameters(), ORIGIN), laws, FORCE, imposed=True)
     loaded = payload and oscillator.mass is not None
     names = (*oscillator.parameters(), *((PAYLOAD,) if loaded else ()))

@@ -18,6 +18,8 @@ from .limits import LEAST, LONGEST_NAME, MOST
 from .yaml_loader import Document, Path
 
 FORMAT = "dashpot-model/1"
+#: What the file of an ``Element`` says.
+ELEMENT = "dashpot-element/1"
 
 
 _Words = Annotated[str, Field(max_length=200), AfterValidator(printable)]
@@ -145,6 +147,8 @@ class ModelForm(Form):
 def checked(document: Document) -> ModelForm:
     """The document as a model file; raises BadInput with every problem, each with its line and path."""
     otherwise = f"this version of dashpot reads 'format: {FORMAT}'"
+    if isinstance(document.data, dict) and document.data.get("format") == ELEMENT:
+        otherwise = "that is a force law by itself, for show, simulate, diagnose and export; here a rig is asked for"
     raw = of_format(document, FORMAT, "holds no model; a model file starts with", otherwise)
     meaning = Meaning(raw, document)
 

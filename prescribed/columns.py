@@ -12,7 +12,14 @@ from ..model.element import INERTIA
 from ..model.law import Law
 from .motion import Imposed
 
-_PARTS = numerics(16, "steps a sample", why="of inner states: Heun's method then errs below any load cell's noise")
+TURN = numerics(
+    0.05, "of an inner state's own time", why="a step of it: Heun's method then errs below a load cell's noise"
+)
+SEARCHED = numerics(
+    0.15, "of an inner state's own time", why="the same of what is only compared: by nine times as much"
+)
+_MOST = numerics(128, "steps a sample", why="what changes faster than that is told by no sample")
+_FEWEST = numerics(4, "steps a sample", why="of inner states that hardly change")
 
 
 def of_members(motion: Imposed, names: Sequence[str], origin: float) -> np.ndarray:
@@ -30,14 +37,17 @@ def of_members(motion: Imposed, names: Sequence[str], origin: float) -> np.ndarr
     return np.array([known[name] for name in names]).reshape(len(names), motion.n)
 
 
-def of_law(law: Law, values: Mapping[str, float], motion: Imposed, origin: float) -> np.ndarray:
-    """(strengths, n) of a law whose other parameters have values by name, by each of its strengths; not finite where it
-    fails.
+def of_law(law: Law, values: Mapping[str, float], motion: Imposed, origin: float, turn: float = TURN) -> np.ndarray:
+    """(strengths, n) of a law whose other parameters have values by name, by each of its strengths.
 
-    Inner states begin at what they follow. A contact is there, and pushes: only the first strength is not zero.
+    Inner states begin at what they follow. A contact is there, and pushes: only the first strength is not zero. Not
+    finite where the law fails, or is faster than any sample tells.
     """
     strengths = [p.name for p in law.parameters if p.strength]
     known = dict(values) | dict(zip(strengths, [1.0, *[0.0] * len(strengths)], strict=False))
-    along = along_of(law)
+    along, path = along_of(law), motion.along(origin)
     with np.errstate(all="ignore"):
-        return along(known, motion.along(origin), motion.dt, parts=_PARTS if along.follows else None)
+        parts = along.rate(known, path) * motion.dt / turn
+        if not parts <= _MOST:
+            return np.full((len(strengths), motion.n), np.nan)
+        return along(known, path, motion.dt, parts=max(int(np.ceil(parts)), _FEWEST) if along.follows else None)

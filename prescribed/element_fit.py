@@ -22,6 +22,7 @@ from ..recording.checks import overlapping
 from ..recording.prescribed import refuse_free
 from ..recording.recording import Recording
 from ..simulate.imposed import force_along
+from .columns import SEARCHED
 from .errors import element_of
 from .fit import Fitted, Problem
 from .limits import FEWEST_CYCLES
@@ -151,7 +152,7 @@ def diagnose_element(
     training, held = motions[:given], motions[given:]
     if not held:
         training, held = _in_pieces(training)
-    problem = Problem(training, held, origin)
+    problem = Problem(training, held, origin, SEARCHED)
     found = Search(problem, progress=progress, until=until).find()
     progress("the element on every recording", 0.95)
     whole = Problem(motions, (), origin)

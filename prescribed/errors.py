@@ -67,7 +67,7 @@ def _covariance(fitted: Fitted, problem: Problem) -> tuple[list[str], np.ndarray
         level = max(float(np.mean(residual[motion.told] ** 2)), motion.noise**2)
         spectrum = estimate(residual, None, float(np.mean(motion.told)))
         coloured = spectrum.colour(rows) / level
-        otherwise = numbers @ (problem.columns(shape, fitted.values, motion.doubted()) - linear)
+        otherwise = numbers @ (problem.columns(shape, fitted.values, problem.doubted(i)) - linear)
         doubted += rows @ np.where(motion.told & np.isfinite(otherwise), otherwise, 0.0) / level
         normal += rows @ rows.T / level
         scattered += coloured @ coloured.T

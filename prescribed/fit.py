@@ -13,11 +13,12 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from ..identify.problem.limits import FENCE
 from ..identify.signals.noise_spectrum import concentrated_likelihood, estimate
 from ..identify.signals.registry import budget, numerics
 from ..model.element import INERTIA, MEMBERS
 from ..model.law import Law, LawParameter, Scales
-from .columns import of_law, of_members
+from .columns import TURN, of_law, of_members
 from .motion import Imposed
 
 #: Members that may be fitted beside a constant, in the order of the file.
@@ -98,15 +99,24 @@ class Problem:
         motions: to fit to.
         held: motions that nothing is fitted to.
         origin: displacement that laws count from.
+        turn: how far inner states go in a step, see ``columns``.
     """
 
-    def __init__(self, motions: Sequence[Imposed], held: Sequence[Imposed], origin: float) -> None:
-        self.motions, self.held, self.origin = tuple(motions), tuple(held), origin
+    def __init__(self, motions: Sequence[Imposed], held: Sequence[Imposed], origin: float, turn: float = TURN) -> None:
+        self.motions, self.held, self.origin, self.turn = tuple(motions), tuple(held), origin, turn
+        self._members: dict[int, np.ndarray] = {}
+        self._doubted: dict[int, Imposed] = {}
         length = max(float(np.max(np.abs(m.displacement - origin))) for m in motions)
         pace = float(np.median([m.pace for m in motions]))
         force = max(float(np.max(np.abs(m.force))) for m in motions)
         self.scales = Scales(length, pace, force, length, max(m.n * m.dt for m in motions))
         self._sizes = np.array([float(np.std(m.force[m.told])) for m in motions])
+
+    def doubted(self, i: int) -> Imposed:
+        """A motion as polynomials of another order have it."""
+        if i not in self._doubted:
+            self._doubted[i] = self.motions[i].doubted()
+        return self._doubted[i]
 
     @property
     def points(self) -> int:
@@ -161,7 +171,7 @@ class Problem:
         for probe in probes:
             own = []
             for motion, place, weight in zip(self.motions, places, weights, strict=True):
-                columns = of_law(law, probe, motion, self.origin)[:, place]
+                columns = of_law(law, probe, motion, self.origin, self.turn)[:, place]
                 own.append(weight * (columns - columns.mean(axis=1, keepdims=True)))
             rows = np.concatenate(own, axis=1)
             with np.errstate(over="ignore", invalid="ignore"):
@@ -204,10 +214,12 @@ class Problem:
 
     def columns(self, shape: Shape, values: Mapping[str, float], motion: Imposed) -> np.ndarray:
         """(members + strengths, n) along a motion; without the constant."""
-        rows = [of_members(motion, shape.members, self.origin)]
+        if id(motion) not in self._members:
+            self._members[id(motion)] = of_members(motion, FITTED, self.origin)
+        rows = [self._members[id(motion)][[FITTED.index(name) for name in shape.members]]]
         for law in shape.laws:
             own = {p.name: values[f"{law.name}.{p.name}"] for p in law.parameters if not p.strength}
-            rows.append(of_law(law, own, motion, self.origin))
+            rows.append(of_law(law, own, motion, self.origin, self.turn))
         return np.vstack(rows)
 
     def _solved(self, shape: Shape, values: Mapping[str, float], weights: np.ndarray) -> Fitted | None:
@@ -311,5 +323,11 @@ def _inward(p: LawParameter, value: float, scales: Scales) -> float:
 
 
 def _outward(p: LawParameter, where: float, scales: Scales) -> float:
+    """Back, within the law's own bounds and, of onsets and speeds, ten times beyond its probes: see ``Structure``."""
     value = math.exp(min(where, _FARTHEST)) if _is_logged(p) else where * p.natural(scales)
-    return float(min(max(value, p.lower), p.upper))
+    low, high = p.lower, p.upper
+    if not p.shape and p.unit != "1" and not isinstance(p.probes, str) and p.probes:
+        size = p.natural(scales)
+        least, most = min(map(abs, p.probes)) * size / FENCE, max(map(abs, p.probes)) * size * FENCE
+        low, high = (max(low, least), min(high, most)) if _is_logged(p) else (max(low, -most), min(high, most))
+    return float(min(max(value, low), high))

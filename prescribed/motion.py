@@ -20,6 +20,7 @@ _ORDER = numerics(7, "order", why="of the polynomials that smooth: their second 
 _OTHER = numerics(5, "order", why="of those that tell how far the motion may be another one")
 _SPANS = numerics((9, 13, 17, 25, 35, 51, 71, 101), "samples", why="windows that are tried, a third longer each")
 _LEAST_NOISE = numerics(1e-9, "of a force", why="rounding")
+_MOVING = numerics(0.9, "of the samples", why="a motion that stands for longer than that tells little")
 _FEWEST = numerics(32, "samples", why="fewer hold no cycle of a force law")
 
 
@@ -117,7 +118,7 @@ def imposed(recording: Recording) -> Imposed:
     told[1:] &= ~turned
     told[:-1] &= ~turned
     told[: min(int(np.pi / pace * recording.fs), recording.n // 2)] = False
-    if np.count_nonzero(told) < _FEWEST:
+    if np.count_nonzero(told) < _FEWEST or np.quantile(np.abs(velocity), _MOVING) <= still:
         raise BadInput(
             f"{name}: the prescribed column moves no more than its noise; choose another one with --prescribed"
         )

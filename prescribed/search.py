@@ -30,6 +30,7 @@ _log = logging.getLogger(__name__)
 
 _REFINED = budget(5, "laws", why="of those that gain most at their probes, that are fitted with all else free")
 _SHAPES = budget(2, "shapes", why="of a law that are fitted: those that leave the least at their probes")
+_SHAPED = budget(3, "laws", why="of those that are fitted, the likeliest, whose shapes are freed")
 _RIVALS = budget(8, "laws", why="that are tried in the place of each that was found")
 _LEFT = shown(0.6, "of the way", why="that is left after each round of laws: most searches take three to six")
 _ALL = shown(0.9, "of the way", why="that the search takes; the rest is what follows it")
@@ -256,7 +257,8 @@ class Search:
             one = self._kept(self._fitted(replace(shape, laws=(*shape.laws, law)), at))
             if one is not None and (law.name not in made or one.likelihood > made[law.name].likelihood):
                 made[law.name] = one
-        return [self._shaped(one) for one in made.values()]
+        ordered = sorted(made.values(), key=lambda one: -one.likelihood)
+        return [*(self._shaped(one) for one in ordered[:_SHAPED]), *ordered[_SHAPED:]]
 
     def _shaped(self, fitted: Fitted) -> Fitted:
         """The same with the shapes of its laws free, where that is decisively more probable."""

@@ -82,12 +82,13 @@ def choose_columns(
     response: str | int | None = None,
     quantity: str | None = None,
     base: str | int | None = None,
+    shown: str = "response",
 ) -> Choice:
     """Return which columns to read: those named by the options, then those whose names tell.
 
     An option is a column's name, the name without its unit, a pattern of either with * and ?, or its number from 1;
-    "none" leaves it out. Raises BadInput when a named column is absent or the names leave a choice that the user must
-    make.
+    "none" leaves it out; `shown` is the option that names the response. Raises BadInput when a named column is absent
+    or the names leave a choice that the user must make.
     """
     columns = [parse_column(name, unit) for name, unit in zip(table.names, table.units, strict=True)]
     given = {"time": time, "force": force, "response": response}
@@ -95,7 +96,7 @@ def choose_columns(
         if force is not None and str(force).strip().lower() != "none":
             raise BadInput(f"{table.where}: --force and --base were both given; a rig is driven by one of them here")
         given["force"] = base
-    called = {"time": "time", "force": "base" if moved else "force", "response": "response"}
+    called = {"time": "time", "force": "base" if moved else "force", "response": shown}
     chosen: dict[str, int | None] = {
         role: _find(table, columns, called[role], option) for role, option in given.items() if option is not None
     }

@@ -13,8 +13,8 @@ def refuse_prescribed(recordings: Sequence[Recording]) -> None:
     for recording in recordings:
         if recording.prescribed:
             raise BadInput(
-                f"{recording.name}: its motion was prescribed, which says nothing of an oscillator; identify finds the "
-                "force law by itself, and diagnose takes the file of that"
+                f"{recording.name}: its motion was prescribed, which says nothing of an oscillator; identify "
+                "--prescribed finds the force law by itself (identify_element in Python), and diagnose takes its file"
             )
 
 

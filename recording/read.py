@@ -110,7 +110,8 @@ def recording_of(
         raise BadInput(f"quantity '{quantity}' is not known; use one of {', '.join(QUANTITIES)}")
     if prescribed is not None:
         response, base = _prescribed(table.where, prescribed, response, base, force), "none"
-    choice = choose_columns(table, time, force, response, quantity, base)
+    shown = "response" if prescribed is None else "prescribed"
+    choice = choose_columns(table, time, force, response, quantity, base, shown)
     if prescribed is not None and choice.force is None:
         raise BadInput(
             f"{table.where}: a prescribed motion tells nothing without the force that it took, and no column is one; "

@@ -1,0 +1,110 @@
+"""An element as a CasADi function: motion in, force out, for controller design.
+
+``OUT.casadi``        F, zdot = f(z, x, v, a, p): the force and the rates of the laws' inner states, signs as they are
+``OUT.smooth.casadi`` the same with every sign replaced by tanh(surface / width)
+``OUT.casadi.json``   names, units, values with errors, widths
+
+``z`` has no rows where no law has a memory. An element of ``p`` that is inf takes the identified value: give
+``casadi.inf`` for all of it. Inner states begin at zero, or at what ``follows`` says.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ..files.writing import together, write
+from ..model import units
+from ..model.element import Element
+from ..model.equations import Equations, equations, signed
+from ..simulate.casadi_step import with_defaults
+from ..simulate.core import core_of
+from ..simulate.force import straight_lines
+from ..simulate.imposed import spline_of
+from .casadi_functions import serialised
+from .element_fmu import max_step, pace_of
+
+#: Width of a smoothed sign, as a part of what its surface goes through along a sine of the recorded size.
+_WIDTH = 1e-3
+_CYCLES, _POINTS = 3, 400
+
+
+def export_element_casadi(element: Element, path: Path) -> tuple[Path, ...]:
+    """Write the functions and their description beside one another; returns the paths written."""
+    stem, eq = path.name.removesuffix(".casadi"), equations(element)
+    widths = surface_widths(element, eq)
+    made = {"casadi": force_function(element), "smooth.casadi": force_function(element, widths)}
+    written = []
+    with together():
+        for suffix, function in made.items():
+            target = path.with_name(f"{stem}.{suffix}")
+            write(target, serialised(function))
+            written.append(target)
+        target = path.with_name(f"{stem}.casadi.json")
+        write(target, json.dumps(describe(element, eq, widths), indent=2, ensure_ascii=False) + "\n")
+    return (*written, target)
+
+
+def force_function(element: Element, widths: np.ndarray | None = None) -> Any:
+    """casadi.Function (z, x, v, a, p) -> (F, zdot); with ``widths`` (surfaces,) its signs are smooth."""
+    import casadi as ca
+
+    eq = equations(element)
+    identified = [*element.values().values(), element.origin]
+    inner = ca.SX.sym("z", eq.z.numel() - 2)
+    x, v, a, p = ca.SX.sym("x"), ca.SX.sym("v"), ca.SX.sym("a"), ca.SX.sym("p", eq.p.numel())
+    both = ca.vertcat(eq.y[0], eq.zdot[2:])
+    plain = signed(eq, both, None if widths is None or not len(widths) else ca.DM(widths))
+    there = ca.Function("there", [eq.z, eq.t, eq.u, eq.p], [plain])
+    result = there(ca.vertcat(x, v, inner), 0.0, a, with_defaults(p, identified))
+    return ca.Function("force", [inner, x, v, a, p], [result[0], result[1:]], ["z", "x", "v", "a", "p"], ["F", "zdot"])
+
+
+def surface_widths(element: Element, eq: Equations) -> np.ndarray:
+    """(surfaces,) widths of smoothed signs: a part of what each surface goes through along a sine."""
+    import casadi as ca
+
+    if not eq.kinds:
+        return np.zeros(0)
+    reach = 1.0 if element.amplitude is None else element.amplitude.max
+    pace = pace_of(element)
+    dt = 2.0 * np.pi / pace / _POINTS
+    time = dt * np.arange(_CYCLES * _POINTS)
+    motion = element.origin + reach * np.sin(pace * time)
+    velocity, acceleration = spline_of(motion, dt)
+    values = np.array([*element.values().values(), element.origin])
+    core = core_of(element)
+    initial = np.zeros(core.states)
+    initial[:2] = motion[0], velocity[0]
+    force, step = straight_lines(acceleration, dt), max_step(element)
+    states = core.record(values, initial, force, time.size, dt, step, states=True)
+    surfaces = ca.Function("surfaces", [eq.z, eq.t, eq.u, eq.p], [eq.surfaces])
+    through = np.array([np.array(surfaces(z, 0.0, 0.0, values)).ravel() for z in states[:: _POINTS // 40]])
+    return _WIDTH * np.maximum(np.max(np.abs(through), axis=0), np.finfo(float).tiny)
+
+
+def describe(element: Element, eq: Equations, widths: np.ndarray) -> dict[str, Any]:
+    """Names and units of everything that goes into and comes out of the functions."""
+    words = element.descriptions()
+    parameters = [
+        {"name": name, "value": p.value, "std": p.std, "unit": p.unit, "description": words[name]}
+        for name, p in element.parameters().items()
+    ]
+    origin = {"name": "origin", "value": element.origin, "std": None, "unit": element.unit, "description": "of x"}
+    return {
+        "format": "dashpot-element-casadi/1",
+        "name": element.name,
+        "equation": element.equation(),
+        "call": "F, zdot = f(z, x, v, a, p)",
+        "motion": {"x": element.unit, "v": f"{element.unit}/s", "a": f"{element.unit}/s2"},
+        "force": element.force_unit,
+        "z": [
+            {"name": name, "unit": units.compose(state.unit, element.unit, element.force_unit)}
+            for name, state in zip(eq.state_names[2:], eq.inner, strict=True)
+        ],
+        "parameters": [*parameters, origin],
+        "widths": [float(width) for width in widths],
+    }
