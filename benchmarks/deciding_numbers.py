@@ -2,7 +2,7 @@
 
     python -P benchmarks/deciding_numbers.py [--list] [--wing NAME] [--page]
 
-Read by the syntax tree, without running anything, of every module of identify/ and diagnose/:
+Read by the syntax tree, without running anything, of every module of identify/, diagnose/ and prescribed/:
 
 - each number in a module constant, and
 - each literal in a comparison or in ``min``, ``max``, ``clip``, ``minimum`` or ``maximum`` that is not 0, 1 or 2, not
@@ -28,7 +28,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-FOLDERS = ("identify", "diagnose")
+FOLDERS = ("identify", "diagnose", "prescribed")
 #: The one level of doubt, which all wings share.
 ODDS = "identify/signals/odds.py"
 #: As many as there were when they were counted last. It is only ever lowered.

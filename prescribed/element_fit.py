@@ -12,7 +12,8 @@ import numpy as np
 
 from .. import __version__
 from ..errors import BadInput
-from ..identify.signals.odds import ABOVE_NOISE
+from ..identify.fit.limits import CYCLES
+from ..identify.signals.odds import ABOVE_NOISE, SIGNIFICANT
 from ..model.element import Element
 from ..model.law import Law
 from ..model.library import find
@@ -25,7 +26,6 @@ from ..simulate.imposed import force_along
 from .columns import SEARCHED
 from .errors import element_of
 from .fit import Fitted, Problem
-from .limits import FEWEST_CYCLES
 from .motion import Imposed, imposed, origin_of
 from .search import Found, Search
 
@@ -198,7 +198,7 @@ def _in_pieces(motions: Sequence[Imposed]) -> tuple[tuple[Imposed, ...], tuple[I
     training, held = [], []
     for motion in motions:
         cut = 2 * motion.n // 3
-        if motion.n * motion.dt * motion.pace / (2 * np.pi) < FEWEST_CYCLES:
+        if motion.n * motion.dt * motion.pace / (2 * np.pi) < CYCLES:
             training.append(motion)
             continue
         training.append(motion.part(0, cut))
@@ -266,7 +266,7 @@ def _notes(fitted: Fitted, element: Element, recordings: Sequence[Recording]) ->
         )
     spread = [constant - float(np.mean(fitted.constants)) for constant in fitted.constants]
     load = element.parameters()["load"]
-    if load.std and max(map(abs, spread)) > 3.0 * load.std and len(spread) > 1:
+    if load.std and max(map(abs, spread)) > SIGNIFICANT * load.std and len(spread) > 1:
         notes.append(
             f"the constant force differs between the recordings, from {min(fitted.constants):.4g} to "
             f"{max(fitted.constants):.4g} {element.force_unit}, as where a load cell is set to zero for each: "

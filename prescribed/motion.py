@@ -9,12 +9,12 @@ import numpy as np
 
 from ..errors import BadInput
 from ..identify.problem.segments import Segment, blank_of
+from ..identify.signals.odds import SIGNIFICANT
 from ..identify.signals.registry import numerics
 from ..identify.signals.signals import drive_of
 from ..recording.recording import Recording
 from ..recording.smoothing import weights_of_polynomials, with_polynomials
 from ..simulate.imposed import pace_of, spline_of
-from .limits import MIDDLE, STANDS
 
 _ORDER = numerics(7, "order", why="of the polynomials that smooth: their second derivative is still of the fifth")
 _OTHER = numerics(5, "order", why="of those that tell how far the motion may be another one")
@@ -111,7 +111,9 @@ def imposed(recording: Recording) -> Imposed:
     velocity, _ = spline_of(smooth, recording.dt)
     other, _ = _smoothing(shown, _OTHER)
     otherwise = tuple(with_polynomials(shown, other, _OTHER, k) * recording.fs**k for k in (1, 2))
-    still = STANDS * noise * recording.fs * float(np.linalg.norm(weights_of_polynomials(span, _ORDER, 1)[span // 2]))
+    still = (
+        SIGNIFICANT * noise * recording.fs * float(np.linalg.norm(weights_of_polynomials(span, _ORDER, 1)[span // 2]))
+    )
     pace = pace_of(smooth, velocity)
     told = ~blank_of(recording) & (np.abs(velocity) > still)
     turned = np.diff(np.sign(velocity)) != 0  # on which side of the turn a sample is, its own time does not tell
@@ -149,8 +151,8 @@ def _smoothing(signal: np.ndarray, order: int) -> tuple[int, float]:
 
 
 def origin_of(motions: Sequence[Imposed]) -> float:
-    """Displacement that laws count from: the recorded zero where that is amid the stroke, else the stroke's middle."""
+    """Displacement that laws count from: the recorded zero, or the stroke's middle where an end is nearer to it."""
     low = min(float(np.min(motion.displacement)) for motion in motions)
     high = max(float(np.max(motion.displacement)) for motion in motions)
     middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    return 0.0 if abs(middle) < MIDDLE * half else middle
+    return 0.0 if abs(middle) < half - abs(middle) else middle

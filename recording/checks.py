@@ -93,11 +93,11 @@ def out_of_range(recording: Recording) -> list[Problem]:
 
 def constant(recording: Recording) -> list[Problem]:
     """Find a response that never moves by more than rounding."""
-    response = recording.response
-    if np.ptp(response) > 1e-12 * np.max(np.abs(response)):
+    if np.ptp(response := recording.response) > 1e-12 * np.max(np.abs(response)):
         return []
-    what = f"the response is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another column"
-    return [_error(recording, f"{what} with --response", mute=True)]
+    what, option = ("motion", "prescribed") if recording.prescribed else ("response", "response")
+    said = f"the {what} is {response[0]:.4g} {recording.unit} throughout; check the sensor, or name another column"
+    return [_error(recording, f"{said} with --{option}", mute=True)]
 
 
 def leaping(recording: Recording, motion: Oscillation) -> list[Problem]:

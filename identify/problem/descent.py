@@ -237,7 +237,7 @@ def repeated(segments: Sequence[Segment], residuals: Sequence[np.ndarray]) -> fl
         left, moved = (np.abs(np.asarray(fft.rfft(signal))) ** 2 for signal in (residual, motion - np.mean(motion)))
         power, shared = float(np.mean(left)), float(np.mean(left)) * float(np.mean(moved))
         there, alike = 1.0, 1.0
-        if shared > 0.0:
+        if shared > 0.0 and power * power < np.inf:  # of a motion that runs away a square may be beyond all numbers
             there = float(np.mean(left * moved)) / shared
             alike = float(np.mean(left**2)) / (2.0 * power**2)  # the lines of white noise scatter as exponentials do
         worth += residual.size * max(min(there, alike), 1.0)

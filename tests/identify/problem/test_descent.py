@@ -247,6 +247,7 @@ def test_what_is_left_where_the_motion_is_counts_as_many_times_less():
     assert of((motion, elsewhere)) == 1.0
     assert of((motion, there), (motion[:20_000], noise[:20_000])) == pytest.approx((2 * 10.0 + 1.0) / 3, rel=0.05)
     assert of((np.zeros(8), np.zeros(8))) == of((np.zeros(8), np.full(8, np.inf))) == 1.0
+    assert of((motion, 1e78 * there)) == 1.0  # a motion that runs away leaves what no number is the square of
 
 
 @pytest.mark.parametrize(("off", "moves"), [(0.1, True), (0.015, False)])

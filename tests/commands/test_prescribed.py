@@ -1,0 +1,153 @@
+"""A prescribed motion from the command line and from Python: files, exit codes, pages, refusals."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import dashpot
+import numpy as np
+import pytest
+from dashpot.commands import cli
+from dashpot.examples.specimens import Specimen, motion, recorded
+from dashpot.model.element_file import load_element
+
+FS = 120.0
+MEMBERS = {"stiffness": 9e3, "viscous": 700.0, "dry": 35.0, "load": 120.0}
+DRAG = {"coefficient": 1.5e4}
+
+
+def table(folder: Path, name: str, specimen: Specimen, kind: str, level: float, seed: int) -> Path:
+    made = recorded(specimen, motion(kind, 6e-3 * level, 2.0, FS, 10.0), FS, noise=3e-3, motion_noise=2e-5, seed=seed)
+    columns = np.column_stack([made.time, made.force, 1e3 * np.asarray(made.response), 0.0 * made.time])
+    path = folder / name
+    np.savetxt(path, columns, "%.9g", ",", header="time_s,force_N,stroke_mm,other_mm", comments="")
+    return path
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    made = tmp_path_factory.mktemp("prescribed")
+    table(made, "plain.csv", Specimen(MEMBERS), "sweep", 1.0, 1)
+    for seed, (name, kind, level) in enumerate((("one", "sweep", 1.0), ("two", "sines", 0.7), ("held", "random", 0.8))):
+        table(made, f"{name}.csv", Specimen(MEMBERS, "quadratic-drag", DRAG), kind, level, seed)
+    return made
+
+
+def ended(*arguments: object) -> int | str | None:
+    try:
+        cli.main([str(argument) for argument in arguments])
+    except SystemExit as stop:
+        return stop.code
+    return 0
+
+
+def test_identify_writes_an_element_and_its_page(folder: Path, tmp_path: Path, capsys) -> None:
+    made, page = tmp_path / "strut.yaml", tmp_path / "strut.html"
+    assert ended("identify", folder / "plain.csv", "--prescribed", "stroke_mm", "-o", made, "--report", page) == 0
+    shown = capsys.readouterr().out
+    assert "motion in, force out" in shown
+    assert re.search(r"viscous +\d+(\.\d+)? +± ", shown)
+    element = load_element(made)
+    assert element.name == "strut"
+    assert element.parameters()["viscous"].value == pytest.approx(700.0, rel=0.02)
+    text = page.read_text()
+    assert "gives every force to within its noise" in text
+    assert "force over displacement, over velocity, and over time" in text
+
+
+def test_a_missing_law_is_found_named_and_handed_over(folder: Path, tmp_path: Path, capsys) -> None:
+    made, out = tmp_path / "strut.yaml", tmp_path / "diagnosis"
+    how = ("--prescribed", "stroke_mm")
+    assert ended("identify", folder / "one.csv", folder / "two.csv", *how, "-o", made) == 1
+    assert "dashpot diagnose asks which law is missing" in capsys.readouterr().err
+    both, held = (folder / "one.csv", folder / "two.csv"), ("--holdout", folder / "held.csv")
+    assert ended("diagnose", made, *both, *how, "-o", out, *held) == 0
+    shown = capsys.readouterr().out
+    assert "quadratic-drag" in shown
+    told = json.loads((out / "diagnosis.json").read_text())
+    assert told["format"] == "dashpot-diagnosis/1"
+    assert told["verdict"] == "missing-physics"
+    assert [effect["law"] for effect in told["effects"]] == ["quadratic-drag"]
+    assert told["effects"][0]["parameters"]["coefficient"]["unit"] == "N.s2/m2"
+    assert [fit["file"] for fit in told["fit"]["holdout"]] == ["held.csv"]
+    assert all(fit["nrmse_after"] < 0.5 * fit["nrmse_before"] for fit in told["fit"]["holdout"])
+    assert told["parameter_shift"]["viscous"]["std"] > 0
+    mended = load_element(out / "model.yaml")
+    assert mended.parameters()["quadratic-drag.coefficient"].value == pytest.approx(1.5e4, rel=0.1)
+    page = (out / "report.html").read_text()
+    assert "Missing physics" in page
+    assert "drag" in page
+    assert len(page) < 1.5e6
+    assert (out / "model.fmu").exists()
+
+
+def test_show_simulate_and_export_take_an_element(folder: Path, tmp_path: Path, capsys) -> None:
+    made, table_made = tmp_path / "strut.yaml", tmp_path / "force.csv"
+    how = ("--prescribed", "stroke_mm")
+    assert ended("identify", folder / "plain.csv", *how, "-o", made, "-q") == 0
+    capsys.readouterr()
+    assert ended("show", made, "--json") == 0
+    assert json.loads(capsys.readouterr().out)["parameters"]["dry"]["unit"] == "N"
+    assert ended("simulate", made, folder / "plain.csv", *how, "-o", table_made) == 0
+    assert re.search(r"differs from the recorded one by 0\.\d+ %", capsys.readouterr().err)
+    rows = np.loadtxt(table_made, delimiter=",", skiprows=1)
+    assert table_made.read_text().startswith("time_s,displacement_m,measured_N,force_N\n")
+    assert np.std(rows[100:, 2] - rows[100:, 3]) < 0.02 * np.std(rows[:, 2])
+    assert ended("export", made, tmp_path / "strut.casadi") == 0
+    assert (tmp_path / "strut.smooth.casadi").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("--prescribed", "nonsense"), r"no column 'nonsense' \(--prescribed\)"),
+        (("--prescribed", "other_mm"), "the motion is 0 m throughout; .* with --prescribed"),
+        (("--prescribed", "stroke_mm", "--response", "other_mm"), "--prescribed and --response were both given"),
+        (("--prescribed", "stroke_mm", "--base", "other_mm"), "--prescribed and --base were both given"),
+        (("--prescribed", "stroke_mm", "--force", "none"), "without the force"),
+        (("--prescribed", "stroke_mm", "--mass", "2"), "--mass is of an oscillator"),
+        (("--prescribed", "stroke_mm", "--with", "sensor-lag"), "is no force"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_sentence(
+    folder: Path, tmp_path: Path, capsys, arguments: tuple[str, ...], words: str
+) -> None:
+    assert ended("identify", folder / "plain.csv", *arguments, "-o", tmp_path / "no.yaml") == 2
+    assert re.search(words, capsys.readouterr().err)
+    assert not (tmp_path / "no.yaml").exists()
+
+
+def test_commands_of_oscillators_say_that_they_are(folder: Path, tmp_path: Path, capsys) -> None:
+    made, how = tmp_path / "strut.yaml", ("--prescribed", "stroke_mm")
+    assert ended("identify", folder / "plain.csv", *how, "-o", made, "-q") == 0
+    assert ended("hilbert", folder / "plain.csv", *how, "-o", tmp_path / "h") == 2
+    assert "its motion was prescribed" in capsys.readouterr().err
+    assert ended("linearise", made) == 2
+    assert "a force law by itself" in capsys.readouterr().err
+    assert ended("diagnose", made, folder / "plain.csv", "--response", "stroke_mm", "-o", tmp_path / "d") == 2
+    assert "nobody says that its motion was prescribed" in capsys.readouterr().err
+    assert ended("export", made, tmp_path / "a.ssp") == 2
+    assert "exported as .fmu and .casadi" in capsys.readouterr().err
+    assert ended("export", made, tmp_path / "a.fmu", "--fmi", "3") == 2
+    assert "--fmi 3 is of an oscillator" in capsys.readouterr().err
+
+
+def test_python_has_the_same(folder: Path, tmp_path: Path) -> None:
+    damper = dashpot.identify_element(folder / "one.csv", folder / "two.csv", prescribed="stroke_mm", name="damper")
+    assert damper["dry"].unit == "N"
+    with pytest.raises(KeyError, match="is no parameter of damper"):
+        damper["mass"]
+    told = damper.diagnose(folder / "one.csv", folder / "two.csv", holdout=folder / "held.csv", prescribed="stroke_mm")
+    assert told.verdict == "missing-physics"
+    assert told.effects == ("quadratic-drag",)
+    path = told.element.save(tmp_path / "mended.yaml")
+    again = dashpot.load_element(path)
+    x = motion("sines", 4e-3, 2.0, FS, 5.0)
+    assert again.force(x, fs=FS) == pytest.approx(told.element.force(x, fs=FS))
+    assert again.export(tmp_path / "m.casadi")[0].name == "m.casadi"
+    with pytest.raises(dashpot.BadInput, match="at least four numbers"):
+        again.force([1.0, 2.0], fs=FS)
+    with pytest.raises(dashpot.BadInput, match="identify_element in Python"):
+        dashpot.identify(folder / "one.csv", prescribed="stroke_mm")
