@@ -24,6 +24,7 @@ _DRAWN = budget(30, "functions", why="whose largest twentieth is known to some h
 _WAVES = numerics(12, "cosines", why="of which a random smooth function is made: nearly a Gaussian process")
 _ROUGH = numerics(0.7, "of the largest amplitude", why="the length over which it changes: that of a cubic or of a bend")
 _MOST = numerics(0.99, "of the power", why="what is left is never nothing")
+_HOPELESS = numerics(1e6, "log-odds", why="against what runs away: beyond any that a recording gives")
 _FINEST = numerics(1e-12, "of a column", why="rounding")
 
 
@@ -52,6 +53,9 @@ class Judge:
 
     def odds(self, one: Fitted, other: Fitted, bags: int = 0) -> np.ndarray:
         """(1 + bags,) logarithm of how many times more probable one is than another; then in bags of the blocks."""
+        lost = [not all(np.all(np.isfinite(left)) for left in self._left(fitted)) for fitted in (one, other)]
+        if any(lost):  # what runs away along a motion that was held out is no answer
+            return np.full(1 + bags, _HOPELESS * (lost[1] - lost[0]))
         points, more = self.problem.points, one.count - other.count
         total = one.likelihood - other.likelihood - 0.5 * more * math.log(points)
         share = self.mismatch(one if total >= 0.0 else other)

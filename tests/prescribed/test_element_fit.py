@@ -140,3 +140,22 @@ def test_progress_never_falls() -> None:
     diagnose_element([one], [other], progress=lambda _what, part: said.append(part))
     assert np.all(np.diff(said) >= 0.0)
     assert said[-1] == 1.0
+
+
+def test_what_runs_away_along_a_held_out_motion_has_no_odds() -> None:
+    from dataclasses import replace
+
+    from dashpot.prescribed.fit import Problem, Shape
+    from dashpot.prescribed.judge import Judge, probability
+    from dashpot.prescribed.motion import imposed
+
+    one, other = (imposed(recording) for recording in recordings(Specimen(MEMBERS)))
+    problem = Problem([one], [other], 0.0)
+    fitted = problem.fit(Shape(), {})
+    assert fitted is not None
+    kept = problem.weighed(fitted)
+    lost = replace(kept, held=(np.full(other.n, np.inf),))
+    judge = Judge(problem)
+    assert np.all(judge.odds(kept, lost, 5) > 1e3)
+    assert np.all(judge.odds(lost, kept, 5) < -1e3)
+    assert probability([np.zeros(6), judge.odds(lost, kept, 5)]) == pytest.approx([1.0, 0.0])
