@@ -27,6 +27,7 @@ FITTED = (INERTIA, *(p.name for law in MEMBERS[:-1] for p in law.parameters))
 POSITIVE = frozenset((INERTIA, "viscous", "dry"))
 _TRIES = budget(60, "evaluations", why="of each search around the strengths: three to six numbers settle in thirty")
 _STEP = numerics(1e-4, "of a logarithm, or a natural size", why="of a difference quotient of columns")
+_INSIDE = numerics(1e-6, "of a logarithm, or a natural size", why="a search between bounds begins within them")
 _SETTLED = numerics(1e-5, "part of the power", why="the search is over: a thousandth of a decision")
 _FARTHEST = numerics(300.0, "of a logarithm", why="beyond it a number overflows")
 _ENOUGH = budget(6000, "samples", why="by which laws are compared at their probes; all are fitted to all")
@@ -209,7 +210,10 @@ class Problem:
             parts = zip(found.residuals, self.motions, weights, strict=True)
             return np.concatenate([w * r[m.told] for r, m, w in parts])
 
-        outcome = least_squares(left, place, diff_step=_STEP, xtol=1e-6, ftol=_SETTLED, max_nfev=_TRIES, x_scale=1.0)
+        ends = np.array([[_inward(p, end, self.scales) for end in _limits(p, self.scales)] for _, p in placed]).T
+        inside = np.clip(place, ends[0] + _INSIDE, ends[1] - _INSIDE)
+        how = {"diff_step": _STEP, "xtol": 1e-6, "ftol": _SETTLED, "max_nfev": _TRIES, "bounds": (ends[0], ends[1])}
+        outcome = least_squares(left, inside, **how)
         return outcome.x if np.all(np.isfinite(outcome.x)) else place
 
     def columns(self, shape: Shape, values: Mapping[str, float], motion: Imposed) -> np.ndarray:
@@ -322,12 +326,18 @@ def _inward(p: LawParameter, value: float, scales: Scales) -> float:
     return math.log(max(value, np.finfo(float).tiny)) if _is_logged(p) else value / p.natural(scales)
 
 
-def _outward(p: LawParameter, where: float, scales: Scales) -> float:
-    """Back, within the law's own bounds and, of onsets and speeds, ten times beyond its probes: see ``Structure``."""
-    value = math.exp(min(where, _FARTHEST)) if _is_logged(p) else where * p.natural(scales)
+def _limits(p: LawParameter, scales: Scales) -> tuple[float, float]:
+    """The law's own bounds; of onsets and speeds ten times beyond its probes at most: see ``Structure``."""
     low, high = p.lower, p.upper
     if not p.shape and p.unit != "1" and not isinstance(p.probes, str) and p.probes:
         size = p.natural(scales)
         least, most = min(map(abs, p.probes)) * size / FENCE, max(map(abs, p.probes)) * size * FENCE
         low, high = (max(low, least), min(high, most)) if _is_logged(p) else (max(low, -most), min(high, most))
+    return low, high
+
+
+def _outward(p: LawParameter, where: float, scales: Scales) -> float:
+    """Back, within the limits."""
+    low, high = _limits(p, scales)
+    value = math.exp(min(where, _FARTHEST)) if _is_logged(p) else where * p.natural(scales)
     return float(min(max(value, low), high))

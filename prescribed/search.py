@@ -29,7 +29,7 @@ from .judge import BAGS, Judge, probability
 _log = logging.getLogger(__name__)
 
 _REFINED = budget(5, "laws", why="of those that gain most at their probes, that are fitted with all else free")
-_SHAPES = budget(2, "shapes", why="of a law that are fitted: those that leave the least at their probes")
+_SHAPES = budget(2, "shapes, or sides", why="of a law that are fitted: what leaves the least at its probes")
 _SHAPED = budget(3, "laws", why="of those that are fitted, the likeliest, whose shapes are freed")
 _RIVALS = budget(8, "laws", why="that are tried in the place of each that was found")
 _LEFT = shown(0.6, "of the way", why="that is left after each round of laws: most searches take three to six")
@@ -271,14 +271,14 @@ class Search:
         return self._kept(freed) or fitted
 
     def _probed(self, shape: Shape, values: Mapping[str, float], law: Law) -> list[tuple[float, dict[str, float]]]:
-        """The power that is left with a law at the best of its probes of each shape, all else linear free; the probes.
+        """The power that is left with a law at the best of its probes of each shape and side, all else linear free.
 
-        The least first; at probes where the law makes no force there is none.
+        With the probes, the least first; where the law makes no force there is none.
         """
         best: dict[tuple[float, ...], tuple[float, dict[str, float]]] = {}
         shapes = [p.name for p in law.parameters if p.shape]
         for probe, found in self.problem.probed(shape, values, law, probes(law, self.problem.scales)):
-            kind = tuple(probe[name] for name in shapes)
+            kind = tuple(value if name in shapes else math.copysign(1.0, value) for name, value in probe.items())
             if kind not in best or found < best[kind][0]:
                 best[kind] = found, dict(probe)
         return sorted(best.values(), key=lambda one: one[0])[:_SHAPES]
