@@ -48,6 +48,11 @@ class RigFmu:
             orders = list(range(1, len(derivatives) + 1))
             self._fmu.setRealInputDerivatives(at * len(orders), orders, list(derivatives))
 
+    def move(self, displacement: float, velocity: float, acceleration: float) -> None:
+        """The motion at the beginning of the coming step, of a force law by itself."""
+        at = self._references("displacement", "velocity", "acceleration")
+        self._fmu.setReal(at, [displacement, velocity, acceleration])
+
     def step(self, seconds: float) -> None:
         """Run over one step."""
         self._fmu.doStep(self._time, seconds)
