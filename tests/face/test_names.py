@@ -12,12 +12,24 @@ import pytest
 from dashpot.commands.cli import cli
 
 CALLS = [
-    *("demo", "diagnose", "doctor", "export", "hilbert", "identify", "linearise", "load", "load_laws", "look", "paper"),
-    *("batch", "compare", "read", "simulate", "verify", "watch"),
+    *(
+        "demo",
+        "diagnose",
+        "doctor",
+        "export",
+        "hilbert",
+        "identify",
+        "linearise",
+        "load",
+        "load_element",
+        "load_laws",
+        "look",
+    ),
+    *("batch", "compare", "identify_element", "paper", "read", "simulate", "verify", "watch"),
 ]
 CLASSES = [
-    *("Backbone", "BadInput", "DashpotError", "Diagnosis", "Hilbert", "LinearModel", "Model", "Recording"),
-    *("Simulation", "ToolchainMissing", "Verification"),
+    *("Backbone", "BadInput", "DashpotError", "Diagnosis", "ElementDiagnosis", "ForceElement", "Hilbert"),
+    *("LinearModel", "Model", "Recording", "Simulation", "ToolchainMissing", "Verification"),
 ]
 #: Commands that are something else in Python: print(model), and nothing.
 OTHERWISE = {"show", "completion"}
