@@ -19,7 +19,10 @@ _BLOCKS = "▁▂▃▄▅▆▇█"
 _WIDTH = 60  # characters of a picture
 _MARKS = {"free": "━", "struck": "╍", "driven": "┄"}  # under it, where a fit would take what moves
 _NAMED = 4  # pieces of a kind are named with their times
-_OPTIONS = ("time", "force", "quantity", "unit", "force_unit", "calibration", "fs", "hold", "base", "relative")
+_OPTIONS = (
+    *("time", "force", "quantity", "unit", "force_unit", "calibration"),
+    *("fs", "hold", "base", "relative", "prescribed"),
+)
 
 
 def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
@@ -67,9 +70,10 @@ def look(path: Path, options: Mapping[str, Any]) -> list[dict[str, Any]]:
 def _roles(table: Table, response: str | None, how: Mapping[str, Any]) -> dict[str, str | None]:
     from ..recording.columns import choose_columns
 
-    chosen = choose_columns(table, how["time"], how["force"], response, how["quantity"], how["base"])
+    moved = how["prescribed"]
+    chosen = choose_columns(table, how["time"], how["force"], moved or response, how["quantity"], how["base"])
     driver = "base" if chosen.base else "force"
-    indices = {"time": chosen.time, driver: chosen.force, "response": chosen.response}
+    indices = {"time": chosen.time, driver: chosen.force, "prescribed" if moved else "response": chosen.response}
     return {role: None if i is None else table.label(i).strip("'") for role, i in indices.items()}
 
 
@@ -78,12 +82,13 @@ def _facts(recording: Recording) -> dict[str, Any]:
     from ..identify.motion.excitation import kind_of
     from ..identify.motion.mode_lines import modes_of
 
-    free = find_free_motion(recording)
-    signals = [("response", recording.response, recording.unit)]
+    imposed = recording.prescribed
+    free = None if imposed else find_free_motion(recording)
+    signals = [("prescribed" if imposed else "response", recording.response, recording.unit)]
     if recording.force is not None:
         signals.append(("force", recording.force, recording.force_unit))
     return {
-        "motion": kind_of(recording, free.decays),
+        "motion": "prescribed" if free is None else kind_of(recording, free.decays),
         "quantity": recording.quantity,
         "fs": recording.fs,
         "samples": recording.n,
@@ -94,9 +99,9 @@ def _facts(recording: Recording) -> dict[str, Any]:
             | {"picture": sparkline(signal)}
             for role, signal, unit in signals
         ],
-        "pieces": _pieces(recording, free),
-        "modes": [mode.as_json() for mode in modes_of([recording], struck=True)],
-        "notes": list(dict.fromkeys([*recording.notes, *free.notes])),
+        "pieces": [] if free is None else _pieces(recording, free),
+        "modes": [] if free is None else [mode.as_json() for mode in modes_of([recording], struck=True)],
+        "notes": list(dict.fromkeys([*recording.notes, *(() if free is None else free.notes)])),
     }
 
 

@@ -14,7 +14,7 @@ def refuse_prescribed(recordings: Sequence[Recording]) -> None:
         if recording.prescribed:
             raise BadInput(
                 f"{recording.name}: its motion was prescribed, which says nothing of an oscillator; identify "
-                "--prescribed finds the force law by itself (identify_element in Python), and diagnose takes its file"
+                "--prescribed finds the force law by itself (identify_element in Python); diagnose and simulate take its file"
             )
 
 

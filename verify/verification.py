@@ -24,6 +24,7 @@ from ..identify.problem.replay import Replay, force_of, run_along
 from ..identify.signals.signals import noise_levels
 from ..model import Response
 from ..recording.given import recordings_of
+from ..recording.prescribed import refuse_prescribed
 from ..recording.recording import Recording
 from ..recording.units import find_unit
 from .backbones import Backbone, Compared, compared
@@ -170,8 +171,10 @@ def verify(
     """
     checks = []
     progress = progress or (lambda _: None)
+    recordings = recordings_of(recordings)
+    refuse_prescribed(recordings)
     with FmuRun(Path(fmu), limit=TIME_LIMIT if limit is None else limit) as run:
-        for recording in held_as(recordings_of(recordings), run.hold):
+        for recording in held_as(recordings, run.hold):
             check = _check(run, recording, noise_ratio)
             progress(
                 f"{recording.name}: NRMSE {check.nrmse:.3g}, noise floor {check.noise_floor:.3g}, "

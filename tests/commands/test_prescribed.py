@@ -151,3 +151,21 @@ def test_python_has_the_same(folder: Path, tmp_path: Path) -> None:
         again.force([1.0, 2.0], fs=FS)
     with pytest.raises(dashpot.BadInput, match="identify_element in Python"):
         dashpot.identify(folder / "one.csv", prescribed="stroke_mm")
+
+
+def test_look_shows_a_prescribed_motion_and_verify_refuses_one(folder: Path, tmp_path: Path, capsys) -> None:
+    assert ended("look", folder / "plain.csv", "--prescribed", "stroke_mm", "--json") == 0
+    ((recording,),) = [entry["recordings"] for entry in json.loads(capsys.readouterr().out)]
+    assert recording["motion"] == "prescribed"
+    assert recording["columns"] == {"time": "time_s", "force": "force_N", "prescribed": "stroke_mm"}
+    assert recording["pieces"] == recording["modes"] == []
+    assert ended("look", folder / "plain.csv", "--prescribed", "stroke_mm") == 0
+    assert "prescribed" in capsys.readouterr().out
+    fmu = dashpot.export(
+        dashpot.Model.from_values(
+            dict.fromkeys(("cubic", "preload", "dry"), 0.0) | {"mass": 1.0, "omega0": 20.0, "viscous": 1.0}
+        ),
+        tmp_path / "rig.fmu",
+    )[0]
+    assert ended("verify", fmu, folder / "plain.csv", "--prescribed", "stroke_mm") == 2
+    assert "its motion was prescribed" in capsys.readouterr().err
