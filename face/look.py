@@ -174,7 +174,7 @@ def _lines(recording: Mapping[str, Any]) -> Sequence[str]:
     for signal in recording["signals"]:
         lines.append(f"  {signal['role']:<10} {signal['picture']}")
         lines.append(f"             {signal['min']:.4g} to {signal['max']:.4g} {signal['unit']}")
-    lines += _taken(recording)
+    lines += [] if recording["motion"] == "prescribed" else _taken(recording)
     return [*lines, *(f"  note       {note}" for note in recording["notes"])]
 
 

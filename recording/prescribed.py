@@ -14,7 +14,8 @@ def refuse_prescribed(recordings: Sequence[Recording]) -> None:
         if recording.prescribed:
             raise BadInput(
                 f"{recording.name}: its motion was prescribed, which says nothing of an oscillator; identify "
-                "--prescribed finds the force law by itself (identify_element in Python); diagnose and simulate take its file"
+                "--prescribed finds the force law by itself (identify_element in Python), and diagnose and simulate "
+                "take its file"
             )
 
 
