@@ -7,7 +7,7 @@ import math
 from ..model.display import number, pretty_unit
 from ..model.effect_words import phrase_of
 from ..model.law import Law, LawParameter
-from ..model.laws import BASE, LIBRARY
+from ..model.laws import BASE, LIBRARY, PRESCRIBED
 from ..model.units import compose
 from .law_figure import example, harmonics
 
@@ -26,7 +26,7 @@ PLACES = {
 
 def laws() -> tuple[Law, ...]:
     """All laws: those of Eq. 17 first."""
-    return (*BASE, *LIBRARY.values())
+    return (*BASE, *LIBRARY.values(), *PRESCRIBED.values())
 
 
 def page_name(law: Law) -> str:
@@ -39,10 +39,11 @@ def law_page(law: Law, picture: str) -> str:
     phrase = phrase_of(law)
     lines = "<br>".join(f"`{line}`" for line in law.in_words(str).split("; "))
     kept = "–" if law.force is None else "yes" if law.stored is not None else "no: all power it takes is dissipated"
+    where = ", where [the motion was prescribed](../prescribed.md)" if law.name in PRESCRIBED else ""
     usage = (
         "One of the five laws of Eq. 17, in every model; `--fix NAME=VALUE` keeps a parameter of it."
         if law in BASE
-        else f"`dashpot identify ... --with {law.name}` fits it; `dashpot diagnose` looks for it of itself."
+        else f"`dashpot identify ... --with {law.name}` fits it; `dashpot diagnose` looks for it of itself{where}."
     )
     return "\n".join(
         [

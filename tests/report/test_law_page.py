@@ -8,7 +8,7 @@ import xml.etree.ElementTree as ElementTree
 import numpy as np
 import pytest
 from dashpot.model.describing import natural_motion
-from dashpot.model.laws import BASE, LIBRARY
+from dashpot.model.laws import BASE, LIBRARY, PRESCRIBED
 from dashpot.report.law_figure import FORCE, LENGTH, OMEGA, RIG, example, fundamental, harmonics, law_figure
 from dashpot.report.law_page import PLACES, law_page, laws, library_table, page_name
 from dashpot.report.matplotlib_figure import drawn
@@ -17,7 +17,7 @@ RIG_LAWS = {law.name: law for law in laws()}
 
 
 def test_every_law_has_a_page_and_a_row():
-    assert [law.name for law in laws()] == [*(law.name for law in BASE), *LIBRARY]
+    assert [law.name for law in laws()] == [*(law.name for law in BASE), *LIBRARY, *PRESCRIBED]
     assert len({page_name(law) for law in laws()}) == len(laws())
     rows = re.findall(r"^\| \[(\S+)\]\(library/(\S+)\.md\) \|", library_table(), re.MULTILINE)
     assert sorted(rows) == sorted((law.name, page_name(law)) for law in laws())
