@@ -25,6 +25,11 @@ def test_what_stands_out_of_its_error_stays():
     assert likely_absent(NAMES, np.array([10.0, 6e-3, 0.5]), np.diag([1e-4, 1e-6, 1e-4]), np.ones(3)) is None
 
 
+def test_of_members_that_nothing_is_known_of_nothing_is_said():
+    covariance = np.full((3, 3), 5e33)  # of two that are found as one, as good as without bound
+    assert likely_absent(("omega0", "preload", "dry"), np.array([10.0, 13.4, 0.1]), covariance, np.ones(3)) is None
+
+
 def test_frequency_and_viscous_damping_are_never_left_out():
     covariance = np.diag([1.0, 1e-6, 1.0])
     absent = likely_absent(NAMES, np.zeros(3), covariance, np.ones(3))
