@@ -17,7 +17,7 @@ from ..recording.smoothing import weights_of_polynomials, with_polynomials
 from ..simulate.imposed import pace_of, spline_of
 
 _ORDER = numerics(7, "order", why="of the polynomials that smooth: their second derivative is still of the fifth")
-_OTHER = numerics(5, "order", why="of those that tell how far the motion may be another one")
+_OTHER = numerics(5, "order", why="of those over the same window that tell how far the motion may be another one")
 _SPANS = numerics((9, 13, 17, 25, 35, 51, 71, 101), "samples", why="windows that are tried, a third longer each")
 _LEAST_NOISE = numerics(1e-9, "of a force", why="rounding")
 _MOVING = numerics(0.9, "of the samples", why="a motion that stands for longer than that tells little")
@@ -37,7 +37,8 @@ class Imposed:
         pace: angular frequency at which it mostly goes, rad/s.
         told: (n,) which samples are fitted: not what was filled in, where it stands still, or where it begins.
         noise: standard deviation of white noise on the force.
-        otherwise: velocity and acceleration by polynomials of another order: how far they may be off.
+        otherwise: velocity and acceleration by polynomials of a lower order over the same window, which is as long as
+            the displacement lets it be: how far they may be off.
     """
 
     name: str
@@ -109,8 +110,7 @@ def imposed(recording: Recording) -> Imposed:
     span, noise = _smoothing(shown, _ORDER)
     smooth, acceleration = (with_polynomials(shown, span, _ORDER, k) * recording.fs**k for k in (0, 2))
     velocity, _ = spline_of(smooth, recording.dt)
-    other, _ = _smoothing(shown, _OTHER)
-    otherwise = tuple(with_polynomials(shown, other, _OTHER, k) * recording.fs**k for k in (1, 2))
+    otherwise = tuple(with_polynomials(shown, span, _OTHER, k) * recording.fs**k for k in (1, 2))
     still = (
         SIGNIFICANT * noise * recording.fs * float(np.linalg.norm(weights_of_polynomials(span, _ORDER, 1)[span // 2]))
     )
